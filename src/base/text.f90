@@ -1,0 +1,160 @@
+!> Text helpers: case, numbers as text, the nearest valid name. Floor: base.
+module limber_base_text
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use limber_base_kinds, only: wp, long
+   implicit none
+   private
+   public :: lowercase, uppercase, as_text, nearest_name, newline
+
+   !> Line separator of every text that limber writes
+   character(1), parameter :: newline = new_line('a')
+
+   !> A number as text without blanks; a real as the shortest form that reads back to the same bits
+   !> (or, with `digits`, rounded to so many significant digits)
+   interface as_text
+      module procedure :: integer_as_text, long_as_text, real_as_text
+   end interface as_text
+
+contains
+
+   !> The same text in lower case (ASCII).
+   pure function lowercase(text) result(lower)
+      character(*), intent(in) :: text
+      character(len(text)) :: lower
+      integer :: i
+      do i = 1, len(text)
+         select case (text(i:i))
+         case ('A':'Z'); lower(i:i) = achar(iachar(text(i:i)) + 32)
+         case default; lower(i:i) = text(i:i)
+         end select
+      end do
+   end function lowercase
+
+   !> The same text in upper case (ASCII).
+   pure function uppercase(text) result(upper)
+      character(*), intent(in) :: text
+      character(len(text)) :: upper
+      integer :: i
+      do i = 1, len(text)
+         select case (text(i:i))
+         case ('a':'z'); upper(i:i) = achar(iachar(text(i:i)) - 32)
+         case default; upper(i:i) = text(i:i)
+         end select
+      end do
+   end function uppercase
+
+   pure function integer_as_text(value) result(text)
+      integer, intent(in) :: value
+      character(:), allocatable :: text
+      text = long_as_text(int(value, long))
+   end function integer_as_text
+
+   pure function long_as_text(value) result(text)
+      integer(long), intent(in) :: value
+      character(:), allocatable :: text
+      character(24) :: buffer
+      write (buffer, '(i0)') value
+      text = trim(buffer)
+   end function long_as_text
+
+   pure function real_as_text(value, digits) result(text)
+      real(wp), intent(in) :: value
+      integer, intent(in), optional :: digits
+      character(:), allocatable :: text
+      character(40) :: buffer
+      character(16) :: form
+      real(wp) :: back
+      integer :: count, first, last
+      first = 1
+      last = 17
+      if (present(digits)) then
+         first = min(max(digits, 1), 17)
+         last = first
+      end if
+      if (ieee_is_nan(value)) then
+         text = 'nan'
+         return
+      else if (abs(value) > huge(value)) then
+         text = merge('inf ', '-inf', value > 0.0_wp)
+         text = trim(text)
+         return
+      end if
+      do count = first, last
+         write (form, '("(es40.",i0,"e3)")') count - 1
+         write (buffer, form) value
+         read (buffer, *) back
+         if (.not. abs(back - value) > 0.0_wp) exit
+      end do
+      text = plain_form(trim(adjustl(buffer)))
+   end function real_as_text
+
+   !> Rewrites 'd.dddE+eee' without needless zeros, as a plain decimal if that is short.
+   pure function plain_form(scientific) result(text)
+      character(*), intent(in) :: scientific
+      character(:), allocatable :: text, mantissa, sign
+      integer :: mark, exponent, point
+      mark = index(scientific, 'E')
+      read (scientific(mark + 1:), *) exponent
+      mantissa = scientific(:mark - 1)
+      sign = ''
+      if (mantissa(1:1) == '-') then
+         sign = '-'
+         mantissa = mantissa(2:)
+      end if
+      point = index(mantissa, '.')
+      mantissa = mantissa(:point - 1)//mantissa(point + 1:)
+      do while (len(mantissa) > 1 .and. mantissa(len(mantissa):) == '0')
+         mantissa = mantissa(:len(mantissa) - 1)
+      end do
+      if (verify(mantissa, '0') == 0) then
+         text = '0'
+      else if (exponent >= 0 .and. exponent < 6) then
+         if (len(mantissa) <= exponent + 1) then
+            text = sign//mantissa//repeat('0', exponent + 1 - len(mantissa))
+         else
+            text = sign//mantissa(:exponent + 1)//'.'//mantissa(exponent + 2:)
+         end if
+      else if (exponent < 0 .and. exponent >= -3) then
+         text = sign//'0.'//repeat('0', -exponent - 1)//mantissa
+      else
+         text = sign//mantissa(1:1)
+         if (len(mantissa) > 1) text = text//'.'//mantissa(2:)
+         text = text//'e'//integer_as_text(exponent)
+      end if
+   end function plain_form
+
+   !> Index of the candidate nearest to a misspelt name by edit distance; 0 if none is near enough
+   !> (more than a third of its letters differ). Case and blanks around are ignored.
+   pure integer function nearest_name(name, candidates) result(nearest)
+      character(*), intent(in) :: name
+      character(*), intent(in) :: candidates(:)
+      integer :: i, distance, best
+      nearest = 0
+      best = max(1, (len_trim(name) + 2)/3) + 1
+      do i = 1, size(candidates)
+         distance = edit_distance(lowercase(trim(adjustl(name))), lowercase(trim(adjustl(candidates(i)))))
+         if (distance < best) then
+            best = distance
+            nearest = i
+         end if
+      end do
+   end function nearest_name
+
+   !> Levenshtein distance of two texts.
+   pure integer function edit_distance(a, b) result(distance)
+      character(*), intent(in) :: a, b
+      integer :: row(0:len(b)), i, j, diagonal, above
+      row = [(j, j=0, len(b))]
+      do i = 1, len(a)
+         diagonal = row(0)
+         row(0) = i
+         do j = 1, len(b)
+            above = row(j)
+            row(j) = min(above + 1, row(j - 1) + 1, diagonal + merge(0, 1, a(i:i) == b(j:j)))
+            diagonal = above
+         end do
+      end do
+      distance = row(len(b))
+   end function edit_distance
+
+end module limber_base_text

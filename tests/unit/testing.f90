@@ -1,0 +1,58 @@
+!> What every unit test uses: named checks that are counted and printed, and a status that tells.
+module testing
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   implicit none
+   private
+   public :: check, check_close, check_text, check_no_error, finish
+
+   integer :: passed = 0, failed = 0
+
+contains
+
+   !> Counts a condition; prints it if it does not hold.
+   subroutine check(condition, name)
+      logical, intent(in) :: condition
+      character(*), intent(in) :: name
+      if (condition) then
+         passed = passed + 1
+      else
+         failed = failed + 1
+         print '(2a)', 'FAILED: ', name
+      end if
+   end subroutine check
+
+   !> Holds if |value - expected| <= tolerance (NaN fails).
+   subroutine check_close(value, expected, tolerance, name)
+      real(wp), intent(in) :: value, expected, tolerance
+      character(*), intent(in) :: name
+      call check(abs(value - expected) <= tolerance, name//': '//as_text(value)// &
+         & ', expected '//as_text(expected)//' within '//as_text(tolerance))
+   end subroutine check_close
+
+   !> Holds if two texts are the same, byte for byte.
+   subroutine check_text(value, expected, name)
+      character(*), intent(in) :: value, expected, name
+      call check(len(value) == len(expected) .and. value == expected, &
+         & name//new_line('a')//'--- got'//new_line('a')//value//new_line('a')//'--- expected'//new_line('a')//expected)
+   end subroutine check_text
+
+   !> Holds if no error was raised.
+   subroutine check_no_error(error, name)
+      type(error_type), allocatable, intent(in) :: error
+      character(*), intent(in) :: name
+      if (allocated(error)) then
+         call check(.false., name//': '//error%message)
+      else
+         call check(.true., name)
+      end if
+   end subroutine check_no_error
+
+   !> Prints the counts; a failure, or no check at all, ends with a non-zero status.
+   subroutine finish()
+      print '(i0,a,i0,a)', passed, ' checks passed, ', failed, ' failed'
+      if (failed > 0 .or. passed == 0) error stop 1
+   end subroutine finish
+
+end module testing

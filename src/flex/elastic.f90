@@ -1,0 +1,129 @@
+!> Elastic energy and force of a reduced body: linear, k_g or full. Plain kernels of the time loop; their cost
+!> depends on the number of coordinates only. Floor: flex. Source: Han and Lee 1993, eqs. (10)-(14); doc/theory.
+module limber_flex_elastic
+   use limber_base_kinds, only: wp
+   use limber_flex_reduced, only: reduced_type
+   implicit none
+   private
+   public :: elastic_force, elastic_energy, geometric_power, pair_products
+
+contains
+
+   !> Adds the restoring force to f: f = f + K_E eta + geometric part.
+   pure subroutine elastic_force(body, eta, f, z, s)
+      type(reduced_type), intent(in) :: body
+      !> Coordinates (n)
+      real(wp), intent(in) :: eta(:)
+      !> Force on the coordinates (n), the sign of M eta'' + f = 0
+      real(wp), intent(inout) :: f(:)
+      !> Scratch (pairs): products of the bending coordinates, and their conjugate tension
+      real(wp), intent(inout) :: z(:), s(:)
+      integer :: i, j, p
+      real(wp) :: total
+      do i = 1, body%n
+         f(i) = f(i) + body%omega2(i)*eta(i)
+      end do
+      if (.not. body%geometric) return
+      call pair_tension(body, eta, z, s)
+      p = 0
+      do j = 1, body%bending
+         do i = 1, j
+            p = p + 1
+            f(i) = f(i) + s(p)*eta(j)
+            f(j) = f(j) + s(p)*eta(i)
+         end do
+      end do
+      if (.not. body%full) return
+      do j = 1, body%n - body%bending
+         total = 0.0_wp
+         do p = 1, size(body%cubic, 1)
+            total = total + body%cubic(p, j)*z(p)
+         end do
+         f(body%bending + j) = f(body%bending + j) + total
+      end do
+   end subroutine elastic_force
+
+   !> z = products of the bending coordinates, s = cubic eta_a (+ quartic z in the full model).
+   pure subroutine pair_tension(body, eta, z, s)
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: eta(:)
+      real(wp), intent(inout) :: z(:), s(:)
+      integer :: j, p
+      s(:size(body%cubic, 1)) = 0.0_wp
+      do j = 1, body%n - body%bending
+         do p = 1, size(body%cubic, 1)
+            s(p) = s(p) + body%cubic(p, j)*eta(body%bending + j)
+         end do
+      end do
+      if (.not. body%full) return
+      call pair_products(eta(:body%bending), z)
+      do j = 1, size(body%quartic, 2)
+         do p = 1, size(body%quartic, 1)
+            s(p) = s(p) + body%quartic(p, j)*z(j)
+         end do
+      end do
+   end subroutine pair_tension
+
+   !> z = eta_i eta_j, i <= j, in the order of `pair_index`.
+   pure subroutine pair_products(eta, z)
+      !> Bending coordinates
+      real(wp), intent(in) :: eta(:)
+      !> Their products (pairs)
+      real(wp), intent(inout) :: z(:)
+      integer :: i, j, p
+      p = 0
+      do j = 1, size(eta)
+         do i = 1, j
+            p = p + 1
+            z(p) = eta(i)*eta(j)
+         end do
+      end do
+   end subroutine pair_products
+
+   !> Elastic energy. In the model k_g, whose geometric force is not a gradient, that of K_E alone.
+   pure subroutine elastic_energy(body, eta, z, s, energy)
+      type(reduced_type), intent(in) :: body
+      !> Coordinates (n)
+      real(wp), intent(in) :: eta(:)
+      !> Scratch (pairs)
+      real(wp), intent(inout) :: z(:), s(:)
+      real(wp), intent(out) :: energy
+      integer :: j, p
+      real(wp) :: tension
+      energy = 0.0_wp
+      do j = 1, body%n
+         energy = energy + 0.5_wp*body%omega2(j)*eta(j)**2
+      end do
+      if (.not. body%full) return
+      call pair_tension(body, eta, z, s)
+      do p = 1, size(body%cubic, 1)
+         tension = 0.0_wp
+         do j = 1, body%n - body%bending
+            tension = tension + body%cubic(p, j)*eta(body%bending + j)
+         end do
+         energy = energy + 0.5_wp*z(p)*(s(p) + tension)
+      end do
+   end subroutine elastic_energy
+
+   !> Power that the geometric force of the model k_g takes out of the kinetic and K_E energy; zero in the others.
+   pure subroutine geometric_power(body, eta, rate, z, s, power)
+      type(reduced_type), intent(in) :: body
+      !> Coordinates and their rates (n)
+      real(wp), intent(in) :: eta(:), rate(:)
+      !> Scratch (pairs)
+      real(wp), intent(inout) :: z(:), s(:)
+      real(wp), intent(out) :: power
+      integer :: i, j, p
+      power = 0.0_wp
+      if (body%full .or. .not. body%geometric) return
+      call pair_tension(body, eta, z, s)
+      p = 0
+      do j = 1, body%bending
+         do i = 1, j
+            p = p + 1
+            power = power + s(p)*(eta(i)*rate(j) + eta(j)*rate(i))
+         end do
+      end do
+   end subroutine geometric_power
+
+end module limber_flex_elastic

@@ -1,0 +1,184 @@
+!> The geometric part of a beam's elastic energy on its own, coarser division into k_G elements, projected
+!> once onto the coordinates, so that nothing of the elements is left in the time loop.
+!>
+!> With eta_b the bending and eta_a the axial coordinates and z the products eta_i eta_j, i <= j, of the
+!> bending coordinates, the elastic energy of the full model is
+!>
+!>    U = 1/2 eta.K_E eta + z.(cubic eta_a) + 1/2 z.(quartic z),
+!>
+!> and the tension that a k_G element gets from eta_a acts on the bending through `cubic` alone (model k_g).
+!> Floor: flex. Source: Han and Lee 1993, eq. (12); Przemieniecki, section 15.4; doc/theory.
+module limber_flex_geometric
+   use limber_base_kinds, only: wp
+   use limber_flex_beam, only: geometric_stiffness, bending_slope, bending_curvature
+   use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
+   implicit none
+   private
+   public :: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature, pair_index
+
+contains
+
+   !> Ends of the k_G elements (0:elements) [length].
+   pure function element_ends(length, elements) result(x)
+      real(wp), intent(in) :: length
+      integer, intent(in) :: elements
+      real(wp) :: x(0:elements)
+      integer :: g
+      x = [(length*g/elements, g=0, elements)]
+   end function element_ends
+
+   !> Place of the product eta_i eta_j, i <= j, in z.
+   pure integer function pair_index(i, j)
+      integer, intent(in) :: i, j
+      pair_index = max(i, j)*(max(i, j) - 1)/2 + min(i, j)
+   end function pair_index
+
+   !> Matrices B_g of the k_G elements: the mean of w'^2 over element g is eta_b.B_g eta_b.
+   pure function mean_slopes(field, x, nodal) result(b)
+      type(field_type), intent(in) :: field
+      !> Ends of the k_G elements (0:elements) [length]
+      real(wp), intent(in) :: x(0:)
+      !> True: a cubic through w and theta at the element's own ends (the paper's way);
+      !> false: the exact integral over the fine elements inside
+      logical, intent(in) :: nodal
+      real(wp) :: b(size(field%w, 2), size(field%w, 2), size(x) - 1)
+      real(wp) :: ends(4, size(field%w, 2)), l
+      real(wp), allocatable :: place(:), weight(:), slope(:)
+      integer :: g, k, j
+      do g = 1, size(x) - 1
+         l = x(g) - x(g - 1)
+         if (nodal) then
+            ends(1, :) = deflection_at(field, x(g - 1))
+            ends(2, :) = slope_at(field, x(g - 1), bending_slope)
+            ends(3, :) = deflection_at(field, x(g))
+            ends(4, :) = slope_at(field, x(g), bending_slope)
+            b(:, :, g) = matmul(transpose(ends), matmul(geometric_stiffness(l), ends))/l
+         else
+            call quadrature(field%s, x(g - 1), x(g), place, weight)
+            b(:, :, g) = 0.0_wp
+            do k = 1, size(place)
+               slope = slope_at(field, place(k), bending_slope)
+               do j = 1, size(slope)
+                  b(:, j, g) = b(:, j, g) + slope*(slope(j)*weight(k)/l)
+               end do
+            end do
+         end if
+         b(:, :, g) = 0.5_wp*(b(:, :, g) + transpose(b(:, :, g)))
+      end do
+   end function mean_slopes
+
+   !> Mean axial strain of each axial coordinate over each k_G element (elements, number).
+   pure function mean_strains(field, x) result(a)
+      type(field_type), intent(in) :: field
+      !> Ends of the k_G elements (0:elements) [length]
+      real(wp), intent(in) :: x(0:)
+      real(wp) :: a(size(x) - 1, size(field%u, 2))
+      integer :: g
+      do g = 1, size(x) - 1
+         a(g, :) = (extension_at(field, x(g)) - extension_at(field, x(g - 1)))/(x(g) - x(g - 1))
+      end do
+   end function mean_strains
+
+   !> `cubic` (pairs, axial coordinates): z.(cubic eta_a) is the sum over g of E A l_g e_g b_g / 2.
+   pure function project_cubic(ea, x, a, b) result(cubic)
+      !> Axial rigidity [force]
+      real(wp), intent(in) :: ea
+      !> Ends of the k_G elements (0:elements) [length]
+      real(wp), intent(in) :: x(0:)
+      !> Mean strains (elements, axial), mean squared slopes (bending, bending, elements)
+      real(wp), intent(in) :: a(:, :), b(:, :, :)
+      real(wp) :: cubic(size(b, 1)*(size(b, 1) + 1)/2, size(a, 2)), pairs(size(cubic, 1))
+      integer :: g, j
+      cubic = 0.0_wp
+      do g = 1, size(a, 1)
+         pairs = as_pairs(b(:, :, g))
+         do j = 1, size(a, 2)
+            cubic(:, j) = cubic(:, j) + 0.5_wp*ea*(x(g) - x(g - 1))*a(g, j)*pairs
+         end do
+      end do
+   end function project_cubic
+
+   !> Part of `quartic` (pairs, pairs) from the membrane energy, the sum over g of E A l_g b_g^2 / 8.
+   pure function project_membrane(ea, x, b) result(quartic)
+      !> Axial rigidity [force]
+      real(wp), intent(in) :: ea
+      !> Ends of the k_G elements (0:elements) [length]
+      real(wp), intent(in) :: x(0:)
+      !> Mean squared slopes (bending, bending, elements)
+      real(wp), intent(in) :: b(:, :, :)
+      real(wp) :: quartic(size(b, 1)*(size(b, 1) + 1)/2, size(b, 1)*(size(b, 1) + 1)/2), pairs(size(quartic, 1))
+      integer :: g, j
+      quartic = 0.0_wp
+      do g = 1, size(b, 3)
+         pairs = as_pairs(b(:, :, g))
+         do j = 1, size(pairs)
+            quartic(:, j) = quartic(:, j) + 0.25_wp*ea*(x(g) - x(g - 1))*pairs(j)*pairs
+         end do
+      end do
+   end function project_membrane
+
+   !> Part of `quartic` (pairs, pairs) from the exact curvature of an inextensible axis, 1/2 E I times the
+   !> integral of w''^2 w'^2.
+   pure function project_curvature(beam, field) result(quartic)
+      type(beam_type), intent(in) :: beam
+      type(field_type), intent(in) :: field
+      real(wp) :: quartic(size(field%w, 2)*(size(field%w, 2) + 1)/2, size(field%w, 2)*(size(field%w, 2) + 1)/2)
+      real(wp) :: bend(size(quartic, 1)), turn(size(quartic, 1))
+      real(wp), allocatable :: place(:), weight(:)
+      integer :: k, j
+      quartic = 0.0_wp
+      if (size(quartic) == 0) return
+      call quadrature(field%s, 0.0_wp, beam%length, place, weight)
+      do k = 1, size(place)
+         bend = as_pairs(outer(slope_at(field, place(k), bending_curvature)))
+         turn = as_pairs(outer(slope_at(field, place(k), bending_slope)))
+         do j = 1, size(bend)
+            quartic(:, j) = quartic(:, j) + 0.5_wp*beam%ei*weight(k)*(bend*turn(j) + turn*bend(j))
+         end do
+      end do
+   end function project_curvature
+
+   !> Coefficients p of a quadratic form with respect to z: eta.b eta = p.z.
+   pure function as_pairs(b) result(pairs)
+      real(wp), intent(in) :: b(:, :)
+      real(wp) :: pairs(size(b, 1)*(size(b, 1) + 1)/2)
+      integer :: i, j
+      do j = 1, size(b, 1)
+         do i = 1, j
+            pairs(pair_index(i, j)) = merge(b(i, j), b(i, j) + b(j, i), i == j)
+         end do
+      end do
+   end function as_pairs
+
+   pure function outer(a) result(b)
+      real(wp), intent(in) :: a(:)
+      real(wp) :: b(size(a), size(a))
+      integer :: j
+      do j = 1, size(a)
+         b(:, j) = a*a(j)
+      end do
+   end function outer
+
+   !> Gauss points and weights (four to a piece: exact to degree seven) between two places, piecewise over
+   !> the fine elements between them.
+   pure subroutine quadrature(s, from, to, place, weight)
+      real(wp), intent(in) :: s(0:), from, to
+      real(wp), allocatable, intent(out) :: place(:), weight(:)
+      real(wp), parameter :: inner = sqrt(3.0_wp/7.0_wp - 2.0_wp/7.0_wp*sqrt(6.0_wp/5.0_wp))
+      real(wp), parameter :: outside = sqrt(3.0_wp/7.0_wp + 2.0_wp/7.0_wp*sqrt(6.0_wp/5.0_wp))
+      real(wp), parameter :: abscissa(4) = [-outside, -inner, inner, outside]
+      real(wp), parameter :: heavy = (18.0_wp + sqrt(30.0_wp))/36.0_wp, light = (18.0_wp - sqrt(30.0_wp))/36.0_wp
+      real(wp), parameter :: gauss(4) = [light, heavy, heavy, light]
+      real(wp) :: left, right
+      integer :: e
+      allocate (place(0), weight(0))
+      do e = 1, ubound(s, 1)
+         left = max(from, s(e - 1))
+         right = min(to, s(e))
+         if (right - left <= 1.0e-12_wp*(s(e) - s(e - 1))) cycle
+         place = [place, 0.5_wp*(left + right) + 0.5_wp*(right - left)*abscissa]
+         weight = [weight, 0.5_wp*(right - left)*gauss]
+      end do
+   end subroutine quadrature
+
+end module limber_flex_geometric

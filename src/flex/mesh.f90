@@ -1,0 +1,281 @@
+!> The finite elements of one straight uniform beam: supports, assembly of k_E and the lumped mass, and its
+!> vibration modes, bending and axial apart (they do not couple). Everything that follows sees the beam as
+!> nodal fields, `field_type`. Floor: flex. Source: doc/theory.
+module limber_flex_mesh
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_flex_beam, only: axial_stiffness, bending_stiffness, lumped_mass, bending_shape
+   use limber_flex_modes, only: lowest_modes, count_modes
+   implicit none
+   private
+   public :: beam_type, support_type, field_type, new_support, mesh_beam, count_bending_modes, count_axial_modes
+   public :: bending_modes, axial_modes, nodal_masses, deflection_at, slope_at, extension_at, element_of
+
+   !> A straight uniform beam along the body's x axis and its division into elements
+   type :: beam_type
+      !> Axial rigidity E A [force], bending rigidity E I [force length^2], mass per length
+      real(wp) :: ea = 0.0_wp, ei = 0.0_wp, rho_a = 0.0_wp
+      !> Length
+      real(wp) :: length = 0.0_wp
+      !> Number of elements for the modes
+      integer :: elements = 0
+   end type beam_type
+
+   !> What holds the beam, relative to its floating frame, when its modes are computed: true where held
+   type :: support_type
+      !> Axial displacement, deflection and rotation at the start
+      logical :: u_start = .false., w_start = .false., theta_start = .false.
+      !> The same at the end
+      logical :: u_end = .false., w_end = .false., theta_end = .false.
+   end type support_type
+
+   !> Displacement fields of the beam's coordinates, given at the nodes of its mesh
+   type :: field_type
+      !> Coordinate along the beam of each node (0:elements) [length]
+      real(wp), allocatable :: s(:)
+      !> Deflection and rotation of each bending coordinate (0:elements, number)
+      real(wp), allocatable :: w(:, :), theta(:, :)
+      !> Axial displacement of each axial coordinate (0:elements, number)
+      real(wp), allocatable :: u(:, :)
+      !> Squared circular frequencies of both [1/time^2]
+      real(wp), allocatable :: omega2_bending(:), omega2_axial(:)
+   end type field_type
+
+contains
+
+   !> Supports by their name in the deck, START-END: PINNED-ROLLER, PINNED-PINNED, CLAMPED-FREE, CLAMPED-ROLLER,
+   !> CLAMPED-PINNED, CLAMPED-CLAMPED, FREE-FREE. A roller holds the deflection only.
+   pure function new_support(name) result(support)
+      character(*), intent(in) :: name
+      type(support_type) :: support
+      character(:), allocatable :: start, finish
+      start = name(:index(name, '-') - 1)
+      finish = name(index(name, '-') + 1:)
+      support%u_start = start /= 'FREE'
+      support%w_start = start /= 'FREE'
+      support%theta_start = start == 'CLAMPED'
+      support%u_end = finish == 'PINNED' .or. finish == 'CLAMPED'
+      support%w_end = finish /= 'FREE'
+      support%theta_end = finish == 'CLAMPED'
+   end function new_support
+
+   !> Fields without coordinates on the beam's mesh.
+   pure function mesh_beam(beam) result(field)
+      type(beam_type), intent(in) :: beam
+      type(field_type) :: field
+      integer :: i
+      allocate (field%s(0:beam%elements))
+      field%s = [(beam%length*i/beam%elements, i=0, beam%elements)]
+      allocate (field%w(0:beam%elements, 0), field%theta(0:beam%elements, 0), field%u(0:beam%elements, 0))
+      allocate (field%omega2_bending(0), field%omega2_axial(0))
+   end function mesh_beam
+
+   !> Lumped masses of the nodes (0:elements).
+   pure function nodal_masses(beam) result(mass)
+      type(beam_type), intent(in) :: beam
+      real(wp) :: mass(0:beam%elements)
+      mass = 2*lumped_mass(beam%rho_a, beam%length/beam%elements)
+      mass([0, beam%elements]) = 0.5_wp*mass([0, beam%elements])
+      if (beam%elements == 0) mass = 0.0_wp
+   end function nodal_masses
+
+   !> Number of bending modes that the lumped mass gives under these supports.
+   pure integer function count_bending_modes(beam, support)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      count_bending_modes = count_modes(pack(bending_masses(beam), bending_free(beam, support)), rigid_bending(support))
+   end function count_bending_modes
+
+   !> Number of axial modes that the lumped mass gives under these supports.
+   pure integer function count_axial_modes(beam, support)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      count_axial_modes = count_modes(pack(nodal_masses(beam), axial_free(beam, support)), rigid_axial(support))
+   end function count_axial_modes
+
+   !> Adds the lowest bending modes to the fields.
+   subroutine bending_modes(beam, support, wanted, field, error)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      !> Number of modes
+      integer, intent(in) :: wanted
+      !> From `mesh_beam`; receives w, theta and their frequencies
+      type(field_type), intent(inout) :: field
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), whole(:, :), mass(:)
+      logical :: free(2*(beam%elements + 1))
+      real(wp) :: k(4, 4), shift
+      integer :: n, i, j
+      n = 2*(beam%elements + 1)
+      free = bending_free(beam, support)
+      mass = pack(bending_masses(beam), free)
+      k = bending_stiffness(beam%ei, beam%length/beam%elements)
+      allocate (rigid(n, 2), phi(size(mass), wanted), whole(n, wanted))
+      do i = 0, beam%elements
+         rigid(2*i + 1:2*i + 2, 1) = [1.0_wp, 0.0_wp]
+         rigid(2*i + 1:2*i + 2, 2) = [field%s(i), 1.0_wp]
+      end do
+      rigid = rigid(pack([(i, i=1, n)], free), :rigid_bending(support))
+      shift = merge(-beam%ei/(beam%rho_a*beam%length**4), 0.0_wp, rigid_bending(support) > 0)
+      band = assemble_band(beam%elements, 2, k, free)
+      if (allocated(field%omega2_bending)) deallocate (field%omega2_bending)
+      allocate (field%omega2_bending(wanted))
+      call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_bending, phi, error)
+      if (allocated(error)) return
+      do j = 1, wanted
+         whole(:, j) = unpack(phi(:, j), free, 0.0_wp)
+      end do
+      deallocate (field%w, field%theta)
+      allocate (field%w(0:beam%elements, wanted), field%theta(0:beam%elements, wanted))
+      field%w(:, :) = whole(1::2, :)
+      field%theta(:, :) = whole(2::2, :)
+   end subroutine bending_modes
+
+   !> Adds the lowest axial modes to the fields.
+   subroutine axial_modes(beam, support, wanted, field, error)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      !> Number of modes
+      integer, intent(in) :: wanted
+      !> From `mesh_beam`; receives u and its frequencies
+      type(field_type), intent(inout) :: field
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), mass(:)
+      logical :: free(beam%elements + 1)
+      real(wp) :: shift
+      integer :: j
+      free = axial_free(beam, support)
+      mass = pack(nodal_masses(beam), free)
+      allocate (rigid(size(mass), rigid_axial(support)), phi(size(mass), wanted))
+      rigid = 1.0_wp
+      shift = merge(-beam%ea/(beam%rho_a*beam%length**2), 0.0_wp, rigid_axial(support) > 0)
+      band = assemble_band(beam%elements, 1, axial_stiffness(beam%ea, beam%length/beam%elements), free)
+      if (allocated(field%omega2_axial)) deallocate (field%omega2_axial)
+      allocate (field%omega2_axial(wanted))
+      call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_axial, phi, error)
+      if (allocated(error)) return
+      deallocate (field%u)
+      allocate (field%u(0:beam%elements, wanted))
+      do j = 1, wanted
+         field%u(:, j) = unpack(phi(:, j), free, 0.0_wp)
+      end do
+   end subroutine axial_modes
+
+   !> Index of the element (1..) that holds the place x.
+   pure integer function element_of(s, x)
+      !> Node coordinates (0:elements)
+      real(wp), intent(in) :: s(0:)
+      !> Coordinate along the beam [length]
+      real(wp), intent(in) :: x
+      element_of = count(s(1:ubound(s, 1) - 1) <= x) + 1
+   end function element_of
+
+   !> Deflection of every bending coordinate at x (number).
+   pure function deflection_at(field, x) result(w)
+      type(field_type), intent(in) :: field
+      !> Coordinate along the beam [length]
+      real(wp), intent(in) :: x
+      real(wp) :: w(size(field%w, 2)), shape(4)
+      integer :: e
+      e = element_of(field%s, x)
+      shape = bending_shape(x - field%s(e - 1), field%s(e) - field%s(e - 1))
+      w = shape(1)*field%w(e - 1, :) + shape(2)*field%theta(e - 1, :) + shape(3)*field%w(e, :) + shape(4)*field%theta(e, :)
+   end function deflection_at
+
+   !> Rotation of every bending coordinate at x (number).
+   pure function slope_at(field, x, kernel) result(slope)
+      type(field_type), intent(in) :: field
+      !> Coordinate along the beam [length]
+      real(wp), intent(in) :: x
+      !> `bending_slope` for w', `bending_curvature` for w''
+      interface
+         pure function kernel(x, l) result(shape)
+            import :: wp
+            real(wp), intent(in) :: x, l
+            real(wp) :: shape(4)
+         end function kernel
+      end interface
+      real(wp) :: slope(size(field%w, 2)), shape(4)
+      integer :: e
+      e = element_of(field%s, x)
+      shape = kernel(x - field%s(e - 1), field%s(e) - field%s(e - 1))
+      slope = shape(1)*field%w(e - 1, :) + shape(2)*field%theta(e - 1, :) + shape(3)*field%w(e, :) + shape(4)*field%theta(e, :)
+   end function slope_at
+
+   !> Axial displacement of every axial coordinate at x (number).
+   pure function extension_at(field, x) result(u)
+      type(field_type), intent(in) :: field
+      !> Coordinate along the beam [length]
+      real(wp), intent(in) :: x
+      real(wp) :: u(size(field%u, 2)), part
+      integer :: e
+      e = element_of(field%s, x)
+      part = (x - field%s(e - 1))/(field%s(e) - field%s(e - 1))
+      u = (1 - part)*field%u(e - 1, :) + part*field%u(e, :)
+   end function extension_at
+
+   !> Lower band of the free part of a chain of equal elements with `dofs` coordinates a node.
+   pure function assemble_band(elements, dofs, k, free) result(band)
+      integer, intent(in) :: elements, dofs
+      real(wp), intent(in) :: k(:, :)
+      logical, intent(in) :: free(:)
+      real(wp), allocatable :: band(:, :)
+      integer :: place(size(free)), e, i, j, row, column
+      place = 0
+      j = 0
+      do i = 1, size(free)
+         if (.not. free(i)) cycle
+         j = j + 1
+         place(i) = j
+      end do
+      allocate (band(2*dofs, j))
+      band = 0.0_wp
+      do e = 1, elements
+         do j = 1, 2*dofs
+            column = place((e - 1)*dofs + j)
+            if (column == 0) cycle
+            do i = 1, 2*dofs
+               row = place((e - 1)*dofs + i)
+               if (row >= column) band(1 + row - column, column) = band(1 + row - column, column) + k(i, j)
+            end do
+         end do
+      end do
+   end function assemble_band
+
+   pure function bending_masses(beam) result(mass)
+      type(beam_type), intent(in) :: beam
+      real(wp) :: mass(2*(beam%elements + 1))
+      mass = 0.0_wp
+      mass(1::2) = nodal_masses(beam)
+   end function bending_masses
+
+   pure function bending_free(beam, support) result(free)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      logical :: free(2*(beam%elements + 1))
+      free = .true.
+      free(:2) = [.not. support%w_start, .not. support%theta_start]
+      free(2*beam%elements + 1:) = [.not. support%w_end, .not. support%theta_end]
+   end function bending_free
+
+   pure function axial_free(beam, support) result(free)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      logical :: free(beam%elements + 1)
+      free = .true.
+      free(1) = .not. support%u_start
+      free(beam%elements + 1) = .not. support%u_end
+   end function axial_free
+
+   !> Number of rigid-body motions across the beam that the supports leave.
+   pure integer function rigid_bending(support)
+      type(support_type), intent(in) :: support
+      rigid_bending = max(0, 2 - count([support%w_start, support%theta_start, support%w_end, support%theta_end]))
+   end function rigid_bending
+
+   pure integer function rigid_axial(support)
+      type(support_type), intent(in) :: support
+      rigid_axial = merge(0, 1, support%u_start .or. support%u_end)
+   end function rigid_axial
+
+end module limber_flex_mesh

@@ -1,0 +1,237 @@
+!> Modal reduction: the lowest vibration modes of K phi = omega^2 M phi with a banded stiffness and a
+!> lumped, semidefinite mass, by ARPACK on the shift-inverted operator
+!>
+!>    OP = M^(1/2) (K - sigma M)^(-1) M^(1/2)        on the coordinates that carry mass,
+!>
+!> which is symmetric, so that M may be singular without harm: there are exactly as many modes as
+!> coordinates with mass. Rigid-body modes, if the supports leave any, are known beforehand and deflated.
+!> Floor: flex. Source: doc/theory; Lehoucq, Sorensen and Yang, ARPACK Users' Guide, section 3.2.
+module limber_flex_modes
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_lapack, only: dpbtrf, dpbtrs, dsaupd, dseupd, dsyev
+   use limber_base_text, only: as_text
+   implicit none
+   private
+   public :: lowest_modes, count_modes
+
+   !> The factored operator and its scratch
+   type :: operator_type
+      !> Bandwidth, all coordinates, coordinates with mass
+      integer :: width = 0, n = 0, massive = 0
+      !> Shift sigma [1/time^2]
+      real(wp) :: shift = 0.0_wp
+      !> Cholesky factor of K - sigma M, lower band
+      real(wp), allocatable :: factor(:, :)
+      !> Places of the coordinates with mass
+      integer, allocatable :: place(:)
+      !> Square roots of their masses
+      real(wp), allocatable :: root(:)
+      !> Rigid-body directions M^(1/2) phi, orthonormal (massive, number)
+      real(wp), allocatable :: rigid(:, :)
+      !> One vector on all coordinates
+      real(wp), allocatable :: full(:)
+   end type operator_type
+
+contains
+
+   !> Number of elastic modes that a lumped mass gives.
+   pure integer function count_modes(mass, rigid_modes)
+      !> Lumped masses of the free coordinates; zero on rotations
+      real(wp), intent(in) :: mass(:)
+      !> Number of rigid-body modes that the supports leave
+      integer, intent(in) :: rigid_modes
+      count_modes = max(0, count(mass > 0.0_wp) - rigid_modes)
+   end function count_modes
+
+   !> The lowest elastic modes, mass-normalised, in ascending frequency.
+   subroutine lowest_modes(stiffness, mass, rigid, shift, wanted, omega2, phi, error)
+      !> Lower band of K, (1 + bandwidth, n), LAPACK storage
+      real(wp), intent(in) :: stiffness(:, :)
+      !> Lumped masses (n) [mass]; zero where a coordinate has none
+      real(wp), intent(in) :: mass(:)
+      !> Rigid-body modes that the supports leave, any scaling, (n, number)
+      real(wp), intent(in) :: rigid(:, :)
+      !> Shift sigma <= 0 [1/time^2]; below zero if there are rigid-body modes
+      real(wp), intent(in) :: shift
+      !> Number of modes
+      integer, intent(in) :: wanted
+      !> Squared circular frequencies (wanted) [1/time^2]
+      real(wp), intent(out) :: omega2(:)
+      !> Mode shapes on all coordinates (n, wanted); sign: the first sizeable entry is positive
+      real(wp), intent(out) :: phi(:, :)
+      !> Too many modes, or no convergence
+      type(error_type), allocatable, intent(out) :: error
+      type(operator_type) :: op
+      real(wp), allocatable :: theta(:), y(:, :)
+      integer :: available, j
+
+      available = count_modes(mass, size(rigid, 2))
+      if (wanted > available) then
+         call raise(error, 'the lumped mass gives '//as_text(available)//' modes, '//as_text(wanted)//' are asked for')
+         return
+      end if
+      if (wanted == 0) return
+      call factor_operator(op, stiffness, mass, rigid, shift, error)
+      if (allocated(error)) return
+      allocate (theta(wanted), y(op%massive, wanted))
+      if (wanted < op%massive - size(op%rigid, 2)) then
+         call iterate(op, wanted, theta, y, error)
+      else
+         call solve_whole(op, wanted, theta, y, error)
+      end if
+      if (allocated(error)) return
+      do j = 1, wanted
+         omega2(j) = op%shift + 1.0_wp/theta(j)
+         call expand(op, y(:, j), phi(:, j))
+         phi(:, j) = phi(:, j)/theta(j)
+         phi(:, j) = phi(:, j)*leading_sign(phi(:, j))/sqrt(sum(mass*phi(:, j)**2))
+      end do
+   end subroutine lowest_modes
+
+   !> Sign of the first entry that is not small beside the largest one with mass.
+   pure real(wp) function leading_sign(vector)
+      real(wp), intent(in) :: vector(:)
+      integer :: i
+      leading_sign = 1.0_wp
+      do i = 1, size(vector)
+         if (abs(vector(i)) > 1.0e-3_wp*maxval(abs(vector))) then
+            leading_sign = sign(1.0_wp, vector(i))
+            return
+         end if
+      end do
+   end function leading_sign
+
+   !> Factors K - sigma M and orthonormalises the rigid-body directions.
+   subroutine factor_operator(op, stiffness, mass, rigid, shift, error)
+      type(operator_type), intent(out) :: op
+      real(wp), intent(in) :: stiffness(:, :), mass(:), rigid(:, :), shift
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, j, info
+      op%width = size(stiffness, 1) - 1
+      op%n = size(mass)
+      op%shift = shift
+      op%place = pack([(i, i=1, op%n)], mass > 0.0_wp)
+      op%root = sqrt(mass(op%place))
+      op%massive = size(op%place)
+      op%factor = stiffness
+      op%factor(1, :) = op%factor(1, :) - shift*mass
+      allocate (op%full(op%n), op%rigid(op%massive, size(rigid, 2)))
+      call dpbtrf('L', op%n, op%width, op%factor, op%width + 1, info)
+      if (info /= 0) then
+         call raise(error, 'the stiffness matrix under these supports is not positive definite (row '//as_text(info)//')')
+         return
+      end if
+      do j = 1, size(rigid, 2)
+         op%rigid(:, j) = op%root*rigid(op%place, j)
+         do i = 1, j - 1
+            op%rigid(:, j) = op%rigid(:, j) - op%rigid(:, i)*dot_product(op%rigid(:, i), op%rigid(:, j))
+         end do
+         op%rigid(:, j) = op%rigid(:, j)/norm2(op%rigid(:, j))
+      end do
+   end subroutine factor_operator
+
+   !> full = (K - sigma M)^(-1) M^(1/2) x, on all coordinates.
+   subroutine expand(op, x, full)
+      type(operator_type), intent(in) :: op
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: full(:)
+      integer :: info
+      full = 0.0_wp
+      full(op%place) = op%root*x
+      call dpbtrs('L', op%n, op%width, 1, op%factor, op%width + 1, full, op%n, info)
+   end subroutine expand
+
+   !> y = OP x, with the rigid-body directions taken out before and after.
+   subroutine apply_operator(op, x, y)
+      type(operator_type), intent(inout) :: op
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: y(:)
+      y = x
+      call deflate(op, y)
+      call expand(op, y, op%full)
+      y = op%root*op%full(op%place)
+      call deflate(op, y)
+   end subroutine apply_operator
+
+   pure subroutine deflate(op, y)
+      type(operator_type), intent(in) :: op
+      real(wp), intent(inout) :: y(:)
+      integer :: j
+      do j = 1, size(op%rigid, 2)
+         y = y - op%rigid(:, j)*dot_product(op%rigid(:, j), y)
+      end do
+   end subroutine deflate
+
+   !> The largest eigenvalues theta of OP by ARPACK, descending.
+   subroutine iterate(op, wanted, theta, y, error)
+      type(operator_type), intent(inout) :: op
+      integer, intent(in) :: wanted
+      real(wp), intent(out) :: theta(:), y(:, :)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: ido, ncv, iparam(11), ipntr(11), lworkl, info, from, to, i
+      real(wp), allocatable :: resid(:), basis(:, :), workd(:), workl(:), value(:), vector(:, :)
+      logical, allocatable :: select(:)
+      real(wp) :: tolerance
+      real(wp), parameter :: golden = 0.6180339887498949_wp
+
+      ncv = min(op%massive, max(2*wanted + 1, 20))
+      lworkl = ncv*(ncv + 8)
+      allocate (resid(op%massive), basis(op%massive, ncv), workd(3*op%massive), workl(lworkl), select(ncv))
+      allocate (value(wanted), vector(op%massive, wanted))
+      ! A start vector without symmetry, the same in every run: the golden-ratio sequence
+      resid = [(modulo(i*golden, 1.0_wp) - 0.5_wp, i=1, op%massive)]
+      call deflate(op, resid)
+      iparam = 0
+      iparam([1, 3, 4, 7]) = [1, 3000, 1, 1]
+      tolerance = 0.0_wp
+      ido = 0
+      info = 1
+      do
+         call dsaupd(ido, 'I', op%massive, 'LA', wanted, tolerance, resid, ncv, basis, op%massive, iparam, ipntr, &
+            & workd, workl, lworkl, info)
+         if (abs(ido) /= 1) exit
+         from = ipntr(1)
+         to = ipntr(2)
+         call apply_operator(op, workd(from:from + op%massive - 1), workd(to:to + op%massive - 1))
+      end do
+      if (info == 0) call dseupd(.true., 'A', select, value, vector, op%massive, 0.0_wp, 'I', op%massive, 'LA', wanted, &
+         & tolerance, resid, ncv, basis, op%massive, iparam, ipntr, workd, workl, lworkl, info)
+      if (info /= 0) then
+         call raise(error, 'the mode computation did not converge (ARPACK info '//as_text(info)//')')
+         return
+      end if
+      ! dseupd returns ascending theta; the lowest frequency has the largest
+      do i = 1, wanted
+         theta(i) = value(wanted + 1 - i)
+         y(:, i) = vector(:, wanted + 1 - i)
+      end do
+   end subroutine iterate
+
+   !> The same for all modes at once, which a Krylov space cannot give: the dense operator, by LAPACK.
+   subroutine solve_whole(op, wanted, theta, y, error)
+      type(operator_type), intent(inout) :: op
+      integer, intent(in) :: wanted
+      real(wp), intent(out) :: theta(:), y(:, :)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: dense(:, :), value(:), unit(:), work(:)
+      integer :: j, info
+      allocate (dense(op%massive, op%massive), value(op%massive), unit(op%massive), work(8*op%massive))
+      do j = 1, op%massive
+         unit = 0.0_wp
+         unit(j) = 1.0_wp
+         call apply_operator(op, unit, dense(:, j))
+      end do
+      dense = 0.5_wp*(dense + transpose(dense))
+      call dsyev('V', 'L', op%massive, dense, op%massive, value, work, size(work), info)
+      if (info /= 0) then
+         call raise(error, 'the mode computation did not converge (LAPACK info '//as_text(info)//')')
+         return
+      end if
+      do j = 1, wanted
+         theta(j) = value(op%massive + 1 - j)
+         y(:, j) = dense(:, op%massive + 1 - j)
+      end do
+   end subroutine solve_whole
+
+end module limber_flex_modes

@@ -1,0 +1,16 @@
+# Line coverage of each source, from the .gcda files that the tests left: cmake -DBUILD= -P coverage.cmake
+find_program(GCOV gcov REQUIRED)
+file(GLOB_RECURSE counts "${BUILD}/src/*.gcda")
+if(NOT counts)
+  message(FATAL_ERROR "no counts below ${BUILD}: run ctest first")
+endif()
+execute_process(COMMAND ${GCOV} --no-output ${counts}
+  WORKING_DIRECTORY "${BUILD}" OUTPUT_VARIABLE report ERROR_QUIET COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "File '[^']*'\nLines executed:[0-9.]+% of [0-9]+" files "${report}")
+list(SORT files)
+foreach(file IN LISTS files)
+  string(REGEX MATCH "src/([^']*)'\nLines executed:([0-9.]+%) of ([0-9]+)" found "${file}")
+  if(found)
+    message("${CMAKE_MATCH_2}\tof ${CMAKE_MATCH_3}\tlines of ${CMAKE_MATCH_1}")
+  endif()
+endforeach()

@@ -1,0 +1,33 @@
+# `cmake --install`: program, library, module files, CMake package and pkg-config file.
+include(CMakePackageConfigHelpers)
+set(LIMBER_MODULES ${CMAKE_INSTALL_INCLUDEDIR}/limber)
+set(LIMBER_PACKAGE ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
+
+install(TARGETS limber EXPORT limber
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${LIMBER_MODULES})
+if(TARGET limber_exe)
+  install(TARGETS limber_exe RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+install(DIRECTORY ${PROJECT_BINARY_DIR}/src/modules/ DESTINATION ${LIMBER_MODULES} FILES_MATCHING PATTERN "*.mod")
+install(EXPORT limber NAMESPACE limber:: FILE limber-targets.cmake DESTINATION ${LIMBER_PACKAGE})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/limber-config.cmake.in
+  ${PROJECT_BINARY_DIR}/limber-config.cmake INSTALL_DESTINATION ${LIMBER_PACKAGE})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/limber-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${PROJECT_BINARY_DIR}/limber-config.cmake
+  ${PROJECT_BINARY_DIR}/limber-config-version.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/dependencies.cmake
+  DESTINATION ${LIMBER_PACKAGE})
+
+# For pkg-config: the prefix follows from the place of the file, so that the tree can be moved.
+file(RELATIVE_PATH LIMBER_PREFIX_FROM_PC
+  ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" LIMBER_PREFIX_FROM_PC "${LIMBER_PREFIX_FROM_PC}")
+set(LIMBER_PC_LIBRARIES "")
+foreach(library IN LISTS HDF5_Fortran_HL_LIBRARIES HDF5_Fortran_LIBRARIES LAPACK_LIBRARIES)
+  string(APPEND LIMBER_PC_LIBRARIES " ${library}")
+endforeach()
+configure_file(${PROJECT_SOURCE_DIR}/cmake/limber.pc.in ${PROJECT_BINARY_DIR}/limber.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/limber.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

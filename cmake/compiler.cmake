@@ -4,33 +4,44 @@
 # are written. -ffp-contract=off also keeps products and sums apart on processors with fused multiply-add, so that
 # portable builds agree with each other; LIMBER_NATIVE gives that up for speed.
 
-if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Release or Debug" FORCE)
 endif()
 
+set(LIMBER_FORTRAN_WARNINGS "") # what the compiler says
+set(LIMBER_FORTRAN_CODE "")     # what it makes
 if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
   set(CMAKE_Fortran_FLAGS_RELEASE "-O3")
   set(CMAKE_Fortran_FLAGS_DEBUG "-Og -g")
+
   # -Wmaybe-uninitialized cries wolf at allocatable temporaries when optimising; the debug build stops at the real thing
-  add_compile_options(
-    "$<$<COMPILE_LANGUAGE:Fortran>:-std=f2008;-Wall;-Wextra;-Wimplicit-interface;-Wno-maybe-uninitialized>")
-  add_compile_options("$<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=all;-fbacktrace>")
-  if(LIMBER_NATIVE)
-    add_compile_options("$<$<COMPILE_LANGUAGE:Fortran>:-march=native>")
-  else()
-    add_compile_options("$<$<COMPILE_LANGUAGE:Fortran>:-ffp-contract=off>")
-  endif()
+  list(APPEND LIMBER_FORTRAN_WARNINGS -std=f2008 -Wall -Wextra -Wimplicit-interface -Wno-maybe-uninitialized)
   if(LIMBER_WARNINGS_AS_ERRORS)
-    add_compile_options("$<$<COMPILE_LANGUAGE:Fortran>:-Werror>")
+    list(APPEND LIMBER_FORTRAN_WARNINGS -Werror)
+  endif()
+
+  if(LIMBER_NATIVE)
+    list(APPEND LIMBER_FORTRAN_CODE -march=native)
+  else()
+    list(APPEND LIMBER_FORTRAN_CODE -ffp-contract=off)
+  endif()
+  if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+    list(APPEND LIMBER_FORTRAN_CODE -fcheck=all -fbacktrace)
   endif()
   if(LIMBER_SANITIZE)
-    add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    list(APPEND LIMBER_FORTRAN_CODE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
     add_link_options(-fsanitize=address,undefined)
   elseif(LIMBER_COVERAGE)
-    add_compile_options(--coverage -O0)
+    list(APPEND LIMBER_FORTRAN_CODE --coverage -O0)
     add_link_options(--coverage)
-  else()
+  elseif(CMAKE_BUILD_TYPE STREQUAL "Debug")
     # Signalling NaNs in what was never set, and a stop where the first NaN or infinity is made
-    add_compile_options("$<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-ffpe-trap=invalid,zero,overflow;-finit-real=snan>")
+    list(APPEND LIMBER_FORTRAN_CODE -ffpe-trap=invalid,zero,overflow -finit-real=snan)
   endif()
 endif()
+add_compile_options("$<$<COMPILE_LANGUAGE:Fortran>:${LIMBER_FORTRAN_WARNINGS};${LIMBER_FORTRAN_CODE}>")
+
+# For the version module: the options that may change results, without the folders of the build
+string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type)
+list(JOIN LIMBER_FORTRAN_CODE " " LIMBER_COMPILER_OPTIONS)
+string(STRIP "${CMAKE_Fortran_FLAGS} ${CMAKE_Fortran_FLAGS_${build_type}} ${LIMBER_COMPILER_OPTIONS}" LIMBER_COMPILER_OPTIONS)

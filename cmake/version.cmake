@@ -1,5 +1,5 @@
-# Writes the version module at every build; the file changes, and with it what uses it, only if the commit does.
-#   cmake -DSOURCE= -DTEMPLATE= -DOUTPUT= -DVERSION= -P version.cmake
+# Writes the version module at every build; the file changes, and with it what uses it, only if its text does.
+#   cmake -DSOURCE= -DTEMPLATE= -DOUTPUT= -DVERSION= -DOPTIONS= -P version.cmake
 set(COMMIT unknown)
 find_program(GIT git)
 if(GIT AND EXISTS "${SOURCE}/.git")
@@ -11,4 +11,7 @@ if(GIT AND EXISTS "${SOURCE}/.git")
     set(COMMIT "${described}")
   endif()
 endif()
+# Fortran lines are short
+string(REPLACE "'" "''" OPTIONS "${OPTIONS}")
+string(REGEX REPLACE "([^ ]+ [^ ]+ [^ ]+ )" "\\1'// &\n      & '" OPTIONS "${OPTIONS}")
 configure_file("${TEMPLATE}" "${OUTPUT}" @ONLY)

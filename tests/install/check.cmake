@@ -1,5 +1,5 @@
 # Installs the build, then builds and runs a consumer by find_package and another by pkg-config:
-#   cmake -DBUILD= -DWORK= -DCOMPILER= -DCONFIG= -DLIBDIR= -DVERSION= -P check.cmake
+#   cmake -DBUILD= -DWORK= -DCOMPILER= -DCONFIG= -DGENERATOR= -DLIBDIR= -DVERSION= -P check.cmake
 function(run)
   execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE status)
   if(status)
@@ -15,7 +15,8 @@ set(moved "${WORK}/moved")
 file(REMOVE_RECURSE "${WORK}")
 run(${CMAKE_COMMAND} --install "${BUILD}" --prefix "${prefix}" --config ${CONFIG})
 
-run(${CMAKE_COMMAND} -S "${CMAKE_CURRENT_LIST_DIR}" -B "${WORK}/build" "-DCMAKE_PREFIX_PATH=${prefix}"
+run(${CMAKE_COMMAND} -S "${CMAKE_CURRENT_LIST_DIR}" -B "${WORK}/build" -G "${GENERATOR}"
+  "-DCMAKE_PREFIX_PATH=${prefix}"
   -DCMAKE_Fortran_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${CONFIG})
 run(${CMAKE_COMMAND} --build "${WORK}/build")
 run("${WORK}/build/consumer")

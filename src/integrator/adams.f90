@@ -1,0 +1,444 @@
+!> ADAMS: predictor-corrector of Adams, Bashforth and Moulton (PECE) with variable order and step, in the divided-difference
+!> form of Shampine and Gordon, on the equations of index 1. After each correction the coordinates and velocities are
+!> projected onto the constraints, least in the mass norm. Floor: integrator.
+!> Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapters 5 and 10; doc/theory.
+module limber_integrator_adams
+   use limber_base_kinds, only: wp, long
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
+   use limber_integrator_integrator, only: integrator_type
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales
+   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power, worst_constraint
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: adams_type
+
+   !> Highest order
+   integer, parameter :: most = 12
+   !> Relative residual of the position constraints that a step leaves
+   real(wp), parameter :: constraint_tolerance = 1.0e-14_wp
+   !> The same that is tolerated where round-off forbids more
+   real(wp), parameter :: constraint_limit = 1.0e-11_wp
+
+   !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
+   real(wp), parameter :: gamma_star(13) = [0.5_wp, 0.0833_wp, 0.0417_wp, 0.0264_wp, 0.0188_wp, 0.0143_wp, 0.0114_wp, &
+      & 0.00936_wp, 0.00789_wp, 0.00679_wp, 0.00592_wp, 0.00524_wp, 0.00468_wp]
+
+   !> Memory of the method, in the names of Shampine and Gordon
+   type, extends(integrator_type) :: adams_type
+      !> Length of q; length of y = [q; v; w] or [q; v]
+      integer :: nq = 0, ny = 0
+      !> State at t, predicted state, its derivative (ny)
+      real(wp), allocatable :: y(:), p(:), yp(:)
+      !> Modified divided differences (ny, most + 2)
+      real(wp), allocatable :: phi(:, :)
+      !> Scratch (nq)
+      real(wp), allocatable :: change(:)
+      !> Scales of the local error
+      type(scales_type) :: scales
+      !> Next step, last step
+      real(wp) :: h = 0.0_wp, h_last = 0.0_wp
+      !> Next order, last order, steps taken with the same h
+      integer :: k = 1, k_last = 0, ns = 0
+      !> True while order and step are raised in every step
+      logical :: starting = .true.
+      !> Coefficients
+      real(wp) :: psi(most) = 0.0_wp, alpha(most) = 0.0_wp, beta(most) = 0.0_wp, sig(most + 1) = 0.0_wp
+      real(wp) :: v(most) = 0.0_wp, w(most) = 0.0_wp, g(most + 1) = 0.0_wp
+   contains
+      procedure :: start => adams_start
+      procedure :: step => adams_step
+      procedure :: interpolate => adams_interpolate
+   end type adams_type
+
+contains
+
+   subroutine adams_start(self, system, work, t, duration, q, v, error)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t, duration
+      real(wp), intent(in) :: q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: slope
+      self%nq = size(q)
+      self%ny = 2*self%nq + merge(1, 0, system%powered)
+      allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(self%nq))
+      self%y = 0.0_wp
+      self%y(:self%nq) = q
+      self%y(self%nq + 1:2*self%nq) = v
+      self%t = t
+      self%t_before = t
+      self%scales = new_scales(system, duration)
+      call update_scales(system, q, v, self%scales)
+      call evaluate(self, system, work, t, self%y, self%yp, error)
+      if (allocated(error)) return
+      self%phi = 0.0_wp
+      self%phi(:, 1) = self%yp
+      self%g(1:2) = [1.0_wp, 0.5_wp]
+      self%sig(1) = 1.0_wp
+      slope = weighted(self, self%yp)
+      self%h = duration
+      if (self%tolerance < 16*slope*self%h**2) self%h = 0.25_wp*sqrt(self%tolerance/slope)
+      if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
+      if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+   end subroutine adams_start
+
+   !> y' = [v; a; power], at any (t, y).
+   subroutine evaluate(self, system, work, t, y, yp, error)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: y(:)
+      real(wp), contiguous, intent(inout) :: yp(:)
+      type(error_type), allocatable, intent(out) :: error
+      call linearise(system, work, t, y(:self%nq), error)
+      if (allocated(error)) return
+      call differentiate(self, system, work, y, yp)
+   end subroutine evaluate
+
+   !> The same where the system is linearised at (t, q) already.
+   subroutine differentiate(self, system, work, y, yp)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), contiguous, intent(in) :: y(:)
+      real(wp), contiguous, intent(inout) :: yp(:)
+      integer :: nq
+      nq = self%nq
+      call accelerations(system, work, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq))
+      yp(:nq) = y(nq + 1:2*nq)
+      if (system%powered) yp(self%ny) = input_power(system, work, y(:nq), y(nq + 1:2*nq))
+      self%statistics%evaluations = self%statistics%evaluations + 1
+   end subroutine differentiate
+
+   !> Norm of a vector of the length of y in units of the scales; the work put in does not count.
+   pure real(wp) function weighted(self, vector)
+      class(adams_type), intent(in) :: self
+      real(wp), intent(in) :: vector(:)
+      integer :: i
+      weighted = 0.0_wp
+      do i = 1, 2*self%nq
+         weighted = weighted + (vector(i)/self%scales%value(i))**2
+      end do
+      weighted = sqrt(weighted)
+   end function weighted
+
+   subroutine adams_step(self, system, work, stop, error)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: wanted, estimate(0:3), err, t
+      integer :: failures, k_next
+      logical :: accepted
+
+      wanted = self%h
+      failures = 0
+      do
+         if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+         if (self%t + self%h > stop) self%h = stop - self%t
+         if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+            call step_too_small(self, system, work, error)
+            return
+         end if
+         t = self%t + self%h
+         if (self%h >= stop - self%t) t = stop
+         call step_coefficients(self)
+         call predict(self)
+         call evaluate(self, system, work, t, self%p, self%yp, error)
+         if (allocated(error)) return
+         call estimate_errors(self, estimate, err, k_next)
+         accepted = err <= self%tolerance
+         if (accepted) then
+            call correct(self, system, work, t, accepted, error)
+            if (allocated(error)) return
+            if (.not. accepted) self%statistics%failed_projections = self%statistics%failed_projections + 1
+         else
+            self%statistics%rejected = self%statistics%rejected + 1
+         end if
+         if (accepted) exit
+         failures = failures + 1
+         call retreat(self, failures, estimate(0), k_next)
+      end do
+
+      self%t_before = self%t
+      self%t = t
+      self%k_last = self%k
+      self%h_last = self%h
+      call finish_differences(self)
+      call count_step(self)
+      call next_order_and_step(self, estimate, k_next)
+      ! A step that was cut short to end at `stop` says nothing about the next one
+      if (self%t >= stop .and. failures == 0) self%h = max(self%h, min(wanted, 2*self%h))
+      call update_scales(system, self%y(:self%nq), self%y(self%nq + 1:2*self%nq), self%scales)
+   end subroutine adams_step
+
+   !> Coefficients of the formulas for this step (block 1).
+   subroutine step_coefficients(self)
+      class(adams_type), intent(inout) :: self
+      integer :: i, iq, k, ns
+      real(wp) :: sum_of_steps, old
+      k = self%k
+      if (abs(self%h - self%h_last) > 0.0_wp) self%ns = 0
+      if (self%ns <= self%k_last) self%ns = self%ns + 1
+      ns = self%ns
+      if (k < ns) return
+      self%beta(ns) = 1.0_wp
+      self%alpha(ns) = 1.0_wp/ns
+      sum_of_steps = self%h*ns
+      self%sig(ns + 1) = 1.0_wp
+      do i = ns + 1, k
+         old = self%psi(i - 1)
+         self%psi(i - 1) = sum_of_steps
+         self%beta(i) = self%beta(i - 1)*self%psi(i - 1)/old
+         sum_of_steps = old + self%h
+         self%alpha(i) = self%h/sum_of_steps
+         self%sig(i + 1) = i*self%alpha(i)*self%sig(i)
+      end do
+      self%psi(k) = sum_of_steps
+      if (ns <= 1) then
+         do iq = 1, k
+            self%v(iq) = 1.0_wp/(iq*(iq + 1))
+            self%w(iq) = self%v(iq)
+         end do
+      else
+         if (k > self%k_last) then
+            self%v(k) = 1.0_wp/(k*(k + 1))
+            do i = 1, ns - 2
+               self%v(k - i) = self%v(k - i) - self%alpha(i + 1)*self%v(k - i + 1)
+            end do
+         end if
+         do iq = 1, k + 1 - ns
+            self%v(iq) = self%v(iq) - self%alpha(ns)*self%v(iq + 1)
+            self%w(iq) = self%v(iq)
+         end do
+         self%g(ns + 1) = self%w(1)
+      end if
+      do i = ns + 2, k + 1
+         do iq = 1, k + 2 - i
+            self%w(iq) = self%w(iq) - self%alpha(i - 1)*self%w(iq + 1)
+         end do
+         self%g(i) = self%w(1)
+      end do
+   end subroutine step_coefficients
+
+   !> Predicted state p; the differences become those at the new point (block 2).
+   subroutine predict(self)
+      class(adams_type), intent(inout) :: self
+      integer :: i, j, k
+      k = self%k
+      do i = self%ns + 1, k
+         self%phi(:, i) = self%beta(i)*self%phi(:, i)
+      end do
+      self%phi(:, k + 2) = self%phi(:, k + 1)
+      self%phi(:, k + 1) = 0.0_wp
+      self%p = 0.0_wp
+      do j = 1, k
+         i = k + 1 - j
+         self%p = self%p + self%g(i)*self%phi(:, i)
+         self%phi(:, i) = self%phi(:, i) + self%phi(:, i + 1)
+      end do
+      self%p = self%y + self%h*self%p
+   end subroutine predict
+
+   !> Local error of this step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).
+   subroutine estimate_errors(self, estimate, err, k_next)
+      class(adams_type), intent(in) :: self
+      !> Orders k, k-1, k-2
+      real(wp), intent(out) :: estimate(0:3)
+      real(wp), intent(out) :: err
+      integer, intent(out) :: k_next
+      real(wp) :: norm(0:2), difference
+      integer :: i, k
+      k = self%k
+      norm = 0.0_wp
+      do i = 1, 2*self%nq
+         difference = self%yp(i) - self%phi(i, 1)
+         norm(0) = norm(0) + (difference/self%scales%value(i))**2
+         if (k > 1) norm(1) = norm(1) + ((self%phi(i, k) + difference)/self%scales%value(i))**2
+         if (k > 2) norm(2) = norm(2) + ((self%phi(i, k - 1) + difference)/self%scales%value(i))**2
+      end do
+      norm = self%h*sqrt(norm)
+      err = norm(0)*(self%g(k) - self%g(k + 1))
+      estimate = 0.0_wp
+      estimate(0) = norm(0)*self%sig(k + 1)*gamma_star(k)
+      if (k > 1) estimate(1) = norm(1)*self%sig(k)*gamma_star(k - 1)
+      if (k > 2) estimate(2) = norm(2)*self%sig(k - 1)*gamma_star(k - 2)
+      k_next = k
+      if (k > 2) then
+         if (max(estimate(1), estimate(2)) <= estimate(0)) k_next = k - 1
+      else if (k == 2) then
+         if (estimate(1) <= 0.5_wp*estimate(0)) k_next = k - 1
+      end if
+      if (.not. err <= huge(err)) err = huge(err)
+   end subroutine estimate_errors
+
+   !> Puts the differences back and chooses a smaller step (block 3).
+   subroutine retreat(self, failures, estimate, k_next)
+      class(adams_type), intent(inout) :: self
+      integer, intent(in) :: failures, k_next
+      real(wp), intent(in) :: estimate
+      integer :: i
+      real(wp) :: factor
+      self%starting = .false.
+      do i = 1, self%k
+         self%phi(:, i) = (self%phi(:, i) - self%phi(:, i + 1))/self%beta(i)
+      end do
+      do i = 2, self%k
+         self%psi(i - 1) = self%psi(i) - self%h
+      end do
+      factor = 0.5_wp
+      if (failures > 3 .and. 0.5_wp*self%tolerance < 0.25_wp*estimate) factor = sqrt(0.5_wp*self%tolerance/estimate)
+      self%k = k_next
+      if (failures >= 3) self%k = 1
+      self%h = factor*self%h
+      self%ns = 0
+   end subroutine retreat
+
+   !> Corrects, projects onto the constraints, and evaluates at the result (block 4).
+   subroutine correct(self, system, work, t, accepted, error)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> False if the constraints cannot be met
+      logical, intent(out) :: accepted
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: residual
+      integer :: nq
+      nq = self%nq
+      self%p = self%p + self%h*self%g(self%k + 1)*(self%yp - self%phi(:, 1))
+      call project_position(system, work, t, self%p(:nq), self%change, constraint_tolerance, residual)
+      accepted = residual <= constraint_limit
+      if (.not. accepted) return
+      self%statistics%position_residual = max(self%statistics%position_residual, residual)
+      call linearise(system, work, t, self%p(:nq), error)
+      if (allocated(error)) return
+      call project_velocity(system, work, self%p(nq + 1:2*nq), self%change, residual)
+      self%y = self%p
+      call differentiate(self, system, work, self%y, self%yp)
+   end subroutine correct
+
+   !> Differences of all orders at the new point (block 4).
+   subroutine finish_differences(self)
+      class(adams_type), intent(inout) :: self
+      integer :: i, k
+      k = self%k
+      self%phi(:, k + 1) = self%yp - self%phi(:, 1)
+      self%phi(:, k + 2) = self%phi(:, k + 1) - self%phi(:, k + 2)
+      do i = 1, k
+         self%phi(:, i) = self%phi(:, i) + self%phi(:, k + 1)
+      end do
+   end subroutine finish_differences
+
+   !> Order and step of the next step (block 4).
+   subroutine next_order_and_step(self, estimate, k_next)
+      class(adams_type), intent(inout) :: self
+      real(wp), intent(in) :: estimate(0:3)
+      integer, intent(in) :: k_next
+      real(wp) :: chosen, raised
+      integer :: k
+      k = self%k
+      chosen = estimate(0)
+      if (k_next == k - 1 .or. k == most) self%starting = .false.
+      if (self%starting) then
+         self%k = k + 1
+         chosen = 0.0_wp
+      else if (k_next == k - 1) then
+         self%k = k - 1
+         chosen = estimate(1)
+      else if (k + 1 <= self%ns .and. k < most) then
+         raised = self%h*gamma_star(k + 1)*weighted(self, self%phi(:, k + 2))
+         if (k > 1) then
+            if (estimate(1) <= min(estimate(0), raised)) then
+               self%k = k - 1
+               chosen = estimate(1)
+            else if (raised < estimate(0)) then
+               self%k = k + 1
+               chosen = raised
+            end if
+         else if (raised < 0.5_wp*estimate(0)) then
+            self%k = k + 1
+            chosen = raised
+         end if
+      end if
+      if (self%starting .or. 0.5_wp*self%tolerance >= chosen*2.0_wp**(self%k + 1)) then
+         self%h = 2*self%h
+      else if (0.5_wp*self%tolerance < chosen) then
+         self%h = self%h*max(0.5_wp, min(0.9_wp, (0.5_wp*self%tolerance/chosen)**(1.0_wp/(self%k + 1))))
+      end if
+   end subroutine next_order_and_step
+
+   subroutine count_step(self)
+      class(adams_type), intent(inout) :: self
+      associate (statistics => self%statistics)
+         statistics%steps = statistics%steps + 1
+         statistics%smallest_step = min(statistics%smallest_step, self%h_last)
+         statistics%largest_step = max(statistics%largest_step, self%h_last)
+         statistics%highest_order = max(statistics%highest_order, self%k_last)
+      end associate
+   end subroutine count_step
+
+   !> Dense output from the differences.
+   subroutine adams_interpolate(self, t, q, v, w)
+      class(adams_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: q(:), v(:), w
+      real(wp) :: g(most + 1), weight(most + 1), term, ratio, part, back
+      integer :: i, j, order, nq
+      nq = self%nq
+      back = t - self%t
+      order = self%k_last + 1
+      do i = 1, order
+         weight(i) = 1.0_wp/i
+      end do
+      g(1) = 1.0_wp
+      term = 0.0_wp
+      do j = 2, order
+         ratio = (back + term)/self%psi(j - 1)
+         part = back/self%psi(j - 1)
+         do i = 1, order + 1 - j
+            weight(i) = ratio*weight(i) - part*weight(i + 1)
+         end do
+         g(j) = weight(1)
+         term = self%psi(j - 1)
+      end do
+      self%p = 0.0_wp
+      do j = order, 1, -1
+         self%p = self%p + g(j)*self%phi(:, j)
+      end do
+      self%p = self%y + back*self%p
+      q = self%p(:nq)
+      v = self%p(nq + 1:2*nq)
+      w = 0.0_wp
+      if (self%ny > 2*nq) w = self%p(self%ny)
+   end subroutine adams_interpolate
+
+   !> Error of a step that has shrunk to nothing.
+   subroutine step_too_small(self, system, work, error)
+      class(adams_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(error_type), allocatable, intent(out) :: error
+      integer :: culprit, i
+      real(wp) :: residual
+      character(:), allocatable :: where_it_is
+      where_it_is = ''
+      if (size(system%constraints) > 0) then
+         call worst_constraint(system, work, culprit, residual)
+         if (residual > constraint_limit*system%constraints(culprit)%item%scale) where_it_is = '; '// &
+            & system%constraints(culprit)%item%label//' cannot be kept (residual '//as_text(residual, 3)//')'
+      end if
+      i = maxloc(abs((self%yp(:2*self%nq) - self%phi(:2*self%nq, 1))/self%scales%value), dim=1)
+      if (i > self%nq) i = i - self%nq
+      i = count(system%layout%q <= i)
+      call raise(error, "the step has shrunk to nothing at t = "//as_text(self%t, 10)//where_it_is//"; body '"// &
+         & system%model%bodies(i)%name//"' has the largest local error. The motion may be diverging or at a singular position:"// &
+         & ' try a smaller END, a looser TOLERANCE, or look at the history up to there')
+   end subroutine step_too_small
+
+end module limber_integrator_adams

@@ -1,0 +1,99 @@
+!> Named scales that local errors are compared with: a tolerance of 1e-6 means a millionth of the scale. Lengths and
+!> directions have fixed scales; speeds and deflections the largest that has occurred so far, not below a floor.
+!> Floor: integrator.
+module limber_integrator_scales
+   use limber_base_kinds, only: wp
+   use limber_system_system, only: system_type
+   implicit none
+   private
+   public :: scales_type, new_scales, update_scales
+
+   !> A scale for each component of [q; v]
+   type :: scales_type
+      !> Value for each component (2 nq)
+      real(wp), allocatable :: value(:)
+      !> Speed [length/time], common to all bodies
+      real(wp) :: speed = 0.0_wp
+      !> Deflection coordinate and its rate, of each body (bodies)
+      real(wp), allocatable :: deflection(:), rate(:)
+   end type scales_type
+
+contains
+
+   !> Floors: a speed that crosses the scene once in the whole time; a deflection of a thousandth of the body's length, and
+   !> its rate at the first natural frequency.
+   function new_scales(system, duration) result(scales)
+      type(system_type), intent(in) :: system
+      !> Time from start to end of the analysis
+      real(wp), intent(in) :: duration
+      type(scales_type) :: scales
+      integer :: i
+      allocate (scales%value(2*system%layout%nq), scales%deflection(size(system%layout%q)), scales%rate(size(system%layout%q)))
+      scales%value = 1.0_wp
+      scales%speed = system%model%length/duration
+      scales%deflection = 0.0_wp
+      scales%rate = 0.0_wp
+      do i = 1, size(scales%deflection)
+         if (system%layout%n(i) == 0) cycle
+         associate (body => system%model%bodies(i))
+            scales%deflection(i) = 1.0e-3_wp*body%size/body%largest_shape
+            scales%rate(i) = scales%deflection(i)*sqrt(minval(body%reduced%omega2))
+         end associate
+      end do
+      call spread_scales(system, scales)
+   end function new_scales
+
+   !> Raises the scales to what occurs in a state.
+   subroutine update_scales(system, q, v, scales)
+      type(system_type), intent(in) :: system
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      type(scales_type), intent(inout) :: scales
+      integer :: i, first, last
+      logical :: changed
+      changed = .false.
+      do i = 1, size(scales%deflection)
+         first = system%layout%q(i)
+         call raise_to(scales%speed, max(abs(v(first)), abs(v(first + 1))))
+         if (.not. system%layout%framed(i)) cycle
+         call raise_to(scales%speed, system%model%length*max(abs(v(first + 2)), abs(v(first + 3))))
+         if (system%layout%n(i) == 0) cycle
+         last = first + 3 + system%layout%n(i)
+         call raise_to(scales%deflection(i), maxval(abs(q(first + 4:last))))
+         call raise_to(scales%rate(i), maxval(abs(v(first + 4:last))))
+      end do
+      if (changed) call spread_scales(system, scales)
+
+   contains
+
+      subroutine raise_to(scale, size)
+         real(wp), intent(inout) :: scale
+         real(wp), intent(in) :: size
+         if (size > scale) then
+            scale = size
+            changed = .true.
+         end if
+      end subroutine raise_to
+
+   end subroutine update_scales
+
+   !> Writes the scales of all components.
+   subroutine spread_scales(system, scales)
+      type(system_type), intent(in) :: system
+      type(scales_type), intent(inout) :: scales
+      integer :: i, first, n, nq
+      nq = system%layout%nq
+      do i = 1, size(scales%deflection)
+         first = system%layout%q(i)
+         scales%value(first:first + 1) = system%model%length
+         scales%value(nq + first:nq + first + 1) = scales%speed
+         if (.not. system%layout%framed(i)) cycle
+         n = system%layout%n(i)
+         scales%value(first + 2:first + 3) = 1.0_wp
+         scales%value(nq + first + 2:nq + first + 3) = scales%speed/system%model%length
+         scales%value(first + 4:first + 3 + n) = scales%deflection(i)
+         scales%value(nq + first + 4:nq + first + 3 + n) = scales%rate(i)
+      end do
+   end subroutine spread_scales
+
+end module limber_integrator_scales

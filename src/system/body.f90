@@ -1,0 +1,146 @@
+!> Mass matrix and forces of one body: polynomials in its coordinates, with constant invariants as coefficients.
+!>
+!> The norm constraint u.u = 1 is eliminated here: u' = omega J u and u'' = alpha J u - (u'.u') u, so that the
+!> unknown accelerations of a body are (r'', alpha, eta''). Their mass matrix, rows in that order, is
+!>
+!>    [ m I    J A(c) u          A(C_k) u    ]      c = c0 + C eta,  h = e - E eta,
+!>    [ .      I(eta)            h_k         ]      I(eta) = I0 + 2 d.eta + eta.eta
+!>    [ .      .                 1           ]
+!>
+!> Plain kernels on arrays; no allocation. Floor: system. Source: Han and Lee 1993, eqs. (6), (7), (28); doc/theory.
+module limber_system_body
+   use limber_base_kinds, only: wp
+   use limber_flex_reduced, only: reduced_type
+   use limber_system_algebra, only: turn, along, cross
+   implicit none
+   private
+   public :: body_mass, velocity_forces, gravity_forces, kinetic_energy, weight_potential, centre_moment
+
+contains
+
+   !> First moment of mass c = c0 + C eta in the body frame (2) [mass length].
+   pure function centre_moment(body, eta) result(c)
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: eta(:)
+      real(wp) :: c(2)
+      integer :: k
+      c = body%c0
+      do k = 1, body%n
+         c(1) = c(1) + body%c(1, k)*eta(k)
+         c(2) = c(2) + body%c(2, k)*eta(k)
+      end do
+   end function centre_moment
+
+   !> The mass matrix of (r'', alpha) and its coupling with eta''.
+   pure subroutine body_mass(body, u, eta, frame, coupling)
+      type(reduced_type), intent(in) :: body
+      !> Unit vector of the frame (2)
+      real(wp), intent(in) :: u(2)
+      !> Coordinates (n)
+      real(wp), intent(in) :: eta(:)
+      !> Mass matrix of (r'', alpha) (3,3)
+      real(wp), intent(out) :: frame(3, 3)
+      !> Rows eta'', columns (r'', alpha) (n,3)
+      real(wp), intent(inout) :: coupling(:, :)
+      real(wp) :: inertia
+      integer :: k, j
+      frame = 0.0_wp
+      frame(1, 1) = body%mass
+      frame(2, 2) = body%mass
+      frame(1:2, 3) = turn(along(centre_moment(body, eta), u))
+      frame(3, 1:2) = frame(1:2, 3)
+      inertia = body%i0
+      do k = 1, body%n
+         inertia = inertia + (2*body%d(k) + eta(k))*eta(k)
+         coupling(k, 1:2) = along(body%c(:, k), u)
+         coupling(k, 3) = body%e(k)
+      end do
+      do j = 1, body%n
+         do k = 1, body%n
+            coupling(k, 3) = coupling(k, 3) - body%skew(k, j)*eta(j)
+         end do
+      end do
+      frame(3, 3) = inertia
+   end subroutine body_mass
+
+   !> Adds the velocity terms to the forces: minus what the rates alone contribute to M a.
+   pure subroutine velocity_forces(body, u, omega, eta, rate, on_frame, on_eta)
+      type(reduced_type), intent(in) :: body
+      !> Unit vector of the frame (2)
+      real(wp), intent(in) :: u(2)
+      !> Angular velocity of the frame [rad/time]
+      real(wp), intent(in) :: omega
+      !> Coordinates and their rates (n)
+      real(wp), intent(in) :: eta(:), rate(:)
+      !> Force and moment on the frame's origin (3), along the fixed axes
+      real(wp), intent(inout) :: on_frame(3)
+      !> Forces on the coordinates (n)
+      real(wp), intent(inout) :: on_eta(:)
+      real(wp) :: drift(2), moment
+      integer :: k, j
+      drift = 0.0_wp
+      moment = 0.0_wp
+      do k = 1, body%n
+         drift = drift + body%c(:, k)*rate(k)
+         moment = moment + (body%d(k) + eta(k))*rate(k)
+         on_eta(k) = on_eta(k) + omega**2*(body%d(k) + eta(k))
+      end do
+      do j = 1, body%n
+         do k = 1, body%n
+            on_eta(k) = on_eta(k) + 2*omega*body%skew(k, j)*rate(j)
+         end do
+      end do
+      on_frame(1:2) = on_frame(1:2) + along(omega**2*centre_moment(body, eta) - 2*omega*turn(drift), u)
+      on_frame(3) = on_frame(3) - 2*omega*moment
+   end subroutine velocity_forces
+
+   !> Adds the weight.
+   pure subroutine gravity_forces(body, gravity, u, eta, on_frame, on_eta)
+      type(reduced_type), intent(in) :: body
+      !> Acceleration of gravity (2) [length/time^2]
+      real(wp), intent(in) :: gravity(2)
+      !> Unit vector of the frame (2)
+      real(wp), intent(in) :: u(2)
+      !> Coordinates (n)
+      real(wp), intent(in) :: eta(:)
+      !> Force and moment on the frame's origin (3), forces on the coordinates (n)
+      real(wp), intent(inout) :: on_frame(3), on_eta(:)
+      integer :: k
+      on_frame(1:2) = on_frame(1:2) + body%mass*gravity
+      on_frame(3) = on_frame(3) + cross(along(centre_moment(body, eta), u), gravity)
+      do k = 1, body%n
+         on_eta(k) = on_eta(k) + dot_product(along(body%c(:, k), u), gravity)
+      end do
+   end subroutine gravity_forces
+
+   !> Kinetic energy.
+   pure real(wp) function kinetic_energy(body, u, eta, velocity, omega, rate) result(energy)
+      type(reduced_type), intent(in) :: body
+      !> Unit vector of the frame (2), coordinates (n)
+      real(wp), intent(in) :: u(2), eta(:)
+      !> Velocity of the frame's origin (2), angular velocity, rates of the coordinates (n)
+      real(wp), intent(in) :: velocity(2), omega, rate(:)
+      real(wp) :: drift(2), h
+      integer :: k, j
+      drift = 0.0_wp
+      energy = 0.5_wp*body%mass*dot_product(velocity, velocity) + 0.5_wp*body%i0*omega**2
+      do k = 1, body%n
+         h = body%e(k)
+         do j = 1, body%n
+            h = h - body%skew(k, j)*eta(j)
+         end do
+         drift = drift + body%c(:, k)*rate(k)
+         energy = energy + 0.5_wp*rate(k)**2 + omega*h*rate(k) + 0.5_wp*omega**2*(2*body%d(k) + eta(k))*eta(k)
+      end do
+      energy = energy + dot_product(velocity, along(drift + omega*turn(centre_moment(body, eta)), u))
+   end function kinetic_energy
+
+   !> Potential of the weight, zero at the fixed origin.
+   pure real(wp) function weight_potential(body, gravity, position, u, eta) result(energy)
+      type(reduced_type), intent(in) :: body
+      !> Acceleration of gravity (2), position of the frame's origin (2), its unit vector (2), coordinates (n)
+      real(wp), intent(in) :: gravity(2), position(2), u(2), eta(:)
+      energy = -dot_product(gravity, body%mass*position + along(centre_moment(body, eta), u))
+   end function weight_potential
+
+end module limber_system_body

@@ -1,0 +1,88 @@
+!> What every joint and driver gives the system: its residual, its Jacobian with respect to the independent rates
+!> (r', omega, eta') of the one or two bodies it acts on, and the right-hand sides of its velocity and
+!> acceleration equations. Floor: system. Source: doc/theory.
+module limber_system_constraint
+   use limber_base_kinds, only: wp
+   use limber_model_scene, only: ground
+   use limber_system_kinematics, only: kinematics_type
+   implicit none
+   private
+   public :: constraint_type, constraint_item_type, jacobian_type, new_jacobian
+
+   !> Rows of the Jacobian that act on one body: z (rows,3) on r' and omega, eta (rows,n) on eta'
+   type :: jacobian_type
+      real(wp), allocatable :: z(:, :), eta(:, :)
+   end type jacobian_type
+
+   !> A joint or a driver
+   type, abstract :: constraint_type
+      !> For messages: "joint 'crank-pin'"
+      character(:), allocatable :: label
+      !> Number of equations, and where they stand among all
+      integer :: rows = 0, first = 0
+      !> The bodies it acts on; `ground` where there is none
+      integer :: bodies(2) = ground
+      !> Length that a residual is to be compared with: 1 for angles
+      real(wp) :: scale = 1.0_wp
+   contains
+      !> Position residual
+      procedure(residual_interface), deferred :: residual
+      !> Jacobian on either body
+      procedure(jacobian_interface), deferred :: jacobian
+      !> Acceleration equation: Jacobian times accelerations = rate
+      procedure(rate_interface), deferred :: gamma
+      !> Velocity equation: Jacobian times rates = rate; zero unless the constraint moves in time
+      procedure :: rate => resting_rate
+   end type constraint_type
+
+   !> One place of a list of constraints
+   type :: constraint_item_type
+      class(constraint_type), allocatable :: item
+   end type constraint_item_type
+
+   abstract interface
+      !> Writes phi (rows); kinematics are placed at their time.
+      pure subroutine residual_interface(self, kinematics, phi)
+         import :: constraint_type, kinematics_type, wp
+         class(constraint_type), intent(in) :: self
+         type(kinematics_type), intent(in) :: kinematics
+         real(wp), intent(inout) :: phi(:)
+      end subroutine residual_interface
+
+      !> Writes the rows on the first and the second body; kinematics are placed. What is zero always is left alone.
+      pure subroutine jacobian_interface(self, kinematics, first, second)
+         import :: constraint_type, kinematics_type, jacobian_type, wp
+         class(constraint_type), intent(in) :: self
+         type(kinematics_type), intent(in) :: kinematics
+         type(jacobian_type), intent(inout) :: first, second
+      end subroutine jacobian_interface
+
+      !> Writes a right-hand side (rows); kinematics are placed, for `gamma` also moved.
+      pure subroutine rate_interface(self, kinematics, rate)
+         import :: constraint_type, kinematics_type, wp
+         class(constraint_type), intent(in) :: self
+         type(kinematics_type), intent(in) :: kinematics
+         real(wp), intent(inout) :: rate(:)
+      end subroutine rate_interface
+   end interface
+
+contains
+
+   !> The rate of a constraint that does not depend on time.
+   pure subroutine resting_rate(self, kinematics, rate)
+      class(constraint_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: rate(:)
+      rate = 0*self%scale*kinematics%time
+   end subroutine resting_rate
+
+   !> Room for the rows on a body with n coordinates, all zero.
+   pure function new_jacobian(rows, n) result(jacobian)
+      integer, intent(in) :: rows, n
+      type(jacobian_type) :: jacobian
+      allocate (jacobian%z(rows, 3), jacobian%eta(rows, n))
+      jacobian%z = 0.0_wp
+      jacobian%eta = 0.0_wp
+   end function new_jacobian
+
+end module limber_system_constraint

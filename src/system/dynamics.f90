@@ -1,0 +1,337 @@
+!> Right-hand side of the equations of motion, and the projections onto the constraints: what an explicit integrator
+!> needs of the system. No allocation, no finite elements. Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory.
+module limber_system_dynamics
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
+   use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
+   use limber_model_scene, only: body_flexible
+   use limber_system_algebra, only: turn
+   use limber_system_body, only: velocity_forces, gravity_forces, kinetic_energy, weight_potential
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: linearise, accelerations, project_position, project_velocity, position_residual, velocity_residual
+   public :: input_power, mechanical_energy, worst_constraint
+
+contains
+
+   !> Places everything at (t, q) and factors the multiplier system there.
+   subroutine linearise(system, work, t, q, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      !> The matrix is singular
+      type(error_type), allocatable, intent(out) :: error
+      logical :: singular
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+      call factor_multiplier_system(system, work, q, singular)
+      if (singular) call raise(error, 'the multiplier system is singular at t = '//as_text(t, 6)// &
+         & ': a constraint is redundant there, or a body without mass is free to move')
+   end subroutine linearise
+
+   !> Accelerations and multipliers at (t, q, v); `linearise` at the same (t, q) comes first.
+   subroutine accelerations(system, work, q, v, a)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      !> Second derivatives of q (nq)
+      real(wp), intent(out) :: a(:)
+      integer :: i, first
+      real(wp) :: alpha
+      call move_frames(system%model, system%layout, q, v, work%kinematics)
+      call sum_forces(system, work, q, v)
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
+         end associate
+      end do
+      call solve_multiplier_system(system, work, work%gamma, a)
+      do i = 1, size(work%bodies)
+         if (.not. system%layout%framed(i)) cycle
+         first = system%layout%q(i) + 2
+         alpha = a(first)
+         associate (frame => work%kinematics%frames(i))
+            a(first:first + 1) = alpha*turn(frame%u) - dot_product(frame%rate, frame%rate)*frame%u
+         end associate
+      end do
+      work%evaluations = work%evaluations + 1
+   end subroutine accelerations
+
+   !> Velocity terms, weight, elasticity and loads of all bodies into the workspace.
+   subroutine sum_forces(system, work, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: q(:), v(:)
+      integer :: i, k, first, last
+      real(wp) :: force(2)
+      logical :: heavy
+      heavy = any(abs(system%model%gravity) > 0.0_wp)
+      do i = 1, size(work%bodies)
+         associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced, frame => work%kinematics%frames(i))
+            body%force = 0.0_wp
+            if (.not. system%layout%framed(i)) then
+               if (heavy) body%force(1:2) = reduced%mass*system%model%gravity
+               cycle
+            end if
+            first = system%layout%q(i) + 4
+            last = first + reduced%n - 1
+            if (reduced%n > 0) then
+               body%eta_force = 0.0_wp
+               call elastic_force(reduced, q(first:last), body%eta_force, body%z, body%s)
+               body%eta_force = -body%eta_force
+            end if
+            call velocity_forces(reduced, frame%u, frame%omega, q(first:last), v(first:last), body%force, body%eta_force)
+            if (heavy) call gravity_forces(reduced, system%model%gravity, frame%u, q(first:last), body%force, body%eta_force)
+         end associate
+      end do
+      do i = 1, size(system%loads)
+         associate (marker => work%kinematics%markers(system%loads(i)%marker))
+            if (marker%body == 0) cycle
+            force = load_at(system, i, work%kinematics%time)
+            associate (body => work%bodies(marker%body))
+               body%force(1:2) = body%force(1:2) + force
+               body%force(3) = body%force(3) + dot_product(marker%lever, force)
+               do k = 1, size(marker%shape, 2)
+                  body%eta_force(k) = body%eta_force(k) + dot_product(marker%shape(:, k), force)
+               end do
+            end associate
+         end associate
+      end do
+   end subroutine sum_forces
+
+   !> Components of a load at a time.
+   pure function load_at(system, load, t) result(force)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: load
+      real(wp), intent(in) :: t
+      real(wp) :: force(2), time(1)
+      time = t
+      force(1) = system%loads(load)%law(1)%evaluate(time)
+      force(2) = system%loads(load)%law(2)%evaluate(time)
+   end function load_at
+
+   !> Residual of every constraint at the placed kinematics into work%phi; returns the largest, each relative to its scale.
+   real(wp) function position_residual(system, work) result(largest)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i
+      largest = 0.0_wp
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            call item%residual(work%kinematics, work%phi(item%first:item%first + item%rows - 1))
+            largest = max(largest, maxval(abs(work%phi(item%first:item%first + item%rows - 1)))/item%scale)
+         end associate
+      end do
+   end function position_residual
+
+   !> Label and residual of the constraint that is farthest from satisfied, for messages.
+   subroutine worst_constraint(system, work, index, residual)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Index of the constraint
+      integer, intent(out) :: index
+      !> Norm of its residual [length, or 1 for angles]
+      real(wp), intent(out) :: residual
+      integer :: i
+      real(wp) :: size_of, worst
+      residual = position_residual(system, work)
+      index = 0
+      worst = -1.0_wp
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            size_of = norm2(work%phi(item%first:item%first + item%rows - 1))
+            if (size_of/item%scale > worst) then
+               index = i
+               worst = size_of/item%scale
+               residual = size_of
+            end if
+         end associate
+      end do
+   end subroutine worst_constraint
+
+   !> Residual of the velocity equations into work%gamma (rate - Jacobian v); returns the largest, relative to its scale.
+   !> Kinematics and Jacobians are those of q.
+   real(wp) function velocity_residual(system, work, v) result(largest)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: v(:)
+      integer :: i, side, body, row, k, at, first
+      real(wp) :: rates(3)
+      largest = 0.0_wp
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            at = item%first - 1
+            call item%rate(work%kinematics, work%gamma(at + 1:at + item%rows))
+            do side = 1, 2
+               body = item%bodies(side)
+               if (body == 0) cycle
+               first = system%layout%q(body)
+               rates = 0.0_wp
+               rates(1:2) = v(first:first + 1)
+               if (system%layout%framed(body)) rates(3) = dot_product(turn(work%kinematics%frames(body)%u), v(first + 2:first + 3))
+               associate (jacobian => work%jacobians(side, i))
+                  do row = 1, item%rows
+                     do k = 1, 3
+                        work%gamma(at + row) = work%gamma(at + row) - jacobian%z(row, k)*rates(k)
+                     end do
+                     do k = 1, system%layout%n(body)
+                        work%gamma(at + row) = work%gamma(at + row) - jacobian%eta(row, k)*v(first + 3 + k)
+                     end do
+                  end do
+               end associate
+            end do
+            largest = max(largest, maxval(abs(work%gamma(at + 1:at + item%rows)))/item%scale)
+         end associate
+      end do
+   end function velocity_residual
+
+   !> Moves q onto the constraints, least in the mass norm, by Newton steps with the factors at hand; the frames'
+   !> vectors are brought to unit length. Leaves the kinematics placed at the new q.
+   subroutine project_position(system, work, t, q, change, tolerance, residual)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), intent(inout) :: q(:)
+      !> Scratch (nq)
+      real(wp), intent(inout) :: change(:)
+      !> Residual relative to the constraints' scales that is small enough
+      real(wp), intent(in) :: tolerance
+      !> Residual reached
+      real(wp), intent(out) :: residual
+      integer, parameter :: most = 6
+      integer :: round, i
+      call normalise_frames(system, q)
+      do round = 0, most
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         residual = position_residual(system, work)
+         if (residual <= tolerance .or. round == most) return
+         call clear_forces(work)
+         work%phi = -work%phi
+         call solve_multiplier_system(system, work, work%phi, change)
+         do i = 1, size(work%bodies)
+            if (.not. system%layout%framed(i)) cycle
+            associate (first => system%layout%q(i) + 2)
+               change(first:first + 1) = change(first)*turn(work%kinematics%frames(i)%u)
+            end associate
+         end do
+         q = q + change
+         call normalise_frames(system, q)
+      end do
+   end subroutine project_position
+
+   !> Takes out of v what violates the velocity equations, least in the mass norm; `linearise` at q comes first.
+   subroutine project_velocity(system, work, v, change, residual)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Velocities (nq)
+      real(wp), intent(inout) :: v(:)
+      !> Scratch (nq)
+      real(wp), intent(inout) :: change(:)
+      !> Residual before, relative to the constraints' scales
+      real(wp), intent(out) :: residual
+      integer :: i
+      real(wp) :: omega
+      call clear_forces(work)
+      residual = velocity_residual(system, work, v)
+      call solve_multiplier_system(system, work, work%gamma, change)
+      do i = 1, size(work%bodies)
+         if (.not. system%layout%framed(i)) cycle
+         associate (first => system%layout%q(i) + 2)
+            omega = dot_product(turn(work%kinematics%frames(i)%u), v(first:first + 1)) + change(first)
+            v(first:first + 1) = omega*turn(work%kinematics%frames(i)%u)
+            change(first:first + 1) = 0.0_wp
+         end associate
+      end do
+      v = v + change
+   end subroutine project_velocity
+
+   !> Brings every frame's u to unit length.
+   pure subroutine normalise_frames(system, q)
+      type(system_type), intent(in) :: system
+      real(wp), intent(inout) :: q(:)
+      integer :: i
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         associate (first => system%layout%q(i) + 2)
+            q(first:first + 1) = q(first:first + 1)/sqrt(q(first)**2 + q(first + 1)**2)
+         end associate
+      end do
+   end subroutine normalise_frames
+
+   subroutine clear_forces(work)
+      type(workspace_type), intent(inout) :: work
+      integer :: i
+      do i = 1, size(work%bodies)
+         work%bodies(i)%force = 0.0_wp
+         work%bodies(i)%eta_force = 0.0_wp
+      end do
+   end subroutine clear_forces
+
+   !> Power that drivers and loads put in, less what the geometric force of the model k_g takes, at the state of the
+   !> last `accelerations`.
+   real(wp) function input_power(system, work, q, v) result(power)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: q(:), v(:)
+      integer :: i, first, last
+      real(wp) :: taken
+      power = 0.0_wp
+      do i = size(system%model%joints) + 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            last = item%first + item%rows - 1
+            call item%rate(work%kinematics, work%gamma(item%first:last))
+            power = power - dot_product(work%lambda(item%first:last), work%gamma(item%first:last))
+         end associate
+      end do
+      do i = 1, size(system%loads)
+         power = power + dot_product(load_at(system, i, work%kinematics%time), &
+            & work%kinematics%markers(system%loads(i)%marker)%velocity)
+      end do
+      do i = 1, size(work%bodies)
+         if (system%model%bodies(i)%kind /= body_flexible) cycle
+         first = system%layout%q(i) + 4
+         last = first + system%layout%n(i) - 1
+         call geometric_power(system%model%bodies(i)%reduced, q(first:last), v(first:last), work%bodies(i)%z, &
+            & work%bodies(i)%s, taken)
+         power = power - taken
+      end do
+   end function input_power
+
+   !> Kinetic energy, and potential energy: elastic and weight. In the model k_g the elastic energy is that of K_E.
+   subroutine mechanical_energy(system, work, q, v, kinetic, potential)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      real(wp), intent(out) :: kinetic, potential
+      integer :: i, first, last
+      real(wp) :: u(2), omega, elastic
+      kinetic = 0.0_wp
+      potential = 0.0_wp
+      do i = 1, size(work%bodies)
+         associate (reduced => system%model%bodies(i)%reduced)
+            first = system%layout%q(i)
+            if (.not. system%layout%framed(i)) then
+               kinetic = kinetic + 0.5_wp*reduced%mass*dot_product(v(first:first + 1), v(first:first + 1))
+               potential = potential - reduced%mass*dot_product(system%model%gravity, q(first:first + 1))
+               cycle
+            end if
+            last = first + 3 + reduced%n
+            u = q(first + 2:first + 3)
+            omega = dot_product(turn(u), v(first + 2:first + 3))
+            kinetic = kinetic + kinetic_energy(reduced, u, q(first + 4:last), v(first:first + 1), omega, v(first + 4:last))
+            potential = potential + weight_potential(reduced, system%model%gravity, q(first:first + 1), u, q(first + 4:last))
+            call elastic_energy(reduced, q(first + 4:last), work%bodies(i)%z, work%bodies(i)%s, elastic)
+            potential = potential + elastic
+         end associate
+      end do
+   end subroutine mechanical_energy
+
+end module limber_system_dynamics

@@ -1,0 +1,125 @@
+!> Joints between two markers: revolute, and point on a line. Floor: system. Source: doc/theory.
+module limber_system_joints
+   use limber_base_kinds, only: wp
+   use limber_model_scene, only: ground
+   use limber_system_algebra, only: turn, along
+   use limber_system_constraint, only: constraint_type, jacobian_type
+   use limber_system_kinematics, only: kinematics_type, marker_type
+   implicit none
+   private
+   public :: revolute_type, point_on_line_type
+
+   !> Two markers coincide: P1 - P2 = 0
+   type, extends(constraint_type) :: revolute_type
+      !> Indices of the two markers
+      integer :: markers(2) = 0
+   contains
+      procedure :: residual => revolute_residual
+      procedure :: jacobian => revolute_jacobian
+      procedure :: gamma => revolute_gamma
+   end type revolute_type
+
+   !> The first marker stays on the line through the second along e = A(direction) u of the second body's frame:
+   !> (J e).(P1 - P2) = 0
+   type, extends(constraint_type) :: point_on_line_type
+      !> Indices of the two markers
+      integer :: markers(2) = 0
+      !> Unit vector of the line in the second body's frame
+      real(wp) :: direction(2) = [1.0_wp, 0.0_wp]
+   contains
+      procedure :: residual => line_residual
+      procedure :: jacobian => line_jacobian
+      procedure :: gamma => line_gamma
+   end type point_on_line_type
+
+contains
+
+   pure subroutine revolute_residual(self, kinematics, phi)
+      class(revolute_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: phi(:)
+      phi = kinematics%markers(self%markers(1))%position - kinematics%markers(self%markers(2))%position
+   end subroutine revolute_residual
+
+   pure subroutine revolute_jacobian(self, kinematics, first, second)
+      class(revolute_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      type(jacobian_type), intent(inout) :: first, second
+      real(wp), parameter :: x(2) = [1.0_wp, 0.0_wp], y(2) = [0.0_wp, 1.0_wp]
+      call marker_row(kinematics%markers(self%markers(1)), x, first, 1)
+      call marker_row(kinematics%markers(self%markers(1)), y, first, 2)
+      call marker_row(kinematics%markers(self%markers(2)), -x, second, 1)
+      call marker_row(kinematics%markers(self%markers(2)), -y, second, 2)
+   end subroutine revolute_jacobian
+
+   pure subroutine revolute_gamma(self, kinematics, rate)
+      class(revolute_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: rate(:)
+      rate = kinematics%markers(self%markers(2))%bias - kinematics%markers(self%markers(1))%bias
+   end subroutine revolute_gamma
+
+   pure subroutine line_residual(self, kinematics, phi)
+      class(point_on_line_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: phi(:)
+      phi = dot_product(normal(self, kinematics), gap(self, kinematics))
+   end subroutine line_residual
+
+   pure subroutine line_jacobian(self, kinematics, first, second)
+      class(point_on_line_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      type(jacobian_type), intent(inout) :: first, second
+      real(wp) :: across(2)
+      across = normal(self, kinematics)
+      call marker_row(kinematics%markers(self%markers(1)), across, first, 1)
+      call marker_row(kinematics%markers(self%markers(2)), -across, second, 1)
+      if (self%bodies(2) /= ground) second%z(1, 3) = second%z(1, 3) + dot_product(turn(across), gap(self, kinematics))
+   end subroutine line_jacobian
+
+   pure subroutine line_gamma(self, kinematics, rate)
+      class(point_on_line_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: rate(:)
+      real(wp) :: across(2), turning(2)
+      across = normal(self, kinematics)
+      associate (a => kinematics%markers(self%markers(1)), b => kinematics%markers(self%markers(2)), &
+            & frame => kinematics%frames(self%bodies(2)))
+         turning = turn(along(self%direction, frame%rate))
+         rate = -dot_product(across, a%bias - b%bias) - 2*dot_product(turning, a%velocity - b%velocity) &
+            & + dot_product(frame%rate, frame%rate)*dot_product(across, gap(self, kinematics))
+      end associate
+   end subroutine line_gamma
+
+   !> Unit normal J e of the line.
+   pure function normal(self, kinematics) result(across)
+      class(point_on_line_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp) :: across(2)
+      across = turn(along(self%direction, kinematics%frames(self%bodies(2))%u))
+   end function normal
+
+   !> P1 - P2.
+   pure function gap(self, kinematics) result(difference)
+      class(point_on_line_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp) :: difference(2)
+      difference = kinematics%markers(self%markers(1))%position - kinematics%markers(self%markers(2))%position
+   end function gap
+
+   !> Row of the Jacobian of (weight . position of a marker).
+   pure subroutine marker_row(marker, weight, jacobian, row)
+      type(marker_type), intent(in) :: marker
+      real(wp), intent(in) :: weight(2)
+      type(jacobian_type), intent(inout) :: jacobian
+      integer, intent(in) :: row
+      integer :: k
+      if (marker%body == ground) return
+      jacobian%z(row, 1:2) = weight
+      jacobian%z(row, 3) = dot_product(weight, marker%lever)
+      do k = 1, size(marker%shape, 2)
+         jacobian%eta(row, k) = weight(1)*marker%shape(1, k) + weight(2)*marker%shape(2, k)
+      end do
+   end subroutine marker_row
+
+end module limber_system_joints

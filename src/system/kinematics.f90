@@ -1,0 +1,249 @@
+!> Where everything is and how it moves: frames and markers (the points that joints and forces act on) from the
+!> coordinates q and velocities v. All later terms are made of these. Floor: system.
+!> Source: Han and Lee 1993, eqs. (1)-(6); doc/theory.
+module limber_system_kinematics
+   use limber_base_kinds, only: wp
+   use limber_model_scene, only: model_type, point_type, body_point, ground
+   use limber_system_algebra, only: turn, along, cross
+   implicit none
+   private
+   public :: layout_type, new_layout, frame_type, marker_type, kinematics_type, new_kinematics
+   public :: place_frames, move_frames, place_marker, move_marker, point_position, point_velocity, point_acceleration
+
+   !> Where each body's coordinates stand. In q and v a body has [r (2); u (2); eta (n)], a point mass r only; the
+   !> independent rates have [r' (2); omega] for the frame, or r' only.
+   type :: layout_type
+      !> True for a body with a floating frame (bodies)
+      logical, allocatable :: framed(:)
+      !> Number of coordinates eta (bodies)
+      integer, allocatable :: n(:)
+      !> First index of r in q (bodies)
+      integer, allocatable :: q(:)
+      !> First index among the frame rates, and how many of them: 3 or 2 (bodies)
+      integer, allocatable :: z(:), rates(:)
+      !> Lengths of q and of the frame rates
+      integer :: nq = 0, nz = 0
+   end type layout_type
+
+   !> State of one body
+   type :: frame_type
+      real(wp) :: position(2) = 0.0_wp, u(2) = [1.0_wp, 0.0_wp]
+      real(wp) :: velocity(2) = 0.0_wp, rate(2) = 0.0_wp
+      !> Angular velocity (J u).u'
+      real(wp) :: omega = 0.0_wp
+   end type frame_type
+
+   !> State of one point: its acceleration is r'' + lever alpha + shape eta'' + bias
+   type :: marker_type
+      !> Index of the point in the model, and of its body
+      integer :: point = 0, body = ground
+      real(wp) :: position(2) = 0.0_wp, velocity(2) = 0.0_wp
+      !> J A(p) u
+      real(wp) :: lever(2) = 0.0_wp
+      !> A(phi_k) u (2,n)
+      real(wp), allocatable :: shape(:, :)
+      !> What velocities alone contribute to its acceleration
+      real(wp) :: bias(2) = 0.0_wp
+   end type marker_type
+
+   !> Frames of all bodies (index 0 is the ground) and all markers in use, at a time
+   type :: kinematics_type
+      real(wp) :: time = 0.0_wp
+      type(frame_type), allocatable :: frames(:)
+      type(marker_type), allocatable :: markers(:)
+   end type kinematics_type
+
+contains
+
+   !> Lays the coordinates of all bodies one after another.
+   pure function new_layout(model) result(layout)
+      type(model_type), intent(in) :: model
+      type(layout_type) :: layout
+      integer :: i, bodies
+      bodies = size(model%bodies)
+      allocate (layout%framed(bodies), layout%n(bodies), layout%q(bodies), layout%z(bodies), layout%rates(bodies))
+      do i = 1, bodies
+         layout%framed(i) = model%bodies(i)%kind /= body_point
+         layout%n(i) = model%bodies(i)%reduced%n
+         layout%rates(i) = merge(3, 2, layout%framed(i))
+         layout%q(i) = layout%nq + 1
+         layout%z(i) = layout%nz + 1
+         layout%nq = layout%nq + merge(4, 2, layout%framed(i)) + layout%n(i)
+         layout%nz = layout%nz + layout%rates(i)
+      end do
+   end function new_layout
+
+   !> Room for frames and for the given points as markers.
+   pure function new_kinematics(model, points) result(kinematics)
+      type(model_type), intent(in) :: model
+      !> Indices of the points that become markers
+      integer, intent(in) :: points(:)
+      type(kinematics_type) :: kinematics
+      integer :: m
+      allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)))
+      do m = 1, size(points)
+         kinematics%markers(m)%point = points(m)
+         kinematics%markers(m)%body = model%points(points(m))%body
+         allocate (kinematics%markers(m)%shape(2, size(model%points(points(m))%psi)))
+         kinematics%markers(m)%shape = 0.0_wp
+         if (kinematics%markers(m)%body == ground) kinematics%markers(m)%position = model%points(points(m))%p0
+      end do
+   end function new_kinematics
+
+   !> Frames and markers at the time t and coordinates q.
+   pure subroutine place_frames(model, layout, t, q, kinematics)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      !> Time and coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      type(kinematics_type), intent(inout) :: kinematics
+      integer :: i, m, first
+      kinematics%time = t
+      do i = 1, size(model%bodies)
+         first = layout%q(i)
+         kinematics%frames(i)%position = q(first:first + 1)
+         if (layout%framed(i)) kinematics%frames(i)%u = q(first + 2:first + 3)
+      end do
+      do m = 1, size(kinematics%markers)
+         associate (marker => kinematics%markers(m))
+            if (marker%body == ground) cycle
+            first = layout%q(marker%body) + 4
+            call place_marker(model%points(marker%point), kinematics%frames(marker%body), &
+               & q(first:first + layout%n(marker%body) - 1), marker)
+         end associate
+      end do
+   end subroutine place_frames
+
+   !> Velocities and bias accelerations at q and v; `place_frames` comes first.
+   pure subroutine move_frames(model, layout, q, v, kinematics)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      type(kinematics_type), intent(inout) :: kinematics
+      integer :: i, m, first, last
+      do i = 1, size(model%bodies)
+         first = layout%q(i)
+         associate (frame => kinematics%frames(i))
+            frame%velocity = v(first:first + 1)
+            if (layout%framed(i)) then
+               frame%rate = v(first + 2:first + 3)
+               frame%omega = cross(frame%u, frame%rate)
+            end if
+         end associate
+      end do
+      do m = 1, size(kinematics%markers)
+         associate (marker => kinematics%markers(m))
+            if (marker%body == ground) cycle
+            first = layout%q(marker%body) + 4
+            last = first + layout%n(marker%body) - 1
+            call move_marker(model%points(marker%point), kinematics%frames(marker%body), q(first:last), v(first:last), marker)
+         end associate
+      end do
+   end subroutine move_frames
+
+   !> Position of a point and its derivatives with respect to the rates.
+   pure subroutine place_marker(point, frame, eta, marker)
+      type(point_type), intent(in) :: point
+      type(frame_type), intent(in) :: frame
+      !> Coordinates of the body (n)
+      real(wp), intent(in) :: eta(:)
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: arm(2)
+      integer :: k
+      arm = along(point%p0, frame%u)
+      do k = 1, size(eta)
+         marker%shape(:, k) = along(point%phi(:, k), frame%u)
+         arm = arm + marker%shape(:, k)*eta(k)
+      end do
+      marker%position = frame%position + arm
+      marker%lever = turn(arm)
+   end subroutine place_marker
+
+   !> Velocity of a point and the part of its acceleration that velocities alone make.
+   pure subroutine move_marker(point, frame, eta, rate, marker)
+      type(point_type), intent(in) :: point
+      type(frame_type), intent(in) :: frame
+      !> Coordinates of the body and their rates (n)
+      real(wp), intent(in) :: eta(:), rate(:)
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: p(2), drift(2)
+      integer :: k
+      p = point%p0
+      drift = 0.0_wp
+      do k = 1, size(eta)
+         p = p + point%phi(:, k)*eta(k)
+         drift = drift + point%phi(:, k)*rate(k)
+      end do
+      marker%velocity = frame%velocity + along(p, frame%rate) + along(drift, frame%u)
+      marker%bias = 2*along(drift, frame%rate) - dot_product(frame%rate, frame%rate)*along(p, frame%u)
+   end subroutine move_marker
+
+   !> Position of any point of the model at the coordinates q (2).
+   pure function point_position(layout, point, q) result(position)
+      type(layout_type), intent(in) :: layout
+      type(point_type), intent(in) :: point
+      !> Coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      real(wp) :: position(2), p(2)
+      integer :: first, k
+      position = point%p0
+      if (point%body == ground) return
+      first = layout%q(point%body)
+      position = q(first:first + 1)
+      if (.not. layout%framed(point%body)) return
+      p = point%p0
+      do k = 1, layout%n(point%body)
+         p = p + point%phi(:, k)*q(first + 3 + k)
+      end do
+      position = position + along(p, q(first + 2:first + 3))
+   end function point_position
+
+   !> Velocity of any point of the model (2).
+   pure function point_velocity(layout, point, q, v) result(velocity)
+      type(layout_type), intent(in) :: layout
+      type(point_type), intent(in) :: point
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      real(wp) :: velocity(2), p(2), drift(2)
+      integer :: first, k
+      velocity = 0.0_wp
+      if (point%body == ground) return
+      first = layout%q(point%body)
+      velocity = v(first:first + 1)
+      if (.not. layout%framed(point%body)) return
+      p = point%p0
+      drift = 0.0_wp
+      do k = 1, layout%n(point%body)
+         p = p + point%phi(:, k)*q(first + 3 + k)
+         drift = drift + point%phi(:, k)*v(first + 3 + k)
+      end do
+      velocity = velocity + along(p, v(first + 2:first + 3)) + along(drift, q(first + 2:first + 3))
+   end function point_velocity
+
+   !> Acceleration of any point of the model (2).
+   pure function point_acceleration(layout, point, q, v, a) result(acceleration)
+      type(layout_type), intent(in) :: layout
+      type(point_type), intent(in) :: point
+      !> Coordinates, velocities and accelerations (nq)
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      real(wp) :: acceleration(2), p(2), drift(2), push(2)
+      integer :: first, k
+      acceleration = 0.0_wp
+      if (point%body == ground) return
+      first = layout%q(point%body)
+      acceleration = a(first:first + 1)
+      if (.not. layout%framed(point%body)) return
+      p = point%p0
+      drift = 0.0_wp
+      push = 0.0_wp
+      do k = 1, layout%n(point%body)
+         p = p + point%phi(:, k)*q(first + 3 + k)
+         drift = drift + point%phi(:, k)*v(first + 3 + k)
+         push = push + point%phi(:, k)*a(first + 3 + k)
+      end do
+      acceleration = acceleration + along(p, a(first + 2:first + 3)) + along(push, q(first + 2:first + 3)) &
+         & + 2*along(drift, v(first + 2:first + 3))
+   end function point_acceleration
+
+end module limber_system_kinematics

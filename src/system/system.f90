@@ -1,0 +1,187 @@
+!> The system of equations that a model gives: layout of the coordinates, constraints, loads. Constant during a run;
+!> everything that changes lives in `workspace_type`. Floor: system.
+module limber_system_system
+   use limber_base_kinds, only: wp
+   use limber_deck_expression, only: expression_type
+   use limber_flex_reduced, only: reduced_type
+   use limber_model_scene, only: model_type, joint_type, driver_type, joint_revolute, joint_point_on_line, ground
+   use limber_system_constraint, only: constraint_type, constraint_item_type, jacobian_type, new_jacobian
+   use limber_system_drivers, only: driven_angle_type
+   use limber_system_joints, only: revolute_type, point_on_line_type
+   use limber_system_kinematics, only: layout_type, new_layout, kinematics_type, new_kinematics
+   implicit none
+   private
+   public :: system_type, new_system, workspace_type, new_workspace, load_type, body_workspace_type
+
+   !> A dead force at a marker
+   type :: load_type
+      !> Index of the marker
+      integer :: marker = 0
+      !> Components along the fixed axes as functions of t
+      type(expression_type) :: law(2)
+   end type load_type
+
+   !> The equations; constant once it is built
+   type :: system_type
+      type(model_type) :: model
+      type(layout_type) :: layout
+      !> Joints first, then drivers, in the order of the model
+      type(constraint_item_type), allocatable :: constraints(:)
+      type(load_type), allocatable :: loads(:)
+      !> Points that joints and loads use
+      integer, allocatable :: marker_points(:)
+      !> Number of constraint equations (without the norm constraints), and of all unknowns of the multiplier system
+      integer :: nc = 0, unknowns = 0
+      !> True if something puts energy in or takes it out: a driver, a load, or the force of the model k_g
+      logical :: powered = .false.
+   end type system_type
+
+   !> Scratch of one body in the multiplier system
+   type :: body_workspace_type
+      !> Mass matrix and force of the frame, after condensation of eta
+      real(wp) :: mass(3, 3) = 0.0_wp, force(3) = 0.0_wp
+      !> Coupling (n,3) of eta'' with the frame, and forces on eta (n)
+      real(wp), allocatable :: coupling(:, :), eta_force(:)
+      !> Scratch of the elastic force (pairs)
+      real(wp), allocatable :: z(:), s(:)
+      !> Constraint rows that act on the body: their places among all (rows), where each comes from, [constraint, side,
+      !> row in it] (3, rows), and their eta parts (n, rows)
+      integer, allocatable :: rows(:), sources(:, :)
+      real(wp), allocatable :: eta_rows(:, :)
+   end type body_workspace_type
+
+   !> Everything that changes while the equations are evaluated; allocated once
+   type :: workspace_type
+      type(kinematics_type) :: kinematics
+      type(body_workspace_type), allocatable :: bodies(:)
+      !> Jacobian of each constraint on its two bodies (2, constraints)
+      type(jacobian_type), allocatable :: jacobians(:, :)
+      !> Residuals and right-hand sides of the constraints (nc)
+      real(wp), allocatable :: phi(:), gamma(:)
+      !> Multiplier matrix and its pivots; solution vector [frame accelerations; multipliers]
+      real(wp), allocatable :: matrix(:, :), solution(:)
+      integer, allocatable :: pivots(:)
+      !> Multipliers of the last solution (nc): the constraints act on the bodies with -Jacobian^T lambda
+      real(wp), allocatable :: lambda(:)
+      !> Counts: evaluations of the right-hand side, factorisations
+      integer :: evaluations = 0, factorisations = 0
+   end type workspace_type
+
+contains
+
+   !> Builds the equations of a model.
+   function new_system(model) result(system)
+      type(model_type), intent(in) :: model
+      type(system_type) :: system
+      integer :: i, count
+      system%model = model
+      system%layout = new_layout(model)
+      allocate (system%marker_points(0))
+      allocate (system%constraints(size(model%joints) + size(model%drivers)), system%loads(size(model%forces)))
+      count = 0
+      do i = 1, size(model%joints)
+         count = count + 1
+         call add_joint(system, model%joints(i), system%constraints(count)%item)
+      end do
+      do i = 1, size(model%drivers)
+         count = count + 1
+         call add_driver(model%drivers(i), system%constraints(count)%item)
+      end do
+      do i = 1, count
+         system%constraints(i)%item%first = system%nc + 1
+         system%nc = system%nc + system%constraints(i)%item%rows
+      end do
+      do i = 1, size(model%forces)
+         system%loads(i)%marker = marker_of(system, model%forces(i)%point)
+         system%loads(i)%law = model%forces(i)%law
+      end do
+      system%unknowns = system%layout%nz + system%nc
+      system%powered = size(model%drivers) > 0 .or. size(model%forces) > 0
+      do i = 1, size(model%bodies)
+         associate (body => model%bodies(i)%reduced)
+            if (body%geometric .and. .not. body%full) system%powered = .true.
+         end associate
+      end do
+   end function new_system
+
+   !> Index of the marker at a point; a new one if there is none yet.
+   integer function marker_of(system, point) result(marker)
+      type(system_type), intent(inout) :: system
+      integer, intent(in) :: point
+      do marker = 1, size(system%marker_points)
+         if (system%marker_points(marker) == point) return
+      end do
+      system%marker_points = [system%marker_points, point]
+   end function marker_of
+
+   subroutine add_joint(system, joint, item)
+      type(system_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      integer :: markers(2)
+      markers = [marker_of(system, joint%points(1)), 0]
+      markers(2) = marker_of(system, joint%points(2))
+      select case (joint%kind)
+      case (joint_revolute)
+         allocate (item, source=revolute_type(rows=2, markers=markers))
+      case (joint_point_on_line)
+         allocate (item, source=point_on_line_type(rows=1, markers=markers, direction=[cos(joint%angle), sin(joint%angle)]))
+      end select
+      item%label = "joint '"//joint%name//"'"
+      item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
+      item%scale = system%model%length
+   end subroutine add_joint
+
+   subroutine add_driver(driver, item)
+      type(driver_type), intent(in) :: driver
+      class(constraint_type), allocatable, intent(out) :: item
+      allocate (item, source=driven_angle_type(rows=1, law=driver%law))
+      item%label = "driver '"//driver%name//"'"
+      item%bodies = [driver%body, ground]
+   end subroutine add_driver
+
+   !> Room for everything that changes.
+   function new_workspace(system) result(work)
+      type(system_type), intent(in) :: system
+      type(workspace_type) :: work
+      integer :: i, side, row, body, old
+      work%kinematics = new_kinematics(system%model, system%marker_points)
+      allocate (work%bodies(size(system%model%bodies)), work%jacobians(2, size(system%constraints)))
+      allocate (work%phi(system%nc), work%gamma(system%nc), work%lambda(system%nc))
+      allocate (work%matrix(system%unknowns, system%unknowns), work%solution(system%unknowns), work%pivots(system%unknowns))
+      work%lambda = 0.0_wp
+      work%matrix = 0.0_wp
+      do i = 1, size(work%bodies)
+         call size_body(system%model%bodies(i)%reduced, work%bodies(i))
+      end do
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, 2
+               body = item%bodies(side)
+               if (body == ground) then
+                  work%jacobians(side, i) = new_jacobian(item%rows, 0)
+               else
+                  work%jacobians(side, i) = new_jacobian(item%rows, system%layout%n(body))
+                  old = size(work%bodies(body)%rows)
+                  work%bodies(body)%rows = [work%bodies(body)%rows, (item%first + row - 1, row=1, item%rows)]
+                  work%bodies(body)%sources = reshape([work%bodies(body)%sources, ([i, side, row], row=1, item%rows)], &
+                     & [3, old + item%rows])
+               end if
+            end do
+         end associate
+      end do
+      do i = 1, size(work%bodies)
+         allocate (work%bodies(i)%eta_rows(system%layout%n(i), size(work%bodies(i)%rows)))
+      end do
+   end function new_workspace
+
+   subroutine size_body(body, scratch)
+      type(reduced_type), intent(in) :: body
+      type(body_workspace_type), intent(inout) :: scratch
+      integer :: pairs
+      pairs = body%bending*(body%bending + 1)/2
+      allocate (scratch%coupling(body%n, 3), scratch%eta_force(body%n), scratch%z(pairs), scratch%s(pairs), scratch%rows(0))
+      allocate (scratch%sources(3, 0))
+   end subroutine size_body
+
+end module limber_system_system

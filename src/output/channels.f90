@@ -1,0 +1,183 @@
+!> Values of the requested channels at a state. Only what they need is computed. Floor: output.
+module limber_output_channels
+   use limber_base_kinds, only: wp
+   use limber_model_quantities
+   use limber_model_scene, only: quantity_type, joint_point_on_line, ground
+   use limber_system_algebra, only: turn, along, cross
+   use limber_system_dynamics, only: mechanical_energy
+   use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: recorder_type, new_recorder, follow_angles, channel_values
+
+   !> What is remembered between samples: the angle of every frame, accumulated over turns
+   type :: recorder_type
+      !> Angle of each body's frame at the last accepted step (bodies) [rad]
+      real(wp), allocatable :: angle(:)
+      !> Bodies whose angle a channel asks for
+      integer, allocatable :: turning(:)
+      !> True if a channel needs accelerations or multipliers, or energies
+      logical :: needs_accelerations = .false., needs_energy = .false.
+      !> Scratch: values of one expression's slots
+      real(wp), allocatable :: slots(:)
+      !> Kinetic and potential energy, and work, at the sample
+      real(wp) :: kinetic = 0.0_wp, potential = 0.0_wp, work = 0.0_wp
+   end type recorder_type
+
+contains
+
+   !> A recorder for the channels of a system, at the first state.
+   function new_recorder(system, q) result(recorder)
+      type(system_type), intent(in) :: system
+      !> Coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      type(recorder_type) :: recorder
+      integer :: i, j, most
+      allocate (recorder%angle(size(system%model%bodies)), recorder%turning(0))
+      recorder%angle = 0.0_wp
+      most = 0
+      do i = 1, size(system%model%channels)
+         most = max(most, size(system%model%channels(i)%quantities))
+         do j = 1, size(system%model%channels(i)%quantities)
+            associate (quantity => system%model%channels(i)%quantities(j))
+               select case (quantity%kind)
+               case (quantity_angle); recorder%turning = [recorder%turning, quantity%of]
+               case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque)
+                  recorder%needs_accelerations = .true.
+               case (quantity_kinetic, quantity_potential); recorder%needs_energy = .true.
+               end select
+            end associate
+         end do
+      end do
+      allocate (recorder%slots(most))
+      do i = 1, size(recorder%angle)
+         recorder%angle(i) = system%model%bodies(i)%angle
+      end do
+      do i = 1, size(system%model%drivers)
+         associate (driver => system%model%drivers(i))
+            recorder%angle(driver%body) = driver%law%evaluate([system%model%dynamics%start])
+         end associate
+      end do
+      call follow_angles(recorder, system, q)
+   end function new_recorder
+
+   !> Carries the accumulated angles on to a state less than half a turn away.
+   subroutine follow_angles(recorder, system, q)
+      type(recorder_type), intent(inout) :: recorder
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: q(:)
+      integer :: i
+      do i = 1, size(recorder%turning)
+         recorder%angle(recorder%turning(i)) = angle_near(recorder%angle(recorder%turning(i)), &
+            & q(system%layout%q(recorder%turning(i)) + 2:))
+      end do
+   end subroutine follow_angles
+
+   !> The angle of a unit vector, with the turns that bring it nearest to a given angle.
+   pure real(wp) function angle_near(before, u) result(angle)
+      real(wp), intent(in) :: before, u(:)
+      real(wp), parameter :: turn_once = 2*acos(-1.0_wp)
+      angle = atan2(u(2), u(1))
+      angle = angle + turn_once*anint((before - angle)/turn_once)
+   end function angle_near
+
+   !> Values of all channels, in their order.
+   subroutine channel_values(recorder, system, work, t, q, v, a, values)
+      type(recorder_type), intent(inout) :: recorder
+      type(system_type), intent(in) :: system
+      !> Multipliers and kinematics are those of the state if the recorder needs accelerations
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates, velocities, accelerations (nq)
+      real(wp), intent(in) :: t, q(:), v(:), a(:)
+      real(wp), intent(inout) :: values(:)
+      integer :: i, j
+      if (recorder%needs_energy) call mechanical_energy(system, work, q, v, recorder%kinetic, recorder%potential)
+      do i = 1, size(values)
+         associate (channel => system%model%channels(i))
+            do j = 1, size(channel%quantities)
+               recorder%slots(j) = quantity_value(recorder, channel%quantities(j), system, work, t, q, v, a)
+            end do
+            values(i) = channel%expression%evaluate(recorder%slots(:size(channel%quantities)))
+         end associate
+      end do
+   end subroutine channel_values
+
+   !> Value of one quantity.
+   real(wp) function quantity_value(recorder, quantity, system, work, t, q, v, a) result(value)
+      type(recorder_type), intent(in) :: recorder
+      type(quantity_type), intent(in) :: quantity
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      real(wp), intent(in) :: t, q(:), v(:), a(:)
+      real(wp) :: vector(2)
+      if (quantity%kind == 0) then
+         value = t
+         return
+      end if
+      vector = 0.0_wp
+      value = 0.0_wp
+      select case (quantity%kind)
+      case (quantity_x, quantity_y)
+         vector = point_position(system%layout, system%model%points(quantity%of), q)
+      case (quantity_vx, quantity_vy)
+         vector = point_velocity(system%layout, system%model%points(quantity%of), q, v)
+      case (quantity_ax, quantity_ay)
+         vector = point_acceleration(system%layout, system%model%points(quantity%of), q, v, a)
+      case (quantity_force_x, quantity_force_y)
+         vector = joint_force(system, work, quantity%of)
+      case (quantity_angle)
+         value = angle_near(recorder%angle(quantity%of), q(system%layout%q(quantity%of) + 2:))
+      case (quantity_spin)
+         associate (first => system%layout%q(quantity%of) + 2)
+            value = cross(q(first:first + 1), v(first:first + 1))
+         end associate
+      case (quantity_deflection)
+         value = deflection(system, quantity%of, q)
+      case (quantity_length)
+         value = system%model%bodies(quantity%of)%beam%length
+      case (quantity_torque)
+         associate (item => system%constraints(size(system%model%joints) + quantity%of)%item)
+            value = -work%lambda(item%first)*work%jacobians(1, size(system%model%joints) + quantity%of)%z(1, 3)
+         end associate
+      case (quantity_kinetic); value = recorder%kinetic
+      case (quantity_potential); value = recorder%potential
+      case (quantity_work); value = recorder%work
+      end select
+      select case (quantity%kind)
+      case (quantity_x, quantity_vx, quantity_ax, quantity_force_x); value = vector(1)
+      case (quantity_y, quantity_vy, quantity_ay, quantity_force_y); value = vector(2)
+      end select
+   end function quantity_value
+
+   !> Force of a joint on its first body, along the fixed axes (2).
+   pure function joint_force(system, work, joint) result(force)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      integer, intent(in) :: joint
+      real(wp) :: force(2), u(2)
+      associate (item => system%constraints(joint)%item, spec => system%model%joints(joint))
+         if (spec%kind == joint_point_on_line) then
+            u = [1.0_wp, 0.0_wp]
+            if (item%bodies(2) /= ground) u = work%kinematics%frames(item%bodies(2))%u
+            force = -work%lambda(item%first)*turn(along([cos(spec%angle), sin(spec%angle)], u))
+         else
+            force = -work%lambda(item%first:item%first + 1)
+         end if
+      end associate
+   end function joint_force
+
+   !> Signed distance of a beam's point from the chord through the beam's ends.
+   pure real(wp) function deflection(system, point, q)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: point
+      real(wp), intent(in) :: q(:)
+      real(wp) :: start(2), chord(2)
+      associate (points => system%model%points, body => system%model%bodies(system%model%points(point)%body))
+         start = point_position(system%layout, points(body%start_point), q)
+         chord = point_position(system%layout, points(body%end_point), q) - start
+         deflection = cross(chord, point_position(system%layout, points(point), q) - start)/norm2(chord)
+      end associate
+   end function deflection
+
+end module limber_output_channels

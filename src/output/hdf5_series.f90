@@ -1,0 +1,110 @@
+!> Datasets of an HDF5 file that grow by rows while a run goes on. Floor: output; used by `limber_output_history`.
+!> Source: HDF5 1.10 User's Guide, chunked storage and hyperslabs.
+module limber_output_hdf5_series
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_c_binding, only: c_loc
+   use hdf5, only: hid_t, hsize_t, h5pcreate_f, h5pclose_f, h5pset_chunk_f, h5pset_fill_value_f, &
+      & h5p_dataset_create_f, h5dcreate_f, h5dwrite_f, h5dclose_f, h5dset_extent_f, h5dget_space_f, &
+      & h5screate_simple_f, h5sclose_f, h5sselect_hyperslab_f, h5s_select_set_f, h5s_unlimited_f, &
+      & h5t_ieee_f64le, h5t_native_double
+   use limber_base_error, only: error_type
+   use limber_base_kinds, only: wp
+   use limber_output_hdf5_error, only: hdf5_error, no_id
+   implicit none
+   private
+   public :: series_type, create_series, append_rows, close_series
+
+   !> A dataset that grows by rows: shape (time) for width 1, else (time, width) as h5py sees it
+   type :: series_type
+      !> Open dataset
+      integer(hid_t) :: id = no_id
+      !> Numbers in a row
+      integer :: width = 1
+      !> Rows written so far
+      integer(hsize_t) :: rows = 0
+   end type series_type
+
+contains
+
+   !> Creates an empty extendible dataset of reals; rows that a kill leaves unwritten read as NaN.
+   subroutine create_series(file, path, width, chunk_rows, series, error)
+      !> Open file
+      integer(hid_t), intent(in) :: file
+      !> Absolute path in a group that is there
+      character(*), intent(in) :: path
+      !> Numbers in a row; 1 makes a dataset of one dimension
+      integer, intent(in) :: width
+      !> Rows in a chunk
+      integer, intent(in) :: chunk_rows
+      !> Open dataset
+      type(series_type), intent(out) :: series
+      !> Allocated if it cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      integer(hsize_t) :: extent(2), limit(2), chunk(2)
+      integer(hid_t) :: space, creation
+      integer :: status, ignored, rank
+      rank = merge(1, 2, width == 1)
+      extent = [int(width, hsize_t), 0_hsize_t]
+      limit = [int(width, hsize_t), h5s_unlimited_f]
+      chunk = [width, chunk_rows]
+      call h5screate_simple_f(rank, extent(3 - rank:), space, ignored, limit(3 - rank:))
+      call h5pcreate_f(h5p_dataset_create_f, creation, ignored)
+      call h5pset_chunk_f(creation, rank, chunk(3 - rank:), ignored)
+      call h5pset_fill_value_f(creation, h5t_native_double, ieee_value(0.0_wp, ieee_quiet_nan), ignored)
+      call h5dcreate_f(file, path, h5t_ieee_f64le, space, series%id, status, dcpl_id=creation)
+      if (status < 0) then
+         call hdf5_error(error, file, 'cannot create '//path)
+         series%id = no_id
+      end if
+      series%width = width
+      call h5pclose_f(creation, ignored)
+      call h5sclose_f(space, ignored)
+   end subroutine create_series
+
+   !> Appends rows to a series straight from a part of a buffer, without a copy.
+   subroutine append_rows(series, buffer, first, rows, error)
+      !> Series to extend
+      type(series_type), intent(inout) :: series
+      !> One sample in each column
+      real(wp), contiguous, intent(in), target :: buffer(:, :)
+      !> Row of `buffer` that holds the series' first number
+      integer, intent(in) :: first
+      !> Number of samples: columns 1 to `rows` of `buffer`
+      integer, intent(in) :: rows
+      !> Allocated if they cannot be written; the series is then damaged
+      type(error_type), allocatable, intent(out) :: error
+      integer(hsize_t) :: offset(2), extent(2)
+      integer(hid_t) :: memory_space, file_space
+      integer :: status, ignored, skip
+      if (rows == 0) return
+      skip = merge(1, 0, series%width == 1)
+      extent = [int(series%width, hsize_t), series%rows + rows]
+      call h5dset_extent_f(series%id, extent(1 + skip:), status)
+      if (status < 0) then
+         call hdf5_error(error, series%id, 'cannot extend a series')
+         return
+      end if
+      call h5screate_simple_f(2, shape(buffer, hsize_t), memory_space, ignored)
+      call h5dget_space_f(series%id, file_space, ignored)
+      extent(2) = rows
+      offset = [first - 1, 0]
+      call h5sselect_hyperslab_f(memory_space, h5s_select_set_f, offset, extent, ignored)
+      offset = [0_hsize_t, series%rows]
+      call h5sselect_hyperslab_f(file_space, h5s_select_set_f, offset(1 + skip:), extent(1 + skip:), ignored)
+      call h5dwrite_f(series%id, h5t_native_double, c_loc(buffer(1, 1)), status, memory_space, file_space)
+      if (status < 0) call hdf5_error(error, series%id, 'cannot write samples')
+      series%rows = series%rows + rows
+      call h5sclose_f(file_space, ignored)
+      call h5sclose_f(memory_space, ignored)
+   end subroutine append_rows
+
+   !> Closes the dataset of a series; does nothing if it is not open.
+   subroutine close_series(series)
+      !> Series; not open on return
+      type(series_type), intent(inout) :: series
+      integer :: ignored
+      if (series%id /= no_id) call h5dclose_f(series%id, ignored)
+      series%id = no_id
+   end subroutine close_series
+
+end module limber_output_hdf5_series

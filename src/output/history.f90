@@ -1,0 +1,381 @@
+!> The results of a run as one HDF5 file, written while the run goes on. Floor: output; an analysis fills it,
+!> `limber_output_history_reader` and any HDF5 tool read it. Sources: HDF5 1.10 (Dimension Scales, H5DS), and the
+!> netCDF-4 conventions built on them, by which xarray knows `time` as the coordinate of every channel.
+!>
+!>     /                  attributes format = "limber-history", format_version, limber_version
+!>     /time              (time): scale of every channel; attributes units, long_name
+!>     /component_<k>     1..k: scale of the second dimension of channels of width k, one for each width in use
+!>     /channels/<name>   (time) or (time, k); attributes units, long_name; members in order of definition
+!>     /bodies/<name>/... small datasets and attributes
+!>     /run               texts (deck, ...), statistics; attributes complete (0, then 1) and status
+!>
+!> Samples are gathered in memory and go to the file together, followed at once by a flush, whenever the buffer is
+!> full or some seconds have passed: between two such moments the file on disk is whole, so that a killed run leaves
+!> what was written up to then, with `complete` 0. An existing file is replaced, if that is allowed, by `create`
+!> itself; so create the history when the run really starts, after the deck has been found good.
+module limber_output_history
+   use hdf5, only: hid_t, hsize_t, h5fflush_f, h5f_scope_global_f, h5dopen_f, h5dclose_f
+   use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
+   use limber_base_error, only: error_type, raise
+   use limber_base_kinds, only: wp, long
+   use limber_base_text, only: as_text
+   use limber_output_hdf5, only: create_file, close_file, create_group, object_exists, write_attribute, write_dataset
+   use limber_output_hdf5_error, only: hdf5_error, no_id
+   use limber_output_hdf5_read, only: longest_name
+   use limber_output_hdf5_series, only: series_type, create_series, append_rows, close_series
+   implicit none
+   private
+   public :: history_type, history_format, history_format_version
+
+   !> Value of the root attribute `format`
+   character(*), parameter :: history_format = 'limber-history'
+   !> Value of the root attribute `format_version`; counted up when a reader has to change
+   integer, parameter :: history_format_version = 1
+   !> Names that cannot be those of channels: they are dimensions
+   character(*), parameter :: reserved_name = 'time'
+
+   !> A results file that is being written: create, define_time, define_channel ..., append ..., finish
+   type :: history_type
+      !> Name of the file
+      character(:), allocatable :: path
+      !> Numbers in a sample: the widths of all channels added up
+      integer :: width = 0
+      !> Samples taken so far, written or not
+      integer(long) :: samples = 0
+      !> Wall time after which samples are written although the buffer is not full [s]
+      real(wp) :: flush_interval = 2.0_wp
+      integer(hid_t), private :: file = no_id
+      type(series_type), private :: time
+      type(series_type), allocatable, private :: channels(:)
+      !> Samples not yet written, one in each column; allocated with the first of them
+      real(wp), allocatable, private :: times(:, :), buffer(:, :)
+      integer, private :: waiting = 0
+      !> Clock at the last write [ticks]
+      integer(long), private :: last_write = 0
+      !> Set by a write that failed; no sample is taken any more
+      logical, private :: failed = .false.
+   contains
+      procedure :: create, define_time, define_channel, append, flush => flush_samples, finish, put_text
+      !> `put_real(path, value, units, long_name, error)`: value (:) or (:, :), which h5py sees transposed
+      generic :: put_real => put_reals, put_table
+      !> `put_attribute(path, name, value, error)`: value a text, integer, long, real or real (:)
+      generic :: put_attribute => put_attribute_text, put_attribute_integer, put_attribute_long, &
+         & put_attribute_real, put_attribute_reals
+      procedure :: put_integer
+      procedure, private :: put_reals, put_table, put_attribute_text, put_attribute_integer, put_attribute_long, &
+         & put_attribute_real, put_attribute_reals, component_scale
+   end type history_type
+
+contains
+
+   !> Creates the file with its groups.
+   subroutine create(self, path, overwrite, version, error)
+      !> History that is not open
+      class(history_type), intent(inout) :: self
+      !> Name of the file
+      character(*), intent(in) :: path
+      !> Whether an existing file may be replaced; it is lost at once
+      logical, intent(in) :: overwrite
+      !> Version of limber
+      character(*), intent(in) :: version
+      !> Allocated if the file exists (without `overwrite`) or cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: close_error
+      if (self%file /= no_id) then
+         call raise(error, self%path//': the history is already open')
+         return
+      end if
+      call create_file(trim(path), overwrite, self%file, error)
+      if (allocated(error)) return
+      self%path = trim(path)
+      self%samples = 0
+      self%failed = .false.
+      allocate (self%channels(0))
+      call write_attribute(self%file, '/', 'format', history_format, error)
+      if (.not. allocated(error)) call write_attribute(self%file, '/', 'format_version', history_format_version, error)
+      if (.not. allocated(error)) call write_attribute(self%file, '/', 'limber_version', version, error)
+      if (.not. allocated(error)) call create_group(self%file, '/channels', error)
+      if (.not. allocated(error)) call create_group(self%file, '/bodies', error)
+      if (.not. allocated(error)) call create_group(self%file, '/run', error)
+      if (.not. allocated(error)) call write_attribute(self%file, '/run', 'complete', 0, error)
+      if (.not. allocated(error)) call write_attribute(self%file, '/run', 'status', 'running', error)
+      call system_clock(self%last_write)
+      if (.not. allocated(error)) return
+      call close_file(self%path, self%file, close_error)
+      deallocate (self%channels)
+   end subroutine create
+
+   !> Makes the time axis; before the channels.
+   subroutine define_time(self, units, error)
+      !> Open history
+      class(history_type), intent(inout) :: self
+      !> Unit of time, such as 's'
+      character(*), intent(in) :: units
+      !> Allocated if it cannot be written or is there already
+      type(error_type), allocatable, intent(out) :: error
+      integer :: status
+      call create_series(self%file, '/time', 1, chunk_rows(1), self%time, error)
+      if (allocated(error)) return
+      call h5dsset_scale_f(self%time%id, status, 'time')
+      if (status < 0) call hdf5_error(error, self%file, 'cannot make /time a dimension scale')
+      if (.not. allocated(error)) call write_attribute(self%file, '/time', 'units', units, error)
+      if (.not. allocated(error)) call write_attribute(self%file, '/time', 'long_name', 'time', error)
+   end subroutine define_time
+
+   !> Adds a channel; before the first sample, after the time.
+   subroutine define_channel(self, name, width, units, long_name, error)
+      !> Open history
+      class(history_type), intent(inout) :: self
+      !> Name, without '/' or blanks
+      character(*), intent(in) :: name
+      !> Numbers in each sample, at least 1
+      integer, intent(in) :: width
+      !> Unit, '1' for a number without
+      character(*), intent(in) :: units
+      !> One line for people
+      character(*), intent(in) :: long_name
+      !> Allocated if the name is bad or taken, or the file cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      type(series_type) :: channel
+      integer(hid_t) :: scale
+      integer :: status
+      call check_definition(self, name, width, error)
+      if (allocated(error)) return
+      call create_series(self%file, '/channels/'//name, width, chunk_rows(width), channel, error)
+      if (allocated(error)) return
+      self%channels = [self%channels, channel]
+      self%width = self%width + width
+      call write_attribute(self%file, '/channels/'//name, 'units', units, error)
+      if (.not. allocated(error)) call write_attribute(self%file, '/channels/'//name, 'long_name', long_name, error)
+      if (allocated(error)) return
+      call h5dsattach_scale_f(channel%id, self%time%id, 1, status)
+      if (status >= 0 .and. width > 1) then
+         call self%component_scale(width, scale, error)
+         if (allocated(error)) return
+         call h5dsattach_scale_f(channel%id, scale, 2, status)
+         call h5dclose_f(scale, status)
+      end if
+      if (status < 0) call hdf5_error(error, self%file, 'cannot attach a dimension scale to /channels/'//name)
+   end subroutine define_channel
+
+   !> Whether a channel can be defined.
+   subroutine check_definition(self, name, width, error)
+      class(history_type), intent(in) :: self
+      character(*), intent(in) :: name
+      integer, intent(in) :: width
+      type(error_type), allocatable, intent(out) :: error
+      if (self%time%id == no_id .or. allocated(self%buffer)) then
+         call raise(error, "channel '"//name//"': to be defined after the time and before the first sample")
+      else if (name == '' .or. name == '.' .or. name == reserved_name .or. scan(name, '/ ') > 0 &
+         & .or. len(name) > longest_name) then
+         call raise(error, "channel '"//name//"': not a name of a channel")
+      else if (width < 1) then
+         call raise(error, "channel '"//name//"': width "//as_text(width)//' is not positive')
+      else if (object_exists(self%file, '/channels/'//name)) then
+         call raise(error, "channel '"//name//"': defined twice")
+      end if
+   end subroutine check_definition
+
+   !> Opens the scale of the second dimension of channels of one width; makes it at its first use.
+   subroutine component_scale(self, width, scale, error)
+      class(history_type), intent(in) :: self
+      integer, intent(in) :: width
+      integer(hid_t), intent(out) :: scale
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: name
+      logical :: is_new
+      integer :: i, status
+      name = 'component_'//as_text(width)
+      is_new = .not. object_exists(self%file, '/'//name)
+      if (is_new) call write_dataset(self%file, '/'//name, [(i, i=1, width)], error)
+      if (allocated(error)) return
+      call h5dopen_f(self%file, '/'//name, scale, status)
+      if (status >= 0 .and. is_new) call h5dsset_scale_f(scale, status, name)
+      if (status < 0) call hdf5_error(error, self%file, 'cannot make /'//name//' a dimension scale')
+   end subroutine component_scale
+
+   !> Takes a sample; it reaches the file at once or some seconds later.
+   subroutine append(self, t, values, error)
+      !> Open history with its channels
+      class(history_type), intent(inout) :: self
+      !> Time, in the unit of `define_time`
+      real(wp), intent(in) :: t
+      !> All channels one after another in the order of definition, (width)
+      real(wp), intent(in) :: values(:)
+      !> Allocated if the file cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      integer(long) :: clock, ticks_per_second
+      if (self%failed .or. self%time%id == no_id) then
+         call raise(error, 'results file: a sample for a history that is not open, or could not be written before')
+         return
+      else if (size(values) /= self%width) then
+         call raise(error, self%path//': a sample of '//as_text(size(values))//' numbers for channels of '// &
+            & as_text(self%width))
+         return
+      end if
+      if (.not. allocated(self%buffer)) then
+         allocate (self%times(1, chunk_rows(self%width)), self%buffer(self%width, chunk_rows(self%width)))
+      end if
+      self%waiting = self%waiting + 1
+      self%samples = self%samples + 1
+      self%times(1, self%waiting) = t
+      self%buffer(:, self%waiting) = values
+      call system_clock(clock, ticks_per_second)
+      if (self%waiting == size(self%times, 2) .or. &
+         & real(clock - self%last_write, wp) >= self%flush_interval*real(ticks_per_second, wp)) call self%flush(error)
+   end subroutine append
+
+   !> Writes the samples that wait and hands everything to the system.
+   subroutine flush_samples(self, error)
+      !> Open history
+      class(history_type), intent(inout) :: self
+      !> Allocated if the file cannot be written; the history then takes no more samples
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, first, status
+      if (self%file == no_id .or. self%failed) return
+      first = 1
+      if (self%waiting > 0) then
+         do i = 1, size(self%channels)
+            call append_rows(self%channels(i), self%buffer, first, self%waiting, error)
+            if (allocated(error)) exit
+            first = first + self%channels(i)%width
+         end do
+         if (.not. allocated(error)) call append_rows(self%time, self%times, 1, self%waiting, error)
+      end if
+      if (.not. allocated(error)) then
+         call h5fflush_f(self%file, h5f_scope_global_f, status)
+         if (status < 0) call hdf5_error(error, self%file, 'cannot write')
+      end if
+      self%failed = allocated(error)
+      self%waiting = 0
+      call system_clock(self%last_write)
+   end subroutine flush_samples
+
+   !> Writes what is left and how the run ended, and closes the file; a second call does nothing. Call it also after
+   !> an error, with `complete` false: the file is closed in any case.
+   subroutine finish(self, complete, status, error)
+      !> History
+      class(history_type), intent(inout) :: self
+      !> Whether the run reached its end
+      logical, intent(in) :: complete
+      !> How it ended, such as 'finished' or the message of its error
+      character(*), intent(in) :: status
+      !> Allocated if the file cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: close_error
+      integer :: i
+      if (self%file == no_id) return
+      call self%flush(error)
+      if (.not. (allocated(error) .or. self%failed)) then
+         call write_attribute(self%file, '/run', 'status', status, error)
+         if (complete .and. .not. allocated(error)) call write_attribute(self%file, '/run', 'complete', 1, error)
+      end if
+      do i = 1, size(self%channels)
+         call close_series(self%channels(i))
+      end do
+      call close_series(self%time)
+      call close_file(self%path, self%file, close_error)
+      if (allocated(close_error) .and. .not. allocated(error)) call move_alloc(close_error, error)
+      deallocate (self%channels)
+      if (allocated(self%buffer)) deallocate (self%buffer, self%times)
+      self%width = 0
+   end subroutine finish
+
+   !> Writes a text as a dataset, replacing an older one.
+   subroutine put_text(self, path, text, error)
+      !> Open history
+      class(history_type), intent(in) :: self
+      !> Absolute path, such as '/run/deck'
+      character(*), intent(in) :: path
+      !> Text of any length, UTF-8
+      character(*), intent(in) :: text
+      !> Allocated if it cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      call write_dataset(self%file, path, text, error)
+   end subroutine put_text
+
+   !> Writes integers as a dataset, replacing an older one.
+   subroutine put_integer(self, path, value, long_name, error)
+      !> Open history
+      class(history_type), intent(in) :: self
+      !> Absolute path, such as '/bodies/rod/nodes'
+      character(*), intent(in) :: path
+      !> Numbers
+      integer, intent(in) :: value(:)
+      !> One line for people
+      character(*), intent(in) :: long_name
+      !> Allocated if it cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      call write_dataset(self%file, path, value, error)
+      if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
+   end subroutine put_integer
+
+   subroutine put_reals(self, path, value, units, long_name, error)
+      class(history_type), intent(in) :: self
+      character(*), intent(in) :: path, units, long_name
+      real(wp), intent(in) :: value(:)
+      type(error_type), allocatable, intent(out) :: error
+      call write_dataset(self%file, path, value, error)
+      if (.not. allocated(error)) call write_attribute(self%file, path, 'units', units, error)
+      if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
+   end subroutine put_reals
+
+   subroutine put_table(self, path, value, units, long_name, error)
+      class(history_type), intent(in) :: self
+      character(*), intent(in) :: path, units, long_name
+      real(wp), intent(in) :: value(:, :)
+      type(error_type), allocatable, intent(out) :: error
+      call write_dataset(self%file, path, value, error)
+      if (.not. allocated(error)) call write_attribute(self%file, path, 'units', units, error)
+      if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
+   end subroutine put_table
+
+   subroutine put_attribute_text(self, path, name, value, error)
+      class(history_type), intent(in) :: self
+      character(*), intent(in) :: path, name
+      character(*), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+      call write_attribute(self%file, path, name, value, error)
+   end subroutine put_attribute_text
+
+   subroutine put_attribute_integer(self, path, name, value, error)
+      class(history_type), intent(in) :: self
+      character(*), intent(in) :: path, name
+      integer, intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+      call write_attribute(self%file, path, name, value, error)
+   end subroutine put_attribute_integer
+
+   subroutine put_attribute_long(self, path, name, value, error)
+      class(history_type), intent(in) :: self
+      character(*), intent(in) :: path, name
+      integer(long), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+      call write_attribute(self%file, path, name, value, error)
+   end subroutine put_attribute_long
+
+   subroutine put_attribute_real(self, path, name, value, error)
+      class(history_type), intent(in) :: self
+      character(*), intent(in) :: path, name
+      real(wp), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+      call write_attribute(self%file, path, name, value, error)
+   end subroutine put_attribute_real
+
+   subroutine put_attribute_reals(self, path, name, value, error)
+      class(history_type), intent(in) :: self
+      character(*), intent(in) :: path, name
+      real(wp), intent(in) :: value(:)
+      type(error_type), allocatable, intent(out) :: error
+      call write_attribute(self%file, path, name, value, error)
+   end subroutine put_attribute_reals
+
+   !> Rows in a chunk of the file and in the buffer: 256, fewer if a row is long, at least 64.
+   pure integer function chunk_rows(width) result(rows)
+      !> Numbers in a row
+      integer, intent(in) :: width
+      integer, parameter :: numbers_at_once = 131072
+      rows = max(64, min(256, numbers_at_once/max(1, width)))
+   end function chunk_rows
+
+end module limber_output_history

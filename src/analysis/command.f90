@@ -1,0 +1,155 @@
+!> The command line: which command, its files and options. Floor: analysis.
+module limber_analysis_command
+   use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_text, only: nearest_name, newline
+   use limber_base_kinds, only: wp
+   use limber_analysis_diff, only: tolerance_type
+   implicit none
+   private
+   public :: command_type, read_command, usage
+
+   !> Longest argument that is taken
+   integer, parameter :: longest = 4096
+
+   character(*), parameter :: verbs(*) = [character(9) :: 'run', 'check', 'export', 'diff', 'help', '--version', '--help']
+
+   !> What the user asked for
+   type :: command_type
+      !> run, check, export, diff, help, --version
+      character(:), allocatable :: verb
+      !> Files, channels or keywords, in order
+      character(:), allocatable :: words(:)
+      !> Name of the result file; empty: from the deck's name
+      character(:), allocatable :: output
+      logical :: force = .false., quiet = .false., manual = .false.
+      !> Tolerances of `diff`
+      type(tolerance_type) :: tolerance
+   end type command_type
+
+contains
+
+   !> How limber is called.
+   pure function usage() result(text)
+      character(:), allocatable :: text
+      text = 'limber: dynamics of planar flexible multibody systems'//newline//newline// &
+         & '   limber run DECK [-o FILE] [--force] [--quiet]    run a deck; results in FILE (default: deck''s name .h5)'//newline// &
+         & '   limber check DECK                                read, build and assemble only'//newline// &
+         & '   limber export FILE [CHANNEL ...]                 print channels of a result as plain columns'//newline// &
+         & '   limber diff A B [--rtol R] [--range R] [--atol A]  compare results A with the reference B, channel by channel: &
+         &relative, part of'//newline// &
+         & '                                                    the reference''s range, absolute'//newline// &
+         & '   limber help [KEYWORD]                            explain the deck''s keywords; --manual prints all'//newline// &
+         & '   limber --version                                 version, commit and compiler'//newline//newline// &
+         & 'Status: 0 done, 1 results differ, 2 deck or command cannot be used, 3 the run could not finish.'
+   end function usage
+
+   !> Reads the command line.
+   subroutine read_command(command, error)
+      type(command_type), intent(out) :: command
+      type(error_type), allocatable, intent(out) :: error
+      character(longest) :: word
+      integer :: i, length
+      allocate (character(longest) :: command%words(0))
+      command%output = ''
+      command%verb = '--help'
+      i = 1
+      do while (i <= command_argument_count())
+         call get_command_argument(i, word, length)
+         if (length > longest) then
+            call raise(error, 'an argument is longer than 4096 characters', status_deck)
+            return
+         end if
+         if (i == 1) then
+            command%verb = trim(word)
+            if (.not. any(verbs == word)) call complain('command', word, error)
+         else
+            call take(command, i, word, error)
+         end if
+         if (allocated(error)) return
+         i = i + 1
+      end do
+      call check_count(command, error)
+   end subroutine read_command
+
+   !> One option or word behind the verb.
+   subroutine take(command, i, word, error)
+      type(command_type), intent(inout) :: command
+      !> Index of the argument; one further if it takes a value
+      integer, intent(inout) :: i
+      character(*), intent(in) :: word
+      type(error_type), allocatable, intent(out) :: error
+      character(longest) :: value
+      character(*), parameter :: options(*) = [character(8) :: '-o', '--force', '--quiet', '--rtol', '--range', '--atol', '--manual']
+      select case (word)
+      case ('--force'); command%force = .true.
+      case ('--quiet'); command%quiet = .true.
+      case ('--manual'); command%manual = .true.
+      case ('-o', '--rtol', '--range', '--atol')
+         if (i == command_argument_count()) then
+            call raise(error, 'a value is missing behind '//trim(word), status_deck)
+            return
+         end if
+         i = i + 1
+         call get_command_argument(i, value)
+         if (word == '-o') command%output = trim(value)
+         if (word == '--rtol') call read_real(value, command%tolerance%relative, error)
+         if (word == '--range') call read_real(value, command%tolerance%of_range, error)
+         if (word == '--atol') call read_real(value, command%tolerance%absolute, error)
+      case default
+         if (word(1:1) == '-' .and. len_trim(word) > 1) then
+            call complain('option', word, error, options)
+         else
+            command%words = [character(longest) :: command%words, word]
+         end if
+      end select
+   end subroutine take
+
+   !> Too few or too many files.
+   subroutine check_count(command, error)
+      type(command_type), intent(in) :: command
+      type(error_type), allocatable, intent(out) :: error
+      integer :: least, most
+      least = 0
+      most = huge(most)
+      select case (command%verb)
+      case ('run', 'check')
+         least = 1
+         most = 1
+      case ('export'); least = 1
+      case ('diff')
+         least = 2
+         most = 2
+      end select
+      if (size(command%words) < least) call raise(error, 'limber '//command%verb//': a file is missing'//newline//newline// &
+         & usage(), status_deck)
+      if (size(command%words) > most) call raise(error, 'limber '//command%verb//": '"//trim(command%words(most + 1))// &
+         & "' is one file too many", status_deck)
+   end subroutine check_count
+
+   subroutine complain(kind, word, error, valid)
+      character(*), intent(in) :: kind, word
+      type(error_type), allocatable, intent(out) :: error
+      character(*), intent(in), optional :: valid(:)
+      character(:), allocatable :: hint
+      integer :: near
+      hint = ''
+      if (present(valid)) then
+         near = nearest_name(word, valid)
+         if (near > 0) hint = "; did you mean '"//trim(valid(near))//"'?"
+      else
+         near = nearest_name(word, verbs)
+         if (near > 0) hint = "; did you mean '"//trim(verbs(near))//"'?"
+      end if
+      call raise(error, 'there is no '//kind//" '"//trim(word)//"'"//hint//newline//newline//usage(), status_deck)
+   end subroutine complain
+
+   subroutine read_real(text, value, error)
+      character(*), intent(in) :: text
+      real(wp), intent(out) :: value
+      type(error_type), allocatable, intent(out) :: error
+      integer :: status
+      read (text, *, iostat=status) value
+      if (status /= 0) call raise(error, "'"//trim(text)//"' is not a number", status_deck)
+   end subroutine read_real
+
+end module limber_analysis_command

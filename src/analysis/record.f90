@@ -1,0 +1,198 @@
+!> What a result file carries besides its channels: the bodies as they were reduced, and the provenance of the run.
+!> Floor: analysis.
+module limber_analysis_record
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: newline
+   use limber_base_version, only: version, commit, compiler, compiler_options
+   use limber_analysis_dynamics, only: outcome_type
+   use limber_analysis_scene, only: scene_type
+   use limber_deck_effective, only: effective_deck
+   use limber_integrator_statistics, only: step_statistics_type
+   use limber_model_channels, only: unit_text
+   use limber_model_scene, only: body_type, units_type, body_point, body_flexible
+   use limber_output_history, only: history_type
+   implicit none
+   private
+   public :: open_history, record_bodies, record_provenance, record_outcome
+
+contains
+
+   !> Creates the history with its time axis and channels.
+   subroutine open_history(scene, path, overwrite, history, error)
+      type(scene_type), intent(in) :: scene
+      character(*), intent(in) :: path
+      logical, intent(in) :: overwrite
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+      associate (model => scene%system%model)
+         call history%create(path, overwrite, version, error)
+         if (.not. allocated(error)) call history%define_time(model%units%time, error)
+         do i = 1, size(model%channels)
+            if (allocated(error)) return
+            call history%define_channel(model%channels(i)%name, 1, model%channels(i)%units, model%channels(i)%long_name, error)
+         end do
+      end associate
+      if (.not. allocated(error)) call record_provenance(scene, history, error)
+      if (.not. allocated(error)) call record_bodies(scene, history, error)
+      if (.not. allocated(error)) call history%flush(error)
+   end subroutine open_history
+
+   !> Deck, effective deck, version, compiler, warnings.
+   subroutine record_provenance(scene, history, error)
+      type(scene_type), intent(in) :: scene
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: deck
+      integer :: i
+      deck = ''
+      associate (file => scene%deck%source%files(1))
+         do i = 1, size(file%lines)
+            deck = deck//file%lines(i)%text//newline
+         end do
+      end associate
+      call history%put_text('/run/deck', deck, error)
+      if (.not. allocated(error)) call history%put_text('/run/effective_deck', effective_deck(scene%deck), error)
+      if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'heading', scene%system%model%heading, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'limber_version', version, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'commit', commit, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'compiler', compiler, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'compiler_options', compiler_options, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'integrator', scene%system%model%dynamics%integrator, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'tolerance', scene%system%model%dynamics%tolerance, error)
+   end subroutine record_provenance
+
+   !> Invariants, frequencies and shapes of every body.
+   subroutine record_bodies(scene, history, error)
+      type(scene_type), intent(in) :: scene
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+      do i = 1, size(scene%system%model%bodies)
+         call record_body(scene%system%model%bodies(i), scene%system%model%units, history, error)
+         if (allocated(error)) return
+      end do
+   end subroutine record_bodies
+
+   subroutine record_body(body, units, history, error)
+      type(body_type), intent(in) :: body
+      type(units_type), intent(in) :: units
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: group
+      group = '/bodies/'//body%name
+      call history%put_real(group//'/mass', [body%reduced%mass], units%mass, 'mass', error)
+      if (.not. allocated(error)) call history%put_attribute(group, 'fidelity', fidelity(body), error)
+      if (allocated(error) .or. body%kind == body_point) return
+      call history%put_real(group//'/first_moment', body%reduced%c0, unit_text([1, 0, 1], units), &
+         & 'first moment of mass c0 in the body frame', error)
+      if (.not. allocated(error)) call history%put_real(group//'/second_moment', [body%reduced%i0], unit_text([2, 0, 1], units), &
+         & 'second moment of mass I0 about the origin of the frame', error)
+      if (allocated(error) .or. body%reduced%n == 0) return
+      call record_coordinates(body, units, group, history, error)
+   end subroutine record_body
+
+   !> Of a flexible body: frequencies, shapes at the nodes, invariants of the coordinates.
+   subroutine record_coordinates(body, units, group, history, error)
+      type(body_type), intent(in) :: body
+      type(units_type), intent(in) :: units
+      character(*), intent(in) :: group
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      call history%put_attribute(group, 'bending_coordinates', body%reduced%bending, error)
+      if (.not. allocated(error)) call history%put_attribute(group, 'axial_coordinates', &
+         & body%reduced%n - body%reduced%bending, error)
+      if (.not. allocated(error)) call history%put_attribute(group, 'elements', body%beam%elements, error)
+      if (.not. allocated(error)) call history%put_attribute(group, 'geometric_elements', body%choice%geometric_elements, error)
+      if (.not. allocated(error)) call history%put_real(group//'/frequency', sqrt(body%reduced%omega2), 'rad/'//units%time, &
+         & 'circular frequency of each coordinate, bending first, then axial', error)
+      if (.not. allocated(error)) call history%put_real(group//'/nodes', body%field%s, units%length, &
+         & 'coordinate of each node along the beam', error)
+      if (.not. allocated(error)) call history%put_real(group//'/deflection_shapes', transpose(body%field%w), &
+         & '1/sqrt('//units%mass//')', 'deflection of the nodes in each bending coordinate', error)
+      if (.not. allocated(error)) call history%put_real(group//'/axial_shapes', transpose(body%field%u), &
+         & '1/sqrt('//units%mass//')', 'axial displacement of the nodes in each axial coordinate', error)
+      if (.not. allocated(error)) call history%put_real(group//'/c', body%reduced%c, 'sqrt('//units%mass//')', 'invariant C', error)
+      if (.not. allocated(error)) call history%put_real(group//'/d', body%reduced%d, 'sqrt('//units%mass//') '//units%length, &
+         & 'invariant d', error)
+      if (.not. allocated(error)) call history%put_real(group//'/e', body%reduced%e, 'sqrt('//units%mass//') '//units%length, &
+         & 'invariant e', error)
+      if (.not. allocated(error)) call history%put_real(group//'/skew', body%reduced%skew, '1', 'invariant E', error)
+   end subroutine record_coordinates
+
+   !> Name of the fidelity of a body.
+   pure function fidelity(body) result(name)
+      type(body_type), intent(in) :: body
+      character(:), allocatable :: name
+      if (body%kind == body_point) then
+         name = 'POINT MASS'
+      else if (body%kind /= body_flexible) then
+         name = 'RIGID'
+      else if (body%reduced%full) then
+         name = 'FULL'
+      else if (body%reduced%geometric) then
+         name = 'K_G'
+      else
+         name = 'LINEAR'
+      end if
+   end function fidelity
+
+   !> Statistics of the run, and how it ended.
+   subroutine record_outcome(scene, outcome, statistics, message, history, error)
+      type(scene_type), intent(in) :: scene
+      type(outcome_type), intent(in) :: outcome
+      type(step_statistics_type), intent(in) :: statistics
+      !> Empty if the run has finished
+      character(*), intent(in) :: message
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      call put_counts()
+      if (.not. allocated(error)) call put_seconds()
+      if (.not. allocated(error)) call put_checks()
+      if (allocated(error)) return
+      if (message == '') then
+         call history%finish(.true., 'finished', error)
+      else
+         call history%finish(.false., message, error)
+      end if
+
+   contains
+
+      subroutine put_counts()
+         call history%put_attribute('/run', 'steps', statistics%steps, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'rejected_steps', statistics%rejected, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'failed_projections', statistics%failed_projections, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'right_hand_sides', statistics%evaluations, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'jacobians', statistics%jacobians, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'factorisations', statistics%factorisations, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'highest_order', statistics%highest_order, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'samples', outcome%samples, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'time_reached', outcome%reached, error)
+         if (allocated(error) .or. statistics%steps == 0) return
+         call history%put_attribute('/run', 'smallest_step', statistics%smallest_step, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'largest_step', statistics%largest_step, error)
+      end subroutine put_counts
+
+      subroutine put_seconds()
+         call history%put_attribute('/run', 'seconds_reading', scene%reading, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'seconds_building', scene%building, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'seconds_assembling', scene%assembling, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'seconds_time_loop', outcome%wall, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'cpu_seconds_time_loop', outcome%cpu, error)
+      end subroutine put_seconds
+
+      subroutine put_checks()
+         call history%put_attribute('/run', 'position_residual', outcome%position_residual, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'velocity_residual', outcome%velocity_residual, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'first_energy', outcome%first_energy, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'last_energy', outcome%last_energy, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'work', outcome%work, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'largest_energy', outcome%largest_energy, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'energy_imbalance', outcome%imbalance, error)
+      end subroutine put_checks
+
+   end subroutine record_outcome
+
+end module limber_analysis_record

@@ -1,0 +1,127 @@
+!> `limber run`: deck -> model -> modes -> system -> integrator -> history, with a closing report. Floor: analysis.
+module limber_analysis_run
+   use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_dynamics, only: run_dynamics, new_integrator, outcome_type
+   use limber_analysis_record, only: open_history, record_outcome
+   use limber_analysis_scene, only: scene_type, read_scene
+   use limber_integrator_integrator, only: integrator_type
+   use limber_model_scene, only: body_type, body_flexible, units_type
+   use limber_output_history, only: history_type
+   use limber_output_progress, only: progress_type
+   implicit none
+   private
+   public :: run_deck, check_deck
+
+contains
+
+   !> Runs a deck.
+   subroutine run_deck(path, output, force, quiet, report, error)
+      !> The deck, and the result file; empty: the deck's name with the ending .h5, in the working folder
+      character(*), intent(in) :: path, output
+      !> Whether an existing result may be replaced; whether the progress is not shown
+      logical, intent(in) :: force, quiet
+      !> What to tell the user
+      character(:), allocatable, intent(out) :: report
+      !> A deck that cannot be used (status 2), or a run that could not finish (status 3)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type) :: scene
+      class(integrator_type), allocatable :: integrator
+      type(history_type) :: history
+      type(progress_type) :: progress
+      type(outcome_type) :: outcome
+      type(error_type), allocatable :: write_error
+      character(:), allocatable :: results
+      report = ''
+      call read_scene(path, scene, error)
+      if (allocated(error)) return
+      if (.not. scene%system%model%dynamics%wanted) then
+         call raise(error, path//': nothing to run; add a *DYNAMICS block (limber help DYNAMICS)', status_deck)
+         return
+      end if
+      results = output
+      if (results == '') results = default_results(path)
+      call open_history(scene, results, force, history, error)
+      if (allocated(error)) return
+      call new_integrator(scene%system%model%dynamics, integrator)
+      if (.not. quiet) call progress%start(scene%system%model%dynamics%start, scene%system%model%dynamics%end, path)
+      call run_dynamics(scene, integrator, history, progress, outcome, error)
+      if (.not. quiet) call progress%finish()
+      if (allocated(error)) then
+         call record_outcome(scene, outcome, integrator%statistics, error%message, history, write_error)
+         error%message = path//': '//error%message//newline//'   What was computed up to there is in '//results// &
+            & ', marked incomplete.'
+      else
+         call record_outcome(scene, outcome, integrator%statistics, '', history, error)
+         report = scene%warnings//closing_report(scene, outcome, integrator, results)
+      end if
+   end subroutine run_deck
+
+   !> Reads, builds and assembles a deck, and says what it found.
+   subroutine check_deck(path, report, error)
+      character(*), intent(in) :: path
+      character(:), allocatable, intent(out) :: report
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type) :: scene
+      integer :: i
+      call read_scene(path, scene, error)
+      if (allocated(error)) return
+      associate (model => scene%system%model)
+         report = scene%warnings//path//': '//model%heading
+         do i = 1, size(model%bodies)
+            report = report//newline//'   '//body_line(model%bodies(i), model%units)
+         end do
+         report = report//newline//'   '//as_text(size(model%joints))//' joints, '//as_text(size(model%drivers))//' drivers, '// &
+            & as_text(size(model%forces))//' forces; '//as_text(size(model%channels))//' channels'//newline// &
+            & '   '//as_text(scene%system%layout%nz + sum(scene%system%layout%n))//' rates, '//as_text(scene%system%nc)// &
+            & ' constraint equations: '//as_text(scene%system%layout%nz + sum(scene%system%layout%n) - scene%system%nc)// &
+            & ' degrees of freedom'
+      end associate
+   end subroutine check_deck
+
+   !> Deck's name without its folder, with the ending .h5.
+   pure function default_results(path) result(name)
+      character(*), intent(in) :: path
+      character(:), allocatable :: name
+      integer :: dot
+      name = path(index(path, '/', back=.true.) + 1:)
+      dot = index(name, '.', back=.true.)
+      if (dot > 1) name = name(:dot - 1)
+      name = name//'.h5'
+   end function default_results
+
+   pure function body_line(body, units) result(line)
+      type(body_type), intent(in) :: body
+      type(units_type), intent(in) :: units
+      character(:), allocatable :: line
+      integer :: j
+      line = body%name//': mass '//as_text(body%reduced%mass, 6)//' '//units%mass
+      if (body%kind /= body_flexible) return
+      line = line//', '//as_text(body%reduced%bending)//' bending and '//as_text(body%reduced%n - body%reduced%bending)// &
+         & ' axial coordinates, rad/'//units%time//':'
+      do j = 1, body%reduced%n
+         line = line//' '//as_text(sqrt(body%reduced%omega2(j)), 4)
+      end do
+   end function body_line
+
+   !> Time, steps, residuals, energy balance, where the file is.
+   function closing_report(scene, outcome, integrator, results) result(text)
+      type(scene_type), intent(in) :: scene
+      type(outcome_type), intent(in) :: outcome
+      class(integrator_type), intent(in) :: integrator
+      character(*), intent(in) :: results
+      character(:), allocatable :: text
+      associate (statistics => integrator%statistics, units => scene%system%model%units)
+         text = scene%system%model%heading//newline// &
+            & '   reached t = '//as_text(outcome%reached, 8)//' '//units%time//' in '//as_text(statistics%steps)//' steps ('// &
+            & as_text(statistics%rejected)//' rejected), '//as_text(statistics%evaluations)//' evaluations'//newline// &
+            & '   '//as_text(outcome%cpu, 3)//' s CPU in the time loop; '//as_text(scene%reading + scene%building + &
+            & scene%assembling, 3)//' s before it'//newline// &
+            & '   constraints: position '//as_text(outcome%position_residual, 2)//' '//units%length//', velocity '// &
+            & as_text(outcome%velocity_residual, 2)//' '//units%length//'/'//units%time//' at worst'//newline// &
+            & '   energy balance: '//as_text(outcome%imbalance, 2)//' of at most '//as_text(outcome%largest_energy, 3)//newline// &
+            & '   '//as_text(outcome%samples)//' samples in '//results
+      end associate
+   end function closing_report
+
+end module limber_analysis_run

@@ -1,0 +1,260 @@
+!> Requested channels: the quantities in their expressions are found in the model, their units worked out.
+!> Floor: model.
+module limber_model_channels
+   use limber_base_text, only: as_text, nearest_name
+   use limber_deck_content, only: block_type, field_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_expression, only: expression_type, slot_type, is_binary
+   use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide
+   use limber_deck_origin, only: origin_type
+   use limber_model_points, only: find_point
+   use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_system
+   use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, ground
+   implicit none
+   private
+   public :: add_channels, unit_text
+
+   !> Dimension that could not be worked out
+   integer, parameter :: unknown = huge(1)
+
+contains
+
+   !> Adds the channels of an *OUTPUT block.
+   subroutine add_channels(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, j, before
+      type(channel_type) :: channel
+      do i = 1, size(block%lines)
+         do j = 1, size(block%lines(i)%fields)
+            before = diagnostics%count
+            call new_channel(block%lines(i)%fields(j), model, channel, diagnostics)
+            if (diagnostics%count == before) model%channels = [model%channels, channel]
+         end do
+      end do
+   end subroutine add_channels
+
+   subroutine new_channel(field, model, channel, diagnostics)
+      type(field_type), intent(in) :: field
+      type(model_type), intent(in) :: model
+      type(channel_type), intent(out) :: channel
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      channel%expression = field%expression
+      channel%name = field%name
+      if (channel%name == '') channel%name = default_name(field)
+      channel%long_name = trim(adjustl(field%text))
+      do i = 1, size(model%channels)
+         if (model%channels(i)%name == channel%name) call diagnostics%add(field%origin, "channel '"//channel%name// &
+            & "' is asked for twice", 'give one of them another name: name = '//channel%long_name)
+      end do
+      allocate (channel%quantities(size(field%expression%slots)))
+      do i = 1, size(channel%quantities)
+         call find_quantity(field%expression%slots(i), model, channel%quantities(i), diagnostics)
+      end do
+      if (any(channel%quantities%of < 0)) return
+      channel%units = channel_units(channel, model%units)
+   end subroutine new_channel
+
+   !> x(rod.middle) becomes x_rod_middle.
+   pure function default_name(field) result(name)
+      type(field_type), intent(in) :: field
+      character(:), allocatable :: name
+      integer :: i
+      if (size(field%expression%slots) > 0) then
+         name = field%expression%slots(1)%name
+         if (field%expression%slots(1)%argument /= '') name = name//'_'//field%expression%slots(1)%argument
+      else
+         name = 'constant'
+      end if
+      do i = 1, len(name)
+         if (scan(name(i:i), '.-') > 0) name(i:i) = '_'
+      end do
+   end function default_name
+
+   !> Finds what a slot stands for; `of` stays -1 with a complaint if there is no such thing.
+   subroutine find_quantity(slot, model, quantity, diagnostics)
+      type(slot_type), intent(in) :: slot
+      type(model_type), intent(in) :: model
+      type(quantity_type), intent(out) :: quantity
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: near
+      quantity%of = -1
+      if (slot%argument == '') then
+         quantity%of = 0
+         return
+      end if
+      do quantity%kind = size(quantities), 1, -1
+         if (quantities(quantity%kind)%name == slot%name) exit
+      end do
+      if (quantity%kind == 0) then
+         near = nearest_name(slot%name, quantities%name)
+         if (near > 0) then
+            call diagnostics%add(slot%origin, "there is no quantity '"//slot%name//"'", &
+               & "did you mean '"//trim(quantities(near)%name)//"'?")
+         else
+            call diagnostics%add(slot%origin, "there is no quantity '"//slot%name//"'", 'see: limber help OUTPUT')
+         end if
+         return
+      end if
+      select case (quantities(quantity%kind)%of)
+      case (of_point)
+         quantity%of = find_point(model, slot%argument, slot%origin, diagnostics)
+      case (of_beam_point)
+         quantity%of = find_point(model, slot%argument, slot%origin, diagnostics)
+         if (quantity%of > 0) call need_beam(model, model%points(quantity%of)%body, slot, quantity, diagnostics)
+      case (of_body, of_beam)
+         quantity%of = find_body(model, slot%argument)
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no body '"//slot%argument//"'", body_list(model))
+         else if (quantities(quantity%kind)%of == of_beam) then
+            call need_beam(model, quantity%of, slot, quantity, diagnostics)
+         else if (model%bodies(quantity%of)%kind == body_point) then
+            call diagnostics%add(slot%origin, "'"//slot%argument//"' is a point mass and has no angle")
+         end if
+      case (of_joint)
+         do quantity%of = size(model%joints), 1, -1
+            if (model%joints(quantity%of)%name == slot%argument) exit
+         end do
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'")
+      case (of_driver)
+         do quantity%of = size(model%drivers), 1, -1
+            if (model%drivers(quantity%of)%name == slot%argument) exit
+         end do
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
+      case (of_system)
+         quantity%of = 0
+         if (slot%argument /= 'system') call diagnostics%add(slot%origin, "'"//slot%name//"' is asked of the whole", &
+            & 'write '//slot%name//'(system)')
+      end select
+   end subroutine find_quantity
+
+   !> Complains of a body that is not a beam.
+   subroutine need_beam(model, body, slot, quantity, diagnostics)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      type(slot_type), intent(in) :: slot
+      type(quantity_type), intent(inout) :: quantity
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (body /= ground) then
+         if (model%bodies(body)%end_point > 0) return
+      end if
+      quantity%of = -1
+      call diagnostics%add(slot%origin, "'"//slot%argument//"' is not on a beam", slot%name//' is a quantity of beams')
+   end subroutine need_beam
+
+   pure integer function find_body(model, name) result(found)
+      type(model_type), intent(in) :: model
+      character(*), intent(in) :: name
+      do found = size(model%bodies), 1, -1
+         if (model%bodies(found)%name == name) return
+      end do
+   end function find_body
+
+   pure function body_list(model) result(text)
+      type(model_type), intent(in) :: model
+      character(:), allocatable :: text
+      integer :: i
+      text = 'bodies:'
+      do i = 1, size(model%bodies)
+         text = text//' '//model%bodies(i)%name
+      end do
+   end function body_list
+
+   !> Units of a channel from the dimensions of its quantities; 'unknown' where they do not fit together.
+   function channel_units(channel, units) result(text)
+      type(channel_type), intent(in) :: channel
+      type(units_type), intent(in) :: units
+      character(:), allocatable :: text
+      integer :: dimension(3)
+      dimension = expression_dimension(channel)
+      if (any(dimension == unknown)) then
+         text = 'unknown'
+         return
+      end if
+      text = unit_text(dimension, units)
+      if (size(channel%quantities) /= 1 .or. size(channel%expression%codes) /= 1) return
+      if (channel%quantities(1)%kind == 0) return
+      if (.not. quantities(channel%quantities(1)%kind)%angular) return
+      text = 'rad'
+      if (dimension(2) == -1) text = 'rad/'//units%time
+   end function channel_units
+
+   !> Dimension of an expression: its postfix program run on exponents. Plain numbers have none.
+   pure function expression_dimension(channel) result(dimension)
+      type(channel_type), intent(in) :: channel
+      integer :: dimension(3), stack(3, 128), i, top
+      top = 0
+      do i = 1, size(channel%expression%codes)
+         associate (code => channel%expression%codes(i))
+            if (code == op_constant) then
+               top = top + 1
+               stack(:, top) = 0
+            else if (code == op_slot) then
+               top = top + 1
+               stack(:, top) = slot_dimension(channel%quantities(channel%expression%operands(i)))
+            else if (is_binary(code)) then
+               top = top - 1
+               stack(:, top) = combined(code, stack(:, top), stack(:, top + 1))
+            else if (code /= op_negate .and. any(stack(:, top) /= 0)) then
+               stack(:, top) = unknown
+            end if
+         end associate
+      end do
+      dimension = stack(:, 1)
+   end function expression_dimension
+
+   pure function slot_dimension(quantity) result(dimension)
+      type(quantity_type), intent(in) :: quantity
+      integer :: dimension(3)
+      dimension = [0, 1, 0]
+      if (quantity%kind > 0) dimension = quantities(quantity%kind)%dimension
+   end function slot_dimension
+
+   pure function combined(code, a, b) result(c)
+      integer, intent(in) :: code, a(3), b(3)
+      integer :: c(3)
+      if (any(a == unknown) .or. any(b == unknown)) then
+         c = unknown
+      else if (code == op_multiply) then
+         c = a + b
+      else if (code == op_divide) then
+         c = a - b
+      else if (all(a == b) .and. (code == op_add .or. code == op_subtract .or. all(a == 0))) then
+         c = a
+      else
+         c = unknown
+      end if
+   end function combined
+
+   !> A dimension in the deck's units: 'm', 'm/s', 'N', '1'.
+   pure function unit_text(dimension, units) result(text)
+      !> Exponents of length, time and mass
+      integer, intent(in) :: dimension(3)
+      type(units_type), intent(in) :: units
+      character(:), allocatable :: text
+      if (units%length == 'm' .and. units%time == 's' .and. units%mass == 'kg') then
+         text = ''
+         if (all(dimension == [1, -2, 1])) text = 'N'
+         if (all(dimension == [2, -2, 1])) text = 'J'
+         if (text /= '') return
+      end if
+      text = power(units%mass, dimension(3))//power(units%length, dimension(1))//power(units%time, dimension(2))
+      if (text == '') then
+         text = '1'
+      else
+         text = text(2:)
+      end if
+   end function unit_text
+
+   pure function power(unit, exponent) result(text)
+      character(*), intent(in) :: unit
+      integer, intent(in) :: exponent
+      character(:), allocatable :: text
+      text = ''
+      if (exponent /= 0) text = ' '//unit
+      if (exponent /= 0 .and. exponent /= 1) text = text//'^'//as_text(exponent)
+   end function power
+
+end module limber_model_channels

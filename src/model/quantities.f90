@@ -1,0 +1,88 @@
+!> The table of quantities that *OUTPUT can ask for, written `quantity(object)` or `quantity(object.point)`.
+!> It drives the model builder, `limber help OUTPUT` and the manual. Floor: model.
+module limber_model_quantities
+   use limber_base_text, only: newline
+   implicit none
+   private
+   public :: quantity_spec_type, quantities, quantity_help, quantity_manual
+
+   !> What a quantity is asked of
+   integer, parameter, public :: of_point = 1, of_body = 2, of_beam_point = 3, of_beam = 4, of_joint = 5, of_driver = 6, &
+      & of_system = 7
+
+   !> The quantities
+   integer, parameter, public :: quantity_x = 1, quantity_y = 2, quantity_vx = 3, quantity_vy = 4, quantity_ax = 5, &
+      & quantity_ay = 6, quantity_angle = 7, quantity_spin = 8, quantity_deflection = 9, quantity_length = 10, &
+      & quantity_force_x = 11, quantity_force_y = 12, quantity_torque = 13, quantity_kinetic = 14, &
+      & quantity_potential = 15, quantity_work = 16
+
+   !> One row
+   type :: quantity_spec_type
+      !> Name in the deck
+      character(16) :: name
+      !> What it is asked of
+      integer :: of
+      !> Dimension: exponents of length, time and mass
+      integer :: dimension(3)
+      !> True for an angle, whose unit is written rad
+      logical :: angular
+      !> One line
+      character(100) :: meaning
+   end type quantity_spec_type
+
+   type(quantity_spec_type), parameter :: quantities(16) = [ &
+      & quantity_spec_type('x', of_point, [1, 0, 0], .false., 'position of a point along the fixed x axis'), &
+      & quantity_spec_type('y', of_point, [1, 0, 0], .false., 'position of a point along the fixed y axis'), &
+      & quantity_spec_type('vx', of_point, [1, -1, 0], .false., 'velocity of a point along x'), &
+      & quantity_spec_type('vy', of_point, [1, -1, 0], .false., 'velocity of a point along y'), &
+      & quantity_spec_type('ax', of_point, [1, -2, 0], .false., 'acceleration of a point along x'), &
+      & quantity_spec_type('ay', of_point, [1, -2, 0], .false., 'acceleration of a point along y'), &
+      & quantity_spec_type('angle', of_body, [0, 0, 0], .true., &
+      &    'angle of a body''s frame from the x axis, accumulated over turns'), &
+      & quantity_spec_type('spin', of_body, [0, -1, 0], .true., 'angular velocity of a body''s frame'), &
+      & quantity_spec_type('deflection', of_beam_point, [1, 0, 0], .false., &
+      &    'signed distance of a beam''s point from the chord through its ends, positive to the left'), &
+      & quantity_spec_type('length', of_beam, [1, 0, 0], .false., 'undeformed length of a beam'), &
+      & quantity_spec_type('force_x', of_joint, [1, -2, 1], .false., 'force along x of a joint on its first body'), &
+      & quantity_spec_type('force_y', of_joint, [1, -2, 1], .false., 'force along y of a joint on its first body'), &
+      & quantity_spec_type('torque', of_driver, [2, -2, 1], .false., 'torque of a driver on its body'), &
+      & quantity_spec_type('kinetic_energy', of_system, [2, -2, 1], .false., &
+      &    'kinetic energy of the whole: kinetic_energy(system)'), &
+      & quantity_spec_type('potential_energy', of_system, [2, -2, 1], .false., &
+      &    'elastic energy and potential of the weight of the whole: potential_energy(system)'), &
+      & quantity_spec_type('work', of_system, [2, -2, 1], .false., &
+      &    'work put in by drivers and forces since the start: work(system)')]
+
+contains
+
+   !> Lines for `limber help OUTPUT`.
+   function quantity_help() result(text)
+      character(:), allocatable :: text
+      integer :: i
+      text = 'Quantities:'//newline
+      do i = 1, size(quantities)
+         text = text//'  '//quantities(i)%name//' of a '//argument(quantities(i)%of)//'  '// &
+            & trim(quantities(i)%meaning)//newline
+      end do
+   end function quantity_help
+
+   !> The same as a Markdown table.
+   function quantity_manual() result(text)
+      character(:), allocatable :: text
+      integer :: i
+      text = '| quantity | asked of | meaning |'//newline//'|---|---|---|'//newline
+      do i = 1, size(quantities)
+         text = text//'| `'//trim(quantities(i)%name)//'` | '//trim(argument(quantities(i)%of))//' | '// &
+            & trim(quantities(i)%meaning)//' |'//newline
+      end do
+   end function quantity_manual
+
+   pure function argument(of) result(name)
+      integer, intent(in) :: of
+      character(15) :: name
+      character(15), parameter :: names(7) = [character(15) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
+         & 'driver', 'system']
+      name = names(of)
+   end function argument
+
+end module limber_model_quantities

@@ -75,8 +75,8 @@ contains
       call a%read_time(time_a, error)
       if (.not. allocated(error)) call b%read_time(time, error)
       if (allocated(error)) return
-      call judge('time', a%time_units, b%time_units, reshape(time_a, [1, size(time_a)]), reshape(time, [1, size(time)]), &
-         & time, tolerance, width, report, agrees)
+      call judge('time', a%time_units, b%time_units, reshape(time_a, [1, size(time_a)]), &
+         & reshape(time, [1, size(time)]), time, tolerance, width, report, agrees)
       if (.not. agrees) failures = failures + 1
       do i = 1, size(b%channels)
          call compare_channel(a, b, i, time, tolerance, width, report, agrees, error)

@@ -9,8 +9,9 @@
 !> `str`, `int` and `float`; H5LT would write fixed-length strings (`bytes`) and arrays of one number.
 module limber_output_hdf5
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
-   use hdf5, only: hid_t, hsize_t, h5fcreate_f, h5fopen_f, h5fclose_f, h5fis_hdf5_f, h5f_acc_excl_f, &
-      & h5f_acc_trunc_f, h5f_acc_rdonly_f, h5f_close_strong_f, h5f_libver_v18_f, h5pcreate_f, h5pclose_f, &
+   use hdf5, only: hid_t, hsize_t, h5fcreate_f, h5fopen_f, h5fclose_f, h5fis_hdf5_f, &
+      & h5f_acc_excl_f, h5f_acc_trunc_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_close_strong_f, &
+      & h5f_libver_v18_f, h5pcreate_f, h5pclose_f, &
       & h5pset_fclose_degree_f, h5pset_libver_bounds_f, h5pset_link_creation_order_f, h5p_crt_order_indexed_f, &
       & h5p_crt_order_tracked_f, h5p_file_access_f, h5p_file_create_f, h5p_group_create_f, h5gcreate_f, h5gclose_f, &
       & h5ldelete_f, h5oopen_f, h5oclose_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, &
@@ -20,7 +21,7 @@ module limber_output_hdf5
    use h5lt, only: h5ltmake_dataset_double_f, h5ltmake_dataset_int_f, h5ltpath_valid_f
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_kinds, only: wp, long
-   use limber_output_hdf5_error, only: hdf5_error, no_id, open_library, stack_reason
+   use limber_output_hdf5_error, only: hdf5_error, no_id, open_library, reason_in_use, stack_reason
    implicit none
    private
    public :: create_file, open_file, close_file, create_group, object_exists, write_attribute, write_dataset
@@ -64,6 +65,8 @@ contains
          call raise(error, path//' exists; give --force to overwrite it or -o for another name', status_deck)
          return
       end if
+      if (exists) call check_unused(path, error)
+      if (allocated(error)) return
       call h5pcreate_f(h5p_file_create_f, creation, status)
       tracked = ior(h5p_crt_order_tracked_f, h5p_crt_order_indexed_f)
       call h5pset_link_creation_order_f(creation, tracked, status)
@@ -79,6 +82,23 @@ contains
       call h5pclose_f(access, status)
       call h5pclose_f(creation, status)
    end subroutine create_file
+
+   !> Refuses a file that another program has open, such as a run that still goes on: HDF5 itself would empty it
+   !> before it finds out.
+   subroutine check_unused(path, error)
+      character(*), intent(in) :: path
+      type(error_type), allocatable, intent(out) :: error
+      integer(hid_t) :: file
+      character(:), allocatable :: reason
+      integer :: status
+      call h5fopen_f(path, h5f_acc_rdwr_f, file, status)
+      if (status >= 0) then
+         call h5fclose_f(file, status)
+         return
+      end if
+      reason = stack_reason()
+      if (reason == reason_in_use) call raise(error, 'cannot overwrite '//path//': '//reason, status_deck)
+   end subroutine check_unused
 
    !> Opens a file for reading.
    subroutine open_file(path, file, error)

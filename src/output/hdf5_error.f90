@@ -7,10 +7,13 @@ module limber_output_hdf5_error
    use limber_base_error, only: error_type, raise
    implicit none
    private
-   public :: open_library, hdf5_error, stack_reason, text_of, no_id
+   public :: open_library, hdf5_error, stack_reason, text_of, no_id, reason_in_use
 
    !> Value of an identifier that is not open
    integer(hid_t), parameter :: no_id = -1_hid_t
+
+   !> Reason for a file that is locked
+   character(*), parameter :: reason_in_use = 'another program has it open'
 
    !> One entry of the HDF5 error stack (H5E_error2_t)
    type, bind(c) :: stack_entry_type
@@ -89,6 +92,10 @@ contains
       reason = 'no reason given by HDF5'
       if (status < 0 .or. .not. c_associated(description)) return
       reason = text_of(description)
+      if (index(reason, 'unable to lock file') > 0) then
+         reason = reason_in_use
+         return
+      end if
       start = index(reason, mark)
       if (start == 0) return
       reason = reason(start + len(mark):)

@@ -12,7 +12,8 @@
 !> Samples are gathered in memory and go to the file together, followed at once by a flush, whenever the buffer is
 !> full or some seconds have passed: between two such moments the file on disk is whole, so that a killed run leaves
 !> what was written up to then, with `complete` 0. An existing file is replaced, if that is allowed, by `create`
-!> itself; so create the history when the run really starts, after the deck has been found good.
+!> itself; so create the history when the run really starts, after the deck has been found good. While the run goes
+!> on the file is locked: look at a copy of it.
 module limber_output_history
    use hdf5, only: hid_t, hsize_t, h5fflush_f, h5f_scope_global_f, h5dopen_f, h5dclose_f
    use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f

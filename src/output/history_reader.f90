@@ -117,7 +117,8 @@ contains
          self%channels(i)%name = trim(names(i))
          call dataset_shape(self%file, path, extent, error)
          if (.not. allocated(error)) call read_attribute(self%file, path, 'units', self%channels(i)%units, error)
-         if (.not. allocated(error)) call read_attribute(self%file, path, 'long_name', self%channels(i)%long_name, error)
+         if (.not. allocated(error)) &
+            & call read_attribute(self%file, path, 'long_name', self%channels(i)%long_name, error)
          if (allocated(error)) return
          if (size(extent) < 1 .or. size(extent) > 2) then
             call raise(error, self%path//': '//path//' is not a channel', status_deck)

@@ -41,7 +41,9 @@ program test_history
    if (command_argument_count() == 2) then
       call get_command_argument(2, argument)
       folder = trim(argument)
-      call fill_disk()
+      call get_command_argument(1, argument)
+      if (argument == 'full-disk') call fill_disk()
+      if (argument == 'in-use') call disturb()
       stop
    end if
    call make_folder()
@@ -49,6 +51,7 @@ program test_history
    call test_many_samples()
    call test_flush_without_close()
    call test_overwrite()
+   call test_in_use()
    call test_bad_definitions()
    call test_bad_samples()
    call test_unwritable()
@@ -285,6 +288,38 @@ contains
       call history%finish(.true., 'finished', error)
       call check_no_error(error, name//': finish')
    end subroutine test_overwrite
+
+   !> A file that another run still writes is neither emptied nor read.
+   subroutine test_in_use()
+      type(history_type) :: history
+      type(error_type), allocatable :: error
+      character(512) :: program_name
+      integer :: status, length
+      call get_environment_variable('HDF5_USE_FILE_LOCKING', length=length)
+      if (length > 0) return
+      call begin(history, folder//'/in_use.h5', 'in use')
+      call add(history, 1, 10, 'in use')
+      call get_command_argument(0, program_name)
+      status = 1
+      call execute_command_line(trim(program_name)//' in-use '//folder, exitstat=status)
+      call check(status == 0, 'in use: process of its own')
+      call add(history, 11, 20, 'in use')
+      call history%finish(.true., 'finished', error)
+      call check_no_error(error, 'in use: finish')
+      call check_samples(folder//'/in_use.h5', 20, 'in use')
+   end subroutine test_in_use
+
+   !> The process of `test_in_use`.
+   subroutine disturb()
+      type(history_type) :: history
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      call history%create(folder//'/in_use.h5', .true., '0.1.0', error)
+      call check_error(error, 'cannot overwrite '//folder//'/in_use.h5: another program has it open', 2, 'in use: create')
+      call reader%open(folder//'/in_use.h5', error)
+      call check_error(error, 'cannot open '//folder//'/in_use.h5: another program has it open', 2, 'in use: open')
+      call finish()
+   end subroutine disturb
 
    subroutine test_bad_definitions()
       type(history_type) :: history

@@ -37,6 +37,7 @@ contains
             ! Three digits of exponent: without them Fortran drops the E of 1e-100
             write (unit, '(*(es24.16e3,:,1x))', iostat=status) table(:, sample)
          end do
+         if (status == 0) flush (unit, iostat=status)
          if (status /= 0) call raise(error, path//': cannot write the columns')
       end if
       call reader%close()

@@ -20,7 +20,8 @@ contains
       character(*), intent(in) :: names(:)
       !> Open formatted unit; its lines must be free to be 25 characters a column long
       integer, intent(in) :: unit
-      !> Allocated if the file or a channel cannot be read, or the unit cannot be written
+      !> Allocated if the file or a channel cannot be read, or the Fortran library reports a failed write (that of
+      !> gfortran keeps silent about a full device)
       type(error_type), allocatable, intent(out) :: error
       type(history_reader_type) :: reader
       real(wp), allocatable :: table(:, :)
@@ -37,7 +38,6 @@ contains
             ! Three digits of exponent: without them Fortran drops the E of 1e-100
             write (unit, '(*(es24.16e3,:,1x))', iostat=status) table(:, sample)
          end do
-         if (status == 0) flush (unit, iostat=status)
          if (status /= 0) call raise(error, path//': cannot write the columns')
       end if
       call reader%close()

@@ -116,8 +116,6 @@ contains
       character(:), allocatable :: text
       type(error_type), allocatable :: error
       character(8) :: none(0)
-      integer :: unit, status
-      logical :: has_full
       call exported('columns.h5', ['tip  ', 'angel'], text, error)
       call check(allocated(error), 'unknown channel: error')
       if (allocated(error)) call check_text(error%message, folder//"/columns.h5 has no channel 'angel'; did you mean "// &
@@ -126,13 +124,6 @@ contains
       call exported('none.h5', none, text, error)
       call check(allocated(error), 'no file: error')
       if (allocated(error)) call check_text(error%message, folder//'/none.h5 does not exist', 'no file')
-      inquire (file='/dev/full', exist=has_full)
-      if (.not. has_full) return
-      open (newunit=unit, file='/dev/full', action='write')
-      call export_history(folder//'/columns.h5', none, unit, error)
-      call check(allocated(error), 'full device: error')
-      if (allocated(error)) call check_text(error%message, folder//'/columns.h5: cannot write the columns', 'full device')
-      close (unit, iostat=status)
    end subroutine test_export_errors
 
    !> Tolerances, each at its edge.

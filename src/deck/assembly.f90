@@ -1,0 +1,271 @@
+!> Puts blocks together: a keyword line with its options, then data lines as the table says. The reader
+!> hands in the lines; finished blocks are appended to the deck. Floor: deck.
+module limber_deck_assembly
+   use limber_base_text, only: as_text
+   use limber_deck_lexer, only: part_type, trimmed, find_outside, collapsed
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_schema, only: option_spec_type, needed, kind_yes
+   use limber_deck_keywords, only: keyword_table, keyword_options, find_keyword
+   use limber_deck_content, only: deck_type, block_type, line_type
+   use limber_deck_values, only: read_option, suggestion
+   use limber_deck_data_lines, only: read_line, expected_line
+   implicit none
+   private
+   public :: assembly_type, begin_block, add_line, end_block
+
+   !> Limits of a deck; beyond them the reading stops with an error
+   integer, parameter :: max_blocks = 10000, max_lines = 200000
+
+   !> The block that is being put together
+   type :: assembly_type
+      !> Row of its keyword in the table; 0: no block is open
+      integer :: row = 0
+      !> Whether the data lines are those of an unknown keyword
+      logical :: skipping = .false.
+      !> Whether superfluous data lines have been reported
+      logical :: reported = .false.
+      type(block_type) :: block
+      !> Data lines of the block that were seen, those in error included, and those that were kept
+      integer :: seen = 0, kept = 0
+      !> Blocks in the deck, and data lines of all blocks
+      integer :: blocks = 0, lines = 0
+      !> A limit was exceeded: reading is to stop
+      logical :: full = .false.
+   end type assembly_type
+
+contains
+
+   !> Opens a block with the fields of its keyword line.
+   subroutine begin_block(self, parts, deck, diagnostics)
+      type(assembly_type), intent(inout) :: self
+      !> '*KEYWORD', then the options
+      type(part_type), intent(in) :: parts(:)
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      self%reported = .false.
+      self%seen = 0
+      self%kept = 0
+      self%row = find_keyword(parts(1)%text(2:))
+      self%skipping = self%row == 0
+      if (self%skipping) then
+         call complain_keyword(parts(1), diagnostics)
+      else if (self%blocks >= max_blocks) then
+         call diagnostics%add(parts(1)%origin, 'the deck has more than '//as_text(max_blocks)//' blocks')
+         self%full = .true.
+      else
+         self%block%keyword = trim(keyword_table(self%row)%name)
+         self%block%origin = parts(1)%origin
+         if (allocated(self%block%lines)) deallocate (self%block%lines)
+         allocate (self%block%lines(4))
+         call read_options(self%block, keyword_options(self%block%keyword), parts(2:), deck, diagnostics)
+      end if
+   end subroutine begin_block
+
+   !> Reports an unknown keyword, or one with a missing comma behind it.
+   subroutine complain_keyword(part, diagnostics)
+      type(part_type), intent(in) :: part
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: word
+      integer :: i
+      word = collapsed(part%text(2:))
+      do i = 1, size(keyword_table)
+         if (index(word, trim(keyword_table(i)%name)//' ') /= 1) cycle
+         call diagnostics%add(part%origin, "a comma is missing behind '*"//trim(keyword_table(i)%name)//"'", &
+            & 'write *'//trim(keyword_table(i)%name)//', OPTION=value, ...')
+         return
+      end do
+      if (len(word) == 0) then
+         call diagnostics%add(part%origin, "a keyword is missing behind '*'", suggestion(word, keyword_table%name))
+      else
+         call diagnostics%add(part%origin, "there is no keyword '*"//word//"'", suggestion(word, keyword_table%name))
+      end if
+   end subroutine complain_keyword
+
+   !> Reads all options of a block, fills in defaults and reports missing ones.
+   subroutine read_options(block, specs, parts, deck, diagnostics)
+      type(block_type), intent(inout) :: block
+      type(option_spec_type), intent(in) :: specs(:)
+      type(part_type), intent(in) :: parts(:)
+      type(deck_type), intent(in) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      logical :: attempted(size(specs))
+      character(:), allocatable :: missing
+      type(part_type) :: default
+      integer :: i
+      if (allocated(block%options)) deallocate (block%options)
+      allocate (block%options(size(specs)))
+      do i = 1, size(specs)
+         block%options(i)%name = trim(specs(i)%name)
+         block%options(i)%kind = specs(i)%kind
+         block%options(i)%text = ''
+      end do
+      attempted = .false.
+      do i = 1, size(parts)
+         call read_given(block, specs, parts(i), deck, attempted, diagnostics)
+      end do
+      missing = ''
+      do i = 1, size(specs)
+         if (attempted(i)) cycle
+         if (specs(i)%default == needed) then
+            if (len(missing) > 0) missing = missing//', '
+            missing = missing//trim(specs(i)%name)
+         else if (len_trim(specs(i)%default) > 0) then
+            default%text = trim(specs(i)%default)
+            default%origin = block%origin
+            call read_option(specs(i), default, deck%parameters, block%options(i), diagnostics)
+         end if
+      end do
+      if (len(missing) > 0) call diagnostics%add(block%origin, '*'//block%keyword//' needs '//missing, &
+         & 'add '//missing(:scan(missing//',', ',') - 1)//'=value')
+   end subroutine read_options
+
+   !> Reads one option as it was given.
+   subroutine read_given(block, specs, part, deck, attempted, diagnostics)
+      type(block_type), intent(inout) :: block
+      type(option_spec_type), intent(in) :: specs(:)
+      !> 'NAME=value' or 'NAME'
+      type(part_type), intent(in) :: part
+      type(deck_type), intent(in) :: deck
+      !> Options that were given, well or badly
+      logical, intent(inout) :: attempted(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(part_type) :: name, value
+      character(:), allocatable :: word
+      integer :: equals, i
+      if (len(part%text) == 0) then
+         call diagnostics%add(part%origin, 'an option is missing between two commas')
+         return
+      end if
+      equals = find_outside(part%text, '=', 1)
+      if (equals == 0) equals = len(part%text) + 1
+      name = trimmed(part%text, part%origin, 1, equals - 1)
+      value = trimmed(part%text, part%origin, equals + 1, len(part%text))
+      word = collapsed(name%text)
+      do i = size(specs), 1, -1
+         if (specs(i)%name == word) exit
+      end do
+      if (i == 0) then
+         call complain_option(block, specs, name, word, attempted, diagnostics)
+         return
+      end if
+      attempted(i) = .true.
+      if (block%options(i)%given) then
+         call diagnostics%add(name%origin, "the option '"//word//"' is given twice", 'remove one of the two', &
+            & block%options(i)%origin, 'first given here')
+         return
+      end if
+      block%options(i)%given = .true.
+      block%options(i)%origin = name%origin
+      if (len(value%text) > 0) then
+         call read_option(specs(i), value, deck%parameters, block%options(i), diagnostics)
+      else if (specs(i)%kind == kind_yes .and. equals > len(part%text)) then
+         block%options(i)%text = 'YES'
+         block%options(i)%has_value = .true.
+      else
+         call diagnostics%add(name%origin, "the option '"//word//"' has no value", 'write '//word//'=value: ' &
+            & //trim(specs(i)%meaning))
+      end if
+   end subroutine read_given
+
+   subroutine complain_option(block, specs, name, word, attempted, diagnostics)
+      type(block_type), intent(in) :: block
+      type(option_spec_type), intent(in) :: specs(:)
+      type(part_type), intent(in) :: name
+      character(*), intent(in) :: word
+      logical, intent(inout) :: attempted(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: label
+      integer :: i
+      label = 'it takes none'
+      if (size(specs) > 0) label = suggestion(word, specs%name)
+      call diagnostics%add(name%origin, '*'//block%keyword//" has no option '"//word//"'", label)
+      do i = 1, size(specs)
+         if (index(label, "did you mean '"//trim(specs(i)%name)//"'") == 1) attempted(i) = .true.
+      end do
+   end subroutine complain_option
+
+   !> Adds a data line to the open block.
+   subroutine add_line(self, content, deck, diagnostics)
+      type(assembly_type), intent(inout) :: self
+      !> The line without comment and blanks around; not empty
+      type(part_type), intent(in) :: content
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(line_type) :: line
+      logical :: ok
+      if (self%skipping) return
+      if (self%row == 0) then
+         call diagnostics%add(content%origin, 'a data line without a keyword above it', 'begin with a line *KEYWORD')
+         self%skipping = .true.
+         return
+      end if
+      self%seen = self%seen + 1
+      self%lines = self%lines + 1
+      if (self%lines > max_lines) then
+         call diagnostics%add(content%origin, 'the deck has more than '//as_text(max_lines)//' data lines')
+         self%full = .true.
+      else if (self%seen > keyword_table(self%row)%most_lines) then
+         call complain_surplus(self, content, diagnostics)
+      else
+         line%content = content%text
+         line%origin = content%origin
+         call read_line(self%row, line, deck, ok, diagnostics)
+         if (ok) call keep_line(self, line)
+      end if
+   end subroutine add_line
+
+   subroutine complain_surplus(self, content, diagnostics)
+      type(assembly_type), intent(inout) :: self
+      type(part_type), intent(in) :: content
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (.not. self%reported) then
+         if (keyword_table(self%row)%most_lines == 0) then
+            call diagnostics%add(content%origin, '*'//self%block%keyword//' takes no data lines', &
+               & 'options stand behind the keyword; a comma at the end of its line continues it')
+         else
+            call diagnostics%add(content%origin, '*'//self%block%keyword//' takes only one data line')
+         end if
+      end if
+      self%reported = .true.
+   end subroutine complain_surplus
+
+   subroutine keep_line(self, line)
+      type(assembly_type), intent(inout) :: self
+      type(line_type), intent(in) :: line
+      type(line_type), allocatable :: longer(:)
+      if (self%kept == size(self%block%lines)) then
+         allocate (longer(2*self%kept))
+         longer(:self%kept) = self%block%lines
+         call move_alloc(longer, self%block%lines)
+      end if
+      self%kept = self%kept + 1
+      self%block%lines(self%kept) = line
+   end subroutine keep_line
+
+   !> Closes the open block, if there is one, and appends it to the deck.
+   subroutine end_block(self, deck, diagnostics)
+      type(assembly_type), intent(inout) :: self
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(block_type), allocatable :: longer(:)
+      type(line_type), allocatable :: lines(:)
+      self%skipping = .false.
+      if (self%row == 0) return
+      if (self%seen < keyword_table(self%row)%least_lines) then
+         call diagnostics%add(self%block%origin, '*'//self%block%keyword//' needs a data line below it', &
+            & expected_line(self%row))
+      end if
+      self%row = 0
+      allocate (lines(self%kept))
+      lines = self%block%lines(:self%kept)
+      call move_alloc(lines, self%block%lines)
+      if (self%blocks == size(deck%blocks)) then
+         allocate (longer(max(8, 2*self%blocks)))
+         longer(:self%blocks) = deck%blocks
+         call move_alloc(longer, deck%blocks)
+      end if
+      self%blocks = self%blocks + 1
+      deck%blocks(self%blocks) = self%block
+   end subroutine end_block
+
+end module limber_deck_assembly

@@ -1,0 +1,232 @@
+!> Checks of a deck as a whole, after all its files were read: names that are defined twice or not at
+!> all, blocks that may occur once. Floor: deck.
+module limber_deck_checks
+   use limber_base_text, only: nearest_name
+   use limber_deck_origin, only: origin_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_parameters, only: name_length
+   use limber_deck_schema, only: option_spec_type, field_spec_type, kind_name, kind_reference, form_channels
+   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value
+   use limber_deck_content, only: deck_type
+   implicit none
+   private
+   public :: check_deck
+
+   !> A name in use
+   type :: entry_type
+      !> Names of one scope must differ
+      character(name_length) :: scope = '', name = ''
+      type(origin_type) :: origin
+   end type entry_type
+
+   !> All names so far; only the first `count` are in use
+   type :: register_type
+      type(entry_type), allocatable :: entries(:)
+      integer :: count = 0
+   end type register_type
+
+contains
+
+   !> Adds the errors that only the whole deck shows.
+   subroutine check_deck(deck, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(register_type) :: register
+      integer :: i
+      do i = 1, size(deck%blocks)
+         call check_count(deck, i, diagnostics)
+         call check_options(deck, i, register, diagnostics)
+         call check_lines(deck, i, diagnostics)
+      end do
+      call check_ground(deck, diagnostics)
+      call check_channels(deck, diagnostics)
+      call explain_parameters(deck, diagnostics)
+   end subroutine check_deck
+
+   !> Reports a second block of a keyword that may occur once.
+   subroutine check_count(deck, i, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: i
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: first
+      associate (block => deck%blocks(i))
+         if (keyword_table(find_keyword(block%keyword))%most > 1) return
+         first = deck%find(block%keyword)
+         if (first < i) call diagnostics%add(block%origin, 'a deck has only one *'//block%keyword, 'remove one of the two', &
+            & deck%blocks(first)%origin, 'the first one is here')
+      end associate
+   end subroutine check_count
+
+   !> Checks the names that a block defines and refers to.
+   subroutine check_options(deck, i, register, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: i
+      type(register_type), intent(inout) :: register
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(option_spec_type), allocatable :: specs(:)
+      integer :: k
+      allocate (specs, source=keyword_options(deck%blocks(i)%keyword))
+      do k = 1, size(specs)
+         if (.not. deck%blocks(i)%options(k)%has_value) cycle
+         if (specs(k)%kind == kind_name) then
+            call claim(register, trim(specs(k)%values), deck%blocks(i)%options(k)%text, &
+               & deck%blocks(i)%options(k)%origin, diagnostics)
+         else if (specs(k)%kind == kind_reference) then
+            call check_reference(deck, specs(k), deck%blocks(i)%options(k)%text, deck%blocks(i)%options(k)%origin, &
+               & diagnostics)
+         end if
+      end do
+   end subroutine check_options
+
+   !> Enters a name into a scope; reports one that is taken or reserved.
+   subroutine claim(register, scope, name, origin, diagnostics)
+      type(register_type), intent(inout) :: register
+      character(*), intent(in) :: scope, name
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(entry_type), allocatable :: longer(:)
+      integer :: i
+      if (scope == 'bodies' .and. name == 'ground' .or. scope == 'points of ground' .and. name == 'origin') then
+         call diagnostics%add(origin, "the name '"//name//"' is reserved", 'give it another name')
+         return
+      end if
+      if (.not. allocated(register%entries)) allocate (register%entries(16))
+      do i = 1, register%count
+         if (register%entries(i)%name /= name .or. register%entries(i)%scope /= scope) cycle
+         call diagnostics%add(origin, "the name '"//name//"' is used twice among the "//scope, 'give it another name', &
+            & register%entries(i)%origin, 'first defined here')
+         return
+      end do
+      if (register%count == size(register%entries)) then
+         allocate (longer(2*register%count))
+         longer(:register%count) = register%entries
+         call move_alloc(longer, register%entries)
+      end if
+      register%count = register%count + 1
+      register%entries(register%count) = entry_type(scope, name, origin)
+   end subroutine claim
+
+   !> Reports a reference to an object that does not exist or is of another kind.
+   subroutine check_reference(deck, spec, name, origin, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(option_spec_type), intent(in) :: spec
+      character(*), intent(in) :: name
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(name_length) :: names(size(deck%blocks))
+      character(:), allocatable :: kinds, label
+      integer :: i, count, other
+      if (deck%find_named(trim(spec%values), name) > 0) return
+      kinds = alternatives(trim(spec%values))
+      count = 0
+      other = 0
+      do i = 1, size(deck%blocks)
+         if (contains_value(trim(spec%values), deck%blocks(i)%keyword)) then
+            count = count + 1
+            names(count) = deck%blocks(i)%name()
+         else if (deck%blocks(i)%name() == name) then
+            other = i
+         end if
+      end do
+      label = 'define it with '//kinds
+      i = nearest_name(name, names(:count))
+      if (i > 0) label = "did you mean '"//trim(names(i))//"'?"
+      if (other > 0 .and. i == 0) then
+         call diagnostics%add(origin, "'"//name//"' is no "//kinds, trim(spec%meaning), &
+            & deck%blocks(other)%origin_of('NAME'), 'it is a *'//deck%blocks(other)%keyword)
+      else
+         call diagnostics%add(origin, 'there is no '//kinds//" named '"//name//"'", label)
+      end if
+   end subroutine check_reference
+
+   !> 'RIGID BODY|BEAM' as '*RIGID BODY or *BEAM'.
+   pure function alternatives(values) result(text)
+      character(*), intent(in) :: values
+      character(:), allocatable :: text
+      integer :: i
+      text = '*'
+      do i = 1, len(values)
+         if (values(i:i) == '|') then
+            text = text//' or *'
+         else
+            text = text//values(i:i)
+         end if
+      end do
+   end function alternatives
+
+   !> Checks that the points of one object differ.
+   subroutine check_lines(deck, i, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: i
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(register_type) :: register
+      if (deck%blocks(i)%keyword == 'GROUND') return
+      call claim_points(deck, i, 'points of '//deck%blocks(i)%name(), register, diagnostics)
+   end subroutine check_lines
+
+   !> Checks that the points of all *GROUND blocks differ.
+   subroutine check_ground(deck, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(register_type) :: register
+      integer :: i
+      i = deck%find('GROUND')
+      do while (i > 0)
+         call claim_points(deck, i, 'points of ground', register, diagnostics)
+         i = deck%find('GROUND', i)
+      end do
+   end subroutine check_ground
+
+   subroutine claim_points(deck, i, scope, register, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: i
+      character(*), intent(in) :: scope
+      type(register_type), intent(inout) :: register
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(field_spec_type), allocatable :: specs(:)
+      integer :: k
+      allocate (specs, source=keyword_fields(deck%blocks(i)%keyword))
+      if (size(specs) == 0) return
+      if (specs(1)%kind /= kind_name) return
+      do k = 1, size(deck%blocks(i)%lines)
+         associate (field => deck%blocks(i)%lines(k)%fields(1))
+            call claim(register, scope, field%text, field%origin, diagnostics)
+         end associate
+      end do
+   end subroutine claim_points
+
+   !> Checks that the channels of all *OUTPUT blocks differ.
+   subroutine check_channels(deck, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(register_type) :: register
+      integer :: i, k, m
+      do i = 1, size(deck%blocks)
+         if (keyword_table(find_keyword(deck%blocks(i)%keyword))%form /= form_channels) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            do m = 1, deck%blocks(i)%lines(k)%count()
+               associate (field => deck%blocks(i)%lines(k)%fields(m))
+                  if (len(field%name) > 0) call claim(register, 'channels', field%name, field%origin, diagnostics)
+               end associate
+            end do
+         end do
+      end do
+   end subroutine check_channels
+
+   !> Adds to the reports of unknown parameters that they are defined further down, if they are.
+   subroutine explain_parameters(deck, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, found
+      do i = 1, diagnostics%kept
+         if (.not. allocated(diagnostics%items(i)%about)) cycle
+         found = deck%parameters%find(diagnostics%items(i)%about)
+         if (found == 0) cycle
+         diagnostics%items(i)%message = "the parameter '"//diagnostics%items(i)%about//"' is used before it is defined"
+         diagnostics%items(i)%label = 'move the definition up'
+         diagnostics%items(i)%second_origin = deck%parameters%items(found)%origin
+         diagnostics%items(i)%second_label = 'defined here'
+      end do
+   end subroutine explain_parameters
+
+end module limber_deck_checks

@@ -1,0 +1,290 @@
+!> A deck as it was read: blocks with their options, defaults filled in, and data lines; every value
+!> with its origin. The model builder works on this. Floor: deck.
+module limber_deck_content
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: lowercase
+   use limber_deck_origin, only: origin_type
+   use limber_deck_source, only: source_type
+   use limber_deck_parameters, only: parameter_list_type
+   use limber_deck_expression, only: expression_type
+   use limber_deck_schema, only: kind_yes, kind_word
+   use limber_deck_keywords, only: contains_value
+   use limber_deck_lexer, only: collapsed
+   implicit none
+   private
+   public :: deck_type, block_type, option_type, line_type, field_type
+
+   !> An option of a block
+   type :: option_type
+      !> Name in upper case
+      character(:), allocatable :: name
+      integer :: kind = 0
+      !> Value as text: a word in upper case, a name in lower case, a number or path as written; empty: none
+      character(:), allocatable :: text
+      !> Value of a number
+      real(wp) :: value = 0.0_wp
+      integer :: whole = 0
+      !> Whether the deck gives it; whether it has a value, its default included
+      logical :: given = .false., has_value = .false.
+      !> The value in the deck, or the keyword if it is not given
+      type(origin_type) :: origin
+   end type option_type
+
+   !> A field of a data line
+   type :: field_type
+      !> As written; a name or a point in lower case
+      character(:), allocatable :: text
+      type(origin_type) :: origin
+      !> Of `name = expression`: the name in lower case, otherwise empty
+      character(:), allocatable :: name
+      !> Of a number or an expression
+      type(expression_type) :: expression
+      !> Of a constant number
+      real(wp) :: value = 0.0_wp
+   end type field_type
+
+   !> A data line
+   type :: line_type
+      !> As written, without comment and blanks around
+      character(:), allocatable :: content
+      !> The line as a whole
+      type(origin_type) :: origin
+      !> None for free text
+      type(field_type), allocatable :: fields(:)
+   contains
+      procedure :: count => line_count
+      procedure :: text => line_text
+      procedure :: number => line_number
+      procedure :: origin_of => line_origin
+   end type line_type
+
+   !> A block: a keyword with its options and data lines
+   type :: block_type
+      !> In upper case, without the asterisk
+      character(:), allocatable :: keyword
+      !> The keyword in the deck
+      type(origin_type) :: origin
+      !> All options of the keyword in the order of the table
+      type(option_type), allocatable :: options(:)
+      !> Data lines
+      type(line_type), allocatable :: lines(:)
+   contains
+      procedure :: given
+      procedure :: has
+      procedure :: real => real_of
+      procedure :: integer => integer_of
+      procedure :: word => text_of
+      procedure :: text => text_of
+      procedure :: name => name_of
+      procedure :: yes
+      procedure :: origin_of
+      procedure, private :: position
+   end type block_type
+
+   !> A deck
+   type :: deck_type
+      !> All its lines, for showing errors
+      type(source_type) :: source
+      type(parameter_list_type) :: parameters
+      !> All blocks but *INCLUDE, in the order of reading
+      type(block_type), allocatable :: blocks(:)
+   contains
+      procedure :: find
+      procedure :: find_named
+      procedure :: indices
+      procedure :: set_option
+   end type deck_type
+
+contains
+
+   !> Index of an option; 0 if the keyword has none of this name.
+   pure integer function position(self, name)
+      class(block_type), intent(in) :: self
+      character(*), intent(in) :: name
+      do position = size(self%options), 1, -1
+         if (self%options(position)%name == name) return
+      end do
+   end function position
+
+   !> Whether the deck gives an option.
+   pure logical function given(self, name)
+      class(block_type), intent(in) :: self
+      !> Name of the option in upper case; so in all procedures below
+      character(*), intent(in) :: name
+      integer :: i
+      i = self%position(name)
+      given = .false.
+      if (i > 0) given = self%options(i)%given
+   end function given
+
+   !> Whether an option has a value, given or by default.
+   pure logical function has(self, name)
+      class(block_type), intent(in) :: self
+      character(*), intent(in) :: name
+      integer :: i
+      i = self%position(name)
+      has = .false.
+      if (i > 0) has = self%options(i)%has_value
+   end function has
+
+   !> The value of a number [unit of the table]; 0 if it has none.
+   pure real(wp) function real_of(self, name) result(value)
+      class(block_type), intent(in) :: self
+      character(*), intent(in) :: name
+      integer :: i
+      i = self%position(name)
+      value = 0.0_wp
+      if (i > 0) value = self%options(i)%value
+   end function real_of
+
+   !> The value of a whole number; 0 if it has none.
+   pure integer function integer_of(self, name) result(value)
+      class(block_type), intent(in) :: self
+      character(*), intent(in) :: name
+      integer :: i
+      i = self%position(name)
+      value = 0
+      if (i > 0) value = self%options(i)%whole
+   end function integer_of
+
+   !> The value as text: a word in upper case, a name or point in lower case; empty if it has none.
+   pure function text_of(self, name) result(text)
+      class(block_type), intent(in) :: self
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      integer :: i
+      i = self%position(name)
+      text = ''
+      if (i == 0) return
+      if (allocated(self%options(i)%text)) text = self%options(i)%text
+   end function text_of
+
+   !> The name of the object that the block defines, or the one that an option refers to, in lower case.
+   pure function name_of(self, name) result(text)
+      class(block_type), intent(in) :: self
+      !> Default: NAME
+      character(*), intent(in), optional :: name
+      character(:), allocatable :: text
+      if (present(name)) then
+         text = self%text(name)
+      else
+         text = self%text('NAME')
+      end if
+   end function name_of
+
+   !> Whether an option of the kind YES or NO says yes.
+   pure logical function yes(self, name)
+      class(block_type), intent(in) :: self
+      character(*), intent(in) :: name
+      yes = self%text(name) == 'YES'
+   end function yes
+
+   !> Where the value of an option stands; the keyword if it is not given.
+   pure type(origin_type) function origin_of(self, name) result(origin)
+      class(block_type), intent(in) :: self
+      character(*), intent(in) :: name
+      integer :: i
+      i = self%position(name)
+      origin = self%origin
+      if (i == 0) return
+      if (self%options(i)%given) origin = self%options(i)%origin
+   end function origin_of
+
+   !> Number of fields of a line.
+   pure integer function line_count(self) result(count)
+      class(line_type), intent(in) :: self
+      count = size(self%fields)
+   end function line_count
+
+   !> The i-th field as text; a name or a point in lower case.
+   pure function line_text(self, i) result(text)
+      class(line_type), intent(in) :: self
+      integer, intent(in) :: i
+      character(:), allocatable :: text
+      text = self%fields(i)%text
+   end function line_text
+
+   !> The i-th field as a constant number.
+   pure real(wp) function line_number(self, i) result(value)
+      class(line_type), intent(in) :: self
+      integer, intent(in) :: i
+      value = self%fields(i)%value
+   end function line_number
+
+   !> Where the i-th field stands.
+   pure type(origin_type) function line_origin(self, i) result(origin)
+      class(line_type), intent(in) :: self
+      integer, intent(in) :: i
+      origin = self%fields(i)%origin
+   end function line_origin
+
+   !> Index of the next block of a keyword behind a block; 0: no more. `i = deck%find('BEAM', i)` from 0 on.
+   pure integer function find(self, keyword, behind) result(found)
+      class(deck_type), intent(in) :: self
+      !> In upper case
+      character(*), intent(in) :: keyword
+      !> Default 0
+      integer, intent(in), optional :: behind
+      integer :: first
+      first = 1
+      if (present(behind)) first = behind + 1
+      do found = first, size(self%blocks)
+         if (self%blocks(found)%keyword == keyword) return
+      end do
+      found = 0
+   end function find
+
+   !> Index of the block of given keywords that defines a name; 0: none.
+   pure integer function find_named(self, keywords, name) result(found)
+      class(deck_type), intent(in) :: self
+      !> In upper case, separated by |
+      character(*), intent(in) :: keywords
+      !> In any case
+      character(*), intent(in) :: name
+      do found = 1, size(self%blocks)
+         if (.not. contains_value(keywords, self%blocks(found)%keyword)) cycle
+         if (self%blocks(found)%name() == lowercase(name)) return
+      end do
+      found = 0
+   end function find_named
+
+   !> Indices of all blocks of a keyword in order.
+   pure function indices(self, keyword) result(list)
+      class(deck_type), intent(in) :: self
+      character(*), intent(in) :: keyword
+      integer, allocatable :: list(:)
+      integer :: i, count
+      count = 0
+      i = self%find(keyword)
+      do while (i > 0)
+         count = count + 1
+         i = self%find(keyword, i)
+      end do
+      allocate (list(count))
+      count = 0
+      i = self%find(keyword)
+      do while (i > 0)
+         count = count + 1
+         list(count) = i
+         i = self%find(keyword, i)
+      end do
+   end function indices
+
+   !> Sets a word, text or YES/NO that was left open in the deck, so that the effective deck shows it.
+   pure subroutine set_option(self, block, name, text)
+      class(deck_type), intent(inout) :: self
+      !> Index of the block
+      integer, intent(in) :: block
+      !> Option in upper case, and its value
+      character(*), intent(in) :: name, text
+      integer :: i
+      i = self%blocks(block)%position(name)
+      if (i == 0) return
+      associate (option => self%blocks(block)%options(i))
+         option%text = text
+         if (option%kind == kind_word .or. option%kind == kind_yes) option%text = collapsed(text)
+         option%has_value = .true.
+      end associate
+   end subroutine set_option
+
+end module limber_deck_content

@@ -1,0 +1,204 @@
+!> Data lines of a deck in the forms that the keyword table knows: free text, rows of fields,
+!> assignments of parameters, channels of the output. Floor: deck.
+module limber_deck_data_lines
+   use limber_base_text, only: as_text, lowercase
+   use limber_deck_origin, only: origin_type, after
+   use limber_deck_lexer, only: part_type, trimmed, split_fields, find_outside, is_parameter_name
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_parameters, only: parameter_type, max_parameters
+   use limber_deck_compile, only: compile, is_reserved
+   use limber_deck_operations, only: op_slot
+   use limber_deck_schema, only: field_spec_type, form_text, form_fields, form_assignments, form_channels
+   use limber_deck_keywords, only: keyword_table, keyword_fields
+   use limber_deck_content, only: deck_type, line_type, field_type
+   use limber_deck_values, only: read_field, check_name
+   implicit none
+   private
+   public :: read_line, expected_line
+
+contains
+
+   !> Reads the fields of a data line in the form that the keyword wants.
+   subroutine read_line(row, line, deck, ok, diagnostics)
+      !> Row of the keyword in the table
+      integer, intent(in) :: row
+      !> Content and origin on entry; receives the fields
+      type(line_type), intent(inout) :: line
+      !> The deck so far; *PARAMETER adds to its parameters
+      type(deck_type), intent(inout) :: deck
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(part_type), allocatable :: parts(:)
+      logical :: field_ok
+      integer :: i, count
+      ok = .true.
+      if (keyword_table(row)%form == form_text) then
+         allocate (line%fields(0))
+         return
+      end if
+      call split_fields(line%content, line%origin, parts)
+      count = size(parts)
+      if (count > 1 .and. len(parts(count)%text) == 0) count = count - 1
+      allocate (line%fields(count))
+      select case (keyword_table(row)%form)
+      case (form_fields)
+         call read_row(trim(keyword_table(row)%name), parts(:count), deck, line, ok, diagnostics)
+      case (form_assignments)
+         do i = 1, count
+            call read_assignment(parts(i), deck, line%fields(i), field_ok, diagnostics)
+            ok = ok .and. field_ok
+         end do
+      case (form_channels)
+         do i = 1, count
+            call read_channel(parts(i), deck, line%fields(i), field_ok, diagnostics)
+            ok = ok .and. field_ok
+         end do
+      end select
+   end subroutine read_line
+
+   !> A row of fields of which the table gives number and kinds.
+   subroutine read_row(keyword, parts, deck, line, ok, diagnostics)
+      character(*), intent(in) :: keyword
+      type(part_type), intent(in) :: parts(:)
+      type(deck_type), intent(in) :: deck
+      type(line_type), intent(inout) :: line
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(field_spec_type), allocatable :: specs(:)
+      character(:), allocatable :: wanted
+      logical :: field_ok
+      integer :: i
+      allocate (specs, source=keyword_fields(keyword))
+      ok = size(parts) == size(specs)
+      if (.not. ok) then
+         wanted = ''
+         do i = 1, size(specs)
+            wanted = wanted//', '//trim(specs(i)%name)
+         end do
+         wanted = 'a data line of *'//keyword//' has '//counted(size(specs))//' ('//wanted(3:)//'), not ' &
+            & //as_text(size(parts))
+         if (size(parts) < size(specs)) then
+            call diagnostics%add(after(line%origin), wanted, trim(specs(size(parts) + 1)%name)//' is missing')
+         else
+            call diagnostics%add(parts(size(specs) + 1)%origin, wanted, 'this is too much')
+         end if
+         return
+      end if
+      do i = 1, size(specs)
+         call read_field(trim(specs(i)%name), specs(i)%kind, trim(specs(i)%meaning), parts(i), deck%parameters, &
+            & line%fields(i), field_ok, diagnostics)
+         ok = ok .and. field_ok
+      end do
+   end subroutine read_row
+
+   pure function counted(fields) result(text)
+      integer, intent(in) :: fields
+      character(:), allocatable :: text
+      text = as_text(fields)//' fields'
+      if (fields == 1) text = '1 field'
+   end function counted
+
+   !> `name = expression` of *PARAMETER: defines the parameter.
+   subroutine read_assignment(part, deck, field, ok, diagnostics)
+      type(part_type), intent(in) :: part
+      type(deck_type), intent(inout) :: deck
+      type(field_type), intent(out) :: field
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(part_type) :: name, value
+      type(parameter_type) :: parameter
+      integer :: found
+      call split_assignment(part, name, value, field)
+      ok = .false.
+      found = deck%parameters%find(name%text)
+      if (len(part%text) == 0) then
+         call diagnostics%add(part%origin, 'a parameter is missing between two commas', 'write name = expression')
+      else if (len(name%text) == 0) then
+         call diagnostics%add(part%origin, "'"//part%text//"' defines no parameter", 'write name = expression')
+      else if (.not. is_parameter_name(name%text)) then
+         call diagnostics%add(name%origin, "'"//name%text//"' is not the name of a parameter", &
+            & 'a letter, then letters, digits and _')
+      else if (is_reserved(name%text)) then
+         call diagnostics%add(name%origin, "'"//name%text//"' has a meaning already and cannot be a parameter", &
+            & 't, pi and the functions are reserved')
+      else if (found > 0) then
+         call diagnostics%add(name%origin, "the parameter '"//lowercase(name%text)//"' is defined twice", &
+            & 'give it another name', deck%parameters%items(found)%origin, 'first defined here')
+      else if (deck%parameters%count >= max_parameters) then
+         call diagnostics%add(name%origin, 'the deck has more than '//as_text(max_parameters)//' parameters')
+      else
+         field%name = lowercase(name%text)
+         call compile(value%text, value%origin, deck%parameters, field%expression, ok, diagnostics)
+         if (ok) field%value = field%expression%constant_value()
+         parameter%name = field%name
+         parameter%value = field%value
+         parameter%valid = ok
+         parameter%origin = name%origin
+         call deck%parameters%define(parameter)
+      end if
+   end subroutine read_assignment
+
+   !> `name = expression` or a bare quantity of *OUTPUT.
+   subroutine read_channel(part, deck, field, ok, diagnostics)
+      type(part_type), intent(in) :: part
+      type(deck_type), intent(in) :: deck
+      type(field_type), intent(out) :: field
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(part_type) :: name, value
+      call split_assignment(part, name, value, field)
+      ok = .true.
+      if (len(part%text) == 0) then
+         call diagnostics%add(part%origin, 'a channel is missing between two commas')
+         ok = .false.
+      else if (find_outside(part%text, '=', 1) > 0) then
+         field%name = lowercase(name%text)
+         call check_name(name, ok, diagnostics)
+      end if
+      if (.not. ok) return
+      call compile(value%text, value%origin, deck%parameters, field%expression, ok, diagnostics, &
+         & time=.true., quantities=.true.)
+      if (.not. ok .or. len(field%name) > 0) return
+      if (size(field%expression%codes) == 1) then
+         if (field%expression%codes(1) == op_slot) return
+      end if
+      call diagnostics%add(part%origin, 'a channel that is not a single quantity needs a name', &
+         & 'write name = expression')
+      ok = .false.
+   end subroutine read_channel
+
+   !> Cuts a field at its '='; without one, all of it is the value.
+   subroutine split_assignment(part, name, value, field)
+      type(part_type), intent(in) :: part
+      type(part_type), intent(out) :: name, value
+      !> Receives text and origin of the value
+      type(field_type), intent(inout) :: field
+      integer :: equals
+      equals = find_outside(part%text, '=', 1)
+      name = trimmed(part%text, part%origin, 1, equals - 1)
+      value = trimmed(part%text, part%origin, equals + 1, len(part%text))
+      field%text = value%text
+      field%origin = value%origin
+      field%name = ''
+   end subroutine split_assignment
+
+   !> What a data line of a keyword looks like.
+   pure function expected_line(row) result(text)
+      integer, intent(in) :: row
+      character(:), allocatable :: text
+      type(field_spec_type), allocatable :: specs(:)
+      integer :: i
+      allocate (specs, source=keyword_fields(trim(keyword_table(row)%name)))
+      select case (keyword_table(row)%form)
+      case (form_assignments); text = 'name = expression'
+      case (form_channels); text = 'quantity(object) or name = expression'
+      case default
+         text = ''
+         do i = 1, size(specs)
+            if (i > 1) text = text//', '
+            text = text//trim(specs(i)%name)
+         end do
+      end select
+   end function expected_line
+
+end module limber_deck_data_lines

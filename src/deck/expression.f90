@@ -1,0 +1,120 @@
+!> An expression of a deck as a postfix program on a small stack: made once by `limber_deck_compile`,
+!> evaluated in every step without allocation. Floor: deck.
+module limber_deck_expression
+   use limber_base_kinds, only: wp
+   use limber_deck_origin, only: origin_type
+   use limber_deck_operations, only: jet_type, unary_value, binary_value, unary_jet, binary_jet, &
+      & function_arity, first_function, op_constant, op_slot, op_negate
+   implicit none
+   private
+   public :: expression_type, slot_type, max_stack, is_binary
+
+   !> Deepest stack of a program; the compiler refuses what needs more
+   integer, parameter :: max_stack = 64
+
+   !> Something that an expression depends on: the time `t`, or a quantity of an object
+   type :: slot_type
+      !> 't', or the quantity: 'x' of x(slider)
+      character(:), allocatable :: name
+      !> Empty for the time, otherwise the object or object.point in lower case: 'slider'
+      character(:), allocatable :: argument
+      !> Where it is first used
+      type(origin_type) :: origin
+   end type slot_type
+
+   !> A compiled expression
+   type :: expression_type
+      !> Operations in postfix order
+      integer, allocatable :: codes(:)
+      !> Of a constant or a slot: its index; otherwise unused
+      integer, allocatable :: operands(:)
+      !> Constants, parameters included
+      real(wp), allocatable :: constants(:)
+      !> What it depends on, each once
+      type(slot_type), allocatable :: slots(:)
+   contains
+      procedure :: evaluate
+      procedure :: evaluate_jet
+      procedure :: is_constant
+      procedure :: constant_value
+   end type expression_type
+
+contains
+
+   !> The value of an expression; NaN or infinite where it is not defined.
+   pure real(wp) function evaluate(self, slot_values) result(value)
+      class(expression_type), intent(in) :: self
+      !> Value of each slot, in the order of `slots`
+      real(wp), intent(in) :: slot_values(:)
+      real(wp) :: stack(max_stack)
+      integer :: i, top
+      top = 0
+      stack(1) = 0.0_wp
+      do i = 1, size(self%codes)
+         if (self%codes(i) == op_constant) then
+            top = top + 1
+            stack(top) = self%constants(self%operands(i))
+         else if (self%codes(i) == op_slot) then
+            top = top + 1
+            stack(top) = slot_values(self%operands(i))
+         else if (is_binary(self%codes(i))) then
+            top = top - 1
+            stack(top) = binary_value(self%codes(i), stack(top), stack(top + 1))
+         else
+            stack(top) = unary_value(self%codes(i), stack(top))
+         end if
+      end do
+      value = stack(1)
+   end function evaluate
+
+   !> The value and its first and second derivative with respect to time of an expression whose only
+   !> slot is the time.
+   pure function evaluate_jet(self, t) result(jet)
+      class(expression_type), intent(in) :: self
+      !> Time [s]
+      real(wp), intent(in) :: t
+      type(jet_type) :: jet
+      type(jet_type) :: stack(max_stack)
+      integer :: i, top
+      top = 0
+      do i = 1, size(self%codes)
+         if (self%codes(i) == op_constant) then
+            top = top + 1
+            stack(top) = jet_type(self%constants(self%operands(i)), 0.0_wp, 0.0_wp)
+         else if (self%codes(i) == op_slot) then
+            top = top + 1
+            stack(top) = jet_type(t, 1.0_wp, 0.0_wp)
+         else if (is_binary(self%codes(i))) then
+            top = top - 1
+            stack(top) = binary_jet(self%codes(i), stack(top), stack(top + 1))
+         else
+            stack(top) = unary_jet(self%codes(i), stack(top))
+         end if
+      end do
+      jet = stack(1)
+   end function evaluate_jet
+
+   !> Whether an expression depends on nothing.
+   pure logical function is_constant(self)
+      class(expression_type), intent(in) :: self
+      is_constant = size(self%slots) == 0
+   end function is_constant
+
+   !> The value of an expression that depends on nothing.
+   pure real(wp) function constant_value(self) result(value)
+      class(expression_type), intent(in) :: self
+      real(wp) :: no_slots(0)
+      value = self%evaluate(no_slots)
+   end function constant_value
+
+   !> Whether an operation takes two values from the stack.
+   elemental logical function is_binary(code)
+      integer, intent(in) :: code
+      if (code >= first_function) then
+         is_binary = function_arity(code - first_function + 1) /= 1
+      else
+         is_binary = code > op_negate
+      end if
+   end function is_binary
+
+end module limber_deck_expression

@@ -1,0 +1,211 @@
+!> THE table of the deck language: every keyword, option and field once. It drives the reader, `limber help`,
+!> the reference chapter of the manual and the effective deck; a new keyword is new rows here. Floor: deck.
+module limber_deck_keywords
+   use limber_deck_lexer, only: collapsed
+   use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, many, needed, kind_name, &
+      & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
+      & kind_path, kind_point, kind_yes, kind_time_expression, form_none, form_text, form_fields, form_assignments, &
+      & form_channels
+   implicit none
+   private
+   public :: keyword_table, option_table, field_table, find_keyword, keyword_options, keyword_fields, split_values, &
+      & contains_value
+
+   character(*), parameter :: supports = 'PINNED-ROLLER|PINNED-PINNED|CLAMPED-FREE|CLAMPED-ROLLER|CLAMPED-PINNED' &
+      & //'|CLAMPED-CLAMPED|FREE-FREE'
+
+   !> All keywords, in the order of the manual
+   type(keyword_type), parameter :: keyword_table(*) = [ &
+      & keyword_type('HEADING', 1, form_text, 0, many, 'A title: free text, stored with the results'), &
+      & keyword_type('PARAMETER', many, form_assignments, 1, many, &
+      &    'Named numbers, name = expression; usable behind their definition wherever a number is'), &
+      & keyword_type('INCLUDE', many, form_none, 0, 0, 'Reads another file as if it stood here'), &
+      & keyword_type('UNITS', 1, form_none, 0, 0, 'Units of the numbers of this deck; they only label the results'), &
+      & keyword_type('MATERIAL', many, form_none, 0, 0, 'An elastic material'), &
+      & keyword_type('SECTION', many, form_none, 0, 0, 'The cross-section of a beam'), &
+      & keyword_type('GRAVITY', 1, form_none, 0, 0, 'Acceleration of gravity; without this block there is none'), &
+      & keyword_type('GROUND', many, form_fields, 1, many, &
+      &    'Points fixed in space, used as ground.point; ground.origin is there already'), &
+      & keyword_type('RIGID BODY', many, form_fields, 0, many, 'A rigid body; data lines: its named points'), &
+      & keyword_type('POINT MASS', many, form_none, 0, 0, 'A mass without extent and rotation'), &
+      & keyword_type('BEAM', many, form_fields, 0, many, &
+      &    'A flexible beam in a floating frame of reference; data lines: its named points'), &
+      & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
+      & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
+      & keyword_type('FORCE', many, form_fields, 1, 1, 'A force on a point'), &
+      & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
+      & keyword_type('OUTPUT', many, form_channels, 1, many, &
+      &    'Channels of the results, several in a line: quantity(object) or name = expression of quantities')]
+   !> Options: kind, values, unit, default, meaning
+   type(option_spec_type), parameter :: setting_options(*) = [ &
+      & option_spec_type('INCLUDE', 'FILE', kind_path, '', '', needed, 'path, relative to the folder of this file'), &
+      & option_spec_type('UNITS', 'LENGTH', kind_text, '', '', 'm', 'unit of length'), &
+      & option_spec_type('UNITS', 'TIME', kind_text, '', '', 's', 'unit of time'), &
+      & option_spec_type('UNITS', 'MASS', kind_text, '', '', 'kg', 'unit of mass'), &
+      & option_spec_type('MATERIAL', 'NAME', kind_name, 'materials', '', needed, 'name of the material'), &
+      & option_spec_type('MATERIAL', 'YOUNG', kind_positive, '', 'Pa', needed, 'Young''s modulus'), &
+      & option_spec_type('MATERIAL', 'DENSITY', kind_positive, '', 'kg/m^3', needed, 'mass per volume'), &
+      & option_spec_type('SECTION', 'NAME', kind_name, 'sections', '', needed, 'name of the section'), &
+      & option_spec_type('SECTION', 'SHAPE', kind_word, 'CIRCLE|RECTANGLE|TUBE|GENERAL', &
+      &    '', needed, 'shape; decides which of the other options are needed'), &
+      & option_spec_type('SECTION', 'DIAMETER', kind_positive, '', 'm', '', '(outer) diameter of CIRCLE and TUBE'), &
+      & option_spec_type('SECTION', 'WIDTH', kind_positive, '', &
+      &    'm', '', 'width of RECTANGLE, across the plane of bending'), &
+      & option_spec_type('SECTION', 'HEIGHT', kind_positive, '', 'm', '', 'height of RECTANGLE, in the plane of bending'), &
+      & option_spec_type('SECTION', 'THICKNESS', kind_positive, '', 'm', '', 'thickness of the wall of TUBE'), &
+      & option_spec_type('SECTION', 'AREA', kind_positive, '', 'm^2', '', 'area of GENERAL'), &
+      & option_spec_type('SECTION', 'INERTIA', kind_positive, '', &
+      &    'm^4', '', 'second moment of area of GENERAL for bending in the plane'), &
+      & option_spec_type('GRAVITY', 'X', kind_real, '', 'm/s^2', '0', 'along x'), &
+      & option_spec_type('GRAVITY', 'Y', kind_real, '', 'm/s^2', '-9.81', 'along y')]
+   type(option_spec_type), parameter :: body_options(*) = [ &
+      & option_spec_type('RIGID BODY', 'NAME', kind_name, 'bodies', '', needed, 'name of the body'), &
+      & option_spec_type('RIGID BODY', 'MASS', kind_nonnegative, '', 'kg', needed, 'mass'), &
+      & option_spec_type('RIGID BODY', 'INERTIA', kind_nonnegative, '', &
+      &    'kg m^2', '0', 'moment of inertia about the centre of mass'), &
+      & option_spec_type('RIGID BODY', 'CENTRE X', kind_real, '', 'm', '0', 'x of the centre of mass in the body frame'), &
+      & option_spec_type('RIGID BODY', 'CENTRE Y', kind_real, '', 'm', '0', 'y of the centre of mass in the body frame'), &
+      & option_spec_type('RIGID BODY', 'X', kind_real, '', &
+      &    'm', '0', 'x of the body frame, a guess that the joints correct'), &
+      & option_spec_type('RIGID BODY', 'Y', kind_real, '', 'm', '0', 'y of the body frame, a guess'), &
+      & option_spec_type('RIGID BODY', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the body frame, a guess'), &
+      & option_spec_type('RIGID BODY', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
+      & option_spec_type('RIGID BODY', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess'), &
+      & option_spec_type('RIGID BODY', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess'), &
+      & option_spec_type('POINT MASS', 'NAME', kind_name, 'bodies', '', needed, 'name of the point mass'), &
+      & option_spec_type('POINT MASS', 'MASS', kind_nonnegative, '', 'kg', needed, 'mass'), &
+      & option_spec_type('POINT MASS', 'X', kind_real, '', 'm', '0', 'x of the mass, a guess that the joints correct'), &
+      & option_spec_type('POINT MASS', 'Y', kind_real, '', 'm', '0', 'y of the mass, a guess'), &
+      & option_spec_type('POINT MASS', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
+      & option_spec_type('POINT MASS', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess')]
+   type(option_spec_type), parameter :: beam_options(*) = [ &
+      & option_spec_type('BEAM', 'NAME', kind_name, 'bodies', '', needed, 'name of the beam'), &
+      & option_spec_type('BEAM', 'MATERIAL', kind_reference, 'MATERIAL', '', needed, 'its material'), &
+      & option_spec_type('BEAM', 'SECTION', kind_reference, 'SECTION', '', needed, 'its cross-section'), &
+      & option_spec_type('BEAM', 'LENGTH', kind_positive, '', 'm', needed, 'undeformed length'), &
+      & option_spec_type('BEAM', 'ELEMENTS', kind_counting, '', &
+      &    '', '10', 'finite elements that the modes are computed with'), &
+      & option_spec_type('BEAM', 'MODES', kind_count, '', &
+      &    '', '6', 'number of modes: the lowest of bending and axial ones together'), &
+      & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
+      &    '', '', 'number of bending modes; given, it replaces MODES'), &
+      & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', '', '', 'number of axial modes; given, it replaces MODES'), &
+      & option_spec_type('BEAM', 'SUPPORT', kind_word, supports, &
+      &    '', 'PINNED-ROLLER', 'how the ends are held in the floating frame: defines the modes'), &
+      & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
+      &    '', 'K_G', 'level of the stiffness that comes from axial forces'), &
+      & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
+      &    '', '2', 'stretches of the beam with their own axial force in K_G'), &
+      & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT', &
+      &    '', 'EXACT', 'how the axial force is integrated in K_G'), &
+      & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|ELEMENTS|STATIC', &
+      &    '', '', 'axial displacements; if not given, STATIC with GEOMETRIC=FULL and MODES otherwise'), &
+      & option_spec_type('BEAM', 'END FORCE', kind_yes, '', '', 'YES', 'whether forces on the ends stiffen the beam'), &
+      & option_spec_type('BEAM', 'CENTRIFUGAL', kind_yes, '', &
+      &    '', 'YES', 'whether the rotation of the frame stiffens the beam'), &
+      & option_spec_type('BEAM', 'MODAL DERIVATIVES', kind_count, '', &
+      &    '', '3', 'number of modal derivatives added to the modes'), &
+      & option_spec_type('BEAM', 'ORIGIN', kind_real, '', &
+      &    'm', '0', 'coordinate along the beam where the floating frame has its origin'), &
+      & option_spec_type('BEAM', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &
+      & option_spec_type('BEAM', 'Y', kind_real, '', 'm', '0', 'y of the floating frame, a guess'), &
+      & option_spec_type('BEAM', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the floating frame, a guess'), &
+      & option_spec_type('BEAM', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
+      & option_spec_type('BEAM', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess'), &
+      & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess')]
+   type(option_spec_type), parameter :: other_options(*) = [ &
+      & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and forces', '', needed, 'name of the joint'), &
+      & option_spec_type('JOINT', 'TYPE', kind_word, 'REVOLUTE|POINT ON LINE', &
+      &    '', needed, 'POINT ON LINE: the first point moves on a line through the second one'), &
+      & option_spec_type('JOINT', 'ANGLE', kind_real, '', &
+      &    'rad', '0', 'POINT ON LINE: direction of the line in the frame of the second body'), &
+      & option_spec_type('DRIVER', 'NAME', kind_name, 'joints, drivers and forces', '', needed, 'name of the driver'), &
+      & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE', '', needed, 'ANGLE: the angle of the frame of a body'), &
+      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM', '', needed, 'body that is driven'), &
+      & option_spec_type('FORCE', 'NAME', kind_name, 'joints, drivers and forces', '', needed, 'name of the force'), &
+      & option_spec_type('FORCE', 'POINT', kind_point, '', '', needed, 'point that it acts on: body.point'), &
+      & option_spec_type('DYNAMICS', 'START', kind_real, '', 's', '0', 'first instant'), &
+      & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
+      & option_spec_type('DYNAMICS', 'OUTPUTS', kind_counting, '', &
+      &    '', '100', 'equal intervals between samples of the output: one sample more than intervals'), &
+      & option_spec_type('DYNAMICS', 'TOLERANCE', kind_positive, '', &
+      &    '', '1e-6', 'bound of the local error of a step, relative and absolute'), &
+      & option_spec_type('DYNAMICS', 'INTEGRATOR', kind_word, 'ADAMS', '', 'ADAMS', 'integration method'), &
+      & option_spec_type('DYNAMICS', 'INITIAL STEP', kind_positive, '', &
+      &    's', '', 'first step; if not given, chosen by the integrator'), &
+      & option_spec_type('DYNAMICS', 'MAXIMUM STEP', kind_positive, '', &
+      &    's', '', 'longest step; if not given, not limited'), &
+      & option_spec_type('DYNAMICS', 'MAXIMUM STEPS', kind_counting, '', &
+      &    '', '100000000', 'number of steps after which the run gives up')]
+   !> All options in the order of their keywords: kind, values, unit, default, meaning
+   type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, other_options]
+   !> The fields of data lines of the form `form_fields`
+   type(field_spec_type), parameter :: field_table(*) = [ &
+      & field_spec_type('GROUND', 'point', kind_name, '', 'name of the point'), &
+      & field_spec_type('GROUND', 'x', kind_real, 'm', 'position'), &
+      & field_spec_type('GROUND', 'y', kind_real, 'm', 'position'), &
+      & field_spec_type('RIGID BODY', 'point', kind_name, '', 'name of the point, used as body.point'), &
+      & field_spec_type('RIGID BODY', 'x', kind_real, 'm', 'position in the body frame'), &
+      & field_spec_type('RIGID BODY', 'y', kind_real, 'm', 'position in the body frame'), &
+      & field_spec_type('BEAM', 'point', kind_name, '', 'name of the point, used as beam.point'), &
+      & field_spec_type('BEAM', 'coordinate', kind_real, 'm', 'coordinate along the undeformed beam from its start'), &
+      & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
+      & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &
+      & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad', 'expression of the time t'), &
+      & field_spec_type('FORCE', 'fx', kind_time_expression, 'N', 'component along x of space, expression of the time t'), &
+      & field_spec_type('FORCE', 'fy', kind_time_expression, 'N', 'component along y of space, expression of the time t')]
+
+contains
+
+   !> Index of a keyword in the table, written in any case; 0: unknown.
+   pure integer function find_keyword(name) result(found)
+      character(*), intent(in) :: name
+      character(:), allocatable :: wanted
+      wanted = collapsed(name)
+      do found = size(keyword_table), 1, -1
+         if (keyword_table(found)%name == wanted) return
+      end do
+   end function find_keyword
+
+   !> The options of a keyword, in the order of the table.
+   pure function keyword_options(keyword) result(options)
+      !> In upper case
+      character(*), intent(in) :: keyword
+      type(option_spec_type), allocatable :: options(:)
+      options = pack(option_table, option_table%keyword == keyword)
+   end function keyword_options
+
+   !> The fields of the data lines of a keyword.
+   pure function keyword_fields(keyword) result(fields)
+      !> In upper case
+      character(*), intent(in) :: keyword
+      type(field_spec_type), allocatable :: fields(:)
+      fields = pack(field_table, field_table%keyword == keyword)
+   end function keyword_fields
+
+   !> The words of a list that is separated by |.
+   pure function split_values(values) result(words)
+      character(*), intent(in) :: values
+      character(len(values)), allocatable :: words(:)
+      integer :: i, first, bar, count
+      count = 1
+      do i = 1, len_trim(values)
+         if (values(i:i) == '|') count = count + 1
+      end do
+      allocate (words(count))
+      first = 1
+      do i = 1, count
+         bar = index(values(first:), '|')
+         if (bar == 0) bar = len(values) - first + 2
+         words(i) = values(first:first + bar - 2)
+         first = first + bar
+      end do
+   end function split_values
+
+   !> Whether a word is in such a list.
+   pure logical function contains_value(values, word)
+      character(*), intent(in) :: values, word
+      contains_value = len_trim(word) > 0 .and. index('|'//trim(values)//'|', '|'//trim(word)//'|') > 0
+   end function contains_value
+
+end module limber_deck_keywords

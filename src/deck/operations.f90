@@ -1,0 +1,218 @@
+!> The operations that an expression of a deck may hold: their names, their values, where they are not
+!> defined, and their first and second derivatives. Floor: deck.
+module limber_deck_operations
+   use limber_base_kinds, only: wp
+   implicit none
+   private
+   public :: jet_type, unary_value, binary_value, unary_jet, binary_jet, unary_complaint, binary_complaint, &
+      & function_names, function_arity, first_function, function_meanings
+   public :: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, op_power
+
+   !> Codes of a postfix program; the functions follow in the order of `function_names`
+   integer, parameter :: op_constant = 1, op_slot = 2, op_negate = 3, op_add = 4, op_subtract = 5, &
+      & op_multiply = 6, op_divide = 7, op_power = 8
+   !> Code of the first function
+   integer, parameter :: first_function = 9
+   integer, parameter :: op_sqrt = 9, op_sin = 10, op_cos = 11, op_tan = 12, op_asin = 13, op_acos = 14, &
+      & op_atan = 15, op_sinh = 16, op_cosh = 17, op_tanh = 18, op_exp = 19, op_log = 20, op_log10 = 21, &
+      & op_abs = 22, op_atan2 = 23, op_min = 24, op_max = 25
+
+   !> Names of the functions
+   character(5), parameter :: function_names(*) = ['sqrt ', 'sin  ', 'cos  ', 'tan  ', 'asin ', 'acos ', &
+      & 'atan ', 'sinh ', 'cosh ', 'tanh ', 'exp  ', 'log  ', 'log10', 'abs  ', 'atan2', 'min  ', 'max  ']
+   !> Numbers of their arguments; -2: two or more
+   integer, parameter :: function_arity(*) = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, -2, -2]
+   !> What is worth saying about them
+   character(*), parameter :: function_meanings = 'angles in rad; log is the natural logarithm; ' &
+      & //'atan2(y, x); min and max of two or more'
+
+   !> A value with its first and second derivative with respect to time
+   type :: jet_type
+      real(wp) :: value = 0.0_wp, first = 0.0_wp, second = 0.0_wp
+   end type jet_type
+
+contains
+
+   !> f(u).
+   elemental real(wp) function unary_value(code, u) result(f)
+      !> Code of an operation of one argument
+      integer, intent(in) :: code
+      real(wp), intent(in) :: u
+      select case (code)
+      case (op_negate); f = -u
+      case (op_sqrt); f = sqrt(u)
+      case (op_sin); f = sin(u)
+      case (op_cos); f = cos(u)
+      case (op_tan); f = tan(u)
+      case (op_asin); f = asin(u)
+      case (op_acos); f = acos(u)
+      case (op_atan); f = atan(u)
+      case (op_sinh); f = sinh(u)
+      case (op_cosh); f = cosh(u)
+      case (op_tanh); f = tanh(u)
+      case (op_exp); f = exp(u)
+      case (op_log); f = log(u)
+      case (op_log10); f = log10(u)
+      case default; f = abs(u)
+      end select
+   end function unary_value
+
+   !> f(u, v).
+   elemental real(wp) function binary_value(code, u, v) result(f)
+      !> Code of an operation of two arguments
+      integer, intent(in) :: code
+      real(wp), intent(in) :: u, v
+      select case (code)
+      case (op_add); f = u + v
+      case (op_subtract); f = u - v
+      case (op_multiply); f = u*v
+      case (op_divide); f = u/v
+      case (op_power); f = power(u, v)
+      case (op_atan2); f = atan2(u, v)
+      case (op_min); f = min(u, v)
+      case default; f = max(u, v)
+      end select
+   end function binary_value
+
+   !> u**v; whole exponents take negative bases too.
+   elemental real(wp) function power(u, v) result(f)
+      real(wp), intent(in) :: u, v
+      if (is_whole(v)) then
+         f = u**nint(v)
+      else
+         f = u**v
+      end if
+   end function power
+
+   elemental logical function is_whole(v)
+      real(wp), intent(in) :: v
+      is_whole = abs(v) < 1.0e6_wp
+      if (is_whole) is_whole = .not. abs(v - anint(v)) > 0.0_wp
+   end function is_whole
+
+   !> f(u(t)) with its derivatives: f' = f_u u', f'' = f_uu u'^2 + f_u u''.
+   elemental function unary_jet(code, u) result(f)
+      integer, intent(in) :: code
+      type(jet_type), intent(in) :: u
+      type(jet_type) :: f
+      real(wp) :: f_u, f_uu
+      f%value = unary_value(code, u%value)
+      call unary_derivatives(code, u%value, f%value, f_u, f_uu)
+      f%first = f_u*u%first
+      f%second = f_uu*u%first**2 + f_u*u%second
+   end function unary_jet
+
+   !> First and second derivative of f at x, where its value is y.
+   elemental subroutine unary_derivatives(code, x, y, f_u, f_uu)
+      integer, intent(in) :: code
+      real(wp), intent(in) :: x, y
+      real(wp), intent(out) :: f_u, f_uu
+      f_uu = 0.0_wp
+      select case (code)
+      case (op_negate); f_u = -1.0_wp
+      case (op_sqrt); f_u = 0.5_wp/y; f_uu = -0.25_wp/(x*y)
+      case (op_sin); f_u = cos(x); f_uu = -y
+      case (op_cos); f_u = -sin(x); f_uu = -y
+      case (op_tan); f_u = 1.0_wp + y**2; f_uu = 2.0_wp*y*f_u
+      case (op_asin); f_u = 1.0_wp/sqrt(1.0_wp - x**2); f_uu = x*f_u**3
+      case (op_acos); f_u = -1.0_wp/sqrt(1.0_wp - x**2); f_uu = x*f_u**3
+      case (op_atan); f_u = 1.0_wp/(1.0_wp + x**2); f_uu = -2.0_wp*x*f_u**2
+      case (op_sinh); f_u = cosh(x); f_uu = y
+      case (op_cosh); f_u = sinh(x); f_uu = y
+      case (op_tanh); f_u = 1.0_wp - y**2; f_uu = -2.0_wp*y*f_u
+      case (op_exp); f_u = y; f_uu = y
+      case (op_log); f_u = 1.0_wp/x; f_uu = -f_u**2
+      case (op_log10); f_u = 1.0_wp/(x*log(10.0_wp)); f_uu = -f_u/x
+      case default; f_u = sign(1.0_wp, x)
+      end select
+   end subroutine unary_derivatives
+
+   !> f(u(t), v(t)) with its derivatives.
+   elemental function binary_jet(code, u, v) result(f)
+      integer, intent(in) :: code
+      type(jet_type), intent(in) :: u, v
+      type(jet_type) :: f
+      real(wp) :: square, w
+      f%value = binary_value(code, u%value, v%value)
+      select case (code)
+      case (op_add)
+         f%first = u%first + v%first
+         f%second = u%second + v%second
+      case (op_subtract)
+         f%first = u%first - v%first
+         f%second = u%second - v%second
+      case (op_multiply)
+         f%first = u%first*v%value + u%value*v%first
+         f%second = u%second*v%value + 2.0_wp*u%first*v%first + u%value*v%second
+      case (op_divide)
+         f%first = (u%first - f%value*v%first)/v%value
+         f%second = (u%second - 2.0_wp*f%first*v%first - f%value*v%second)/v%value
+      case (op_power)
+         f = power_jet(u, v)
+      case (op_atan2)
+         square = u%value**2 + v%value**2
+         w = u%first*v%value - u%value*v%first
+         f%first = w/square
+         f%second = (u%second*v%value - u%value*v%second)/square &
+            & - 2.0_wp*w*(u%value*u%first + v%value*v%first)/square**2
+      case (op_min)
+         f = v
+         if (u%value <= v%value) f = u
+      case default
+         f = v
+         if (u%value >= v%value) f = u
+      end select
+   end function binary_jet
+
+   !> u**v: by the power rule if v does not change, otherwise as exp(v log u).
+   elemental function power_jet(u, v) result(f)
+      type(jet_type), intent(in) :: u, v
+      type(jet_type) :: f, exponent
+      real(wp) :: c, f_u, f_uu
+      c = v%value
+      f%value = power(u%value, c)
+      if (abs(v%first) > 0.0_wp .or. abs(v%second) > 0.0_wp) then
+         exponent = binary_jet(op_multiply, v, unary_jet(op_log, u))
+         f%first = f%value*exponent%first
+         f%second = f%value*(exponent%first**2 + exponent%second)
+      else
+         f_u = 0.0_wp
+         f_uu = 0.0_wp
+         if (abs(c) > 0.0_wp) f_u = c*power(u%value, c - 1.0_wp)
+         if (abs(c*(c - 1.0_wp)) > 0.0_wp) f_uu = c*(c - 1.0_wp)*power(u%value, c - 2.0_wp)
+         f%first = f_u*u%first
+         f%second = f_uu*u%first**2 + f_u*u%second
+      end if
+   end function power_jet
+
+   !> Why f(u) is not defined; empty if it is.
+   pure function unary_complaint(code, u) result(text)
+      integer, intent(in) :: code
+      real(wp), intent(in) :: u
+      character(:), allocatable :: text
+      text = ''
+      select case (code)
+      case (op_sqrt); if (u < 0.0_wp) text = 'the root of a negative number'
+      case (op_log, op_log10); if (u <= 0.0_wp) text = 'the logarithm of a number that is not positive'
+      case (op_asin, op_acos); if (abs(u) > 1.0_wp) text = 'the argument is outside -1 to 1'
+      end select
+   end function unary_complaint
+
+   !> Why f(u, v) is not defined; empty if it is.
+   pure function binary_complaint(code, u, v) result(text)
+      integer, intent(in) :: code
+      real(wp), intent(in) :: u, v
+      character(:), allocatable :: text
+      text = ''
+      select case (code)
+      case (op_divide)
+         if (.not. abs(v) > 0.0_wp) text = 'division by zero'
+      case (op_power)
+         if (u < 0.0_wp .and. .not. is_whole(v)) text = 'a negative number to a power that is not whole'
+         if (.not. abs(u) > 0.0_wp .and. v < 0.0_wp) text = 'zero to a negative power'
+      case (op_atan2)
+         if (.not. (abs(u) > 0.0_wp .or. abs(v) > 0.0_wp)) text = 'atan2(0, 0) has no value'
+      end select
+   end function binary_complaint
+
+end module limber_deck_operations

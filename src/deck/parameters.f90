@@ -1,0 +1,67 @@
+!> The named numbers that a deck defines with *PARAMETER. Floor: deck.
+module limber_deck_parameters
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: lowercase
+   use limber_deck_origin, only: origin_type
+   implicit none
+   private
+   public :: parameter_type, parameter_list_type, name_length, max_parameters
+
+   !> Longest name of anything in a deck
+   integer, parameter :: name_length = 64
+   !> Most parameters of a deck
+   integer, parameter :: max_parameters = 10000
+
+   !> One parameter
+   type :: parameter_type
+      !> Name in lower case
+      character(name_length) :: name = ''
+      !> Its value
+      real(wp) :: value = 0.0_wp
+      !> False if its expression was in error: uses of it are then not reported again
+      logical :: valid = .true.
+      !> Origin of the name where it is defined
+      type(origin_type) :: origin
+   end type parameter_type
+
+   !> All parameters that are defined so far
+   type :: parameter_list_type
+      !> Only the first `count` are in use
+      type(parameter_type), allocatable :: items(:)
+      integer :: count = 0
+   contains
+      procedure :: find
+      procedure :: define
+   end type parameter_list_type
+
+contains
+
+   !> Index of a parameter; 0 if there is none of this name.
+   pure integer function find(self, name) result(found)
+      class(parameter_list_type), intent(in) :: self
+      !> In any case
+      character(*), intent(in) :: name
+      integer :: i
+      found = 0
+      do i = 1, self%count
+         if (self%items(i)%name == lowercase(name)) found = i
+         if (found > 0) return
+      end do
+   end function find
+
+   !> Adds a parameter behind the others; its name must be new.
+   pure subroutine define(self, item)
+      class(parameter_list_type), intent(inout) :: self
+      type(parameter_type), intent(in) :: item
+      type(parameter_type), allocatable :: longer(:)
+      if (.not. allocated(self%items)) allocate (self%items(8))
+      if (self%count == size(self%items)) then
+         allocate (longer(2*self%count))
+         longer(:self%count) = self%items
+         call move_alloc(longer, self%items)
+      end if
+      self%count = self%count + 1
+      self%items(self%count) = item
+   end subroutine define
+
+end module limber_deck_parameters

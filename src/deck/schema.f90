@@ -1,0 +1,87 @@
+!> What a row of the keyword table says. The rows themselves are in `limber_deck_keywords`. Floor: deck.
+module limber_deck_schema
+   implicit none
+   private
+   public :: keyword_type, option_spec_type, field_spec_type, many, needed
+   public :: kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, &
+      & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression
+   public :: form_none, form_text, form_fields, form_assignments, form_channels
+   public :: is_number_kind, is_integer_kind
+
+   !> Name of an object that the block defines; `values`: the name space, whose names differ from each other
+   integer, parameter :: kind_name = 1
+   !> Name of an object; `values`: the keywords that may define it, separated by |
+   integer, parameter :: kind_reference = 2
+   !> Any real number; one above zero; one that is not negative
+   integer, parameter :: kind_real = 3, kind_positive = 4, kind_nonnegative = 5
+   !> A whole number from 0; from 1
+   integer, parameter :: kind_count = 6, kind_counting = 7
+   !> One of the `values`, separated by |
+   integer, parameter :: kind_word = 8
+   !> Free text; the path of a file
+   integer, parameter :: kind_text = 9, kind_path = 10
+   !> `object` or `object.point`; YES or NO; an expression of the time t
+   integer, parameter :: kind_point = 11, kind_yes = 12, kind_time_expression = 13
+
+   !> Forms of data lines: none, free text, one row of fields in each line, name = expression,
+   !> channels of the output
+   integer, parameter :: form_none = 0, form_text = 1, form_fields = 2, form_assignments = 3, form_channels = 4
+
+   !> Any number of blocks or lines
+   integer, parameter :: many = huge(1)
+   !> In the column of defaults: the option must be given
+   character(*), parameter :: needed = '!'
+
+   !> A keyword
+   type :: keyword_type
+      !> In upper case, without the asterisk
+      character(12) :: name
+      !> Most blocks of a deck
+      integer :: most
+      !> Form, least and greatest number of its data lines
+      integer :: form, least_lines, most_lines
+      !> One line
+      character(110) :: meaning
+   end type keyword_type
+
+   !> An option of a keyword
+   type :: option_spec_type
+      !> Keyword that it belongs to, and its own name, in upper case
+      character(12) :: keyword
+      character(20) :: name
+      integer :: kind
+      !> Depends on the kind
+      character(112) :: values
+      !> Unit of a number in SI
+      character(12) :: unit
+      !> As it would be written; empty: none; `needed`: must be given
+      character(16) :: default
+      !> One line
+      character(110) :: meaning
+   end type option_spec_type
+
+   !> A field of the data lines of a keyword
+   type :: field_spec_type
+      character(12) :: keyword
+      !> What the field is called in messages
+      character(20) :: name
+      integer :: kind
+      character(8) :: unit
+      character(90) :: meaning
+   end type field_spec_type
+
+contains
+
+   !> Whether values of a kind are constant numbers.
+   elemental logical function is_number_kind(kind)
+      integer, intent(in) :: kind
+      is_number_kind = kind >= kind_real .and. kind <= kind_counting
+   end function is_number_kind
+
+   !> Whether they are whole numbers.
+   elemental logical function is_integer_kind(kind)
+      integer, intent(in) :: kind
+      is_integer_kind = kind == kind_count .or. kind == kind_counting
+   end function is_integer_kind
+
+end module limber_deck_schema

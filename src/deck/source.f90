@@ -1,0 +1,174 @@
+!> The text of a deck: its files, the included ones too, as lines. Kept with the deck as long as errors
+!> may have to be shown. Floor: deck.
+module limber_deck_source
+   use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_text, only: as_text
+   use limber_base_kinds, only: long
+   use limber_deck_origin, only: origin_type
+   implicit none
+   private
+   public :: source_type, source_file_type, text_line_type, max_file_bytes
+
+   !> A file longer than this is no deck
+   integer, parameter :: max_file_bytes = 32*1024*1024
+
+   !> One line without its line end
+   type :: text_line_type
+      character(:), allocatable :: text
+   end type text_line_type
+
+   !> One file of a deck
+   type :: source_file_type
+      !> Path as it is shown: as given by the user, or joined to the folder of the including file
+      character(:), allocatable :: path
+      !> All lines
+      type(text_line_type), allocatable :: lines(:)
+      !> The *INCLUDE that brought it in (file 0 for the deck itself)
+      type(origin_type) :: included_at
+   end type source_file_type
+
+   !> All files of a deck in the order of opening
+   type :: source_type
+      !> Only the first `count` are in use
+      type(source_file_type), allocatable :: files(:)
+      !> Number of files
+      integer :: count = 0
+   contains
+      procedure :: read_file
+      procedure :: add_text
+      procedure :: line_at
+      procedure :: path_of
+   end type source_type
+
+contains
+
+   !> Reads a file and adds it as the last one; on error nothing is added.
+   subroutine read_file(self, path, included_at, error)
+      class(source_type), intent(inout) :: self
+      !> Path to open
+      character(*), intent(in) :: path
+      !> The *INCLUDE, or an origin without a file
+      type(origin_type), intent(in) :: included_at
+      !> Missing, unreadable, a folder, or too long
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: text
+      call slurp(path, text, error)
+      if (.not. allocated(error)) call self%add_text(path, text, included_at)
+   end subroutine read_file
+
+   !> Adds a text as if it were the content of a file.
+   subroutine add_text(self, path, text, included_at)
+      class(source_type), intent(inout) :: self
+      !> Path to show
+      character(*), intent(in) :: path
+      !> Lines separated by LF or CR LF; the last line end may be missing
+      character(*), intent(in) :: text
+      !> The *INCLUDE, or an origin without a file
+      type(origin_type), intent(in), optional :: included_at
+      type(source_file_type), allocatable :: longer(:)
+      integer :: i
+      if (.not. allocated(self%files)) allocate (self%files(4))
+      if (self%count == size(self%files)) then
+         allocate (longer(2*self%count))
+         do i = 1, self%count
+            longer(i)%path = self%files(i)%path
+            longer(i)%included_at = self%files(i)%included_at
+            call move_alloc(self%files(i)%lines, longer(i)%lines)
+         end do
+         call move_alloc(longer, self%files)
+      end if
+      self%count = self%count + 1
+      self%files(self%count)%path = path
+      if (present(included_at)) self%files(self%count)%included_at = included_at
+      call split_lines(text, self%files(self%count)%lines)
+   end subroutine add_text
+
+   !> The text of the line at an origin; empty if there is none.
+   pure function line_at(self, origin) result(text)
+      class(source_type), intent(in) :: self
+      type(origin_type), intent(in) :: origin
+      character(:), allocatable :: text
+      text = ''
+      if (origin%file < 1 .or. origin%file > self%count) return
+      if (origin%line < 1 .or. origin%line > size(self%files(origin%file)%lines)) return
+      text = self%files(origin%file)%lines(origin%line)%text
+   end function line_at
+
+   !> The path of the file at an origin; empty if there is none.
+   pure function path_of(self, origin) result(path)
+      class(source_type), intent(in) :: self
+      type(origin_type), intent(in) :: origin
+      character(:), allocatable :: path
+      path = ''
+      if (origin%file >= 1 .and. origin%file <= self%count) path = self%files(origin%file)%path
+   end function path_of
+
+   !> Reads a whole file into a text.
+   subroutine slurp(path, text, error)
+      character(*), intent(in) :: path
+      character(:), allocatable, intent(out) :: text
+      type(error_type), allocatable, intent(out) :: error
+      character(200) :: reason
+      integer :: unit, status
+      integer(long) :: bytes
+      logical :: exists
+      inquire (file=path, exist=exists)
+      if (len_trim(path) == 0 .or. .not. exists) then
+         call raise(error, "there is no file '"//path//"'", status_deck)
+         return
+      end if
+      reason = ''
+      open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', &
+         & iostat=status, iomsg=reason)
+      if (status /= 0) then
+         call raise(error, "cannot open '"//path//"': "//trim(reason), status_deck)
+         return
+      end if
+      inquire (unit=unit, size=bytes)
+      if (bytes < 0) then
+         call raise(error, "cannot read '"//path//"': it is not a regular file", status_deck)
+      else if (bytes > max_file_bytes) then
+         call raise(error, "cannot read '"//path//"': "//as_text(bytes)//' bytes are more than the ' &
+            & //as_text(max_file_bytes)//' of the longest deck', status_deck)
+      else
+         allocate (character(int(bytes)) :: text)
+         if (bytes > 0) read (unit, iostat=status, iomsg=reason) text
+         if (status /= 0) call raise(error, "cannot read '"//path//"': "//trim(reason), status_deck)
+      end if
+      close (unit, iostat=status)
+   end subroutine slurp
+
+   !> Cuts a text into lines; a byte-order mark and carriage returns before a line end are dropped.
+   subroutine split_lines(text, lines)
+      character(*), intent(in) :: text
+      type(text_line_type), allocatable, intent(out) :: lines(:)
+      character(1), parameter :: line_feed = achar(10), carriage_return = achar(13)
+      character(3), parameter :: mark = char(239)//char(187)//char(191)
+      integer :: start, first, last, count, i
+      start = 1
+      if (len(text) >= 3) then
+         if (text(1:3) == mark) start = 4
+      end if
+      count = 0
+      do i = start, len(text)
+         if (text(i:i) == line_feed) count = count + 1
+      end do
+      if (len(text) >= start) then
+         if (text(len(text):) /= line_feed) count = count + 1
+      end if
+      allocate (lines(count))
+      first = start
+      do i = 1, count
+         last = index(text(first:), line_feed)
+         last = merge(len(text), first + last - 2, last == 0)
+         if (last >= first) then
+            lines(i)%text = text(first:last)
+            if (text(last:last) == carriage_return) lines(i)%text = text(first:last - 1)
+         else
+            lines(i)%text = ''
+         end if
+         first = last + 2
+      end do
+   end subroutine split_lines
+
+end module limber_deck_source

@@ -1,0 +1,171 @@
+!> Reads single values of a deck as the keyword table wants them: options, and fields of data lines.
+!> Floor: deck.
+module limber_deck_values
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text, lowercase, nearest_name
+   use limber_deck_origin, only: origin_type
+   use limber_deck_lexer, only: part_type, collapsed, is_name, is_point, unquoted
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_parameters, only: parameter_list_type, name_length
+   use limber_deck_expression, only: expression_type
+   use limber_deck_compile, only: compile
+   use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_real, kind_positive, &
+      & kind_nonnegative, kind_count, kind_counting, kind_word, kind_point, kind_yes, kind_time_expression, &
+      & is_number_kind, is_integer_kind
+   use limber_deck_keywords, only: split_values, contains_value
+   use limber_deck_content, only: option_type, field_type
+   implicit none
+   private
+   public :: read_option, read_field, check_name, suggestion
+
+contains
+
+   !> Reads the value of an option; its text is not empty.
+   subroutine read_option(spec, part, parameters, option, diagnostics)
+      !> Row of the table
+      type(option_spec_type), intent(in) :: spec
+      !> Value as written
+      type(part_type), intent(in) :: part
+      !> Parameters that are defined so far
+      type(parameter_list_type), intent(in) :: parameters
+      !> Receives the value
+      type(option_type), intent(inout) :: option
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(expression_type) :: expression
+      logical :: ok
+      option%text = part%text
+      option%origin = part%origin
+      ok = .true.
+      if (is_number_kind(spec%kind)) then
+         call read_number(trim(spec%name), spec%kind, trim(spec%meaning), part, parameters, expression, &
+            & option%value, ok, diagnostics)
+         if (ok .and. is_integer_kind(spec%kind)) option%whole = nint(option%value)
+      else
+         select case (spec%kind)
+         case (kind_word)
+            call read_word(spec, trim(spec%values), part, option, ok, diagnostics)
+         case (kind_yes)
+            call read_word(spec, 'YES|NO', part, option, ok, diagnostics)
+         case (kind_name, kind_reference)
+            option%text = lowercase(part%text)
+            call check_name(part, ok, diagnostics)
+         case (kind_point)
+            option%text = lowercase(part%text)
+            call check_point(part, ok, diagnostics)
+         case default
+            option%text = unquoted(part%text)
+         end select
+      end if
+      option%has_value = ok
+   end subroutine read_option
+
+   !> Reads a field of a data line.
+   subroutine read_field(what, kind, meaning, part, parameters, field, ok, diagnostics)
+      !> What the field is called, its kind and meaning: as in the table
+      character(*), intent(in) :: what, meaning
+      integer, intent(in) :: kind
+      !> Field as written; may be empty
+      type(part_type), intent(in) :: part
+      type(parameter_list_type), intent(in) :: parameters
+      type(field_type), intent(out) :: field
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      field%text = part%text
+      field%origin = part%origin
+      field%name = ''
+      ok = .true.
+      if (len(part%text) == 0) then
+         ok = .false.
+         call diagnostics%add(part%origin, "the field '"//what//"' is empty", meaning)
+      else if (is_number_kind(kind)) then
+         call read_number(what, kind, meaning, part, parameters, field%expression, field%value, ok, diagnostics)
+      else if (kind == kind_time_expression) then
+         call compile(part%text, part%origin, parameters, field%expression, ok, diagnostics, time=.true.)
+      else if (kind == kind_point) then
+         field%text = lowercase(part%text)
+         call check_point(part, ok, diagnostics)
+      else
+         field%text = lowercase(part%text)
+         call check_name(part, ok, diagnostics)
+      end if
+   end subroutine read_field
+
+   !> Reads a constant number and checks its range.
+   subroutine read_number(what, kind, meaning, part, parameters, expression, value, ok, diagnostics)
+      character(*), intent(in) :: what, meaning
+      integer, intent(in) :: kind
+      type(part_type), intent(in) :: part
+      type(parameter_list_type), intent(in) :: parameters
+      type(expression_type), intent(out) :: expression
+      real(wp), intent(out) :: value
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: wanted
+      value = 0.0_wp
+      call compile(part%text, part%origin, parameters, expression, ok, diagnostics)
+      if (.not. ok) return
+      value = expression%constant_value()
+      wanted = ''
+      select case (kind)
+      case (kind_positive); if (value <= 0.0_wp) wanted = 'greater than 0'
+      case (kind_nonnegative); if (value < 0.0_wp) wanted = '0 or greater'
+      case (kind_count); if (value < 0.0_wp) wanted = 'a whole number from 0 on'
+      case (kind_counting); if (value < 1.0_wp) wanted = 'a whole number from 1 on'
+      end select
+      if (is_integer_kind(kind)) then
+         if (abs(value - anint(value)) > 0.0_wp) wanted = 'a whole number'
+         if (value > real(huge(1), wp)) wanted = 'at most '//as_text(huge(1))
+      end if
+      ok = len(wanted) == 0
+      if (.not. ok) call diagnostics%add(part%origin, what//' must be '//wanted//', not '//as_text(value), meaning)
+   end subroutine read_number
+
+   subroutine read_word(spec, choices, part, option, ok, diagnostics)
+      type(option_spec_type), intent(in) :: spec
+      !> Separated by |
+      character(*), intent(in) :: choices
+      type(part_type), intent(in) :: part
+      type(option_type), intent(inout) :: option
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      option%text = collapsed(part%text)
+      ok = contains_value(choices, option%text)
+      if (.not. ok) call diagnostics%add(part%origin, trim(spec%name)//" cannot be '"//option%text//"'", &
+         & suggestion(option%text, split_values(choices)))
+   end subroutine read_word
+
+   !> Reports a text that is not the name of an object.
+   subroutine check_name(part, ok, diagnostics)
+      type(part_type), intent(in) :: part
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      ok = is_name(part%text)
+      if (.not. ok) call diagnostics%add(part%origin, "'"//part%text//"' is not a name", &
+         & 'a letter, then letters, digits, _ and -; at most '//as_text(name_length)//' of them')
+   end subroutine check_name
+
+   subroutine check_point(part, ok, diagnostics)
+      type(part_type), intent(in) :: part
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      ok = is_point(part%text)
+      if (.not. ok) call diagnostics%add(part%origin, "'"//part%text//"' is not a point", &
+         & 'write object.point, or the name of a point mass')
+   end subroutine check_point
+
+   !> "did you mean 'MODES'? Valid: NAME, ..." or only the second half.
+   pure function suggestion(name, candidates) result(text)
+      !> What was written, and what may be written
+      character(*), intent(in) :: name, candidates(:)
+      character(:), allocatable :: text
+      integer :: i, near
+      text = 'valid: '
+      near = nearest_name(name, candidates)
+      if (near > 0) text = "did you mean '"//trim(candidates(near))//"'? Valid: "
+      do i = 1, size(candidates)
+         if (i > 1) text = text//', '
+         text = text//trim(candidates(i))
+      end do
+   end function suggestion
+
+end module limber_deck_values

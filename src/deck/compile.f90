@@ -267,7 +267,7 @@ contains
       found = parameters%find(word)
       if (any(function_names == word)) then
          call parse_function(c, parameters, word, at, last)
-      else if (called .and. c%quantities .and. word /= 't' .and. word /= 'pi' .and. found == 0) then
+      else if (called .and. c%quantities .and. word /= 't' .and. word /= 'pi') then
          call parse_quantity(c, word, at)
       else if (called) then
          call complain_call(c, word, at, last, found > 0 .or. word == 't' .or. word == 'pi')

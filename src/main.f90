@@ -4,6 +4,7 @@
 !>
 !> The commands live in src/analysis; the only places that print or stop are here.
 program limber
+   use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use limber_base_error, only: error_type
    use limber_analysis_command, only: command_type, read_command, usage
@@ -20,32 +21,28 @@ program limber
    same = .true.
    report = ''
    call read_command(command, error)
-   if (allocated(error)) call leave(error)
-   select case (command%verb)
-   case ('run'); call run_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
-   case ('check'); call check_deck(trim(command%words(1)), report, error)
-   case ('export'); call export_history(trim(command%words(1)), command%words(2:), output_unit, error)
-   case ('diff'); call compare_histories(trim(command%words(1)), trim(command%words(2)), command%tolerance, report, same, error)
-   case ('help'); call help_on(command%words, command%manual, report, error)
-   case ('--version'); report = version_text()
-   case default; report = usage()
-   end select
-   if (allocated(error)) call leave(error)
+   if (.not. allocated(error)) then
+      select case (command%verb)
+      case ('run'); call run_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
+      case ('check'); call check_deck(trim(command%words(1)), report, error)
+      case ('export'); call export_history(trim(command%words(1)), command%words(2:), output_unit, error)
+      case ('diff'); call compare_histories(trim(command%words(1)), trim(command%words(2)), command%tolerance, report, same, error)
+      case ('help'); call help_on(command%words, command%manual, report, error)
+      case ('--version'); report = version_text()
+      case default; report = usage()
+      end select
+   end if
+   if (allocated(error)) then
+      write (error_unit, '(a)') error%message
+      call leave(error%status)
+   end if
    if (len(report) > 0 .and. .not. command%quiet) write (output_unit, '(a)') report
-   if (.not. same) stop 1, quiet=.true.
+   call leave(merge(0, 1, same))
 
 contains
 
-   !> Says what went wrong and ends with its status.
-   subroutine leave(error)
-      type(error_type), intent(in) :: error
-      write (error_unit, '(a)') error%message
-      call exit_with(error%status)
-   end subroutine leave
-
-   !> Ends the program with a status.
-   subroutine exit_with(status)
-      use, intrinsic :: iso_c_binding, only: c_int
+   !> Ends the program with a status and without a word, which `stop` cannot.
+   subroutine leave(status)
       integer, intent(in) :: status
       interface
          subroutine c_exit(status) bind(c, name='exit')
@@ -54,8 +51,7 @@ contains
          end subroutine c_exit
       end interface
       flush (output_unit)
-      flush (error_unit)
       call c_exit(int(status, c_int))
-   end subroutine exit_with
+   end subroutine leave
 
 end program limber

@@ -31,17 +31,34 @@ contains
    !> How limber is called.
    pure function usage() result(text)
       character(:), allocatable :: text
-      text = 'limber: dynamics of planar flexible multibody systems'//newline//newline// &
-         & '   limber run DECK [-o FILE] [--force] [--quiet]    run a deck; results in FILE (default: deck''s name .h5)'//newline// &
-         & '   limber check DECK                                read, build and assemble only'//newline// &
-         & '   limber export FILE [CHANNEL ...]                 print channels of a result as plain columns'//newline// &
-         & '   limber diff A B [--rtol R] [--range R] [--atol A]  compare results A with the reference B, channel by channel: &
-         &relative, part of'//newline// &
-         & '                                                    the reference''s range, absolute'//newline// &
-         & '   limber help [KEYWORD]                            explain the deck''s keywords; --manual prints all'//newline// &
-         & '   limber --version                                 version, commit and compiler'//newline//newline// &
-         & 'Status: 0 done, 1 results differ, 2 deck or command cannot be used, 3 the run could not finish.'
+      text = join([character(100) :: &
+         & 'limber: dynamics of planar flexible multibody systems', &
+         & '', &
+         & '   limber run DECK [-o FILE] [--force] [--quiet]', &
+         & '                       run a deck; results in FILE (else the deck''s name with the ending .h5)', &
+         & '   limber check DECK   read, build and assemble only', &
+         & '   limber export FILE [CHANNEL ...]', &
+         & '                       print channels of a result as plain columns', &
+         & '   limber diff A B [--rtol R] [--range R] [--atol A]', &
+         & '                       compare result A with reference B, channel by channel: relative, as part of', &
+         & '                       the reference''s range, absolute', &
+         & '   limber help [KEYWORD]', &
+         & '                       explain the deck''s keywords; --manual prints the reference chapter', &
+         & '   limber --version    version, commit and compiler', &
+         & '', &
+         & 'Status: 0 done, 1 results differ, 2 deck or command cannot be used, 3 the run could not finish.'])
    end function usage
+
+   !> Lines put together.
+   pure function join(lines) result(text)
+      character(*), intent(in) :: lines(:)
+      character(:), allocatable :: text
+      integer :: i
+      text = trim(lines(1))
+      do i = 2, size(lines)
+         text = text//newline//trim(lines(i))
+      end do
+   end function join
 
    !> Reads the command line.
    subroutine read_command(command, error)
@@ -79,7 +96,8 @@ contains
       character(*), intent(in) :: word
       type(error_type), allocatable, intent(out) :: error
       character(longest) :: value
-      character(*), parameter :: options(*) = [character(8) :: '-o', '--force', '--quiet', '--rtol', '--range', '--atol', '--manual']
+      character(*), parameter :: options(*) = [character(8) :: '-o', '--force', '--quiet', '--rtol', '--range', '--atol', &
+         & '--manual']
       select case (word)
       case ('--force'); command%force = .true.
       case ('--quiet'); command%quiet = .true.

@@ -429,10 +429,12 @@ contains
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
       type(driver_type) :: driver
+      integer :: i
       driver%name = block%name()
-      do driver%body = size(model%bodies), 1, -1
-         if (model%bodies(driver%body)%name == block%name('BODY')) exit
+      do i = size(model%bodies), 1, -1
+         if (model%bodies(i)%name == block%name('BODY')) exit
       end do
+      driver%body = i
       if (driver%body == 0 .or. size(block%lines) /= 1) return
       if (model%bodies(driver%body)%kind == body_point) then
          call diagnostics%add(block%origin_of('BODY'), "'"//block%name('BODY')//"' is a point mass and has no angle", &

@@ -79,15 +79,16 @@ contains
       type(model_type), intent(in) :: model
       type(quantity_type), intent(out) :: quantity
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: near
+      integer :: near, i
       quantity%of = -1
       if (slot%argument == '') then
          quantity%of = 0
          return
       end if
-      do quantity%kind = size(quantities), 1, -1
-         if (quantities(quantity%kind)%name == slot%name) exit
+      do i = size(quantities), 1, -1
+         if (quantities(i)%name == slot%name) exit
       end do
+      quantity%kind = i
       if (quantity%kind == 0) then
          near = nearest_name(slot%name, quantities%name)
          if (near > 0) then
@@ -114,14 +115,16 @@ contains
             call diagnostics%add(slot%origin, "'"//slot%argument//"' is a point mass and has no angle")
          end if
       case (of_joint)
-         do quantity%of = size(model%joints), 1, -1
-            if (model%joints(quantity%of)%name == slot%argument) exit
+         do i = size(model%joints), 1, -1
+            if (model%joints(i)%name == slot%argument) exit
          end do
+         quantity%of = i
          if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'")
       case (of_driver)
-         do quantity%of = size(model%drivers), 1, -1
-            if (model%drivers(quantity%of)%name == slot%argument) exit
+         do i = size(model%drivers), 1, -1
+            if (model%drivers(i)%name == slot%argument) exit
          end do
+         quantity%of = i
          if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
       case (of_system)
          quantity%of = 0

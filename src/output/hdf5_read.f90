@@ -7,7 +7,7 @@ module limber_output_hdf5_read
       & h5dvlen_reclaim_f, h5gopen_f, h5gclose_f, h5gget_info_f, h5lget_name_by_idx_f, h5_index_crt_order_f, &
       & h5_index_name_f, h5_iter_inc_f, h5p_default_f, h5sclose_f, &
       & h5sget_simple_extent_npoints_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
-      & h5t_native_integer, h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, &
+      & h5t_native_integer, h5t_native_double, h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, &
       & h5t_string_f
    use h5lt, only: h5ltread_dataset_double_f
    use limber_base_error, only: error_type, raise, status_deck
@@ -26,7 +26,7 @@ module limber_output_hdf5_read
    !> Reads an attribute, `call read_attribute(file, path, name, value, error)`; value is a text (allocatable) or an
    !> integer (of one element in the file). Its absence is an error.
    interface read_attribute
-      module procedure :: read_attribute_text, read_attribute_integer
+      module procedure :: read_attribute_text, read_attribute_integer, read_attribute_real
    end interface read_attribute
 
    !> Reads a whole dataset into an allocatable, `call read_dataset(file, path, value, error)`; value is a text,
@@ -165,6 +165,37 @@ contains
       call h5aclose_f(attribute, status)
       call h5oclose_f(object, status)
    end subroutine read_attribute_integer
+
+   subroutine read_attribute_real(file, path, name, value, error)
+      integer(hid_t), intent(in) :: file
+      character(*), intent(in) :: path, name
+      real(wp), intent(out) :: value
+      type(error_type), allocatable, intent(out) :: error
+      integer(hid_t) :: object, attribute, space
+      integer(hsize_t) :: count
+      real(wp), target :: number
+      type(c_ptr) :: place
+      integer :: status
+      value = 0.0_wp
+      call open_attribute(file, path, name, object, attribute, error)
+      if (allocated(error)) return
+      call h5aget_space_f(attribute, space, status)
+      call h5sget_simple_extent_npoints_f(space, count, status)
+      if (count == 1) then
+         place = c_loc(number)
+         call h5aread_f(attribute, h5t_native_double, place, status)
+      else
+         status = -1
+      end if
+      if (status >= 0) then
+         value = number
+      else
+         call raise(error, 'the attribute '//name//' of '//path//' is not a number', status_deck)
+      end if
+      call h5sclose_f(space, status)
+      call h5aclose_f(attribute, status)
+      call h5oclose_f(object, status)
+   end subroutine read_attribute_real
 
    !> Opens an attribute and its object; neither is open after an error.
    subroutine open_attribute(file, path, name, object, attribute, error)

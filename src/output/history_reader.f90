@@ -41,7 +41,8 @@ module limber_output_history_reader
       type(channel_type), allocatable :: channels(:)
       integer(hid_t), private :: file = no_id
    contains
-      procedure :: open => open_history, close => close_history, read_time, read_channel, read_text, find_channel
+      procedure :: open => open_history, close => close_history, read_time, read_channel, read_text, read_statistic, &
+         & find_channel
    end type history_reader_type
 
 contains
@@ -187,6 +188,19 @@ contains
          call raise(error, self%path//' has no '//path, status_deck)
       end if
    end subroutine read_text
+
+   !> Reads a number that the run left among its statistics, an attribute of /run.
+   subroutine read_statistic(self, name, value, error)
+      !> Open reader
+      class(history_reader_type), intent(in) :: self
+      !> Name of the attribute, such as 'steps'
+      character(*), intent(in) :: name
+      real(wp), intent(out) :: value
+      !> Allocated if there is no such number
+      type(error_type), allocatable, intent(out) :: error
+      call read_attribute(self%file, '/run', name, value, error)
+      if (allocated(error)) error%message = self%path//': '//error%message
+   end subroutine read_statistic
 
    !> Looks a channel up by its name.
    subroutine find_channel(self, name, which, error)

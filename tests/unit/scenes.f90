@@ -1,0 +1,240 @@
+!> Scenes built in code, without a deck, and what the tests of the kernels share: repeatable random numbers, laws in time,
+!> stencils and Gauss points of their own.
+module scenes
+   use limber_base_error, only: error_type
+   use limber_base_kinds, only: wp
+   use limber_deck_expression, only: expression_type, slot_type
+   use limber_deck_operations, only: first_function, function_names, op_add, op_constant, op_multiply, op_slot
+   use limber_flex_mesh, only: beam_type
+   use limber_flex_reduced, only: rigid_reduced
+   use limber_flex_reduction, only: point_shape, reduce_beam, reduction_type
+   use limber_model_scene, only: body_flexible, body_point, body_rigid, body_type, driver_type, force_type, ground, &
+      & joint_type, model_type, point_type
+   implicit none
+   private
+   public :: random, constant_law, wavy_law, gauss_point, gauss_weight, derivative, second_derivative
+   public :: empty_model, add_rigid, add_point_mass, add_beam, add_place, add_beam_place, add_joint, add_driver, add_force
+
+   !> Five Gauss points on -1..1, exact to degree nine: places and weights
+   real(wp), parameter, private :: near = sqrt(5.0_wp - 2.0_wp*sqrt(10.0_wp/7.0_wp))/3.0_wp
+   real(wp), parameter, private :: far = sqrt(5.0_wp + 2.0_wp*sqrt(10.0_wp/7.0_wp))/3.0_wp
+   real(wp), parameter :: gauss_point(5) = [-far, -near, 0.0_wp, near, far]
+   real(wp), parameter :: gauss_weight(5) = [(322.0_wp - 13.0_wp*sqrt(70.0_wp))/900.0_wp, &
+      & (322.0_wp + 13.0_wp*sqrt(70.0_wp))/900.0_wp, 128.0_wp/225.0_wp, (322.0_wp + 13.0_wp*sqrt(70.0_wp))/900.0_wp, &
+      & (322.0_wp - 13.0_wp*sqrt(70.0_wp))/900.0_wp]
+
+   integer, parameter :: seed_modulus = 2147483647
+   integer, save :: seed = 20240229
+
+contains
+
+   !> A number between -1 and 1; the same sequence in every run.
+   real(wp) function random()
+      integer, parameter :: long = selected_int_kind(18)
+      seed = int(modulo(16807_long*int(seed, long), int(seed_modulus, long)))
+      random = 2.0_wp*real(seed, wp)/real(seed_modulus, wp) - 1.0_wp
+   end function random
+
+   !> First derivative from values at -2h, -h, h, 2h: exact for polynomials to degree four.
+   pure elemental real(wp) function derivative(left2, left, right, right2, h)
+      real(wp), intent(in) :: left2, left, right, right2, h
+      derivative = (8*(right - left) - (right2 - left2))/(12*h)
+   end function derivative
+
+   !> Second derivative from values at -2h, -h, 0, h, 2h: exact for polynomials to degree five.
+   pure elemental real(wp) function second_derivative(left2, left, middle, right, right2, h)
+      real(wp), intent(in) :: left2, left, middle, right, right2, h
+      second_derivative = (16*((right - middle) + (left - middle)) - ((right2 - middle) + (left2 - middle)))/(12*h**2)
+   end function second_derivative
+
+   !> A law that does not change.
+   function constant_law(value) result(law)
+      real(wp), intent(in) :: value
+      type(expression_type) :: law
+      law%codes = [op_constant]
+      law%operands = [1]
+      law%constants = [value]
+      allocate (law%slots(0))
+   end function constant_law
+
+   !> a + b t + c sin(d t), as a postfix program.
+   function wavy_law(a, b, c, d) result(law)
+      real(wp), intent(in) :: a, b, c, d
+      type(expression_type) :: law
+      integer :: i, sine
+      sine = 0
+      do i = 1, size(function_names)
+         if (function_names(i) == 'sin') sine = first_function + i - 1
+      end do
+      law%codes = [op_constant, op_constant, op_slot, op_multiply, op_add, op_constant, op_constant, op_slot, op_multiply, &
+         & sine, op_multiply, op_add]
+      law%operands = [1, 2, 1, 0, 0, 3, 4, 1, 0, 0, 0, 0]
+      law%constants = [a, b, c, d]
+      allocate (law%slots(1))
+      law%slots(1)%name = 't'
+      law%slots(1)%argument = ''
+   end function wavy_law
+
+   !> A model of nothing.
+   function empty_model(length) result(model)
+      !> Characteristic length
+      real(wp), intent(in) :: length
+      type(model_type) :: model
+      model%length = length
+      allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
+   end function empty_model
+
+   !> Adds a rigid body; returns its index.
+   function add_rigid(model, name, mass, inertia, centre, position, angle) result(index)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: mass, inertia, centre(2), position(2), angle
+      integer :: index
+      type(body_type) :: body
+      body%name = name
+      body%kind = body_rigid
+      body%reduced = rigid_reduced(mass, inertia, centre)
+      body%position = position
+      body%angle = angle
+      body%size = model%length
+      index = add_body(model, body)
+   end function add_rigid
+
+   !> Adds a point mass; returns its index.
+   function add_point_mass(model, name, mass, position) result(index)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: mass, position(2)
+      integer :: index
+      type(body_type) :: body
+      body%name = name
+      body%kind = body_point
+      body%reduced = rigid_reduced(mass, 0.0_wp, [0.0_wp, 0.0_wp])
+      body%position = position
+      index = add_body(model, body)
+   end function add_point_mass
+
+   !> Adds a beam; returns its index.
+   function add_beam(model, name, beam, choice, position, angle, error) result(index)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      type(beam_type), intent(in) :: beam
+      type(reduction_type), intent(in) :: choice
+      real(wp), intent(in) :: position(2), angle
+      type(error_type), allocatable, intent(out) :: error
+      integer :: index
+      type(body_type) :: body
+      body%name = name
+      body%kind = body_flexible
+      body%beam = beam
+      body%choice = choice
+      call reduce_beam(beam, choice, body%reduced, body%field, error)
+      body%largest_shape = max(maxval(abs(body%field%w)), maxval(abs(body%field%u)))
+      body%size = beam%length
+      body%position = position
+      body%angle = angle
+      index = add_body(model, body)
+   end function add_beam
+
+   !> Appends by hand: intrinsic array constructors of types with deep components cost more than they save.
+   integer function add_body(model, body) result(index)
+      type(model_type), intent(inout) :: model
+      type(body_type), intent(in) :: body
+      type(body_type), allocatable :: longer(:)
+      index = size(model%bodies) + 1
+      allocate (longer(index))
+      longer(:index - 1) = model%bodies
+      longer(index) = body
+      call move_alloc(longer, model%bodies)
+   end function add_body
+
+   !> Adds a point at p0 of a body without coordinates, or of the ground; returns its index. Shapes may be given.
+   function add_place(model, name, body, p0, phi, psi) result(index)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      integer, intent(in) :: body
+      real(wp), intent(in) :: p0(2)
+      real(wp), intent(in), optional :: phi(:, :), psi(:)
+      integer :: index, n
+      type(point_type), allocatable :: longer(:)
+      n = 0
+      if (body /= ground) n = model%bodies(body)%reduced%n
+      index = size(model%points) + 1
+      allocate (longer(index))
+      longer(:index - 1) = model%points
+      longer(index)%name = name
+      longer(index)%body = body
+      longer(index)%p0 = p0
+      allocate (longer(index)%phi(2, n), longer(index)%psi(n))
+      longer(index)%phi = 0.0_wp
+      longer(index)%psi = 0.0_wp
+      if (present(phi)) longer(index)%phi = phi
+      if (present(psi)) longer(index)%psi = psi
+      call move_alloc(longer, model%points)
+   end function add_place
+
+   !> Adds the point at x along a beam; returns its index.
+   function add_beam_place(model, name, body, x) result(index)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      integer, intent(in) :: body
+      real(wp), intent(in) :: x
+      integer :: index
+      real(wp), allocatable :: phi(:, :), psi(:)
+      call point_shape(model%bodies(body)%field, x, phi, psi)
+      index = add_place(model, name, body, [x - model%bodies(body)%choice%origin, 0.0_wp], phi, psi)
+   end function add_beam_place
+
+   !> Adds a joint between two points; `angle` is that of a line in the second body's frame.
+   subroutine add_joint(model, name, kind, first, second, angle)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      integer, intent(in) :: kind, first, second
+      real(wp), intent(in), optional :: angle
+      type(joint_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%joints) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%joints
+      longer(n)%name = name
+      longer(n)%kind = kind
+      longer(n)%points = [first, second]
+      if (present(angle)) longer(n)%angle = angle
+      call move_alloc(longer, model%joints)
+   end subroutine add_joint
+
+   !> Prescribes the angle of a body.
+   subroutine add_driver(model, name, body, law)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      integer, intent(in) :: body
+      type(expression_type), intent(in) :: law
+      type(driver_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%drivers) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%drivers
+      longer(n)%name = name
+      longer(n)%body = body
+      longer(n)%law = law
+      call move_alloc(longer, model%drivers)
+   end subroutine add_driver
+
+   !> Puts a dead force on a point.
+   subroutine add_force(model, name, point, x, y)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      integer, intent(in) :: point
+      type(expression_type), intent(in) :: x, y
+      type(force_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%forces) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%forces
+      longer(n)%name = name
+      longer(n)%point = point
+      longer(n)%law = [x, y]
+      call move_alloc(longer, model%forces)
+   end subroutine add_force
+
+end module scenes

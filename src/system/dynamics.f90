@@ -6,7 +6,7 @@ module limber_system_dynamics
    use limber_base_text, only: as_text
    use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
    use limber_model_scene, only: body_flexible
-   use limber_system_algebra, only: turn
+   use limber_system_algebra, only: turn, cross
    use limber_system_body, only: velocity_forces, gravity_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system
@@ -217,9 +217,7 @@ contains
          call solve_multiplier_system(system, work, work%phi, change)
          do i = 1, size(work%bodies)
             if (.not. system%layout%framed(i)) cycle
-            associate (first => system%layout%q(i) + 2)
-               change(first:first + 1) = change(first)*turn(work%kinematics%frames(i)%u)
-            end associate
+            call spin_frame(system%layout%q(i) + 2, change(system%layout%q(i) + 2), work%kinematics%frames(i)%u, change)
          end do
          q = q + change
          call normalise_frames(system, q)
@@ -236,21 +234,30 @@ contains
       real(wp), intent(inout) :: change(:)
       !> Residual before, relative to the constraints' scales
       real(wp), intent(out) :: residual
-      integer :: i
+      integer :: i, first
       real(wp) :: omega
       call clear_forces(work)
       residual = velocity_residual(system, work, v)
       call solve_multiplier_system(system, work, work%gamma, change)
       do i = 1, size(work%bodies)
          if (.not. system%layout%framed(i)) cycle
-         associate (first => system%layout%q(i) + 2)
-            omega = dot_product(turn(work%kinematics%frames(i)%u), v(first:first + 1)) + change(first)
-            v(first:first + 1) = omega*turn(work%kinematics%frames(i)%u)
-            change(first:first + 1) = 0.0_wp
-         end associate
+         first = system%layout%q(i) + 2
+         omega = cross(work%kinematics%frames(i)%u, v(first:first + 1)) + change(first)
+         call spin_frame(first, omega, work%kinematics%frames(i)%u, v)
+         change(first:first + 1) = 0.0_wp
       end do
       v = v + change
    end subroutine project_velocity
+
+   !> Writes omega J u into the two places of a vector from `first` on.
+   pure subroutine spin_frame(first, omega, u, vector)
+      integer, intent(in) :: first
+      real(wp), value :: omega
+      real(wp), intent(in) :: u(2)
+      real(wp), intent(inout) :: vector(:)
+      vector(first) = -omega*u(2)
+      vector(first + 1) = omega*u(1)
+   end subroutine spin_frame
 
    !> Brings every frame's u to unit length.
    pure subroutine normalise_frames(system, q)

@@ -14,8 +14,7 @@ if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
   set(CMAKE_Fortran_FLAGS_RELEASE "-O3")
   set(CMAKE_Fortran_FLAGS_DEBUG "-Og -g")
 
-  # -Wmaybe-uninitialized cries wolf at allocatable temporaries when optimising; the debug build stops at the real thing
-  list(APPEND LIMBER_FORTRAN_WARNINGS -std=f2008 -Wall -Wextra -Wimplicit-interface -Wno-maybe-uninitialized)
+  list(APPEND LIMBER_FORTRAN_WARNINGS -std=f2008 -Wall -Wextra -Wimplicit-interface)
   if(LIMBER_WARNINGS_AS_ERRORS)
     list(APPEND LIMBER_FORTRAN_WARNINGS -Werror)
   endif()

@@ -47,6 +47,7 @@ contains
       character(:), allocatable :: text, line, item
       integer :: i
       text = ''
+      item = ''
       line = '*'//block%keyword
       do i = 1, size(block%options)
          if (.not. block%options(i)%has_value) cycle

@@ -74,9 +74,11 @@ contains
    pure function nodal_masses(beam) result(mass)
       type(beam_type), intent(in) :: beam
       real(wp) :: mass(0:beam%elements)
-      mass = 2*lumped_mass(beam%rho_a, beam%length/beam%elements)
-      mass([0, beam%elements]) = 0.5_wp*mass([0, beam%elements])
-      if (beam%elements == 0) mass = 0.0_wp
+      real(wp) :: half
+      half = lumped_mass(beam%rho_a, beam%length/beam%elements)
+      mass = 2*half
+      mass(0) = half
+      mass(beam%elements) = half
    end function nodal_masses
 
    !> Number of bending modes that the lumped mass gives under these supports.

@@ -118,14 +118,21 @@ contains
       type(system_type), intent(inout) :: system
       type(joint_type), intent(in) :: joint
       class(constraint_type), allocatable, intent(out) :: item
+      type(revolute_type) :: revolute
+      type(point_on_line_type) :: line
       integer :: markers(2)
       markers = [marker_of(system, joint%points(1)), 0]
       markers(2) = marker_of(system, joint%points(2))
       select case (joint%kind)
       case (joint_revolute)
-         allocate (item, source=revolute_type(rows=2, markers=markers))
+         revolute%rows = 2
+         revolute%markers = markers
+         allocate (item, source=revolute)
       case (joint_point_on_line)
-         allocate (item, source=point_on_line_type(rows=1, markers=markers, direction=[cos(joint%angle), sin(joint%angle)]))
+         line%rows = 1
+         line%markers = markers
+         line%direction = [cos(joint%angle), sin(joint%angle)]
+         allocate (item, source=line)
       end select
       item%label = "joint '"//joint%name//"'"
       item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
@@ -135,7 +142,10 @@ contains
    subroutine add_driver(driver, item)
       type(driver_type), intent(in) :: driver
       class(constraint_type), allocatable, intent(out) :: item
-      allocate (item, source=driven_angle_type(rows=1, law=driver%law))
+      type(driven_angle_type) :: driven
+      driven%rows = 1
+      driven%law = driver%law
+      allocate (item, source=driven)
       item%label = "driver '"//driver%name//"'"
       item%bodies = [driver%body, ground]
    end subroutine add_driver

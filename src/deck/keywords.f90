@@ -93,18 +93,18 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'SUPPORT', kind_word, supports, &
       &    '', 'PINNED-ROLLER', 'how the ends are held in the floating frame: defines the modes'), &
       & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
-      &    '', 'K_G', 'level of the stiffness that comes from axial forces'), &
+      &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G (the paper), or von Karman with curvature'), &
       & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
-      &    '', '2', 'stretches of the beam with their own axial force in K_G'), &
+      &    '', '2', 'elements for the geometric part, independent of ELEMENTS'), &
       & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT', &
-      &    '', 'EXACT', 'how the axial force is integrated in K_G'), &
+      &    '', 'EXACT', 'slope in a geometric element: from its own two ends, or integrated over the modes'), &
       & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|ELEMENTS|STATIC', &
-      &    '', '', 'axial displacements; if not given, STATIC with GEOMETRIC=FULL and MODES otherwise'), &
-      & option_spec_type('BEAM', 'END FORCE', kind_yes, '', '', 'YES', 'whether forces on the ends stiffen the beam'), &
+      &    '', '', 'modes, a function for each geometric element, or static functions; default STATIC with FULL, else MODES'), &
+      & option_spec_type('BEAM', 'END FORCE', kind_yes, '', '', 'YES', 'STATIC: include the response to an end force'), &
       & option_spec_type('BEAM', 'CENTRIFUGAL', kind_yes, '', &
-      &    '', 'YES', 'whether the rotation of the frame stiffens the beam'), &
+      &    '', 'YES', 'STATIC: include the response to a centrifugal load'), &
       & option_spec_type('BEAM', 'MODAL DERIVATIVES', kind_count, '', &
-      &    '', '3', 'number of modal derivatives added to the modes'), &
+      &    '', '3', 'STATIC: number of modal derivatives, of mode pairs 11, 12, 22, 13, ...'), &
       & option_spec_type('BEAM', 'ORIGIN', kind_real, '', &
       &    'm', '0', 'coordinate along the beam where the floating frame has its origin'), &
       & option_spec_type('BEAM', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &

@@ -13,7 +13,7 @@ module limber_model_build
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
    use limber_model_channels, only: add_channels
    use limber_model_points, only: add_point, find_point
-   use limber_model_scene, only: model_type, body_type, point_type, joint_type, driver_type, force_type, &
+   use limber_model_scene, only: model_type, body_type, joint_type, driver_type, force_type, &
       & body_point, body_rigid, body_flexible, ground, joint_revolute, joint_point_on_line
    implicit none
    private
@@ -33,7 +33,7 @@ contains
       integer :: i
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
       call read_labels(deck, model)
-      call add_point(model%points, point_type(name='ground.origin'))
+      call add_point(model%points, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
          case ('GROUND'); call add_points(deck%blocks(i), 'ground', ground, model, diagnostics)
@@ -109,8 +109,8 @@ contains
          & block%origin_of('INERTIA'), "body '"//body%name//"' has an inertia but no mass")
       model%bodies = [model%bodies, body]
       index = size(model%bodies)
-      call add_point(model%points, point_type(name=body%name//'.origin', body=index))
-      call add_point(model%points, point_type(name=body%name//'.centre', body=index, p0=centre))
+      call add_point(model%points, body%name//'.origin', index, [0.0_wp, 0.0_wp])
+      call add_point(model%points, body%name//'.centre', index, centre)
       call add_points(block, body%name, index, model, diagnostics)
       model%bodies(index)%size = extent(model, index)
    end subroutine add_rigid_body
@@ -122,7 +122,7 @@ contains
       body = new_body(block, body_point)
       body%reduced = rigid_reduced(block%real('MASS'), 0.0_wp, [0.0_wp, 0.0_wp])
       model%bodies = [model%bodies, body]
-      call add_point(model%points, point_type(name=body%name//'.origin', body=size(model%bodies)))
+      call add_point(model%points, body%name//'.origin', size(model%bodies), [0.0_wp, 0.0_wp])
    end subroutine add_point_mass
 
    !> Named points of the ground and of rigid bodies, `name, x, y` a line.
@@ -136,8 +136,7 @@ contains
       do i = 1, size(block%lines)
          associate (line => block%lines(i))
             if (.not. is_new_point(model, owner//'.'//line%text(1), line%origin_of(1), diagnostics)) cycle
-            call add_point(model%points, point_type(name=owner//'.'//line%text(1), body=index, &
-               & p0=[line%number(2), line%number(3)]))
+            call add_point(model%points, owner//'.'//line%text(1), index, [line%number(2), line%number(3)])
          end associate
       end do
    end subroutine add_points
@@ -377,12 +376,13 @@ contains
       subroutine place(name, s)
          character(*), intent(in) :: name
          real(wp), intent(in) :: s
-         type(point_type) :: point
-         point%name = model%bodies(index)%name//'.'//name
-         point%body = index
-         point%p0 = [s - model%bodies(index)%choice%origin, 0.0_wp]
-         if (model%bodies(index)%kind == body_flexible) call point_shape(model%bodies(index)%field, s, point%phi, point%psi)
-         call add_point(model%points, point)
+         character(:), allocatable :: whole
+         real(wp), allocatable :: phi(:, :), psi(:)
+         real(wp) :: p0(2)
+         whole = model%bodies(index)%name//'.'//name
+         p0 = [s - model%bodies(index)%choice%origin, 0.0_wp]
+         if (model%bodies(index)%kind == body_flexible) call point_shape(model%bodies(index)%field, s, phi, psi)
+         call add_point(model%points, whole, index, p0, phi, psi)
       end subroutine place
 
    end subroutine add_beam_points

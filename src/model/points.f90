@@ -1,5 +1,6 @@
 !> The list of named points: adding to it, and finding what a deck refers to. Floor: model.
 module limber_model_points
+   use limber_base_kinds, only: wp
    use limber_base_text, only: nearest_name, lowercase
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
@@ -10,17 +11,30 @@ module limber_model_points
 
 contains
 
-   !> Appends a point; one without shapes gets empty ones.
-   subroutine add_point(points, point)
+   !> Appends a point.
+   subroutine add_point(points, name, body, p0, phi, psi)
       type(point_type), allocatable, intent(inout) :: points(:)
-      type(point_type), intent(in) :: point
+      !> Name of the body and of the point: 'rod.middle'
+      character(*), intent(in) :: name
+      !> Index of the body, or `ground`
+      integer, intent(in) :: body
+      !> Undeformed place in the body frame (2) [length]
+      real(wp), intent(in) :: p0(2)
+      !> Displacement (2,n) and rotation (n) for each coordinate of a flexible body
+      real(wp), intent(in), optional :: phi(:, :), psi(:)
       type(point_type), allocatable :: longer(:)
-      allocate (longer(size(points) + 1))
-      longer(:size(points)) = points
-      longer(size(longer)) = point
-      if (.not. allocated(point%psi)) then
-         allocate (longer(size(longer))%phi(2, 0))
-         allocate (longer(size(longer))%psi(0))
+      integer :: n
+      n = size(points) + 1
+      allocate (longer(n))
+      longer(:n - 1) = points
+      longer(n)%name = name
+      longer(n)%body = body
+      longer(n)%p0 = p0
+      if (present(phi)) then
+         longer(n)%phi = phi
+         longer(n)%psi = psi
+      else
+         allocate (longer(n)%phi(2, 0), longer(n)%psi(0))
       end if
       call move_alloc(longer, points)
    end subroutine add_point

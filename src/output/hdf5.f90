@@ -326,10 +326,12 @@ contains
       character(*), intent(in) :: path
       real(wp), intent(in) :: value(:, :)
       type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: packed(:, :)
       integer :: status
       call clear_the_way(file, path, error)
       if (allocated(error)) return
-      call h5ltmake_dataset_double_f(file, path, 2, shape(value, hsize_t), value, status)
+      allocate (packed, source=value)
+      call h5ltmake_dataset_double_f(file, path, 2, shape(packed, hsize_t), packed, status)
       if (status < 0) call hdf5_error(error, file, 'cannot write '//path)
    end subroutine write_dataset_table
 

@@ -3,6 +3,7 @@
 module limber_analysis_scene
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_text, only: newline
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
@@ -55,6 +56,7 @@ contains
       end if
       scene%warnings = diagnostics%render(scene%deck%source)
       if (diagnostics%count > 0) call raise(error, scene%warnings, status_deck)
+      if (diagnostics%warnings > 0) scene%warnings = scene%warnings//newline
    end subroutine read_scene
 
    !> First state; what cannot be assembled is shown at the joint or driver in the deck.

@@ -141,18 +141,22 @@ contains
       end do
    end subroutine add_points
 
-   !> Complains of a point that exists already.
+   !> Complains of a point that has the name of one that every body of its kind has. (What the deck names twice, the reader
+   !> has complained of.)
    logical function is_new_point(model, name, origin, diagnostics)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: name
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
+      character(6), parameter :: own_names(5) = [character(6) :: 'origin', 'centre', 'start', 'middle', 'end']
       integer :: i
       is_new_point = .true.
       do i = 1, size(model%points)
          if (model%points(i)%name == name) is_new_point = .false.
       end do
-      if (.not. is_new_point) call diagnostics%add(origin, "point '"//name//"' is there already", 'choose another name')
+      if (is_new_point) return
+      if (any(own_names == name(index(name, '.') + 1:))) call diagnostics%add(origin, &
+         & "point '"//name//"' is there without being defined", 'choose another name')
    end function is_new_point
 
    subroutine add_beam(deck, index, model, diagnostics)
@@ -436,11 +440,6 @@ contains
       end do
       driver%body = i
       if (driver%body == 0 .or. size(block%lines) /= 1) return
-      if (model%bodies(driver%body)%kind == body_point) then
-         call diagnostics%add(block%origin_of('BODY'), "'"//block%name('BODY')//"' is a point mass and has no angle", &
-            & 'name a *RIGID BODY or a *BEAM')
-         return
-      end if
       driver%law = block%lines(1)%fields(1)%expression
       model%drivers = [model%drivers, driver]
    end subroutine add_driver

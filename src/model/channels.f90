@@ -43,9 +43,9 @@ contains
       integer :: i
       channel%expression = field%expression
       channel%name = field%name
-      if (channel%name == '') channel%name = default_name(field)
       channel%long_name = trim(adjustl(field%text))
-      do i = 1, size(model%channels)
+      if (channel%name == '') channel%name = default_name(field)
+      do i = 1, merge(size(model%channels), 0, field%name == '')
          if (model%channels(i)%name == channel%name) call diagnostics%add(field%origin, "channel '"//channel%name// &
             & "' is asked for twice", 'give one of them another name: name = '//channel%long_name)
       end do

@@ -19,6 +19,8 @@ module limber_system_assembly
 
    !> Relative residual that counts as satisfied, and the one that is aimed at
    real(wp), parameter :: satisfied = 1.0e-12_wp, aim = 2.0e-16_wp
+   !> Deflection relative to the body's size beyond which an assembly by bending bodies is none
+   real(wp), parameter :: most_deflection = 0.1_wp
 
 contains
 
@@ -47,6 +49,8 @@ contains
          call assemble_position(system, work, t, q, .true., done)
       end if
       if (.not. done) then
+         q = start
+         call assemble_position(system, work, t, q, .false., done)
          call report(system, work, t, error, culprit)
          return
       end if
@@ -123,6 +127,7 @@ contains
       end do
       q = best
       done = least <= satisfied
+      if (flexible) done = done .and. largest_deflection(system, q) <= most_deflection
       call place_frames(system%model, system%layout, t, q, work%kinematics)
       call update_jacobians(system, work)
    end subroutine assemble_position
@@ -285,6 +290,19 @@ contains
          if (system%layout%framed(i)) largest = max(largest, abs(step(first + 2)))
       end do
    end function largest_turn
+
+   !> Bound of the largest deflection relative to the size of its body.
+   pure real(wp) function largest_deflection(system, q) result(largest)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: q(:)
+      integer :: i, first
+      largest = 0.0_wp
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i) + 4
+         if (system%layout%n(i) > 0) largest = max(largest, maxval(abs(q(first:first + system%layout%n(i) - 1)))* &
+            & system%model%bodies(i)%largest_shape/system%model%bodies(i)%size)
+      end do
+   end function largest_deflection
 
    !> Moves q by a step that has alpha in the first place of u; rotates u exactly.
    pure subroutine move(system, step, q)

@@ -13,7 +13,7 @@ module scenes
    implicit none
    private
    public :: random, constant_law, wavy_law, gauss_point, gauss_weight, derivative, second_derivative
-   public :: empty_model, add_rigid, add_point_mass, add_beam, add_place, add_beam_place, add_joint, add_driver, add_force
+   public :: empty_model, add_rigid, add_point_mass, add_beam, add_place, add_beam_place, add_joint, join, add_driver, add_force
 
    !> Five Gauss points on -1..1, exact to degree nine: places and weights
    real(wp), parameter, private :: near = sqrt(5.0_wp - 2.0_wp*sqrt(10.0_wp/7.0_wp))/3.0_wp
@@ -202,6 +202,35 @@ contains
       if (present(angle)) longer(n)%angle = angle
       call move_alloc(longer, model%joints)
    end subroutine add_joint
+
+   !> Adds a joint and its two points; a place on a beam is that along it.
+   subroutine join(model, name, kind, first, at, second, place, angle)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      integer, intent(in) :: kind, first, second
+      real(wp), intent(in) :: at(2), place(2)
+      real(wp), intent(in), optional :: angle
+      integer :: points(2)
+      points(1) = place_on(first, at)
+      points(2) = place_on(second, place)
+      call add_joint(model, name, kind, points(1), points(2), angle)
+
+   contains
+
+      integer function place_on(body, p) result(index)
+         integer, intent(in) :: body
+         real(wp), intent(in) :: p(2)
+         logical :: flexible
+         flexible = .false.
+         if (body /= ground) flexible = model%bodies(body)%kind == body_flexible
+         if (flexible) then
+            index = add_beam_place(model, name, body, p(1))
+         else
+            index = add_place(model, name, body, p)
+         end if
+      end function place_on
+
+   end subroutine join
 
    !> Prescribes the angle of a body.
    subroutine add_driver(model, name, body, law)

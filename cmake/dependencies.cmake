@@ -4,6 +4,13 @@ find_package(PkgConfig REQUIRED)
 if(NOT TARGET PkgConfig::ARPACK)
   pkg_check_modules(ARPACK REQUIRED QUIET IMPORTED_TARGET arpack)
 endif()
+
+if(NOT TARGET limber::klu)
+  find_library(LIMBER_KLU_LIBRARY klu REQUIRED)
+  add_library(limber::klu INTERFACE IMPORTED)
+  target_link_libraries(limber::klu INTERFACE ${LIMBER_KLU_LIBRARY})
+endif()
+
 find_package(HDF5 REQUIRED COMPONENTS Fortran Fortran_HL)
 
 if(NOT TARGET limber::hdf5)

@@ -18,7 +18,7 @@ module limber_analysis_command
       !> run, check, export, diff, help, --version
       character(:), allocatable :: verb
       !> Files, channels or keywords, in order
-      character(:), allocatable :: words(:)
+      character(longest), allocatable :: words(:)
       !> Name of the result file; empty: from the deck's name
       character(:), allocatable :: output
       logical :: force = .false., quiet = .false., manual = .false.
@@ -66,7 +66,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(longest) :: word
       integer :: i, length
-      allocate (character(longest) :: command%words(0))
+      allocate (command%words(0))
       command%output = ''
       command%verb = '--help'
       i = 1

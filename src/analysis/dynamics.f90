@@ -77,7 +77,7 @@ contains
       outcome%wall = seconds_since(tick)
       outcome%cpu = cpu_now() - cpu
       integrator%statistics%evaluations = scene%work%evaluations
-      integrator%statistics%factorisations = scene%work%factorisations
+      integrator%statistics%factorisations = scene%work%matrix%factorisations
    end subroutine run_dynamics
 
    !> The time loop.

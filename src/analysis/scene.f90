@@ -50,7 +50,7 @@ contains
       if (diagnostics%count == 0) then
          call system_clock(tick)
          scene%system = new_system(model)
-         scene%work = new_workspace(scene%system)
+         call new_workspace(scene%system, scene%work)
          call assemble_scene(scene, diagnostics)
          scene%assembling = seconds_since(tick)
       end if

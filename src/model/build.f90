@@ -48,7 +48,7 @@ contains
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
          case ('JOINT'); call add_joint(deck%blocks(i), model, diagnostics)
-         case ('DRIVER'); call add_driver(deck%blocks(i), model, diagnostics)
+         case ('DRIVER'); call add_driver(deck%blocks(i), model)
          case ('FORCE'); call add_force(deck%blocks(i), model, diagnostics)
          end select
       end do
@@ -428,10 +428,9 @@ contains
       model%joints = [model%joints, joint]
    end subroutine append_joint
 
-   subroutine add_driver(block, model, diagnostics)
+   subroutine add_driver(block, model)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
       type(driver_type) :: driver
       integer :: i
       driver%name = block%name()

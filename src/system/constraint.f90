@@ -9,9 +9,11 @@ module limber_system_constraint
    private
    public :: constraint_type, constraint_item_type, jacobian_type, new_jacobian
 
-   !> Rows of the Jacobian that act on one body: z (rows,3) on r' and omega, eta (rows,n) on eta'
+   !> Rows of the Jacobian that act on one body: z (rows,3) on r' and omega, eta (rows,n) on eta'; and where z stands in the
+   !> multiplier matrix, as it is and transposed (rows, frame rates)
    type :: jacobian_type
       real(wp), allocatable :: z(:, :), eta(:, :)
+      integer, allocatable :: place(:, :), transposed(:, :)
    end type jacobian_type
 
    !> A joint or a driver

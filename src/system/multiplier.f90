@@ -9,7 +9,6 @@
 !> Source: Han and Lee 1993, eq. (28); doc/theory.
 module limber_system_multiplier
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dgetrf, dgetrs
    use limber_model_scene, only: ground
    use limber_system_body, only: body_mass
    use limber_system_system, only: system_type, workspace_type
@@ -47,8 +46,8 @@ contains
       real(wp), intent(in) :: q(:)
       !> True if a pivot is zero
       logical, intent(out) :: singular
-      integer :: i, first, info
-      work%matrix = 0.0_wp
+      integer :: i, first
+      work%matrix%values = 0.0_wp
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), n => system%layout%n(i))
             first = system%layout%q(i) + 4
@@ -60,74 +59,80 @@ contains
                body%mass(1, 1) = system%model%bodies(i)%reduced%mass
                body%mass(2, 2) = body%mass(1, 1)
             end if
-            call condense_body(n, system%layout%z(i), system%layout%rates(i), system%layout%nz, body%coupling, &
-               & body%eta_rows, body%rows, body%mass, work%matrix)
+            if (n > 0) call condense_body(n, body%coupling, body%eta_rows, body%rows_place, body%mass, work%matrix%values)
+            call add_frame(body%frame_place, body%mass, work%matrix%values)
          end associate
       end do
       call add_constraint_rows(system, work)
-      call dgetrf(system%unknowns, system%unknowns, work%matrix, system%unknowns, work%pivots, info)
-      work%factorisations = work%factorisations + 1
-      singular = info /= 0
+      call work%matrix%factor(singular)
    end subroutine factor_multiplier_system
 
-   !> Adds a body's mass less the part that eta takes, and what eta adds between the constraints.
-   pure subroutine condense_body(n, first, rates, nz, coupling, eta_rows, rows, mass, matrix)
-      integer, intent(in) :: n, first, rates, nz
+   !> Takes from a body's mass the part of eta, and adds what eta makes between the constraints.
+   pure subroutine condense_body(n, coupling, eta_rows, rows_place, mass, values)
+      integer, intent(in) :: n
       !> (n,3), (n,rows)
       real(wp), intent(in) :: coupling(:, :), eta_rows(:, :)
-      integer, intent(in) :: rows(:)
+      !> Places of the block between the constraint rows (rows,rows)
+      integer, intent(in) :: rows_place(:, :)
       real(wp), intent(inout) :: mass(3, 3)
-      real(wp), contiguous, intent(inout) :: matrix(:, :)
+      !> Entries of the multiplier matrix
+      real(wp), contiguous, intent(inout) :: values(:)
       real(wp) :: part
       integer :: i, j, k
-      if (n > 0) then
-         do j = 1, 3
-            do i = 1, 3
-               part = 0.0_wp
-               do k = 1, n
-                  part = part + coupling(k, i)*coupling(k, j)
-               end do
-               mass(i, j) = mass(i, j) - part
+      do j = 1, 3
+         do i = 1, j
+            part = 0.0_wp
+            do k = 1, n
+               part = part + coupling(k, i)*coupling(k, j)
             end do
+            mass(i, j) = mass(i, j) - part
+            mass(j, i) = mass(i, j)
          end do
-         do j = 1, size(rows)
-            do i = 1, size(rows)
-               part = 0.0_wp
-               do k = 1, n
-                  part = part + eta_rows(k, i)*eta_rows(k, j)
-               end do
-               matrix(nz + rows(i), nz + rows(j)) = matrix(nz + rows(i), nz + rows(j)) - part
+      end do
+      do j = 1, size(rows_place, 2)
+         do i = 1, j
+            part = 0.0_wp
+            do k = 1, n
+               part = part + eta_rows(k, i)*eta_rows(k, j)
             end do
-         end do
-      end if
-      do j = 1, rates
-         do i = 1, rates
-            matrix(first + i - 1, first + j - 1) = mass(i, j)
+            values(rows_place(i, j)) = values(rows_place(i, j)) - part
+            if (i /= j) values(rows_place(j, i)) = values(rows_place(j, i)) - part
          end do
       end do
    end subroutine condense_body
+
+   !> Adds the mass of a frame.
+   pure subroutine add_frame(place, mass, values)
+      integer, intent(in) :: place(:, :)
+      real(wp), intent(in) :: mass(3, 3)
+      real(wp), contiguous, intent(inout) :: values(:)
+      integer :: i, j
+      do j = 1, size(place, 2)
+         do i = 1, size(place, 1)
+            values(place(i, j)) = values(place(i, j)) + mass(i, j)
+         end do
+      end do
+   end subroutine add_frame
 
    !> Adds the condensed Jacobian rows and their transposes.
    subroutine add_constraint_rows(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      integer :: i, side, body, row, at, j, k, column
+      integer :: i, side, body, row, j, k
       real(wp) :: value
       do i = 1, size(system%constraints)
          do side = 1, 2
             body = system%constraints(i)%item%bodies(side)
             if (body == ground) cycle
-            associate (jacobian => work%jacobians(side, i), coupling => work%bodies(body)%coupling)
+            associate (jacobian => work%jacobians(side, i), coupling => work%bodies(body)%coupling, values => work%matrix%values)
                do j = 1, system%layout%rates(body)
-                  column = system%layout%z(body) + j - 1
-                  do row = 1, system%constraints(i)%item%rows
+                  do row = 1, size(jacobian%z, 1)
                      value = jacobian%z(row, j)
-                     do k = 1, system%layout%n(body)
+                     do k = 1, size(jacobian%eta, 2)
                         value = value - jacobian%eta(row, k)*coupling(k, j)
                      end do
-                     at = system%layout%nz + system%constraints(i)%item%first + row - 1
-                     work%matrix(at, column) = work%matrix(at, column) + value
-                     work%matrix(column, at) = work%matrix(column, at) + value
+                     values(jacobian%place(row, j)) = values(jacobian%place(row, j)) + value
+                     values(jacobian%transposed(row, j)) = values(jacobian%transposed(row, j)) + value
                   end do
                end do
             end associate
@@ -144,7 +149,7 @@ contains
       real(wp), intent(in) :: gamma(:)
       !> Frame accelerations, alpha and eta'' (nq)
       real(wp), intent(out) :: a(:)
-      integer :: i, j, k, first, rates, info
+      integer :: i, j, k, first, rates
       real(wp) :: value
       work%solution(system%layout%nz + 1:) = gamma
       do i = 1, size(work%bodies)
@@ -163,7 +168,7 @@ contains
             end do
          end associate
       end do
-      call dgetrs('N', system%unknowns, 1, work%matrix, system%unknowns, work%pivots, work%solution, system%unknowns, info)
+      call work%matrix%solve(work%solution)
       work%lambda = work%solution(system%layout%nz + 1:)
       do i = 1, size(work%bodies)
          first = system%layout%q(i)

@@ -9,6 +9,7 @@ module limber_system_system
    use limber_system_drivers, only: driven_angle_type
    use limber_system_joints, only: revolute_type, point_on_line_type
    use limber_system_kinematics, only: layout_type, new_layout, kinematics_type, new_kinematics
+   use limber_system_sparse, only: sparse_type
    implicit none
    private
    public :: system_type, new_system, workspace_type, new_workspace, load_type, body_workspace_type
@@ -47,6 +48,9 @@ module limber_system_system
       !> Constraint rows that act on the body: their places among all (rows), where each comes from, [constraint, side,
       !> row in it] (3, rows), and their eta parts (n, rows)
       integer, allocatable :: rows(:), sources(:, :)
+      !> Where the mass matrix of the frame (rates, rates), and what eta adds between the constraint rows (rows, rows), stand
+      !> in the multiplier matrix
+      integer, allocatable :: frame_place(:, :), rows_place(:, :)
       real(wp), allocatable :: eta_rows(:, :)
    end type body_workspace_type
 
@@ -58,13 +62,13 @@ module limber_system_system
       type(jacobian_type), allocatable :: jacobians(:, :)
       !> Residuals and right-hand sides of the constraints (nc)
       real(wp), allocatable :: phi(:), gamma(:)
-      !> Multiplier matrix and its pivots; solution vector [frame accelerations; multipliers]
-      real(wp), allocatable :: matrix(:, :), solution(:)
-      integer, allocatable :: pivots(:)
+      !> Multiplier matrix of the unknowns [frame accelerations; multipliers], and a vector of them
+      type(sparse_type) :: matrix
+      real(wp), allocatable :: solution(:)
       !> Multipliers of the last solution (nc): the constraints act on the bodies with -Jacobian^T lambda
       real(wp), allocatable :: lambda(:)
-      !> Counts: evaluations of the right-hand side, factorisations
-      integer :: evaluations = 0, factorisations = 0
+      !> Count of evaluations of the right-hand side
+      integer :: evaluations = 0
    end type workspace_type
 
 contains
@@ -151,16 +155,15 @@ contains
    end subroutine add_driver
 
    !> Room for everything that changes.
-   function new_workspace(system) result(work)
+   subroutine new_workspace(system, work)
       type(system_type), intent(in) :: system
-      type(workspace_type) :: work
+      type(workspace_type), intent(out) :: work
       integer :: i, side, row, body, old
       work%kinematics = new_kinematics(system%model, system%marker_points)
       allocate (work%bodies(size(system%model%bodies)), work%jacobians(2, size(system%constraints)))
       allocate (work%phi(system%nc), work%gamma(system%nc), work%lambda(system%nc))
-      allocate (work%matrix(system%unknowns, system%unknowns), work%solution(system%unknowns), work%pivots(system%unknowns))
+      allocate (work%solution(system%unknowns))
       work%lambda = 0.0_wp
-      work%matrix = 0.0_wp
       do i = 1, size(work%bodies)
          call size_body(system%model%bodies(i)%reduced, work%bodies(i))
       end do
@@ -183,7 +186,85 @@ contains
       do i = 1, size(work%bodies)
          allocate (work%bodies(i)%eta_rows(system%layout%n(i), size(work%bodies(i)%rows)))
       end do
-   end function new_workspace
+      call analyse_pattern(system, work)
+   end subroutine new_workspace
+
+   !> Pattern of the multiplier matrix, and the place in it of everything that will be filled in.
+   subroutine analyse_pattern(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i, side, body, row, nz
+      nz = system%layout%nz
+      do i = 1, size(work%bodies)
+         associate (body => work%bodies(i), first => system%layout%z(i), rates => system%layout%rates(i))
+            call mark_block(work%matrix, [(row, row=first, first + rates - 1)], [(row, row=first, first + rates - 1)])
+            if (system%layout%n(i) > 0) call mark_block(work%matrix, nz + body%rows, nz + body%rows)
+         end associate
+      end do
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, 2
+               body = item%bodies(side)
+               if (body == ground) cycle
+               associate (first => system%layout%z(body), rates => system%layout%rates(body))
+                  call mark_block(work%matrix, [(nz + row, row=item%first, item%first + item%rows - 1)], &
+                     & [(row, row=first, first + rates - 1)])
+                  call mark_block(work%matrix, [(row, row=first, first + rates - 1)], &
+                     & [(nz + row, row=item%first, item%first + item%rows - 1)])
+               end associate
+            end do
+         end associate
+      end do
+      call work%matrix%analyse(system%unknowns)
+      do i = 1, size(work%bodies)
+         associate (body => work%bodies(i), first => system%layout%z(i), rates => system%layout%rates(i))
+            body%frame_place = block_place(work%matrix, [(row, row=first, first + rates - 1)], &
+               & [(row, row=first, first + rates - 1)])
+            if (system%layout%n(i) > 0) body%rows_place = block_place(work%matrix, nz + body%rows, nz + body%rows)
+         end associate
+      end do
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, 2
+               body = item%bodies(side)
+               if (body == ground) cycle
+               associate (first => system%layout%z(body), rates => system%layout%rates(body), &
+                     & jacobian => work%jacobians(side, i))
+                  jacobian%place = block_place(work%matrix, [(nz + row, row=item%first, item%first + item%rows - 1)], &
+                     & [(row, row=first, first + rates - 1)])
+                  jacobian%transposed = transpose(block_place(work%matrix, [(row, row=first, first + rates - 1)], &
+                     & [(nz + row, row=item%first, item%first + item%rows - 1)]))
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine analyse_pattern
+
+   !> Marks a block of the pattern.
+   subroutine mark_block(matrix, rows, columns)
+      type(sparse_type), intent(inout) :: matrix
+      integer, intent(in) :: rows(:), columns(:)
+      integer :: i, j
+      do j = 1, size(columns)
+         do i = 1, size(rows)
+            call matrix%mark(rows(i), columns(j))
+         end do
+      end do
+   end subroutine mark_block
+
+   !> Places of a block's entries (rows, columns).
+   function block_place(matrix, rows, columns) result(place)
+      type(sparse_type), intent(in) :: matrix
+      integer, intent(in) :: rows(:), columns(:)
+      integer, allocatable :: place(:, :)
+      integer :: i, j
+      allocate (place(size(rows), size(columns)))
+      do j = 1, size(columns)
+         do i = 1, size(rows)
+            place(i, j) = matrix%place(rows(i), columns(j))
+         end do
+      end do
+   end function block_place
 
    subroutine size_body(body, scratch)
       type(reduced_type), intent(in) :: body

@@ -27,8 +27,8 @@ module limber_flex_modes
       integer, allocatable :: place(:)
       !> Square roots of their masses
       real(wp), allocatable :: root(:)
-      !> Rigid-body directions M^(1/2) phi, orthonormal (massive, number)
-      real(wp), allocatable :: rigid(:, :)
+      !> Rigid-body directions, orthonormal: M^(1/2) phi (massive, number) and phi itself (all coordinates, number)
+      real(wp), allocatable :: rigid(:, :), motion(:, :)
       !> One vector on all coordinates
       real(wp), allocatable :: full(:)
    end type operator_type
@@ -64,7 +64,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(operator_type) :: op
       real(wp), allocatable :: theta(:), y(:, :)
-      integer :: available, j
+      integer :: available, i, j
 
       available = count_modes(mass, size(rigid, 2))
       if (wanted > available) then
@@ -84,7 +84,9 @@ contains
       do j = 1, wanted
          omega2(j) = op%shift + 1.0_wp/theta(j)
          call expand(op, y(:, j), phi(:, j))
-         phi(:, j) = phi(:, j)/theta(j)
+         do i = 1, size(op%rigid, 2)
+            phi(:, j) = phi(:, j) - op%motion(:, i)*sum(mass*op%motion(:, i)*phi(:, j))
+         end do
          phi(:, j) = phi(:, j)*leading_sign(phi(:, j))/sqrt(sum(mass*phi(:, j)**2))
       end do
    end subroutine lowest_modes
@@ -122,12 +124,13 @@ contains
          call raise(error, 'the stiffness matrix under these supports is not positive definite (row '//as_text(info)//')')
          return
       end if
+      op%motion = rigid
       do j = 1, size(rigid, 2)
-         op%rigid(:, j) = op%root*rigid(op%place, j)
          do i = 1, j - 1
-            op%rigid(:, j) = op%rigid(:, j) - op%rigid(:, i)*dot_product(op%rigid(:, i), op%rigid(:, j))
+            op%motion(:, j) = op%motion(:, j) - op%motion(:, i)*sum(mass*op%motion(:, i)*op%motion(:, j))
          end do
-         op%rigid(:, j) = op%rigid(:, j)/norm2(op%rigid(:, j))
+         op%motion(:, j) = op%motion(:, j)/sqrt(sum(mass*op%motion(:, j)**2))
+         op%rigid(:, j) = op%root*op%motion(op%place, j)
       end do
    end subroutine factor_operator
 

@@ -4,7 +4,7 @@ module limber_analysis_help
    use limber_base_text, only: newline, uppercase, nearest_name
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_deck_help, only: help_text, manual_text
-   use limber_deck_keywords, only: keyword_table, find_keyword
+   use limber_deck_keywords, only: keyword_table, option_table, find_keyword
    use limber_model_quantities, only: quantity_help, quantity_manual
    implicit none
    private
@@ -34,6 +34,10 @@ contains
       keyword = uppercase(trim(adjustl(keyword)))
       if (len(keyword) > 0) then
          if (keyword(1:1) == '*') keyword = keyword(2:)
+         if (find_keyword(keyword) == 0 .and. any(option_table%name == keyword)) then
+            report = owners(keyword)
+            return
+         end if
          if (find_keyword(keyword) == 0) then
             near = nearest_name(keyword, keyword_table%name)
             if (near > 0) then
@@ -49,6 +53,18 @@ contains
       report = help_text(keyword)
       if (keyword == 'OUTPUT') report = report//newline//quantity_help()
    end subroutine help_on
+
+   !> The keywords that have an option.
+   pure function owners(option) result(text)
+      character(*), intent(in) :: option
+      character(:), allocatable :: text
+      integer :: i
+      text = option//' is an option; see'
+      do i = 1, size(option_table)
+         if (option_table(i)%name == option) text = text//newline//'   limber help '//trim(option_table(i)%keyword)// &
+            & '   '//trim(option_table(i)%meaning)
+      end do
+   end function owners
 
    !> Version, commit, compiler and its options.
    pure function version_text() result(text)

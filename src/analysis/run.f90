@@ -53,7 +53,7 @@ contains
             & ', marked incomplete.'
       else
          call record_outcome(scene, outcome, integrator%statistics, '', history, error)
-         report = scene%warnings//closing_report(scene, outcome, integrator, results)
+         report = scene%warnings//closing_report(path, scene, outcome, integrator, results)
       end if
    end subroutine run_deck
 
@@ -105,14 +105,15 @@ contains
    end function body_line
 
    !> Time, steps, residuals, energy balance, where the file is.
-   function closing_report(scene, outcome, integrator, results) result(text)
+   function closing_report(path, scene, outcome, integrator, results) result(text)
+      character(*), intent(in) :: path
       type(scene_type), intent(in) :: scene
       type(outcome_type), intent(in) :: outcome
       class(integrator_type), intent(in) :: integrator
       character(*), intent(in) :: results
       character(:), allocatable :: text
       associate (statistics => integrator%statistics, units => scene%system%model%units)
-         text = scene%system%model%heading//newline// &
+         text = path//': '//scene%system%model%heading//newline// &
             & '   reached t = '//as_text(outcome%reached, 8)//' '//units%time//' in '//as_text(statistics%steps)//' steps ('// &
             & as_text(statistics%rejected)//' rejected), '//as_text(statistics%evaluations)//' evaluations'//newline// &
             & '   '//as_text(outcome%cpu, 3)//' s CPU in the time loop; '//as_text(scene%reading + scene%building + &

@@ -57,7 +57,7 @@ contains
       type(error_type), allocatable :: error
       integer :: culprit
       system = new_system(model)
-      work = new_workspace(system)
+      call new_workspace(system, work)
       allocate (q(system%layout%nq), v(system%layout%nq))
       call first_guess(system, 0.0_wp, q, v)
       call assemble(system, work, 0.0_wp, q, v, error, culprit)
@@ -386,7 +386,7 @@ contains
          model%bodies(body)%velocity = [0.5_wp, 1.0_wp]
          model%bodies(body)%spin = 4.0_wp
          system = new_system(model)
-         work = new_workspace(system)
+         call new_workspace(system, work)
          allocate (q(system%layout%nq), v(system%layout%nq), integrator)
          call first_guess(system, 0.0_wp, q, v)
          q(5) = 0.03_wp
@@ -480,7 +480,7 @@ contains
       model = empty_model(1.0_wp)
       body = add_rigid(model, 'nothing', 0.0_wp, 0.0_wp, nil, nil, 0.0_wp)
       system = new_system(model)
-      work = new_workspace(system)
+      call new_workspace(system, work)
       call first_guess(system, 0.0_wp, q, v)
       call integrator%start(system, work, 0.0_wp, 1.0_wp, q, v, error)
       call check(allocated(error), 'a body without mass that is free to move')

@@ -66,7 +66,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, intent(out) :: culprit
       system = new_system(model)
-      work = new_workspace(system)
+      call new_workspace(system, work)
       allocate (q(system%layout%nq), v(system%layout%nq))
       call first_guess(system, t, q, v)
       call assemble(system, work, t, q, v, error, culprit)
@@ -227,7 +227,7 @@ contains
       real(wp), allocatable :: q(:), v(:), given(:)
       integer :: culprit, n
       system = new_system(slider_crank(-0.3_wp, 0.3_wp))
-      work = new_workspace(system)
+      call new_workspace(system, work)
       allocate (q(system%layout%nq), v(system%layout%nq))
       call first_guess(system, 0.0_wp, q, v)
       n = system%layout%n(2)

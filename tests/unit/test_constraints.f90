@@ -186,7 +186,7 @@ contains
       real(wp) :: t, largest
       integer :: trial, k, j, i, row
       system = new_system(zoo())
-      work = new_workspace(system)
+      call new_workspace(system, work)
       allocate (phi(system%nc, -2:2), q(system%layout%nq), v(system%layout%nq), expected(system%nc), slope(system%nc))
       do trial = 1, 4
          motion = random_motion(system)
@@ -258,7 +258,7 @@ contains
       real(wp), parameter :: h = 2.0e-3_wp
       integer :: i, k, m
       system = new_system(zoo())
-      work = new_workspace(system)
+      call new_workspace(system, work)
       allocate (q(system%layout%nq), v(system%layout%nq), a(system%layout%nq))
       motion = random_motion(system)
       do i = 1, size(system%model%points)
@@ -302,7 +302,7 @@ contains
       fixed = add_place(model, 'ground.pin', ground, [0.0_wp, 0.0_wp])
       call add_joint(model, 'pin', joint_revolute, pin, fixed)
       system = new_system(model)
-      work = new_workspace(system)
+      call new_workspace(system, work)
       q = [0.0_wp, 0.0_wp, 0.0_wp, -1.0_wp]
       v = [0.0_wp, 0.0_wp, speed/length, 0.0_wp]
       call linearise(system, work, 0.0_wp, q, error)
@@ -367,7 +367,7 @@ contains
       real(wp) :: residual
       integer :: culprit, i, first, round
       system = new_system(slider_crank(fidelity, driven))
-      work = new_workspace(system)
+      call new_workspace(system, work)
       allocate (q(system%layout%nq), v(system%layout%nq), change(system%layout%nq))
       call first_guess(system, t, q, v)
       call assemble(system, work, t, q, v, error, culprit)

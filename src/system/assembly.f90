@@ -8,7 +8,7 @@ module limber_system_assembly
    use limber_base_lapack, only: dgelsd
    use limber_base_text, only: as_text
    use limber_deck_operations, only: jet_type
-   use limber_system_algebra, only: turn
+   use limber_system_algebra, only: turn, cross
    use limber_system_dynamics, only: position_residual, velocity_residual, worst_constraint
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians
@@ -56,6 +56,7 @@ contains
       end if
       call check_rank(system, work, error, culprit)
       if (allocated(error)) return
+      call turn_rates(system, start, q, v)
       call assemble_velocity(system, work, q, v, .false., done)
       if (.not. done) call assemble_velocity(system, work, q, v, .true., done)
       if (.not. done) then
@@ -64,6 +65,22 @@ contains
             & as_text(t, 6)//'; the mechanism is at a dead centre or driven against a joint')
       end if
    end subroutine assemble
+
+   !> Turns the rates of the frames' vectors along with the frames: the guessed angular velocities stay.
+   pure subroutine turn_rates(system, before, q, v)
+      type(system_type), intent(in) :: system
+      !> Coordinates before and after (nq)
+      real(wp), intent(in) :: before(:), q(:)
+      real(wp), intent(inout) :: v(:)
+      real(wp) :: omega
+      integer :: i, first
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         first = system%layout%q(i) + 2
+         omega = cross(before(first:first + 1), v(first:first + 1))
+         v(first:first + 1) = omega*turn(q(first:first + 1))
+      end do
+   end subroutine turn_rates
 
    !> Coordinates and velocities as the model guesses them; driven frames already point where they are driven.
    subroutine first_guess(system, t, q, v)

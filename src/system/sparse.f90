@@ -40,7 +40,10 @@ contains
       class(sparse_type), intent(inout) :: self
       integer, intent(in) :: row, column
       integer, allocatable :: longer(:, :)
-      if (.not. allocated(self%marks)) allocate (self%marks(2, 64))
+      if (.not. allocated(self%marks)) then
+         allocate (self%marks(2, 64))
+         self%count = 0
+      end if
       if (self%count == size(self%marks, 2)) then
          allocate (longer(2, 2*self%count))
          longer(:, :self%count) = self%marks
@@ -50,12 +53,13 @@ contains
       self%marks(:, self%count) = [row, column]
    end subroutine mark
 
-   !> Turns the marks into a pattern of n unknowns, the diagonal included.
-   pure subroutine analyse(self, n)
+   !> Turns the marks into a pattern of n unknowns, the diagonal included. Factors of an earlier pattern are given back.
+   subroutine analyse(self, n)
       class(sparse_type), intent(inout) :: self
       integer, intent(in) :: n
       integer, allocatable :: start(:), sorted(:)
       integer :: i, k, column, kept, begin
+      call release(self)
       do i = 1, n
          call self%mark(i, i)
       end do

@@ -52,6 +52,7 @@ contains
       else if (self%blocks >= max_blocks) then
          call diagnostics%add(parts(1)%origin, 'the deck has more than '//as_text(max_blocks)//' blocks')
          self%full = .true.
+         self%row = 0
       else
          self%block%keyword = trim(keyword_table(self%row)%name)
          self%block%origin = parts(1)%origin

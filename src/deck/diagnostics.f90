@@ -167,9 +167,20 @@ contains
       end if
       if (item%second_origin%file == 0) return
       if (item%second_origin%file /= item%origin%file) &
-         & text = text//newline//'  in '//source%path_of(item%second_origin)//':'
+         & text = text//newline//'  in '//source%path_of(item%second_origin)//included(item%second_origin%file, source)//':'
       text = text//newline//pointed(item%second_origin, item%second_label, source)
    end function rendered
+
+   !> ', included at path:line' of an included file.
+   function included(file, source) result(text)
+      integer, intent(in) :: file
+      type(source_type), intent(in) :: source
+      character(:), allocatable :: text
+      text = ''
+      associate (by => source%files(file)%included_at)
+         if (by%file > 0) text = ', included at '//source%path_of(by)//':'//as_text(by%line)
+      end associate
+   end function included
 
    !> 'path:line:column: ', as far as there is one.
    function place(origin, source) result(text)

@@ -7,6 +7,7 @@ module limber_deck_reader
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_origin, only: origin_type, after
+   use limber_deck_source, only: source_file_type
    use limber_deck_lexer, only: part_type, trimmed, split_fields, comment_start, is_comment, is_keyword_line, first_foreign
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_compile, only: looks_like_expression
@@ -80,11 +81,16 @@ contains
       type(part_type), allocatable :: parts(:)
       type(part_type) :: content
       integer :: i
-      logical :: ok
+      logical :: ok, broken
+      if (is_binary(deck%source%files(file))) then
+         call diagnostics%add(origin_type(file=file), 'this file is not a text: it holds bytes that are 0')
+         return
+      end if
       i = 0
       do while (i < size(deck%source%files(file)%lines) .and. .not. assembly%full)
          i = i + 1
-         call clean_line(file, i, is_free_text(assembly), deck, content, ok, diagnostics)
+         call clean_line(file, i, is_free_text(assembly), deck, content, ok, broken, diagnostics)
+         if (broken) call skip_broken(is_keyword_line(deck%source%files(file)%lines(i)%text), assembly, deck, diagnostics)
          if (.not. ok) cycle
          if (is_keyword_line(content%text)) then
             call end_block(assembly, deck, diagnostics)
@@ -100,6 +106,32 @@ contains
       call end_block(assembly, deck, diagnostics)
    end subroutine read_lines
 
+   !> Takes note of a line in error, so that what it leaves out is not reported as missing.
+   subroutine skip_broken(keyword, assembly, deck, diagnostics)
+      !> Whether the line begins a block
+      logical, intent(in) :: keyword
+      type(assembly_type), intent(inout) :: assembly
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (keyword) then
+         call end_block(assembly, deck, diagnostics)
+         assembly%skipping = .true.
+      else
+         assembly%seen = assembly%seen + 1
+      end if
+   end subroutine skip_broken
+
+   !> Whether a file is no text.
+   pure logical function is_binary(file)
+      type(source_file_type), intent(in) :: file
+      integer :: i
+      is_binary = .false.
+      do i = 1, size(file%lines)
+         is_binary = index(file%lines(i)%text, achar(0)) > 0
+         if (is_binary) return
+      end do
+   end function is_binary
+
    !> Whether data lines are free text now.
    pure logical function is_free_text(assembly)
       type(assembly_type), intent(in) :: assembly
@@ -107,57 +139,60 @@ contains
       if (assembly%row > 0) is_free_text = keyword_table(assembly%row)%form == form_text
    end function is_free_text
 
-   !> The content of a line without comment and blanks around; not ok if there is none, or if it is in error.
-   subroutine clean_line(file, number, free_text, deck, content, ok, diagnostics)
+   !> The content of a line without comment and blanks around.
+   subroutine clean_line(file, number, free_text, deck, content, ok, broken, diagnostics)
       integer, intent(in) :: file, number
       !> Whether the line may be free text
       logical, intent(in) :: free_text
       type(deck_type), intent(in) :: deck
       type(part_type), intent(out) :: content
-      logical, intent(out) :: ok
+      !> Whether there is a content; whether that is for an error in the line
+      logical, intent(out) :: ok, broken
       type(diagnostics_type), intent(inout) :: diagnostics
       type(origin_type) :: start
       integer :: last, foreign
       start = origin_type(file, number, 1, 1)
+      broken = .false.
+      ok = .false.
       associate (line => deck%source%files(file)%lines(number)%text)
-         ok = .not. is_comment(line)
-         if (.not. ok) return
-         if (len(line) > max_line) then
+         if (is_comment(line)) return
+         last = len(line)
+         if (last > max_line) then
             call diagnostics%add(start, 'the line has more than '//as_text(max_line)//' characters')
-            ok = .false.
+            broken = .true.
             return
          end if
-         last = len(line)
          if (is_keyword_line(line) .or. .not. free_text) then
             last = comment_start(line) - 1
-            call check_power(line, last + 1, start, deck, ok, diagnostics)
+            call check_power(line, last + 1, start, deck, broken, diagnostics)
             foreign = first_foreign(line(:last))
             if (foreign > 0) then
                call diagnostics%add(origin_type(file, number, foreign, foreign), 'this character cannot stand here', &
                   & 'only comments and *HEADING take others than plain ASCII')
-               ok = .false.
+               broken = .true.
             end if
          end if
          content = trimmed(line, start, 1, last)
-         ok = ok .and. len(content%text) > 0
+         ok = len(content%text) > 0 .and. .not. broken
       end associate
    end subroutine clean_line
 
    !> Reports a power that is written with a blank before the asterisks, so that it looks like a comment.
-   subroutine check_power(line, column, start, deck, ok, diagnostics)
+   subroutine check_power(line, column, start, deck, broken, diagnostics)
       character(*), intent(in) :: line
       !> Where the comment begins
       integer, intent(in) :: column
       !> Origin of the line
       type(origin_type), intent(in) :: start
       type(deck_type), intent(in) :: deck
-      logical, intent(inout) :: ok
+      !> Set if so
+      logical, intent(inout) :: broken
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: last
       if (column + 2 > len(line)) return
       last = column + 1 + comment_start(line(column + 2:)) - 1
       if (.not. looks_like_expression(line(column + 2:last), deck%parameters)) return
-      ok = .false.
+      broken = .true.
       call diagnostics%add(origin_type(start%file, start%line, column, column + 1), &
          & "'**' behind a blank begins a comment, but this looks like a power", &
          & 'write a power without the blank, t**2, or begin the comment with a word')
@@ -176,7 +211,7 @@ contains
       type(part_type), allocatable :: more(:)
       type(part_type) :: content, last, nothing(0)
       integer :: next
-      logical :: ok
+      logical :: ok, broken
       call split_fields(first%text, first%origin, parts)
       last = first
       next = number
@@ -184,7 +219,8 @@ contains
          ok = .false.
          do while (.not. ok .and. next < size(deck%source%files(file)%lines))
             next = next + 1
-            call clean_line(file, next, .false., deck, content, ok, diagnostics)
+            call clean_line(file, next, .false., deck, content, ok, broken, diagnostics)
+            if (broken) return
          end do
          if (ok) ok = .not. is_keyword_line(content%text)
          if (.not. ok) then

@@ -117,6 +117,11 @@ contains
          call raise(error, "there is no file '"//path//"'", status_deck)
          return
       end if
+      inquire (file=path//'/.', exist=exists)
+      if (exists) then
+         call raise(error, "cannot read '"//path//"': it is a folder", status_deck)
+         return
+      end if
       reason = ''
       open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', &
          & iostat=status, iomsg=reason)

@@ -160,7 +160,8 @@ contains
       character(:), allocatable :: text
       integer :: i, near
       text = 'valid: '
-      near = nearest_name(name, candidates)
+      near = 0
+      if (len(name) > 1) near = nearest_name(name, candidates)
       if (near > 0) text = "did you mean '"//trim(candidates(near))//"'? Valid: "
       do i = 1, size(candidates)
          if (i > 1) text = text//', '

@@ -37,7 +37,7 @@ contains
       type(deck_type) :: deck
       integer :: beam
       call read_good(deck)
-      call check(size(deck%blocks) == 16, 'number of blocks')
+      call check(size(deck%blocks) == 17, 'number of blocks')
       call check_text(deck%blocks(4)%keyword, 'MATERIAL', 'an included block stands in order')
       beam = deck%find('BEAM')
       associate (block => deck%blocks(beam))
@@ -50,8 +50,8 @@ contains
          call check(block%has('ELEMENTS') .and. .not. block%has('BENDING MODES'), 'option without a value')
          call check(block%yes('END FORCE') .and. .not. block%yes('CENTRIFUGAL'), 'yes and no')
          call check_text(block%word('AXIAL BASIS'), '', 'word that is left open')
-         call check(same(block%origin_of('MODES'), origin_type(1, 20, 10, 10)), 'origin of an option in a continued line')
-         call check(same(block%origin_of('ELEMENTS'), origin_type(1, 18, 1, 5)), 'origin of a default is the keyword')
+         call check(same(block%origin_of('MODES'), origin_type(1, 18, 10, 10)), 'origin of an option in a continued line')
+         call check(same(block%origin_of('ELEMENTS'), origin_type(1, 16, 1, 5)), 'origin of a default is the keyword')
       end associate
       call check_text(deck%blocks(deck%find('UNITS'))%text('MASS'), 'kg', 'text')
       call check_text(deck%blocks(deck%find_named('JOINT', 'GUIDE'))%word('TYPE'), 'POINT ON LINE', 'word with blanks')
@@ -71,7 +71,7 @@ contains
       associate (line => deck%blocks(deck%find('BEAM'))%lines(2))
          call check_text(line%text(1), 'three-quarters', 'name of a point')
          call check_close(line%number(2), 0.225_wp, 1.0e-15_wp, 'number in a data line')
-         call check(same(line%origin_of(2), origin_type(1, 23, 19, 26)), 'origin of a field')
+         call check(same(line%origin_of(2), origin_type(1, 21, 19, 26)), 'origin of a field')
          call check(line%count() == 2, 'a comma at the end adds no field')
       end associate
       t = 0.01_wp

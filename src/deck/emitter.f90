@@ -1,0 +1,140 @@
+!> Makes the postfix program of an expression: constants, slots and operations one after the other.
+!> Operations on constants are carried out at once, so that one without a value is reported where it
+!> stands. Floor: deck.
+module limber_deck_emitter
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_set_flag
+   use limber_base_kinds, only: wp
+   use limber_deck_origin, only: origin_type, part_of
+   use limber_deck_cursor, only: cursor_type
+   use limber_deck_expression, only: slot_type, max_stack, is_binary
+   use limber_deck_operations, only: unary_value, binary_value, unary_complaint, binary_complaint, op_constant, op_slot, &
+      & op_divide
+   implicit none
+   private
+   public :: emitter_type, push_constant, push_slot, emit, fail
+
+   character(*), parameter :: no_value = 'this expression has no value: '
+
+   !> A program in the making, with the text that it is made of
+   type, extends(cursor_type) :: emitter_type
+      !> Where the text stands
+      type(origin_type) :: origin
+      !> What may occur beside numbers and parameters
+      logical :: time = .false., quantities = .false.
+      !> Program so far; `count` operations, `constants` constants, `slots` slots
+      integer, allocatable :: codes(:), operands(:)
+      real(wp), allocatable :: values(:)
+      type(slot_type), allocatable :: slots(:)
+      integer :: count = 0, value_count = 0
+      !> Nesting of the parser, and stack that the program needs here
+      integer :: depth = 0, stack = 0
+      !> Set by the first error; `silent` if its cause has been reported elsewhere
+      logical :: failed = .false., silent = .false.
+      character(:), allocatable :: message, label, about
+      type(origin_type) :: where
+   end type emitter_type
+
+contains
+
+   !> Adds a constant.
+   subroutine push_constant(c, value, at)
+      class(emitter_type), intent(inout) :: c
+      real(wp), intent(in) :: value
+      !> Column to complain at
+      integer, intent(in) :: at
+      c%value_count = c%value_count + 1
+      c%values(c%value_count) = value
+      call push(c, op_constant, c%value_count, at)
+   end subroutine push_constant
+
+   !> Adds the time or a quantity; one that occurs already shares its slot.
+   subroutine push_slot(c, name, argument, at, last)
+      class(emitter_type), intent(inout) :: c
+      character(*), intent(in) :: name, argument
+      integer, intent(in) :: at, last
+      type(slot_type), allocatable :: longer(:)
+      integer :: i
+      do i = 1, size(c%slots)
+         if (c%slots(i)%name == name .and. c%slots(i)%argument == argument) exit
+      end do
+      if (i > size(c%slots)) then
+         allocate (longer(i))
+         longer(:i - 1) = c%slots
+         longer(i)%name = name
+         longer(i)%argument = argument
+         longer(i)%origin = part_of(c%origin, at, last)
+         call move_alloc(longer, c%slots)
+      end if
+      call push(c, op_slot, i, at)
+   end subroutine push_slot
+
+   subroutine push(c, code, operand, at)
+      class(emitter_type), intent(inout) :: c
+      integer, intent(in) :: code, operand, at
+      c%count = c%count + 1
+      c%codes(c%count) = code
+      c%operands(c%count) = operand
+      c%stack = c%stack + 1
+      if (c%stack > max_stack) call fail(c, at, at, 'the expression is too deep', 'split it with *PARAMETER')
+   end subroutine push
+
+   !> Adds an operation, or carries it out at once if its operands are constants.
+   subroutine emit(c, code, at, last)
+      class(emitter_type), intent(inout) :: c
+      !> Operation, and the columns of its symbol or name
+      integer, intent(in) :: code, at, last
+      character(:), allocatable :: complaint
+      real(wp) :: u, v
+      integer :: operands
+      if (c%failed) return
+      operands = merge(2, 1, is_binary(code))
+      c%stack = c%stack - operands + 1
+      if (.not. all(c%codes(c%count - operands + 1:c%count) == op_constant)) then
+         c%count = c%count + 1
+         c%codes(c%count) = code
+         c%operands(c%count) = 0
+         if (c%codes(c%count - 1) == op_constant .and. code == op_divide) then
+            if (.not. abs(c%values(c%value_count)) > 0.0_wp) call fail(c, at, last, no_value//'division by zero')
+         end if
+         return
+      end if
+      u = c%values(c%value_count - operands + 1)
+      v = c%values(c%value_count)
+      if (operands == 2) then
+         complaint = binary_complaint(code, u, v)
+         if (len(complaint) == 0) u = binary_value(code, u, v)
+      else
+         complaint = unary_complaint(code, u)
+         if (len(complaint) == 0) u = unary_value(code, u)
+      end if
+      if (len(complaint) == 0 .and. .not. ieee_is_finite(u)) then
+         complaint = 'the result is too large a number'
+         call ieee_set_flag(ieee_all, .false.)
+      end if
+      if (len(complaint) > 0) then
+         call fail(c, at, last, no_value//complaint)
+         return
+      end if
+      c%count = c%count - operands + 1
+      c%value_count = c%value_count - operands + 1
+      c%values(c%value_count) = u
+      c%operands(c%count) = c%value_count
+   end subroutine emit
+
+   !> Notes the first error.
+   subroutine fail(c, first, last, message, label)
+      class(emitter_type), intent(inout) :: c
+      !> Columns within the text
+      integer, intent(in) :: first, last
+      character(*), intent(in) :: message
+      character(*), intent(in), optional :: label
+      if (c%failed) return
+      c%failed = .true.
+      c%message = message
+      c%label = ''
+      if (present(label)) c%label = label
+      c%where = part_of(c%origin, first, last)
+   end subroutine fail
+
+end module limber_deck_emitter

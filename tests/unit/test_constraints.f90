@@ -392,18 +392,37 @@ contains
       call check(velocity_residual(system, work, v) <= 1.0e-13_wp, 'consistent velocities')
    end subroutine prepare
 
-   !> The condensed solution solves the whole system, eq. (32), whose mass matrix is put together here.
+   !> The condensed solution solves the whole system, eq. (32), at a consistent state and, with the pivots of one workspace, at
+   !> any other one: in every position of the crank, and with deflections and speeds that are far off.
    subroutine test_whole_matrix()
       type(system_type) :: system
       type(workspace_type) :: work
+      type(motion_type) :: motion
+      real(wp), allocatable :: q(:), v(:)
+      integer :: i
+      call prepare(fidelity_full, .true., 0.3_wp, system, work, q, v)
+      call compare_whole(system, work, 0.3_wp, q, v)
+      do i = 1, 100
+         motion = random_motion(system)
+         motion%value(3) = 0.063_wp*i
+         call at_time(system, motion, 0.0_wp, q, v)
+         call compare_whole(system, work, 0.063_wp*i, q, v)
+      end do
+   end subroutine test_whole_matrix
+
+   !> Accelerations and multipliers against the whole system, whose mass matrix is put together here.
+   subroutine compare_whole(system, work, t, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t, q(:), v(:)
       type(error_type), allocatable :: error
-      real(wp), allocatable :: q(:), v(:), a(:), matrix(:, :), unknown(:), rest(:), coupling(:, :)
+      real(wp), allocatable :: a(:), matrix(:, :), unknown(:), rest(:), coupling(:, :)
       real(wp) :: u(2), frame(3, 3), scale
       integer :: i, k, first, at, n, rates
-      call prepare(fidelity_full, .true., 0.3_wp, system, work, q, v)
       n = sum(system%layout%rates + system%layout%n)
       allocate (matrix(n + system%nc, n + system%nc), unknown(n + system%nc), rest(n + system%nc), a(size(q)))
-      call linearise(system, work, 0.3_wp, q, error)
+      call linearise(system, work, t, q, error)
+      call check_no_error(error, 'the multiplier system')
       call accelerations(system, work, q, v, a)
       matrix = 0.0_wp
       at = 0
@@ -445,7 +464,7 @@ contains
       call check(maxval(abs(rest(:n) - unknown(:n))) <= 1.0e-10_wp*maxval(abs(unknown(:n))), 'accelerations by the whole system')
       call check(maxval(abs(rest(n + 1:) - unknown(n + 1:))) <= 1.0e-10_wp*maxval(abs(unknown(n + 1:))), &
          & 'multipliers by the whole system')
-   end subroutine test_whole_matrix
+   end subroutine compare_whole
 
    subroutine solve(matrix, rhs)
       real(wp), intent(inout) :: matrix(:, :), rhs(:)

@@ -164,17 +164,20 @@ contains
       end select
    end function binary_jet
 
-   !> u**v: by the power rule if v does not change, otherwise as exp(v log u).
+   !> u**v: by the power rule if v does not change, otherwise as exp(v log u), where f_u and
+   !> f_uu are the derivatives of v log u.
    elemental function power_jet(u, v) result(f)
       type(jet_type), intent(in) :: u, v
-      type(jet_type) :: f, exponent
+      type(jet_type) :: f, logarithm
       real(wp) :: c, f_u, f_uu
       c = v%value
       f%value = power(u%value, c)
       if (abs(v%first) > 0.0_wp .or. abs(v%second) > 0.0_wp) then
-         exponent = binary_jet(op_multiply, v, unary_jet(op_log, u))
-         f%first = f%value*exponent%first
-         f%second = f%value*(exponent%first**2 + exponent%second)
+         logarithm = unary_jet(op_log, u)
+         f_u = v%first*logarithm%value + c*logarithm%first
+         f_uu = v%second*logarithm%value + 2.0_wp*v%first*logarithm%first + c*logarithm%second
+         f%first = f%value*f_u
+         f%second = f%value*(f_u**2 + f_uu)
       else
          f_u = 0.0_wp
          f_uu = 0.0_wp

@@ -5,6 +5,7 @@
 !>     factor: -|+ factor | power         power: primary [** factor]
 !>     primary: number | name | name(expression, ...) | (expression)
 module limber_deck_compile
+   use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp
    use limber_base_text, only: lowercase, nearest_name, as_text
    use limber_deck_origin, only: origin_type
@@ -26,7 +27,8 @@ module limber_deck_compile
 
 contains
 
-   !> Compiles an expression; the first error in it is added to the diagnostics.
+   !> Compiles an expression; the first error in it is added to the diagnostics. An overflow of a constant is
+   !> such an error: it neither halts nor leaves a floating-point flag.
    subroutine compile(text, origin, parameters, expression, ok, diagnostics, time, quantities)
       !> Text without blanks around, and where it stands
       character(*), intent(in) :: text
@@ -40,12 +42,16 @@ contains
       !> Whether the time `t` and quantities such as x(slider) may occur (default: no)
       logical, intent(in), optional :: time, quantities
       type(emitter_type) :: c
+      type(ieee_status_type) :: floating
       c%text = lowercase(text)
       c%origin = origin
       if (present(time)) c%time = time
       if (present(quantities)) c%quantities = quantities
       allocate (c%codes(len(text) + 1), c%operands(len(text) + 1), c%values(len(text) + 1), c%slots(0))
+      call ieee_get_status(floating)
+      call ieee_set_halting_mode(ieee_all, .false.)
       call parse_expression(c, parameters)
+      call ieee_set_status(floating)
       call skip_blanks(c)
       if (.not. c%failed .and. c%at <= len(text)) call complain_rest(c)
       ok = .not. c%failed

@@ -3,7 +3,6 @@
 !> stands. Floor: deck.
 module limber_deck_emitter
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_set_flag
    use limber_base_kinds, only: wp
    use limber_deck_origin, only: origin_type, part_of
    use limber_deck_cursor, only: cursor_type
@@ -108,10 +107,7 @@ contains
          complaint = unary_complaint(code, u)
          if (len(complaint) == 0) u = unary_value(code, u)
       end if
-      if (len(complaint) == 0 .and. .not. ieee_is_finite(u)) then
-         complaint = 'the result is too large a number'
-         call ieee_set_flag(ieee_all, .false.)
-      end if
+      if (len(complaint) == 0 .and. .not. ieee_is_finite(u)) complaint = 'the result is too large a number'
       if (len(complaint) > 0) then
          call fail(c, at, last, no_value//complaint)
          return

@@ -205,6 +205,7 @@ contains
       good = text_of('decks/slider-crank.inp')
       seed = 20260731_long
       refused = 0
+      shown = ''
       do round = 1, rounds
          text = good
          do i = 0, random(seed, 5)

@@ -6,6 +6,7 @@ module limber_analysis_dynamics
    use limber_base_text, only: as_text
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_integrator_adams, only: adams_type
+   use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values
@@ -44,7 +45,10 @@ contains
    subroutine new_integrator(dynamics, integrator)
       type(dynamics_type), intent(in) :: dynamics
       class(integrator_type), allocatable, intent(out) :: integrator
-      allocate (adams_type :: integrator)
+      select case (dynamics%integrator)
+      case ('RADAU'); allocate (radau_type :: integrator)
+      case default; allocate (adams_type :: integrator)
+      end select
       integrator%tolerance = dynamics%tolerance
       integrator%initial_step = dynamics%initial_step
       integrator%maximum_step = dynamics%maximum_step

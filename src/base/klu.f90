@@ -1,11 +1,11 @@
 !> C interfaces of SuiteSparse KLU, the sparse LU factorisation, in its own words. Indices count from zero.
 !> Floor: base. Source: Davis and Palamadai Natarajan, ACM TOMS 37 (2010), Algorithm 907.
 module limber_base_klu
-   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr, c_funptr, c_size_t, c_null_ptr, c_null_funptr
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_ptr, c_funptr, c_size_t, c_null_ptr, c_null_funptr
    implicit none
    private
    public :: klu_common_type, klu_defaults, klu_analyze, klu_factor, klu_refactor, klu_solve, klu_rgrowth, klu_free_symbolic, &
-      & klu_free_numeric
+      & klu_free_numeric, klu_z_factor, klu_z_refactor, klu_z_solve, klu_z_free_numeric
 
    !> klu_common: parameters and statistics
    type, bind(c) :: klu_common_type
@@ -84,6 +84,40 @@ module limber_base_klu
          type(c_ptr), intent(inout) :: numeric
          type(klu_common_type), intent(inout) :: common
       end function klu_free_numeric
+
+      !> The same for complex values
+      type(c_ptr) function klu_z_factor(ap, ai, ax, symbolic, common) bind(c)
+         import :: c_ptr, c_int, c_double_complex, klu_common_type
+         integer(c_int), intent(in) :: ap(*), ai(*)
+         complex(c_double_complex), intent(in) :: ax(*)
+         type(c_ptr), value :: symbolic
+         type(klu_common_type), intent(inout) :: common
+      end function klu_z_factor
+
+      !> The same for complex values
+      integer(c_int) function klu_z_refactor(ap, ai, ax, symbolic, numeric, common) bind(c)
+         import :: c_ptr, c_int, c_double_complex, klu_common_type
+         integer(c_int), intent(in) :: ap(*), ai(*)
+         complex(c_double_complex), intent(in) :: ax(*)
+         type(c_ptr), value :: symbolic, numeric
+         type(klu_common_type), intent(inout) :: common
+      end function klu_z_refactor
+
+      !> The same for complex values
+      integer(c_int) function klu_z_solve(symbolic, numeric, ldim, nrhs, b, common) bind(c)
+         import :: c_ptr, c_int, c_double_complex, klu_common_type
+         type(c_ptr), value :: symbolic, numeric
+         integer(c_int), value :: ldim, nrhs
+         complex(c_double_complex), intent(inout) :: b(*)
+         type(klu_common_type), intent(inout) :: common
+      end function klu_z_solve
+
+      !> The same for complex values
+      integer(c_int) function klu_z_free_numeric(numeric, common) bind(c)
+         import :: c_ptr, c_int, klu_common_type
+         type(c_ptr), intent(inout) :: numeric
+         type(klu_common_type), intent(inout) :: common
+      end function klu_z_free_numeric
 
    end interface
 

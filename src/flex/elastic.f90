@@ -5,7 +5,7 @@ module limber_flex_elastic
    use limber_flex_reduced, only: reduced_type
    implicit none
    private
-   public :: elastic_force, elastic_energy, geometric_power, pair_products
+   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power, pair_products
 
 contains
 
@@ -42,6 +42,77 @@ contains
          f(body%bending + j) = f(body%bending + j) + total
       end do
    end subroutine elastic_force
+
+   !> Adds the derivative of the restoring force to k (n,n): exact, a polynomial. Not symmetric in the model k_g.
+   pure subroutine elastic_tangent(body, eta, k, z, s, slope)
+      type(reduced_type), intent(in) :: body
+      !> Coordinates (n)
+      real(wp), intent(in) :: eta(:)
+      !> Rows: force, columns: coordinate
+      real(wp), intent(inout) :: k(:, :)
+      !> Scratch (pairs), (pairs), and (pairs, 2): derivatives of z with respect to one coordinate, and of s
+      real(wp), intent(inout) :: z(:), s(:), slope(:, :)
+      integer :: i, j, p, column
+      do i = 1, body%n
+         k(i, i) = k(i, i) + body%omega2(i)
+      end do
+      if (.not. body%geometric) return
+      call pair_tension(body, eta, z, s)
+      p = 0
+      do j = 1, body%bending
+         do i = 1, j
+            p = p + 1
+            k(i, j) = k(i, j) + s(p)
+            k(j, i) = k(j, i) + s(p)
+         end do
+      end do
+      do column = 1, body%n
+         if (column <= body%bending) then
+            if (.not. body%full) cycle
+            call pair_slope(body, eta, column, slope(:, 1))
+            slope(:, 2) = 0.0_wp
+            do j = 1, size(body%quartic, 2)
+               if (.not. abs(slope(j, 1)) > 0.0_wp) cycle
+               do p = 1, size(body%quartic, 1)
+                  slope(p, 2) = slope(p, 2) + body%quartic(p, j)*slope(j, 1)
+               end do
+            end do
+            do j = 1, body%n - body%bending
+               do p = 1, size(body%cubic, 1)
+                  k(body%bending + j, column) = k(body%bending + j, column) + body%cubic(p, j)*slope(p, 1)
+               end do
+            end do
+         else
+            slope(:, 2) = body%cubic(:, column - body%bending)
+         end if
+         p = 0
+         do j = 1, body%bending
+            do i = 1, j
+               p = p + 1
+               k(i, column) = k(i, column) + slope(p, 2)*eta(j)
+               k(j, column) = k(j, column) + slope(p, 2)*eta(i)
+            end do
+         end do
+      end do
+   end subroutine elastic_tangent
+
+   !> Derivative of the products z with respect to one bending coordinate.
+   pure subroutine pair_slope(body, eta, column, slope)
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: eta(:)
+      integer, intent(in) :: column
+      real(wp), intent(inout) :: slope(:)
+      integer :: i, j, p
+      p = 0
+      do j = 1, body%bending
+         do i = 1, j
+            p = p + 1
+            slope(p) = 0.0_wp
+            if (i == column) slope(p) = slope(p) + eta(j)
+            if (j == column) slope(p) = slope(p) + eta(i)
+         end do
+      end do
+   end subroutine pair_slope
 
    !> z = products of the bending coordinates, s = cubic eta_a (+ quartic z in the full model).
    pure subroutine pair_tension(body, eta, z, s)

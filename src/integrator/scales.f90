@@ -1,12 +1,14 @@
 !> Named scales that local errors are compared with: a tolerance of 1e-6 means a millionth of the scale. Lengths and
-!> directions have fixed scales; speeds and deflections the largest that has occurred so far, not below a floor.
+!> directions have fixed scales; speeds and deflections the largest that has occurred so far, not below a floor. A coordinate
+!> that vibrates at omega gets omega times the deflection's scale for its rate: the rate's error counts as the deflection
+!> that it makes, so that a fast ringing of small amplitude is not resolved for its own sake.
 !> Floor: integrator.
 module limber_integrator_scales
    use limber_base_kinds, only: wp
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: scales_type, new_scales, update_scales
+   public :: scales_type, new_scales, update_scales, rate_scales
 
    !> A scale for each component of [q; v]
    type :: scales_type
@@ -14,30 +16,27 @@ module limber_integrator_scales
       real(wp), allocatable :: value(:)
       !> Speed [length/time], common to all bodies
       real(wp) :: speed = 0.0_wp
-      !> Deflection coordinate and its rate, of each body (bodies)
-      real(wp), allocatable :: deflection(:), rate(:)
+      !> Deflection coordinate of each body (bodies)
+      real(wp), allocatable :: deflection(:)
    end type scales_type
 
 contains
 
-   !> Floors: a speed that crosses the scene once in the whole time; a deflection of a thousandth of the body's length, and
-   !> its rate at the first natural frequency.
+   !> Floors: a speed that crosses the scene once in the whole time; a deflection of a thousandth of the body's length.
    function new_scales(system, duration) result(scales)
       type(system_type), intent(in) :: system
       !> Time from start to end of the analysis
       real(wp), intent(in) :: duration
       type(scales_type) :: scales
       integer :: i
-      allocate (scales%value(2*system%layout%nq), scales%deflection(size(system%layout%q)), scales%rate(size(system%layout%q)))
+      allocate (scales%value(2*system%layout%nq), scales%deflection(size(system%layout%q)))
       scales%value = 1.0_wp
       scales%speed = system%model%length/duration
       scales%deflection = 0.0_wp
-      scales%rate = 0.0_wp
       do i = 1, size(scales%deflection)
          if (system%layout%n(i) == 0) cycle
          associate (body => system%model%bodies(i))
             scales%deflection(i) = 1.0e-3_wp*body%size/body%largest_shape
-            scales%rate(i) = scales%deflection(i)*sqrt(minval(body%reduced%omega2))
          end associate
       end do
       call spread_scales(system, scales)
@@ -60,7 +59,6 @@ contains
          if (system%layout%n(i) == 0) cycle
          last = first + 3 + system%layout%n(i)
          call raise_to(scales%deflection(i), maxval(abs(q(first + 4:last))))
-         call raise_to(scales%rate(i), maxval(abs(v(first + 4:last))))
       end do
       if (changed) call spread_scales(system, scales)
 
@@ -77,6 +75,26 @@ contains
 
    end subroutine update_scales
 
+   !> The same scales in the layout of the independent rates.
+   pure subroutine rate_scales(system, scales, coordinate, rate)
+      type(system_type), intent(in) :: system
+      type(scales_type), intent(in) :: scales
+      !> Scale of each coordinate and of each rate (nw)
+      real(wp), intent(inout) :: coordinate(:), rate(:)
+      integer :: i, from, to, n, nq
+      nq = system%layout%nq
+      do i = 1, size(system%layout%q)
+         from = system%layout%q(i)
+         to = system%layout%w(i)
+         coordinate(to:to + 1) = scales%value(from:from + 1)
+         rate(to:to + 1) = scales%value(nq + from:nq + from + 1)
+         if (.not. system%layout%framed(i)) cycle
+         n = system%layout%n(i)
+         coordinate(to + 2:to + 2 + n) = scales%value(from + 3:from + 3 + n)
+         rate(to + 2:to + 2 + n) = scales%value(nq + from + 3:nq + from + 3 + n)
+      end do
+   end subroutine rate_scales
+
    !> Writes the scales of all components.
    subroutine spread_scales(system, scales)
       type(system_type), intent(in) :: system
@@ -92,7 +110,7 @@ contains
          scales%value(first + 2:first + 3) = 1.0_wp
          scales%value(nq + first + 2:nq + first + 3) = scales%speed/system%model%length
          scales%value(first + 4:first + 3 + n) = scales%deflection(i)
-         scales%value(nq + first + 4:nq + first + 3 + n) = scales%rate(i)
+         scales%value(nq + first + 4:nq + first + 3 + n) = scales%deflection(i)*sqrt(system%model%bodies(i)%reduced%omega2)
       end do
    end subroutine spread_scales
 

@@ -14,7 +14,7 @@ module limber_system_body
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
-   public :: body_mass, velocity_forces, gravity_forces, kinetic_energy, weight_potential, centre_moment
+   public :: body_mass, body_tangent, velocity_forces, gravity_forces, kinetic_energy, weight_potential, centre_moment
 
 contains
 
@@ -62,6 +62,55 @@ contains
       end do
       frame(3, 3) = inertia
    end subroutine body_mass
+
+   !> Derivatives of the inertia forces and the weight, M a + velocity terms - weight, with respect to (rotation, eta) and to
+   !> (omega, eta'), both without the row and column of r: nothing depends on r or r'.
+   pure subroutine body_tangent(body, gravity, u, omega, eta, rate, acceleration, alpha, eta_acceleration, stiffness, damping)
+      type(reduced_type), intent(in) :: body
+      !> Acceleration of gravity (2) [length/time^2]
+      real(wp), intent(in) :: gravity(2)
+      !> Unit vector of the frame (2), angular velocity, coordinates and their rates (n)
+      real(wp), intent(in) :: u(2), omega, eta(:), rate(:)
+      !> r'' (2), alpha, eta'' (n)
+      real(wp), intent(in) :: acceleration(2), alpha, eta_acceleration(:)
+      !> Rows r'' (2), alpha, eta''; columns rotation, eta: (3 + n, 1 + n). Added to
+      real(wp), intent(inout) :: stiffness(:, :)
+      !> The same rows; columns omega, eta': (3 + n, 1 + n). Added to
+      real(wp), intent(inout) :: damping(:, :)
+      real(wp) :: c(2), drift(2), push(2), heavy(2), arm(2), turning
+      integer :: j, k
+      c = centre_moment(body, eta)
+      drift = 0.0_wp
+      push = 0.0_wp
+      turning = 0.0_wp
+      do k = 1, body%n
+         drift = drift + body%c(:, k)*rate(k)
+         push = push + body%c(:, k)*eta_acceleration(k)
+         turning = turning + (body%d(k) + eta(k))*rate(k)
+      end do
+      heavy = acceleration - gravity
+      stiffness(1:2, 1) = stiffness(1:2, 1) + turn(along(alpha*turn(c) - omega**2*c + push + 2*omega*turn(drift), u))
+      stiffness(3, 1) = stiffness(3, 1) - dot_product(along(c, u), heavy)
+      damping(1:2, 1) = damping(1:2, 1) + along(2*turn(drift) - 2*omega*c, u)
+      damping(3, 1) = damping(3, 1) + 2*turning
+      do j = 1, body%n
+         arm = along(body%c(:, j), u)
+         stiffness(1:2, 1 + j) = stiffness(1:2, 1 + j) + alpha*turn(arm) - omega**2*arm
+         stiffness(3, 1 + j) = stiffness(3, 1 + j) + dot_product(turn(arm), heavy) + 2*(body%d(j) + eta(j))*alpha &
+            & + 2*omega*rate(j)
+         stiffness(3 + j, 1) = stiffness(3 + j, 1) + dot_product(turn(arm), heavy)
+         stiffness(3 + j, 1 + j) = stiffness(3 + j, 1 + j) - omega**2
+         damping(1:2, 1 + j) = damping(1:2, 1 + j) + 2*omega*turn(arm)
+         damping(3, 1 + j) = damping(3, 1 + j) + 2*omega*(body%d(j) + eta(j))
+         damping(3 + j, 1) = damping(3 + j, 1) - 2*omega*(body%d(j) + eta(j))
+         do k = 1, body%n
+            stiffness(3, 1 + j) = stiffness(3, 1 + j) - body%skew(k, j)*eta_acceleration(k)
+            stiffness(3 + k, 1 + j) = stiffness(3 + k, 1 + j) - body%skew(k, j)*alpha
+            damping(3 + k, 1 + j) = damping(3 + k, 1 + j) - 2*omega*body%skew(k, j)
+            damping(3 + k, 1) = damping(3 + k, 1) - 2*body%skew(k, j)*rate(j)
+         end do
+      end do
+   end subroutine body_tangent
 
    !> Adds the velocity terms to the forces: minus what the rates alone contribute to M a.
    pure subroutine velocity_forces(body, u, omega, eta, rate, on_frame, on_eta)

@@ -31,6 +31,10 @@ module limber_system_constraint
       procedure(residual_interface), deferred :: residual
       !> Jacobian on either body
       procedure(jacobian_interface), deferred :: jacobian
+      !> Derivative of Jacobian^T lambda with respect to the bodies' coordinates: what implicit methods need
+      procedure(stiffness_interface), deferred :: stiffness
+      !> Derivative of Jacobian times rates, less the rate, with respect to the bodies' coordinates
+      procedure(drift_interface), deferred :: drift
       !> Acceleration equation: Jacobian times accelerations = rate
       procedure(rate_interface), deferred :: gamma
       !> Velocity equation: Jacobian times rates = rate; zero unless the constraint moves in time
@@ -66,6 +70,25 @@ module limber_system_constraint
          type(kinematics_type), intent(in) :: kinematics
          real(wp), intent(inout) :: rate(:)
       end subroutine rate_interface
+
+      !> Adds the second derivatives of lambda.phi with respect to (r, rotation, eta): within the first and the second body, and
+      !> rows first, columns second body. Arrays of a body that is the ground have no size. Kinematics are placed.
+      pure subroutine stiffness_interface(self, kinematics, lambda, first, second, across)
+         import :: constraint_type, kinematics_type, wp
+         class(constraint_type), intent(in) :: self
+         type(kinematics_type), intent(in) :: kinematics
+         real(wp), intent(in) :: lambda(:)
+         real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
+      end subroutine stiffness_interface
+
+      !> Adds the derivatives of the velocity equation, rows of it, columns (r, rotation, eta) of either body. Kinematics are
+      !> placed and moved.
+      pure subroutine drift_interface(self, kinematics, first, second)
+         import :: constraint_type, kinematics_type, wp
+         class(constraint_type), intent(in) :: self
+         type(kinematics_type), intent(in) :: kinematics
+         real(wp), intent(inout) :: first(:, :), second(:, :)
+      end subroutine drift_interface
    end interface
 
 contains

@@ -19,6 +19,8 @@ module limber_system_drivers
       procedure :: residual => angle_residual
       procedure :: jacobian => angle_jacobian
       procedure :: rate => angle_rate
+      procedure :: stiffness => angle_stiffness
+      procedure :: drift => angle_drift
       procedure :: gamma => angle_gamma
    end type driven_angle_type
 
@@ -51,6 +53,30 @@ contains
       theta = self%law%evaluate_jet(kinematics%time)
       rate = theta%first*dot_product(heading(theta%value), kinematics%frames(self%bodies(1))%u)
    end subroutine angle_rate
+
+   pure subroutine angle_stiffness(self, kinematics, lambda, first, second, across)
+      class(driven_angle_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(in) :: lambda(:)
+      real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
+      type(jet_type) :: theta
+      theta = self%law%evaluate_jet(kinematics%time)
+      first(3, 3) = first(3, 3) - lambda(1)*dot_product(turn(heading(theta%value)), kinematics%frames(self%bodies(1))%u)
+      second = second
+      across = across
+   end subroutine angle_stiffness
+
+   pure subroutine angle_drift(self, kinematics, first, second)
+      class(driven_angle_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: first(:, :), second(:, :)
+      type(jet_type) :: theta
+      theta = self%law%evaluate_jet(kinematics%time)
+      associate (frame => kinematics%frames(self%bodies(1)))
+         first(1, 3) = first(1, 3) + (theta%first - frame%omega)*dot_product(turn(heading(theta%value)), frame%u)
+      end associate
+      second = second
+   end subroutine angle_drift
 
    pure subroutine angle_gamma(self, kinematics, rate)
       class(driven_angle_type), intent(in) :: self

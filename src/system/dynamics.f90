@@ -13,7 +13,7 @@ module limber_system_dynamics
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: linearise, accelerations, project_position, project_velocity, position_residual, velocity_residual
+   public :: linearise, accelerations, sum_forces, project_position, project_velocity, position_residual, velocity_residual
    public :: input_power, mechanical_energy, worst_constraint
 
 contains

@@ -16,6 +16,8 @@ module limber_system_joints
    contains
       procedure :: residual => revolute_residual
       procedure :: jacobian => revolute_jacobian
+      procedure :: stiffness => revolute_stiffness
+      procedure :: drift => revolute_drift
       procedure :: gamma => revolute_gamma
    end type revolute_type
 
@@ -29,6 +31,8 @@ module limber_system_joints
    contains
       procedure :: residual => line_residual
       procedure :: jacobian => line_jacobian
+      procedure :: stiffness => line_stiffness
+      procedure :: drift => line_drift
       procedure :: gamma => line_gamma
    end type point_on_line_type
 
@@ -58,6 +62,27 @@ contains
       real(wp), intent(inout) :: rate(:)
       rate = kinematics%markers(self%markers(2))%bias - kinematics%markers(self%markers(1))%bias
    end subroutine revolute_gamma
+
+   pure subroutine revolute_stiffness(self, kinematics, lambda, first, second, across)
+      class(revolute_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(in) :: lambda(:)
+      real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
+      call marker_stiffness(kinematics%markers(self%markers(1)), lambda, first)
+      call marker_stiffness(kinematics%markers(self%markers(2)), -lambda, second)
+      across = across
+   end subroutine revolute_stiffness
+
+   pure subroutine revolute_drift(self, kinematics, first, second)
+      class(revolute_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: first(:, :), second(:, :)
+      real(wp), parameter :: x(2) = [1.0_wp, 0.0_wp], y(2) = [0.0_wp, 1.0_wp]
+      call marker_drift(kinematics, self%markers(1), x, first(1, :))
+      call marker_drift(kinematics, self%markers(1), y, first(2, :))
+      call marker_drift(kinematics, self%markers(2), -x, second(1, :))
+      call marker_drift(kinematics, self%markers(2), -y, second(2, :))
+   end subroutine revolute_drift
 
    pure subroutine line_residual(self, kinematics, phi)
       class(point_on_line_type), intent(in) :: self
@@ -91,6 +116,50 @@ contains
       end associate
    end subroutine line_gamma
 
+   pure subroutine line_stiffness(self, kinematics, lambda, first, second, across)
+      class(point_on_line_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(in) :: lambda(:)
+      real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
+      real(wp) :: force(2), turned(2), arm(2)
+      integer :: k
+      force = lambda(1)*normal(self, kinematics)
+      associate (a => kinematics%markers(self%markers(1)), frame => kinematics%frames(self%bodies(2)))
+         call marker_stiffness(a, force, first)
+         if (self%bodies(2) == ground) return
+         turned = turn(force)
+         arm = a%position - frame%position
+         second(1:2, 3) = second(1:2, 3) - turned
+         second(3, 1:2) = second(3, 1:2) - turned
+         second(3, 3) = second(3, 3) - dot_product(force, arm)
+         if (size(first) == 0) return
+         across(1:2, 3) = across(1:2, 3) + turned
+         if (size(across, 1) < 3) return
+         across(3, 3) = across(3, 3) + dot_product(turned, a%lever)
+         do k = 1, size(a%shape, 2)
+            across(3 + k, 3) = across(3 + k, 3) + dot_product(turned, a%shape(:, k))
+         end do
+      end associate
+   end subroutine line_stiffness
+
+   pure subroutine line_drift(self, kinematics, first, second)
+      class(point_on_line_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: first(:, :), second(:, :)
+      real(wp) :: across(2), turning(2)
+      across = normal(self, kinematics)
+      call marker_drift(kinematics, self%markers(1), across, first(1, :))
+      if (self%bodies(2) == ground) return
+      ! (J e).(v1 - r2') + (J e)'.(P1 - r2): its derivatives by what moves the point, then by what moves the line
+      associate (a => kinematics%markers(self%markers(1)), frame => kinematics%frames(self%bodies(2)))
+         turning = frame%omega*turn(across)
+         call add_marker(a, turning, first(1, :))
+         second(1, 1:2) = second(1, 1:2) - turning
+         second(1, 3) = second(1, 3) + dot_product(turn(across), a%velocity - frame%velocity) &
+            & - frame%omega*dot_product(across, a%position - frame%position)
+      end associate
+   end subroutine line_drift
+
    !> Unit normal J e of the line.
    pure function normal(self, kinematics) result(across)
       class(point_on_line_type), intent(in) :: self
@@ -121,5 +190,52 @@ contains
          jacobian%eta(row, k) = weight(1)*marker%shape(1, k) + weight(2)*marker%shape(2, k)
       end do
    end subroutine marker_row
+
+   !> Adds the derivatives of (weight . position of a marker) to a row.
+   pure subroutine add_marker(marker, weight, row)
+      type(marker_type), intent(in) :: marker
+      real(wp), intent(in) :: weight(2)
+      real(wp), intent(inout) :: row(:)
+      integer :: k
+      if (marker%body == ground) return
+      row(1:2) = row(1:2) + weight
+      if (size(row) < 3) return
+      row(3) = row(3) + dot_product(weight, marker%lever)
+      do k = 1, size(marker%shape, 2)
+         row(3 + k) = row(3 + k) + dot_product(weight, marker%shape(:, k))
+      end do
+   end subroutine add_marker
+
+   !> Adds the derivatives of (weight . velocity of a marker) with respect to (r, rotation, eta) to a row.
+   pure subroutine marker_drift(kinematics, marker, weight, row)
+      type(kinematics_type), intent(in) :: kinematics
+      integer, intent(in) :: marker
+      real(wp), intent(in) :: weight(2)
+      real(wp), intent(inout) :: row(:)
+      integer :: k
+      if (size(row) < 3) return
+      associate (point => kinematics%markers(marker), frame => kinematics%frames(kinematics%markers(marker)%body))
+         row(3) = row(3) + dot_product(weight, turn(point%velocity - frame%velocity))
+         do k = 1, size(point%shape, 2)
+            row(3 + k) = row(3 + k) + frame%omega*dot_product(weight, turn(point%shape(:, k)))
+         end do
+      end associate
+   end subroutine marker_drift
+
+   !> Adds the second derivatives of (force . position of a marker) with respect to (r, rotation, eta).
+   pure subroutine marker_stiffness(marker, force, k)
+      type(marker_type), intent(in) :: marker
+      real(wp), intent(in) :: force(2)
+      real(wp), intent(inout) :: k(:, :)
+      real(wp) :: part
+      integer :: j
+      if (size(k, 1) < 3) return
+      k(3, 3) = k(3, 3) + dot_product(turn(marker%lever), force)
+      do j = 1, size(marker%shape, 2)
+         part = dot_product(turn(marker%shape(:, j)), force)
+         k(3, 3 + j) = k(3, 3 + j) + part
+         k(3 + j, 3) = k(3 + j, 3) + part
+      end do
+   end subroutine marker_stiffness
 
 end module limber_system_joints

@@ -8,7 +8,8 @@ module limber_system_kinematics
    implicit none
    private
    public :: layout_type, new_layout, frame_type, marker_type, kinematics_type, new_kinematics
-   public :: place_frames, move_frames, place_marker, move_marker, point_position, point_velocity, point_acceleration
+   public :: place_frames, move_frames, place_marker, move_marker, rates_of, velocities_of, advance
+   public :: point_position, point_velocity, point_acceleration
 
    !> Where each body's coordinates stand. In q and v a body has [r (2); u (2); eta (n)], a point mass r only; the
    !> independent rates have [r' (2); omega] for the frame, or r' only.
@@ -23,6 +24,9 @@ module limber_system_kinematics
       integer, allocatable :: z(:), rates(:)
       !> Lengths of q and of the frame rates
       integer :: nq = 0, nz = 0
+      !> First index of a body's rates [r' (2); omega; eta' (n)], or r' only, among the rates w of all; length of w
+      integer, allocatable :: w(:)
+      integer :: nw = 0
    end type layout_type
 
    !> State of one body
@@ -61,7 +65,7 @@ contains
       type(layout_type) :: layout
       integer :: i, bodies
       bodies = size(model%bodies)
-      allocate (layout%framed(bodies), layout%n(bodies), layout%q(bodies), layout%z(bodies), layout%rates(bodies))
+      allocate (layout%framed(bodies), layout%n(bodies), layout%q(bodies), layout%z(bodies), layout%rates(bodies), layout%w(bodies))
       do i = 1, bodies
          layout%framed(i) = model%bodies(i)%kind /= body_point
          layout%n(i) = model%bodies(i)%reduced%n
@@ -70,6 +74,8 @@ contains
          layout%z(i) = layout%nz + 1
          layout%nq = layout%nq + merge(4, 2, layout%framed(i)) + layout%n(i)
          layout%nz = layout%nz + layout%rates(i)
+         layout%w(i) = layout%nw + 1
+         layout%nw = layout%nw + layout%rates(i) + layout%n(i)
       end do
    end function new_layout
 
@@ -141,6 +147,65 @@ contains
          end associate
       end do
    end subroutine move_frames
+
+   !> Independent rates w of velocities v at q: omega in place of u'.
+   pure subroutine rates_of(layout, q, v, w)
+      type(layout_type), intent(in) :: layout
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      !> Rates (nw)
+      real(wp), intent(inout) :: w(:)
+      integer :: i, from, to
+      do i = 1, size(layout%q)
+         from = layout%q(i)
+         to = layout%w(i)
+         w(to:to + 1) = v(from:from + 1)
+         if (.not. layout%framed(i)) cycle
+         w(to + 2) = cross(q(from + 2:from + 3), v(from + 2:from + 3))
+         w(to + 3:to + 2 + layout%n(i)) = v(from + 4:from + 3 + layout%n(i))
+      end do
+   end subroutine rates_of
+
+   !> Velocities v of independent rates w at q: u' = omega J u.
+   pure subroutine velocities_of(layout, q, w, v)
+      type(layout_type), intent(in) :: layout
+      !> Coordinates (nq) and rates (nw)
+      real(wp), intent(in) :: q(:), w(:)
+      !> Velocities (nq)
+      real(wp), intent(inout) :: v(:)
+      integer :: i, from, to
+      do i = 1, size(layout%q)
+         to = layout%q(i)
+         from = layout%w(i)
+         v(to:to + 1) = w(from:from + 1)
+         if (.not. layout%framed(i)) cycle
+         v(to + 2) = -w(from + 2)*q(to + 3)
+         v(to + 3) = w(from + 2)*q(to + 2)
+         v(to + 4:to + 3 + layout%n(i)) = w(from + 3:from + 2 + layout%n(i))
+      end do
+   end subroutine velocities_of
+
+   !> Coordinates q moved by an increment in the layout of the rates: r and eta by addition, u by a rotation.
+   pure subroutine advance(layout, q, change, moved)
+      type(layout_type), intent(in) :: layout
+      !> Coordinates (nq), increment (nw)
+      real(wp), intent(in) :: q(:), change(:)
+      !> Coordinates (nq)
+      real(wp), intent(inout) :: moved(:)
+      real(wp) :: c, s
+      integer :: i, from, to
+      do i = 1, size(layout%q)
+         to = layout%q(i)
+         from = layout%w(i)
+         moved(to:to + 1) = q(to:to + 1) + change(from:from + 1)
+         if (.not. layout%framed(i)) cycle
+         c = cos(change(from + 2))
+         s = sin(change(from + 2))
+         moved(to + 2) = c*q(to + 2) - s*q(to + 3)
+         moved(to + 3) = c*q(to + 3) + s*q(to + 2)
+         moved(to + 4:to + 3 + layout%n(i)) = q(to + 4:to + 3 + layout%n(i)) + change(from + 3:from + 2 + layout%n(i))
+      end do
+   end subroutine advance
 
    !> Position of a point and its derivatives with respect to the rates.
    pure subroutine place_marker(point, frame, eta, marker)

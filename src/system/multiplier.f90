@@ -14,7 +14,7 @@ module limber_system_multiplier
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: update_jacobians, factor_multiplier_system, solve_multiplier_system
+   public :: update_jacobians, update_masses, factor_multiplier_system, solve_multiplier_system
 
 contains
 
@@ -38,6 +38,27 @@ contains
       end do
    end subroutine update_jacobians
 
+   !> Mass matrices of all bodies at the coordinates q; kinematics are placed.
+   subroutine update_masses(system, work, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      integer :: i, first
+      do i = 1, size(work%bodies)
+         associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced)
+            if (system%layout%framed(i)) then
+               first = system%layout%q(i) + 4
+               call body_mass(reduced, work%kinematics%frames(i)%u, q(first:first + reduced%n - 1), body%mass, body%coupling)
+            else
+               body%mass = 0.0_wp
+               body%mass(1, 1) = reduced%mass
+               body%mass(2, 2) = reduced%mass
+            end if
+         end associate
+      end do
+   end subroutine update_masses
+
    !> Builds and factors the condensed matrix at the coordinates q; kinematics are placed, Jacobians up to date.
    subroutine factor_multiplier_system(system, work, q, singular)
       type(system_type), intent(in) :: system
@@ -46,19 +67,11 @@ contains
       real(wp), intent(in) :: q(:)
       !> True if a pivot is zero
       logical, intent(out) :: singular
-      integer :: i, first
+      integer :: i
+      call update_masses(system, work, q)
       work%matrix%values = 0.0_wp
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), n => system%layout%n(i))
-            first = system%layout%q(i) + 4
-            if (system%layout%framed(i)) then
-               call body_mass(system%model%bodies(i)%reduced, work%kinematics%frames(i)%u, q(first:first + n - 1), &
-                  & body%mass, body%coupling)
-            else
-               body%mass = 0.0_wp
-               body%mass(1, 1) = system%model%bodies(i)%reduced%mass
-               body%mass(2, 2) = body%mass(1, 1)
-            end if
             if (n > 0) call condense_body(n, body%coupling, body%eta_rows, body%rows_place, body%mass, work%matrix%values)
             call add_frame(body%frame_place, body%mass, work%matrix%values)
          end associate

@@ -5,7 +5,7 @@ module limber_system_sparse
    use, intrinsic :: iso_c_binding, only: c_int, c_ptr, c_null_ptr, c_associated
    use limber_base_kinds, only: wp
    use limber_base_klu, only: klu_common_type, klu_defaults, klu_analyze, klu_factor, klu_refactor, klu_solve, klu_rgrowth, &
-      & klu_free_symbolic, klu_free_numeric
+      & klu_free_symbolic, klu_free_numeric, klu_z_factor, klu_z_solve, klu_z_free_numeric
    implicit none
    private
    public :: sparse_type
@@ -19,6 +19,8 @@ module limber_system_sparse
       integer :: n = 0
       !> Values of the entries (entries); zero where the pattern has a place that is not filled
       real(wp), allocatable :: values(:)
+      !> The same of a complex matrix of the same pattern (entries); not allocated unless asked for
+      complex(wp), allocatable :: complex_values(:)
       !> Counts of factorisations, and of searches for pivots among them
       integer :: factorisations = 0, searches = 0
       !> Entries marked so far, [row, column] (2, count)
@@ -27,9 +29,9 @@ module limber_system_sparse
       !> First entry of each column (n + 1) and row of each entry, from zero
       integer(c_int), allocatable, private :: first(:), row(:)
       type(klu_common_type), private :: common
-      type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr
+      type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr, complex_numeric = c_null_ptr
    contains
-      procedure :: mark, analyse, place, factor, solve
+      procedure :: mark, analyse, place, factor, solve, factor_complex, solve_complex
       final :: release
    end type sparse_type
 
@@ -140,17 +142,47 @@ contains
          if (ok == 1 .and. self%common%status == 0 .and. self%common%rgrowth > least_growth) return
          ok = klu_free_numeric(self%numeric, self%common)
       end if
-      if (.not. c_associated(self%symbolic)) then
-         ok = klu_defaults(self%common)
-         self%common%btf = 0
-         self%common%scale = 2
-         self%common%tol = 0.1_wp
-         self%symbolic = klu_analyze(int(self%n, c_int), self%first, self%row, self%common)
-      end if
+      call order(self)
       self%searches = self%searches + 1
       self%numeric = klu_factor(self%first, self%row, self%values, self%symbolic, self%common)
       singular = .not. c_associated(self%numeric) .or. self%common%status /= 0
    end subroutine factor
+
+   !> Ordering of the unknowns, once for a pattern.
+   subroutine order(self)
+      class(sparse_type), intent(inout) :: self
+      integer(c_int) :: ok
+      if (c_associated(self%symbolic)) return
+      ok = klu_defaults(self%common)
+      self%common%btf = 0
+      self%common%scale = 2
+      self%common%tol = 0.1_wp
+      self%symbolic = klu_analyze(int(self%n, c_int), self%first, self%row, self%common)
+   end subroutine order
+
+   !> Factors the present complex values.
+   subroutine factor_complex(self, singular)
+      class(sparse_type), intent(inout) :: self
+      !> True if a pivot is zero
+      logical, intent(out) :: singular
+      integer(c_int) :: ok
+      self%factorisations = self%factorisations + 1
+      singular = .false.
+      if (self%n == 0) return
+      call order(self)
+      if (c_associated(self%complex_numeric)) ok = klu_z_free_numeric(self%complex_numeric, self%common)
+      self%complex_numeric = klu_z_factor(self%first, self%row, self%complex_values, self%symbolic, self%common)
+      singular = .not. c_associated(self%complex_numeric) .or. self%common%status /= 0
+   end subroutine factor_complex
+
+   !> Solves in place with the complex factors.
+   subroutine solve_complex(self, b)
+      class(sparse_type), intent(inout) :: self
+      !> Right-hand side, then solution (n)
+      complex(wp), contiguous, intent(inout) :: b(:)
+      integer(c_int) :: ok
+      if (self%n > 0) ok = klu_z_solve(self%symbolic, self%complex_numeric, int(self%n, c_int), 1_c_int, b, self%common)
+   end subroutine solve_complex
 
    !> Solves in place with the factors.
    subroutine solve(self, b)
@@ -166,6 +198,7 @@ contains
       type(sparse_type), intent(inout) :: self
       integer(c_int) :: ok
       if (c_associated(self%numeric)) ok = klu_free_numeric(self%numeric, self%common)
+      if (c_associated(self%complex_numeric)) ok = klu_z_free_numeric(self%complex_numeric, self%common)
       if (c_associated(self%symbolic)) ok = klu_free_symbolic(self%symbolic, self%common)
    end subroutine release
 

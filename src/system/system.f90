@@ -12,7 +12,7 @@ module limber_system_system
    use limber_system_sparse, only: sparse_type
    implicit none
    private
-   public :: system_type, new_system, workspace_type, new_workspace, load_type, body_workspace_type
+   public :: system_type, new_system, workspace_type, new_workspace, load_type, body_workspace_type, mark_block, block_place
 
    !> A dead force at a marker
    type :: load_type

@@ -1,0 +1,509 @@
+!> RADAU: Radau IIA of order 5, three stages, on the equations of index 2: motion and velocity constraints at every stage, the
+!> position constraints restored by projection after the step. In each Newton step one real and one complex sparse system of
+!> the exact derivatives are solved. Dense output of order 5 from coordinates, rates and accelerations at both ends.
+!> Floor: integrator. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8 and VII; doc/theory.
+module limber_integrator_radau
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
+   use limber_integrator_integrator, only: integrator_type
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
+   use limber_system_algebra, only: cross
+   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power, worst_constraint
+   use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
+   use limber_system_system, only: system_type, workspace_type
+   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, &
+      & times_stiffness
+   implicit none
+   private
+   public :: radau_type
+
+   real(wp), parameter :: root6 = sqrt(6.0_wp)
+   !> Coefficients of the method; its nodes are the row sums
+   real(wp), parameter, public :: radau_a(3, 3) = reshape([ &
+      & (88 - 7*root6)/360, (296 + 169*root6)/1800, (16 - root6)/36, &
+      & (296 - 169*root6)/1800, (88 + 7*root6)/360, (16 + root6)/36, &
+      & (-2 + 3*root6)/225, (-2 - 3*root6)/225, 1.0_wp/9], [3, 3])
+   real(wp), parameter, public :: radau_c(3) = [(4 - root6)/10, (4 + root6)/10, 1.0_wp]
+   !> Real eigenvalue and the pair of complex ones, alpha +- i beta, of the inverse of A
+   real(wp), parameter :: third = 9.0_wp**(1.0_wp/3.0_wp)
+   real(wp), parameter :: gamma = 30/(6 + third*(third - 1))
+   real(wp), parameter :: a0 = (12 - third*(third - 1))/60, b0 = third*(third + 1)*sqrt(3.0_wp)/60
+   real(wp), parameter :: alpha = a0/(a0**2 + b0**2), beta = b0/(a0**2 + b0**2)
+   !> Transformation that makes the inverse of A block diagonal, and its inverse
+   real(wp), parameter, public :: radau_t(3, 3) = reshape([ &
+      & 9.1232394870892942792e-2_wp, 0.24171793270710701896_wp, 0.96604818261509293619_wp, &
+      & -0.14125529502095420843_wp, 0.20412935229379993199_wp, 1.0_wp, &
+      & -3.0029194105147424492e-2_wp, 0.38294211275726193779_wp, 0.0_wp], [3, 3])
+   real(wp), parameter, public :: radau_ti(3, 3) = reshape([ &
+      & 4.3255798900631553510_wp, -4.1787185915519047273_wp, -0.50287263494578687595_wp, &
+      & 0.33919925181580986954_wp, -0.32768282076106238708_wp, 2.5719269498556054292_wp, &
+      & 0.54177053993587487119_wp, 0.47662355450055045196_wp, -0.59603920482822492497_wp], [3, 3])
+   real(wp), parameter, public :: radau_lambda(3, 3) = reshape([ &
+      & gamma, 0.0_wp, 0.0_wp, 0.0_wp, alpha, beta, 0.0_wp, -beta, alpha], [3, 3])
+   !> Inverse of A
+   real(wp), parameter :: inverse_a(3, 3) = matmul(radau_t, matmul(radau_lambda, radau_ti))
+   !> Weights of the stages in the error estimate
+   real(wp), parameter :: e_weights(3) = [-(13 + 7*root6)/3, (-13 + 7*root6)/3, -1.0_wp/3]
+
+   integer, parameter :: most_iterations = 10
+   real(wp), parameter :: constraint_tolerance = 1.0e-14_wp, constraint_limit = 1.0e-11_wp
+
+   !> Memory of the method
+   type, extends(integrator_type) :: radau_type
+      !> Coordinates and velocities at t (nq); rates and accelerations (nw); multipliers (nc)
+      real(wp), allocatable :: q(:), v(:), w(:), a(:), lambda(:)
+      !> The same at the beginning of the last step, its increment of the coordinates, its rates and accelerations at the end
+      real(wp), allocatable :: q_before(:), w_before(:), a_before(:), increment(:)
+      !> Work put in and power, at the beginning and the end of the last step
+      real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp, power_before = 0.0_wp, power = 0.0_wp
+      !> Stages: increments of rates and coordinates (nw,3), multipliers (nc,3), power (3)
+      real(wp), allocatable :: z(:, :), x(:, :), multipliers(:, :)
+      real(wp) :: stage_power(3) = 0.0_wp
+      !> Scratch
+      real(wp), allocatable :: motion(:, :), rate(:, :), stage_q(:), stage_v(:), stage_a(:), change(:), real_part(:), e(:)
+      complex(wp), allocatable :: complex_part(:)
+      type(tangent_type) :: tangent
+      type(layout_type) :: layout
+      type(scales_type) :: scales
+      !> Scales of coordinates and rates in the layout of the rates (nw)
+      real(wp), allocatable :: scale_x(:), scale_w(:)
+      !> Next step, last step, step of the factors; error and step of the last accepted step, for the prediction
+      real(wp) :: h = 0.0_wp, h_last = 0.0_wp, h_factors = 0.0_wp, error_last = 0.0_wp, h_accepted = 0.0_wp
+      !> Whether the derivatives are those of the present state; rate of convergence of the last Newton iteration
+      logical :: fresh = .false., has_tangent = .false.
+      real(wp) :: contraction = 1.0_wp
+      integer :: iterations = 0
+   contains
+      procedure :: start => radau_start
+      procedure :: step => radau_step
+      procedure :: interpolate => radau_interpolate
+   end type radau_type
+
+contains
+
+   subroutine radau_start(self, system, work, t, duration, q, v, error)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t, duration
+      real(wp), intent(in) :: q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: nw, nc, nq
+      real(wp) :: slope
+      nq = system%layout%nq
+      nw = system%layout%nw
+      nc = system%nc
+      allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
+         & self%a_before(nw), self%increment(nw), self%z(nw, 3), self%x(nw, 3), self%multipliers(nc, 3), self%motion(nw, 3), &
+         & self%rate(nc, 3), self%stage_q(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), self%real_part(nw + nc), &
+         & self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
+      self%q = q
+      self%v = v
+      self%t = t
+      self%t_before = t
+      self%layout = system%layout
+      call new_tangent(system, self%tangent)
+      self%scales = new_scales(system, duration)
+      call update_scales(system, q, v, self%scales)
+      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+      call settle(self, system, work, error)
+      if (allocated(error)) return
+      self%q_before = self%q
+      self%w_before = self%w
+      self%a_before = self%a
+      self%increment = 0.0_wp
+      slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%a/self%scale_w)**2))
+      self%h = duration
+      if (slope*self%h > 0.1_wp*self%tolerance**0.25_wp) self%h = 0.1_wp*self%tolerance**0.25_wp/slope
+      if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
+   end subroutine radau_start
+
+   !> Rates, accelerations, multipliers and power at (t, q, v).
+   subroutine settle(self, system, work, error)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(error_type), allocatable, intent(out) :: error
+      call linearise(system, work, self%t, self%q, error)
+      if (allocated(error)) return
+      call accelerations(system, work, self%q, self%v, self%change)
+      self%lambda = work%lambda
+      call rates_of(system%layout, self%q, self%v, self%w)
+      ! Of u'' the part along J u is alpha
+      call rates_of(system%layout, self%q, self%change, self%a)
+      if (system%powered) self%power = input_power(system, work, self%q, self%v)
+   end subroutine settle
+
+   subroutine radau_step(self, system, work, stop, error)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: wanted, err, factor
+      logical :: converged, accepted, repeated
+      wanted = self%h
+      repeated = .false.
+      do
+         if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+         if (self%t + 1.0001_wp*self%h > stop) self%h = stop - self%t
+         if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+            call step_too_small(self, system, work, error)
+            return
+         end if
+         if (.not. self%has_tangent .or. .not. self%fresh) call refresh(self, system, work)
+         if (abs(self%h - self%h_factors) > 0.0_wp) call factor_both(self, converged)
+         if (abs(self%h - self%h_factors) > 0.0_wp) then
+            call raise(error, 'the Newton matrix of RADAU is singular at t = '//as_text(self%t, 8)// &
+               & ': a constraint is redundant there, or a body without mass is free to move')
+            return
+         end if
+         call guess_stages(self)
+         call iterate(self, system, work, converged)
+         if (.not. converged) then
+            self%statistics%rejected = self%statistics%rejected + 1
+            if (self%fresh) then
+               self%h = 0.5_wp*self%h
+            else
+               call refresh(self, system, work)
+            end if
+            repeated = .true.
+            cycle
+         end if
+         call estimate_error(self, system, err)
+         accepted = err <= self%tolerance
+         factor = next_factor(self, err, repeated .or. .not. accepted)
+         if (.not. accepted) then
+            self%statistics%rejected = self%statistics%rejected + 1
+            self%h = self%h*min(factor, 0.9_wp)
+            repeated = .true.
+            cycle
+         end if
+         call accept(self, system, work, stop, accepted, error)
+         if (allocated(error)) return
+         if (accepted) exit
+         self%statistics%failed_projections = self%statistics%failed_projections + 1
+         self%h = 0.5_wp*self%h
+         repeated = .true.
+      end do
+      self%error_last = max(err, 1.0e-2_wp*self%tolerance)
+      self%h_accepted = self%h
+      self%h_last = self%h
+      call count_step(self)
+      ! A step that hardly changes is kept, and with it the factors
+      if (self%contraction <= 1.0e-2_wp .and. factor >= 1.0_wp .and. factor <= 1.2_wp) factor = 1.0_wp
+      self%h = self%h*factor
+      if (self%t >= stop .and. .not. repeated) self%h = max(self%h, wanted)
+      self%fresh = .false.
+      call update_scales(system, self%q, self%v, self%scales)
+      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+   end subroutine radau_step
+
+   !> Derivatives at the present state.
+   subroutine refresh(self, system, work)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      call motion_residual(system, work, self%t, self%q, self%v, self%a, self%lambda, self%motion(:, 1), self%rate(:, 1))
+      call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
+      self%statistics%jacobians = self%statistics%jacobians + 1
+      self%fresh = .true.
+      self%has_tangent = .true.
+      self%h_factors = 0.0_wp
+   end subroutine refresh
+
+   !> Factors of the real and the complex matrix for the present step.
+   subroutine factor_both(self, done)
+      class(radau_type), intent(inout) :: self
+      logical, intent(out) :: done
+      complex(wp) :: mu
+      logical :: singular
+      mu = cmplx(gamma, 0.0_wp, wp)/self%h
+      call combine(self%tangent, mu, (1.0_wp, 0.0_wp), 1/mu, 1/mu, .false.)
+      call self%tangent%matrix%factor(singular)
+      done = .not. singular
+      mu = cmplx(alpha, beta, wp)/self%h
+      call combine(self%tangent, mu, (1.0_wp, 0.0_wp), 1/mu, 1/mu, .true.)
+      call self%tangent%matrix%factor_complex(singular)
+      done = done .and. .not. singular
+      self%statistics%factorisations = self%statistics%factorisations + 2
+      if (done) self%h_factors = self%h
+   end subroutine factor_both
+
+   !> First guess of the stages: the quadratic rates that end accelerations and stages of the last step make.
+   subroutine guess_stages(self)
+      class(radau_type), intent(inout) :: self
+      integer :: i
+      real(wp) :: s
+      do i = 1, 3
+         self%z(:, i) = radau_c(i)*self%h*self%a
+         if (self%h_last > 0.0_wp) then
+            s = radau_c(i)*self%h/self%h_last
+            self%z(:, i) = self%z(:, i) + 0.5_wp*s*radau_c(i)*self%h*(self%a - self%a_before)
+         end if
+         self%multipliers(:, i) = self%lambda
+      end do
+   end subroutine guess_stages
+
+   !> Simplified Newton iteration for the stages.
+   subroutine iterate(self, system, work, converged)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      logical, intent(out) :: converged
+      real(wp) :: size_now, size_last, goal
+      integer :: round
+      converged = .false.
+      goal = max(1.0e-14_wp, self%tolerance*min(0.03_wp, sqrt(self%tolerance)))
+      size_last = 0.0_wp
+      self%contraction = 1.0_wp
+      do round = 1, most_iterations
+         self%iterations = round
+         call stage_residuals(self, system, work)
+         call newton_change(self, system, size_now)
+         if (.not. size_now <= huge(size_now)) return
+         if (round > 1) then
+            self%contraction = size_now/max(size_last, tiny(size_last))
+            if (self%contraction >= 0.99_wp .and. size_now > goal) return
+            if (self%contraction < 1.0_wp) then
+               if (size_now*self%contraction**(most_iterations - round)/(1 - self%contraction) > goal) return
+               converged = size_now*self%contraction/(1 - self%contraction) <= goal
+            end if
+         end if
+         converged = converged .or. size_now <= 1.0e-2_wp*goal
+         if (converged) exit
+         size_last = size_now
+      end do
+      if (self%iterations == 1) self%contraction = 1.0e-3_wp
+   end subroutine iterate
+
+   !> Coordinates of the stages from their rates, and the residuals there.
+   subroutine stage_residuals(self, system, work)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i, j
+      do i = 1, 3
+         self%x(:, i) = radau_c(i)*self%h*self%w
+         self%stage_a = 0.0_wp
+         do j = 1, 3
+            self%x(:, i) = self%x(:, i) + self%h*radau_a(i, j)*self%z(:, j)
+            self%stage_a = self%stage_a + inverse_a(i, j)/self%h*self%z(:, j)
+         end do
+         call advance(system%layout, self%q, self%x(:, i), self%stage_q)
+         self%e = self%w + self%z(:, i)
+         call velocities_of(system%layout, self%stage_q, self%e, self%stage_v)
+         call motion_residual(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v, self%stage_a, &
+            & self%multipliers(:, i), self%motion(:, i), self%rate(:, i))
+         if (system%powered) then
+            work%lambda = self%multipliers(:, i)
+            self%stage_power(i) = input_power(system, work, self%stage_q, self%stage_v)
+         end if
+         self%statistics%evaluations = self%statistics%evaluations + 1
+      end do
+   end subroutine stage_residuals
+
+   !> One Newton change of stages and multipliers; its size in units of the scales.
+   subroutine newton_change(self, system, largest)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(out) :: largest
+      integer :: i, k, nw, n
+      real(wp) :: change(3)
+      nw = system%layout%nw
+      n = nw + system%nc
+      do k = 1, nw
+         change = matmul(radau_ti, self%motion(k, :))
+         self%real_part(k) = -change(1)
+         self%complex_part(k) = -cmplx(change(2), change(3), wp)
+      end do
+      do k = 1, system%nc
+         change = matmul(radau_ti, self%rate(k, :))
+         self%real_part(nw + k) = -change(1)
+         self%complex_part(nw + k) = -cmplx(change(2), change(3), wp)
+      end do
+      call self%tangent%matrix%solve(self%real_part)
+      call self%tangent%matrix%solve_complex(self%complex_part)
+      largest = 0.0_wp
+      do k = 1, n
+         change = matmul(radau_t, [self%real_part(k), real(self%complex_part(k), wp), aimag(self%complex_part(k))])
+         if (k <= nw) then
+            do i = 1, 3
+               self%z(k, i) = self%z(k, i) + change(i)
+            end do
+            largest = largest + sum(change**2)*(1/self%scale_w(k)**2 + (self%h/self%scale_x(k))**2)
+         else
+            do i = 1, 3
+               self%multipliers(k - nw, i) = self%multipliers(k - nw, i) + change(i)
+            end do
+         end if
+      end do
+      largest = sqrt(largest/3)
+   end subroutine newton_change
+
+   !> Local error of the step in units of the scales: difference from an embedded formula of order 3, filtered.
+   subroutine estimate_error(self, system, err)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(out) :: err
+      integer :: i, nw
+      nw = system%layout%nw
+      ! real_part: what the stages and the beginning leave of x' (then of M w')
+      self%stage_a = self%w
+      self%e = self%a
+      do i = 1, 3
+         self%stage_a = self%stage_a + e_weights(i)/self%h*self%x(:, i)
+         self%e = self%e + e_weights(i)/self%h*self%z(:, i)
+      end do
+      self%real_part = 0.0_wp
+      call times_mass(system, self%tangent, 1.0_wp, self%e, self%real_part(:nw))
+      call times_stiffness(system, self%tangent, -self%h/gamma, self%stage_a, self%real_part(:nw))
+      call self%tangent%matrix%solve(self%real_part)
+      self%e = self%h/gamma*(self%stage_a + self%real_part(:nw))
+      err = sqrt(sum((self%e/self%scale_x)**2) + sum((self%real_part(:nw)/self%scale_w)**2))
+      if (.not. err <= huge(err)) err = huge(err)
+   end subroutine estimate_error
+
+   !> Factor for the next step from the error and, after an accepted step, from how the error has changed.
+   real(wp) function next_factor(self, err, careful) result(factor)
+      class(radau_type), intent(in) :: self
+      real(wp), intent(in) :: err
+      logical, intent(in) :: careful
+      real(wp) :: safety, ratio
+      safety = 0.9_wp*(2*most_iterations + 1)/(2*most_iterations + self%iterations)
+      ratio = max(err/self%tolerance, 1.0e-8_wp)
+      factor = safety*ratio**(-0.25_wp)
+      if (err <= self%tolerance .and. self%h_accepted > 0.0_wp) factor = min(factor, &
+         & safety*self%h/self%h_accepted*(self%error_last/self%tolerance/ratio**2)**0.25_wp)
+      factor = max(0.2_wp, min(8.0_wp, factor))
+      if (careful) factor = min(factor, 1.0_wp)
+   end function next_factor
+
+   !> Takes the last stage as the new state, restores the constraints, evaluates there.
+   subroutine accept(self, system, work, stop, accepted, error)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      !> False if the constraints cannot be met
+      logical, intent(out) :: accepted
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: residual, t
+      t = self%t + self%h
+      if (self%h >= stop - self%t) t = stop
+      call advance(system%layout, self%q, self%x(:, 3), self%stage_q)
+      self%e = self%w + self%z(:, 3)
+      call linearise(system, work, t, self%stage_q, error)
+      if (allocated(error)) return
+      self%stage_v = self%stage_q
+      call project_position(system, work, t, self%stage_q, self%change, constraint_tolerance, residual)
+      accepted = residual <= constraint_limit
+      if (.not. accepted) return
+      self%statistics%position_residual = max(self%statistics%position_residual, residual)
+      call keep_increment(self, system)
+      self%q_before = self%q
+      self%w_before = self%w
+      self%a_before = self%a
+      self%power_before = self%power
+      self%work_before = self%work_done
+      self%work_done = self%work_done + self%h*dot_product(radau_a(3, :), self%stage_power)
+      self%t_before = self%t
+      self%t = t
+      self%q = self%stage_q
+      call linearise(system, work, self%t, self%q, error)
+      if (allocated(error)) return
+      call velocities_of(system%layout, self%q, self%e, self%v)
+      call project_velocity(system, work, self%v, self%change, residual)
+      call settle_again(self, system, work)
+   end subroutine accept
+
+   !> `settle` where the system is linearised already.
+   subroutine settle_again(self, system, work)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      call accelerations(system, work, self%q, self%v, self%change)
+      self%lambda = work%lambda
+      call rates_of(system%layout, self%q, self%v, self%w)
+      call rates_of(system%layout, self%q, self%change, self%a)
+      if (system%powered) self%power = input_power(system, work, self%q, self%v)
+   end subroutine settle_again
+
+   !> Increment of the coordinates over the step, the projection included; stage_v holds them before it.
+   subroutine keep_increment(self, system)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer :: i, from, to, n
+      self%increment = self%x(:, 3)
+      do i = 1, size(system%layout%q)
+         from = system%layout%q(i)
+         to = system%layout%w(i)
+         n = system%layout%n(i)
+         self%increment(to:to + 1) = self%stage_q(from:from + 1) - self%q(from:from + 1)
+         if (.not. system%layout%framed(i)) cycle
+         self%increment(to + 2) = self%increment(to + 2) + cross(self%stage_v(from + 2:from + 3), self%stage_q(from + 2:from + 3))
+         self%increment(to + 3:to + 2 + n) = self%stage_q(from + 4:from + 3 + n) - self%q(from + 4:from + 3 + n)
+      end do
+   end subroutine keep_increment
+
+   subroutine count_step(self)
+      class(radau_type), intent(inout) :: self
+      associate (statistics => self%statistics)
+         statistics%steps = statistics%steps + 1
+         statistics%smallest_step = min(statistics%smallest_step, self%h)
+         statistics%largest_step = max(statistics%largest_step, self%h)
+         statistics%highest_order = 5
+      end associate
+   end subroutine count_step
+
+   !> Quintic through coordinates, rates and accelerations at both ends of the step; its derivative for the rates.
+   subroutine radau_interpolate(self, t, q, v, w)
+      class(radau_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: q(:), v(:), w
+      real(wp) :: h, s, b(5), d(5)
+      h = self%t - self%t_before
+      if (.not. h > 0.0_wp) then
+         q = self%q
+         v = self%v
+         w = self%work_done
+         return
+      end if
+      s = (t - self%t_before)/h
+      ! Factors of [increment, h w0, h^2 a0, h w1, h^2 a1]
+      b = [s**3*(10 - 15*s + 6*s**2), s - 6*s**3 + 8*s**4 - 3*s**5, 0.5_wp*s**2*(1 - s)**3, -4*s**3 + 7*s**4 - 3*s**5, &
+         & 0.5_wp*s**3*(1 - s)**2]
+      d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
+         & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]/h
+      self%stage_a = b(1)*self%increment + h*(b(2)*self%w_before + b(4)*self%w) + h**2*(b(3)*self%a_before + b(5)*self%a)
+      self%e = d(1)*self%increment + h*(d(2)*self%w_before + d(4)*self%w) + h**2*(d(3)*self%a_before + d(5)*self%a)
+      call advance(self%layout, self%q_before, self%stage_a, q)
+      call velocities_of(self%layout, q, self%e, v)
+      w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
+         & - s*self%power)
+   end subroutine radau_interpolate
+
+   !> Error of a step that has shrunk to nothing.
+   subroutine step_too_small(self, system, work, error)
+      class(radau_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: where_it_is
+      integer :: culprit, i
+      real(wp) :: residual
+      where_it_is = ''
+      if (size(system%constraints) > 0) then
+         call worst_constraint(system, work, culprit, residual)
+         if (residual > constraint_limit*system%constraints(culprit)%item%scale) where_it_is = '; '// &
+            & system%constraints(culprit)%item%label//' cannot be kept (residual '//as_text(residual, 3)//')'
+      end if
+      i = maxloc(abs(self%real_part(:system%layout%nw))/self%scale_w, dim=1)
+      i = count(system%layout%w <= i)
+      call raise(error, 'the step has shrunk to nothing at t = '//as_text(self%t, 10)//where_it_is//"; body '"// &
+         & system%model%bodies(i)%name//"' has the largest local error. The motion may be diverging or at a singular position:"// &
+         & ' try a smaller END, a looser TOLERANCE, or look at the history up to there')
+   end subroutine step_too_small
+
+end module limber_integrator_radau

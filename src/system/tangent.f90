@@ -1,0 +1,385 @@
+!> What implicit integrators need of the system, in the independent rates w = [r'; omega; eta'] of the bodies: the residual of
+!> the equations of motion, its exact derivatives (mass M, damping D, stiffness K; polynomials), and the sparse matrix
+!>
+!>    [ m M + d D + k K    G^T ]
+!>    [ G + g dG           0   ]
+!>
+!> with any real or complex factors. Increments of the coordinates are those of `advance`, in the layout of w.
+!> Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory.
+module limber_system_tangent
+   use limber_base_kinds, only: wp
+   use limber_flex_elastic, only: elastic_tangent
+   use limber_model_scene, only: ground
+   use limber_system_body, only: body_tangent
+   use limber_system_dynamics, only: sum_forces
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_multiplier, only: update_jacobians, update_masses
+   use limber_system_sparse, only: sparse_type
+   use limber_system_system, only: system_type, workspace_type, mark_block, block_place
+   implicit none
+   private
+   public :: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, times_stiffness
+
+   !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
+   type :: body_tangent_type
+      real(wp), allocatable :: mass(:, :), damping(:, :), stiffness(:, :)
+      integer, allocatable :: place(:, :)
+      !> Scratch of the elastic tangent (pairs, 2)
+      real(wp), allocatable :: slope(:, :)
+   end type body_tangent_type
+
+   !> Rows of a constraint on its two bodies, and where they stand
+   type :: constraint_tangent_type
+      !> Jacobian and its drift (rows, 3 + n) on either body
+      real(wp), allocatable :: first(:, :), second(:, :), first_drift(:, :), second_drift(:, :)
+      !> Second derivatives across the two bodies
+      real(wp), allocatable :: across(:, :)
+      integer, allocatable :: first_place(:, :), second_place(:, :), first_transposed(:, :), second_transposed(:, :)
+      integer, allocatable :: across_place(:, :), across_transposed(:, :)
+   end type constraint_tangent_type
+
+   !> Derivatives of the whole system at one state
+   type :: tangent_type
+      type(sparse_type) :: matrix
+      type(body_tangent_type), allocatable :: bodies(:)
+      type(constraint_tangent_type), allocatable :: constraints(:)
+   end type tangent_type
+
+contains
+
+   !> Room and pattern.
+   subroutine new_tangent(system, tangent)
+      type(system_type), intent(in) :: system
+      type(tangent_type), intent(inout) :: tangent
+      integer :: i, m, pairs
+      allocate (tangent%bodies(size(system%layout%q)), tangent%constraints(size(system%constraints)))
+      do i = 1, size(tangent%bodies)
+         m = body_size(system, i)
+         pairs = system%model%bodies(i)%reduced%bending
+         pairs = pairs*(pairs + 1)/2
+         associate (body => tangent%bodies(i))
+            allocate (body%mass(m, m), body%damping(m, m), body%stiffness(m, m), body%slope(pairs, 2))
+            call mark_block(tangent%matrix, places(system, i), places(system, i))
+         end associate
+      end do
+      do i = 1, size(tangent%constraints)
+         associate (item => system%constraints(i)%item, constraint => tangent%constraints(i))
+            call size_constraint(item%rows, body_size(system, item%bodies(1)), body_size(system, item%bodies(2)), constraint)
+            call mark_block(tangent%matrix, rows_of(system, i), places(system, item%bodies(1)))
+            call mark_block(tangent%matrix, rows_of(system, i), places(system, item%bodies(2)))
+            call mark_block(tangent%matrix, places(system, item%bodies(1)), rows_of(system, i))
+            call mark_block(tangent%matrix, places(system, item%bodies(2)), rows_of(system, i))
+            call mark_block(tangent%matrix, places(system, item%bodies(1)), places(system, item%bodies(2)))
+            call mark_block(tangent%matrix, places(system, item%bodies(2)), places(system, item%bodies(1)))
+         end associate
+      end do
+      call tangent%matrix%analyse(system%layout%nw + system%nc)
+      allocate (tangent%matrix%complex_values(size(tangent%matrix%values)))
+      call find_places(system, tangent)
+   end subroutine new_tangent
+
+   subroutine size_constraint(rows, m, n, constraint)
+      integer, intent(in) :: rows, m, n
+      type(constraint_tangent_type), intent(inout) :: constraint
+      allocate (constraint%first(rows, m), constraint%second(rows, n), constraint%first_drift(rows, m), &
+         & constraint%second_drift(rows, n), constraint%across(m, n))
+   end subroutine size_constraint
+
+   subroutine find_places(system, tangent)
+      type(system_type), intent(in) :: system
+      type(tangent_type), intent(inout) :: tangent
+      integer :: i
+      do i = 1, size(tangent%bodies)
+         tangent%bodies(i)%place = block_place(tangent%matrix, places(system, i), places(system, i))
+      end do
+      do i = 1, size(tangent%constraints)
+         associate (c => tangent%constraints(i), bodies => system%constraints(i)%item%bodies, matrix => tangent%matrix)
+            c%first_place = block_place(matrix, rows_of(system, i), places(system, bodies(1)))
+            c%second_place = block_place(matrix, rows_of(system, i), places(system, bodies(2)))
+            c%first_transposed = transpose(block_place(matrix, places(system, bodies(1)), rows_of(system, i)))
+            c%second_transposed = transpose(block_place(matrix, places(system, bodies(2)), rows_of(system, i)))
+            c%across_place = block_place(matrix, places(system, bodies(1)), places(system, bodies(2)))
+            c%across_transposed = transpose(block_place(matrix, places(system, bodies(2)), places(system, bodies(1))))
+         end associate
+      end do
+   end subroutine find_places
+
+   !> Number of a body's rates; none of the ground.
+   pure integer function body_size(system, body)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      body_size = 0
+      if (body /= ground) body_size = system%layout%rates(body) + system%layout%n(body)
+   end function body_size
+
+   !> Unknowns of a body.
+   pure function places(system, body) result(list)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      integer :: list(body_size(system, body)), k
+      if (body /= ground) list = [(system%layout%w(body) + k - 1, k=1, size(list))]
+   end function places
+
+   !> Unknowns of a constraint's multipliers.
+   pure function rows_of(system, constraint) result(list)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: constraint
+      integer :: list(system%constraints(constraint)%item%rows), k
+      list = [(system%layout%nw + system%constraints(constraint)%item%first + k - 1, k=1, size(list))]
+   end function rows_of
+
+   !> Residual of the equations of motion, M a - forces + G^T lambda (nw), and of the velocity equations, G w - rate (nc), at a
+   !> state. Leaves the kinematics and Jacobians there.
+   subroutine motion_residual(system, work, t, q, v, a, lambda, motion, rates)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates and velocities (nq); accelerations in the layout of the rates (nw); multipliers (nc)
+      real(wp), intent(in) :: t, q(:), v(:), a(:), lambda(:)
+      real(wp), intent(inout) :: motion(:), rates(:)
+      integer :: i, first, last, n, j, k, m, row
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call move_frames(system%model, system%layout, q, v, work%kinematics)
+      call update_jacobians(system, work)
+      call update_masses(system, work, q)
+      call sum_forces(system, work, q, v)
+      do i = 1, size(work%bodies)
+         associate (body => work%bodies(i))
+            first = system%layout%w(i)
+            m = system%layout%rates(i)
+            n = system%layout%n(i)
+            last = first + m + n - 1
+            do j = 1, m
+               motion(first + j - 1) = -body%force(j)
+               do k = 1, m
+                  motion(first + j - 1) = motion(first + j - 1) + body%mass(j, k)*a(first + k - 1)
+               end do
+               do k = 1, n
+                  motion(first + j - 1) = motion(first + j - 1) + body%coupling(k, j)*a(first + m + k - 1)
+               end do
+            end do
+            do k = 1, n
+               motion(first + m + k - 1) = a(first + m + k - 1) - body%eta_force(k)
+               do j = 1, m
+                  motion(first + m + k - 1) = motion(first + m + k - 1) + body%coupling(k, j)*a(first + j - 1)
+               end do
+            end do
+         end associate
+      end do
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            call item%rate(work%kinematics, rates(item%first:item%first + item%rows - 1))
+            rates(item%first:item%first + item%rows - 1) = -rates(item%first:item%first + item%rows - 1)
+            do j = 1, 2
+               if (item%bodies(j) == ground) cycle
+               first = system%layout%w(item%bodies(j))
+               m = system%layout%rates(item%bodies(j))
+               associate (jacobian => work%jacobians(j, i), frame => work%kinematics%frames(item%bodies(j)))
+                  do row = 1, item%rows
+                     do k = 1, m
+                        motion(first + k - 1) = motion(first + k - 1) + jacobian%z(row, k)*lambda(item%first + row - 1)
+                     end do
+                     do k = 1, size(jacobian%eta, 2)
+                        motion(first + m + k - 1) = motion(first + m + k - 1) + jacobian%eta(row, k)*lambda(item%first + row - 1)
+                     end do
+                     rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%z(row, 1)*frame%velocity(1) &
+                        & + jacobian%z(row, 2)*frame%velocity(2)
+                     if (m == 3) rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%z(row, 3)*frame%omega
+                     do k = 1, size(jacobian%eta, 2)
+                        rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%eta(row, k) &
+                           & *v(system%layout%q(item%bodies(j)) + 3 + k)
+                     end do
+                  end do
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine motion_residual
+
+   !> Derivatives at the state of the last `motion_residual`.
+   subroutine linearise_motion(system, work, tangent, q, v, a, lambda)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(tangent_type), intent(inout) :: tangent
+      !> As in `motion_residual`
+      real(wp), intent(in) :: q(:), v(:), a(:), lambda(:)
+      integer :: i
+      do i = 1, size(tangent%bodies)
+         call linearise_body(system, work, i, q, v, a, tangent%bodies(i))
+      end do
+      do i = 1, size(tangent%constraints)
+         call linearise_constraint(system, work, i, lambda, tangent)
+      end do
+   end subroutine linearise_motion
+
+   subroutine linearise_body(system, work, i, q, v, a, body)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: i
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      type(body_tangent_type), intent(inout) :: body
+      integer :: m, n, k, first, last, at
+      m = system%layout%rates(i)
+      n = system%layout%n(i)
+      body%mass = 0.0_wp
+      body%damping = 0.0_wp
+      body%stiffness = 0.0_wp
+      body%mass(:m, :m) = work%bodies(i)%mass(:m, :m)
+      if (.not. system%layout%framed(i)) return
+      do k = 1, n
+         body%mass(3 + k, :3) = work%bodies(i)%coupling(k, :)
+         body%mass(:3, 3 + k) = work%bodies(i)%coupling(k, :)
+         body%mass(3 + k, 3 + k) = 1.0_wp
+      end do
+      first = system%layout%q(i) + 4
+      last = first + n - 1
+      at = system%layout%w(i)
+      associate (frame => work%kinematics%frames(i), reduced => system%model%bodies(i)%reduced)
+         call body_tangent(reduced, system%model%gravity, frame%u, frame%omega, q(first:last), v(first:last), a(at:at + 1), &
+            & a(at + 2), a(at + 3:at + 2 + n), body%stiffness(:, 3:), body%damping(:, 3:))
+         if (n > 0) call elastic_tangent(reduced, q(first:last), body%stiffness(4:, 4:), work%bodies(i)%z, work%bodies(i)%s, &
+            & body%slope)
+      end associate
+   end subroutine linearise_body
+
+   subroutine linearise_constraint(system, work, i, lambda, tangent)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: i
+      real(wp), intent(in) :: lambda(:)
+      type(tangent_type), intent(inout) :: tangent
+      real(wp) :: none(0, 0)
+      associate (item => system%constraints(i)%item, c => tangent%constraints(i))
+         call copy_rows(work%jacobians(1, i)%z, work%jacobians(1, i)%eta, c%first)
+         call copy_rows(work%jacobians(2, i)%z, work%jacobians(2, i)%eta, c%second)
+         c%first_drift = 0.0_wp
+         c%second_drift = 0.0_wp
+         c%across = 0.0_wp
+         call item%drift(work%kinematics, c%first_drift, c%second_drift)
+         associate (force => lambda(item%first:item%first + item%rows - 1))
+            if (item%bodies(1) == ground) then
+               call item%stiffness(work%kinematics, force, none, tangent%bodies(item%bodies(2))%stiffness, c%across)
+            else if (item%bodies(2) == ground) then
+               call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, none, c%across)
+            else
+               call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, &
+                  & tangent%bodies(item%bodies(2))%stiffness, c%across)
+            end if
+         end associate
+      end associate
+   end subroutine linearise_constraint
+
+   !> Rows of a Jacobian, frame and eta side by side.
+   pure subroutine copy_rows(z, eta, rows)
+      real(wp), intent(in) :: z(:, :), eta(:, :)
+      real(wp), intent(inout) :: rows(:, :)
+      integer :: m
+      m = size(rows, 2) - size(eta, 2)
+      rows(:, :m) = z(:, :m)
+      rows(:, m + 1:) = eta
+   end subroutine copy_rows
+
+   !> Fills the matrix with real or complex factors: the real part always, the complex values too if `whole` is complex.
+   subroutine combine(tangent, mass, damping, stiffness, drift, is_complex)
+      type(tangent_type), intent(inout) :: tangent
+      !> Factors of M, D, K and of the drift of G; their real parts serve where the matrix is real
+      complex(wp), intent(in) :: mass, damping, stiffness, drift
+      !> Which values are filled
+      logical, intent(in) :: is_complex
+      integer :: i
+      if (is_complex) then
+         tangent%matrix%complex_values = (0.0_wp, 0.0_wp)
+      else
+         tangent%matrix%values = 0.0_wp
+      end if
+      do i = 1, size(tangent%bodies)
+         associate (body => tangent%bodies(i))
+            call add(body%place, body%mass, mass)
+            call add(body%place, body%damping, damping)
+            call add(body%place, body%stiffness, stiffness)
+         end associate
+      end do
+      do i = 1, size(tangent%constraints)
+         associate (c => tangent%constraints(i))
+            call add(c%first_place, c%first, (1.0_wp, 0.0_wp))
+            call add(c%second_place, c%second, (1.0_wp, 0.0_wp))
+            call add(c%first_transposed, c%first, (1.0_wp, 0.0_wp))
+            call add(c%second_transposed, c%second, (1.0_wp, 0.0_wp))
+            call add(c%first_place, c%first_drift, drift)
+            call add(c%second_place, c%second_drift, drift)
+            call add(c%across_place, c%across, stiffness)
+            call add(c%across_transposed, c%across, stiffness)
+         end associate
+      end do
+
+   contains
+
+      subroutine add(place, block, factor)
+         integer, intent(in) :: place(:, :)
+         real(wp), intent(in) :: block(:, :)
+         complex(wp), intent(in) :: factor
+         integer :: row, column
+         do column = 1, size(block, 2)
+            do row = 1, size(block, 1)
+               associate (at => place(row, column))
+                  if (is_complex) then
+                     tangent%matrix%complex_values(at) = tangent%matrix%complex_values(at) + factor*block(row, column)
+                  else
+                     tangent%matrix%values(at) = tangent%matrix%values(at) + real(factor, wp)*block(row, column)
+                  end if
+               end associate
+            end do
+         end do
+      end subroutine add
+
+   end subroutine combine
+
+   !> product = product + factor M vector, in the layout of the rates.
+   subroutine times_mass(system, tangent, factor, vector, product)
+      type(system_type), intent(in) :: system
+      type(tangent_type), intent(in) :: tangent
+      real(wp), intent(in) :: factor, vector(:)
+      real(wp), intent(inout) :: product(:)
+      integer :: i, j, first
+      do i = 1, size(tangent%bodies)
+         first = system%layout%w(i)
+         associate (mass => tangent%bodies(i)%mass)
+            do j = 1, size(mass, 2)
+               product(first:first + size(mass, 1) - 1) = product(first:first + size(mass, 1) - 1) &
+                  & + factor*vector(first + j - 1)*mass(:, j)
+            end do
+         end associate
+      end do
+   end subroutine times_mass
+
+   !> product = product + factor K vector, in the layout of the rates.
+   subroutine times_stiffness(system, tangent, factor, vector, product)
+      type(system_type), intent(in) :: system
+      type(tangent_type), intent(in) :: tangent
+      real(wp), intent(in) :: factor, vector(:)
+      real(wp), intent(inout) :: product(:)
+      integer :: i, j, first, other
+      do i = 1, size(tangent%bodies)
+         first = system%layout%w(i)
+         associate (stiffness => tangent%bodies(i)%stiffness)
+            do j = 1, size(stiffness, 2)
+               product(first:first + size(stiffness, 1) - 1) = product(first:first + size(stiffness, 1) - 1) &
+                  & + factor*vector(first + j - 1)*stiffness(:, j)
+            end do
+         end associate
+      end do
+      do i = 1, size(tangent%constraints)
+         associate (across => tangent%constraints(i)%across, bodies => system%constraints(i)%item%bodies)
+            if (size(across) == 0) cycle
+            first = system%layout%w(bodies(1))
+            other = system%layout%w(bodies(2))
+            do j = 1, size(across, 2)
+               product(first:first + size(across, 1) - 1) = product(first:first + size(across, 1) - 1) &
+                  & + factor*vector(other + j - 1)*across(:, j)
+               product(other + j - 1) = product(other + j - 1) &
+                  & + factor*dot_product(across(:, j), vector(first:first + size(across, 1) - 1))
+            end do
+         end associate
+      end do
+   end subroutine times_stiffness
+
+end module limber_system_tangent

@@ -374,8 +374,10 @@ contains
       call check_no_error(error, 'slider-crank')
       first = system%layout%q(2) + 4
       do i = first, first + 2
-         q(i) = 2.0e-3_wp*random()
+         q(i) = 2.0e-2_wp*(1.0_wp + random())
          v(i) = random()
+         q(i + 3) = 2.0e-4_wp*random()
+         v(i + 3) = 0.3_wp*random()
       end do
       v(:2) = 0.0_wp
       if (.not. driven) v(3:4) = 3.0_wp*[-q(4), q(3)]

@@ -69,7 +69,7 @@ contains
       type(history_reader_type) :: reader
       real(wp), allocatable :: w(:)
       call run(path, reader)
-      w = channel(reader, 'deflection_over_length')
+      allocate (w, source=channel(reader, 'deflection_over_length'))
       call check_close(maxval(w), highest, 5.0e-3_wp*highest, path//' highest deflection')
       call check_close(minval(w), lowest, -5.0e-3_wp*lowest, path//' lowest deflection')
       call reader%close()
@@ -86,8 +86,8 @@ contains
       real(wp) :: wrong
       call run(path, reader)
       call reader%read_time(t, error)
-      w = channel(reader, 'deflection_over_length')
-      x = channel(reader, 'slider_x')
+      allocate (w, source=channel(reader, 'deflection_over_length'))
+      allocate (x, source=channel(reader, 'slider_x'))
       call check(size(t) == size(t_exact), path//' number of samples')
       if (size(t) /= size(t_exact)) return
       call check(maxval(abs(t - t_exact)) <= 1.0e-12_wp, path//' times of the samples')
@@ -105,7 +105,7 @@ contains
       type(history_reader_type) :: reader
       real(wp), allocatable :: energy(:)
       call run(path, reader)
-      energy = channel(reader, 'energy')
+      allocate (energy, source=channel(reader, 'energy'))
       print '(2a,es10.2)', path, ': drift of the energy', maxval(abs(energy - energy(1)))/energy(1)
       call check(energy(1) > 1.0_wp, path//' has energy')
       call check_close(maxval(abs(energy - energy(1)))/energy(1), 0.0_wp, tolerance, path//' drift of the energy')

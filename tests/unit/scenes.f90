@@ -51,9 +51,9 @@ contains
    function constant_law(value) result(law)
       real(wp), intent(in) :: value
       type(expression_type) :: law
-      law%codes = [op_constant]
-      law%operands = [1]
-      law%constants = [value]
+      allocate (law%codes(1), source=op_constant)
+      allocate (law%operands(1), source=1)
+      allocate (law%constants(1), source=value)
       allocate (law%slots(0))
    end function constant_law
 
@@ -66,10 +66,10 @@ contains
       do i = 1, size(function_names)
          if (function_names(i) == 'sin') sine = first_function + i - 1
       end do
-      law%codes = [op_constant, op_constant, op_slot, op_multiply, op_add, op_constant, op_constant, op_slot, op_multiply, &
-         & sine, op_multiply, op_add]
-      law%operands = [1, 2, 1, 0, 0, 3, 4, 1, 0, 0, 0, 0]
-      law%constants = [a, b, c, d]
+      allocate (law%codes(12), source=[op_constant, op_constant, op_slot, op_multiply, op_add, op_constant, op_constant, op_slot, &
+         & op_multiply, sine, op_multiply, op_add])
+      allocate (law%operands(12), source=[1, 2, 1, 0, 0, 3, 4, 1, 0, 0, 0, 0])
+      allocate (law%constants(4), source=[a, b, c, d])
       allocate (law%slots(1))
       law%slots(1)%name = 't'
       law%slots(1)%argument = ''

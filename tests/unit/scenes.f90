@@ -1,19 +1,20 @@
 !> Scenes built in code, without a deck, and what the tests of the kernels share: repeatable random numbers, laws in time,
-!> stencils and Gauss points of their own.
+!> stencils and Gauss points of their own, and a slider-crank.
 module scenes
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type, slot_type
    use limber_deck_operations, only: first_function, function_names, op_add, op_constant, op_multiply, op_slot
-   use limber_flex_mesh, only: beam_type
+   use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduced, only: rigid_reduced
-   use limber_flex_reduction, only: point_shape, reduce_beam, reduction_type
+   use limber_flex_reduction, only: axial_by_elements, point_shape, reduce_beam, reduction_type
    use limber_model_scene, only: body_flexible, body_point, body_rigid, body_type, driver_type, force_type, ground, &
-      & joint_type, model_type, point_type
+      & joint_point_on_line, joint_revolute, joint_type, model_type, point_type
    implicit none
    private
    public :: random, constant_law, wavy_law, gauss_point, gauss_weight, derivative, second_derivative
    public :: empty_model, add_rigid, add_point_mass, add_beam, add_place, add_beam_place, add_joint, join, add_driver, add_force
+   public :: slider_crank
 
    !> Five Gauss points on -1..1, exact to degree nine: places and weights
    real(wp), parameter, private :: near = sqrt(5.0_wp - 2.0_wp*sqrt(10.0_wp/7.0_wp))/3.0_wp
@@ -265,5 +266,35 @@ contains
       longer(n)%law = [x, y]
       call move_alloc(longer, model%forces)
    end subroutine add_force
+
+   !> A driven slider-crank under weight, its rod rigid or of a fidelity with two bending and two axial coordinates.
+   subroutine slider_crank(fidelity, ea, model, error)
+      !> Fidelity of the rod, zero: rigid; its axial rigidity
+      integer, intent(in) :: fidelity
+      real(wp), intent(in) :: ea
+      type(model_type), intent(out) :: model
+      type(error_type), allocatable, intent(out) :: error
+      type(reduction_type) :: choice
+      real(wp), parameter :: length = 0.5_wp, rho_a = 0.6_wp, nil(2) = [0.0_wp, 0.0_wp], place(2) = [0.2_wp, 0.1_wp]
+      integer :: crank, rod, slider
+      model = empty_model(length)
+      model%gravity = [0.0_wp, -9.81_wp]
+      crank = add_rigid(model, 'crank', 0.4_wp, 2.0e-3_wp, [0.1_wp, 0.01_wp], nil, 0.9_wp)
+      if (fidelity == 0) then
+         rod = add_rigid(model, 'rod', rho_a*length, rho_a*length**3/12, [0.5_wp*length, 0.0_wp], place, -0.3_wp)
+      else
+         choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, geometric_elements=2, &
+            & axial_basis=axial_by_elements, fidelity=fidelity)
+         rod = add_beam(model, 'rod', beam_type(ea=ea, ei=1.2_wp, rho_a=rho_a, length=length, elements=12), choice, place, &
+            & -0.3_wp, error)
+         if (allocated(error)) return
+      end if
+      slider = add_point_mass(model, 'slider', 0.3_wp, [0.6_wp, 0.0_wp])
+      call join(model, 'axle', joint_revolute, crank, nil, ground, nil)
+      call join(model, 'crank-pin', joint_revolute, rod, nil, crank, [0.2_wp, 0.0_wp])
+      call join(model, 'wrist-pin', joint_revolute, rod, [length, 0.0_wp], slider, nil)
+      call join(model, 'slide', joint_point_on_line, slider, nil, ground, nil, 0.05_wp)
+      call add_driver(model, 'motor', crank, wavy_law(0.9_wp, 20.0_wp, 0.3_wp, 5.0_wp))
+   end subroutine slider_crank
 
 end module scenes

@@ -12,7 +12,7 @@ module scenes
       & joint_point_on_line, joint_revolute, joint_type, model_type, point_type
    implicit none
    private
-   public :: random, constant_law, wavy_law, gauss_point, gauss_weight, derivative, second_derivative
+   public :: random, constant_law, wavy_law, ramp_law, gauss_point, gauss_weight, derivative, second_derivative
    public :: empty_model, add_rigid, add_point_mass, add_beam, add_place, add_beam_place, add_joint, join, add_driver, add_force
    public :: slider_crank
 
@@ -62,11 +62,6 @@ contains
    function wavy_law(a, b, c, d) result(law)
       real(wp), intent(in) :: a, b, c, d
       type(expression_type) :: law
-      integer :: i, sine
-      sine = 0
-      do i = 1, size(function_names)
-         if (function_names(i) == 'sin') sine = first_function + i - 1
-      end do
       allocate (law%codes(12), source=[op_constant, op_constant, op_slot, op_multiply, op_add, op_constant, op_constant, op_slot, &
          & op_multiply, sine, op_multiply, op_add])
       allocate (law%operands(12), source=[1, 2, 1, 0, 0, 3, 4, 1, 0, 0, 0, 0])
@@ -75,6 +70,26 @@ contains
       law%slots(1)%name = 't'
       law%slots(1)%argument = ''
    end function wavy_law
+
+   !> a tanh(b (t - c)): as sudden as one likes, and smooth.
+   function ramp_law(a, b, c) result(law)
+      real(wp), intent(in) :: a, b, c
+      type(expression_type) :: law
+      law%codes = [op_constant, op_constant, op_slot, op_constant, op_add, op_multiply, code_of('tanh'), op_multiply]
+      law%operands = [1, 2, 1, 3, 0, 0, 0, 0]
+      law%constants = [a, b, -c]
+      allocate (law%slots(1))
+      law%slots(1)%name = 't'
+      law%slots(1)%argument = ''
+   end function ramp_law
+
+   !> Code of a function of the deck's language.
+   pure integer function code_of(name) result(code)
+      character(*), intent(in) :: name
+      do code = first_function, first_function + size(function_names) - 1
+         if (function_names(code - first_function + 1) == name) return
+      end do
+   end function code_of
 
    !> A model of nothing.
    function empty_model(length) result(model)

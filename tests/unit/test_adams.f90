@@ -6,13 +6,15 @@ program test_adams
    use limber_flex_mesh, only: beam_type, new_support, nodal_masses
    use limber_flex_reduction, only: axial_by_elements, axial_static, fidelity_full, fidelity_kg, reduction_type
    use limber_integrator_adams, only: adams_type
+   use limber_integrator_scales, only: new_scales, scales_type, update_scales
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: mechanical_energy, position_residual, velocity_residual
    use limber_system_kinematics, only: move_frames, place_frames
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_beam, add_driver, add_force, add_point_mass, add_rigid, empty_model, join, wavy_law
+   use scenes, only: add_beam, add_driver, add_force, add_point_mass, add_place, add_rigid, empty_model, gauss_point, &
+      & gauss_weight, join, ramp_law, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: g = 9.81_wp, nil(2) = [0.0_wp, 0.0_wp]
@@ -21,6 +23,8 @@ program test_adams
    real(wp), parameter :: place(2) = [0.27508746257611686_wp, -0.961419205099125_wp]
 
    call test_reference()
+   call test_formulas()
+   call test_scales()
    call test_pendulum()
    call test_order()
    call test_steps()
@@ -124,6 +128,142 @@ contains
       call reference(0.0_wp, 10.0_wp, theta, omega)
       call check(maxval(abs([cos(theta), sin(theta)] - place)) <= 1.0e-11_wp, 'place at 10 by the equation')
    end subroutine test_reference
+
+   !> The formulas themselves, on a bead under a force of time alone that turns round within a hundredth of a second, so that
+   !> steps of all kinds occur, rejected ones too. Then f is what it is however good the prediction: the corrected velocity is
+   !> that before plus the integral of the polynomial through the new and the last k values of f, and so are the values between.
+   subroutine test_formulas()
+      real(wp), parameter :: tolerance = 1.0e-8_wp, sharp = 100.0_wp, middle = 1.0_wp, duration = 2.5_wp
+      type(adams_type) :: integrator
+      type(system_type) :: system
+      type(workspace_type) :: work
+      type(model_type) :: model
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: q(:), v(:), scale(:)
+      ! Times before that of the last step, summed from the steps so that no digit is lost, and accelerations; the newest first
+      real(wp) :: t(0:13), f(2, 0:13), before(2), between, expected(2), w, worst(4)
+      integer :: bead, place, i, k
+      model = empty_model(1.0_wp)
+      bead = add_point_mass(model, 'bead', 1.0_wp, nil)
+      place = add_place(model, 'bead.origin', bead, nil)
+      call add_force(model, 'push', place, ramp_law(1.0_wp, sharp, middle), wavy_law(0.1_wp, 0.0_wp, 0.5_wp, 7.0_wp))
+      call begin(model, tolerance, duration, system, work, integrator, q, v)
+      t = 0.0_wp
+      f = 0.0_wp
+      f(:, 0) = integrator%yp(3:4)
+      worst = 0.0_wp
+      do while (integrator%t < duration)
+         before = integrator%y(3:4)
+         scale = integrator%scales%value(3:4)
+         call integrator%step(system, work, duration, error)
+         call check_no_error(error, 'step')
+         if (allocated(error)) return
+         k = integrator%k_last
+         t = [0.0_wp, t(:12) - integrator%h_last]
+         f = reshape([integrator%yp(3:4), f(:, :12)], [2, 14])
+         do i = 1, k + 1
+            worst(1) = max(worst(1), abs(integrator%g(i) - coefficient(t, i)))
+         end do
+         do i = 0, 4
+            between = integrator%t_before + 0.25_wp*i*(integrator%t - integrator%t_before)
+            if (i == 4) between = integrator%t
+            call integrator%interpolate(between, q, v, w)
+            expected = integrator%y(3:4) - integral(t, f, k, between - integrator%t, 0.0_wp)
+            worst(2) = max(worst(2), maxval(abs(v - expected)))
+            if (i == 0) worst(3) = max(worst(3), maxval(abs(v - before)))
+         end do
+         ! The local error is the difference of two correctors; that of the velocities is a part of it
+         expected = integrator%h_last*(integrator%g(k) - integrator%g(k + 1))*integrator%phi(3:4, k + 1)
+         worst(4) = max(worst(4), norm2(expected/scale))
+      end do
+      call check_close(worst(1), 0.0_wp, 1.0e-11_wp, 'coefficients g')
+      call check_close(worst(2), 0.0_wp, 1.0e-12_wp, 'values between the steps are those of the polynomial')
+      call check_close(worst(3), 0.0_wp, 1.0e-12_wp, 'the polynomial begins where the last step ended')
+      call check_close(worst(4), 0.5_wp*tolerance, 0.5_wp*tolerance*(1 + 1.0e-6_wp), 'the local error of accepted steps')
+      call check(integrator%statistics%rejected > 0, 'some steps are rejected')
+      call check(integrator%statistics%highest_order >= 8, 'high orders occur')
+      ! Velocity: the logarithm of cosh
+      call check_close(v(1), (duration - 2*middle) + (log1p_of(exp(-2*sharp*(duration - middle))) &
+         & - log1p_of(exp(-2*sharp*middle)))/sharp, 1.0e-6_wp, 'the speed of the bead')
+      call check_close(v(2), 0.1_wp*duration + 0.5_wp*(1 - cos(7*duration))/7, 1.0e-6_wp, 'its speed across')
+   end subroutine test_formulas
+
+   !> log(1 + x) of a tiny x.
+   pure real(wp) function log1p_of(x)
+      real(wp), intent(in) :: x
+      log1p_of = x - x**2/2
+   end function log1p_of
+
+   !> g_i = 1/h integral over the step of (t - t_n)(t - t_{n-1})... / [(t_{n+1} - t_n)(t_{n+1} - t_{n-1})...], i - 1 factors.
+   pure real(wp) function coefficient(t, i) result(g_i)
+      !> t_{n+1}, t_n, ...
+      real(wp), intent(in) :: t(0:)
+      integer, intent(in) :: i
+      integer, parameter :: pieces = 4
+      real(wp) :: x, h
+      integer :: p, point
+      h = t(0) - t(1)
+      g_i = 0.0_wp
+      do p = 1, pieces
+         do point = 1, 5
+            x = t(1) + h*(p - 0.5_wp + 0.5_wp*gauss_point(point))/pieces
+            g_i = g_i + gauss_weight(point)/(2*pieces)*product((x - t(1:i - 1))/(t(0) - t(1:i - 1)))
+         end do
+      end do
+   end function coefficient
+
+   !> Integral from a to b of the polynomial through the newest k + 1 values, by Lagrange.
+   pure function integral(t, f, k, a, b) result(total)
+      real(wp), intent(in) :: t(0:), f(:, 0:), a, b
+      integer, intent(in) :: k
+      integer, parameter :: pieces = 4
+      real(wp) :: total(2), x, basis
+      integer :: p, point, i, j
+      total = 0.0_wp
+      do p = 1, pieces
+         do point = 1, 5
+            x = a + (b - a)*(p - 0.5_wp + 0.5_wp*gauss_point(point))/pieces
+            do i = 0, k
+               basis = 1.0_wp
+               do j = 0, k
+                  if (j /= i) basis = basis*(x - t(j))/(t(i) - t(j))
+               end do
+               total = total + (b - a)*gauss_weight(point)/(2*pieces)*basis*f(:, i)
+            end do
+         end do
+      end do
+   end function integral
+
+   !> Scales: lengths and directions fixed; speeds and deflections at least a floor, raised to what occurs, never lowered; the
+   !> rate of a coordinate that of its vibration with the deflection's scale.
+   subroutine test_scales()
+      type(beam_type), parameter :: beam = beam_type(ea=4.0e3_wp, ei=1.0_wp, rho_a=1.0_wp, length=2.0_wp, elements=6)
+      type(model_type) :: model
+      type(system_type) :: system
+      type(scales_type) :: scales
+      type(error_type), allocatable :: error
+      real(wp) :: deflection, omega(2), expected(12)
+      integer :: body
+      model = empty_model(3.0_wp)
+      body = add_beam(model, 'beam', beam, reduction_type(support=new_support('PINNED-ROLLER'), bending=1, axial=1), nil, &
+         & 0.0_wp, error)
+      call check_no_error(error, 'beam')
+      system = new_system(model)
+      scales = new_scales(system, 1.5_wp)
+      associate (field => model%bodies(body)%field)
+         deflection = 1.0e-3_wp*2.0_wp/max(maxval(abs(field%w)), maxval(abs(field%u)))
+         omega = sqrt([field%omega2_bending(1), field%omega2_axial(1)])
+      end associate
+      expected = [3.0_wp, 3.0_wp, 1.0_wp, 1.0_wp, deflection, deflection, 2.0_wp, 2.0_wp, 2.0_wp/3.0_wp, 2.0_wp/3.0_wp, &
+         & deflection*omega]
+      call check(maxval(abs(scales%value/expected - 1)) <= 1.0e-14_wp, 'scales at first')
+      call update_scales(system, [9.0_wp, 9.0_wp, 1.0_wp, 0.0_wp, -5*deflection, 0.0_wp], &
+         & [1.0_wp, -1.0_wp, 0.0_wp, 4.0_wp, 0.0_wp, 0.0_wp], scales)
+      call update_scales(system, [0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], spread(0.0_wp, 1, 6), scales)
+      expected = [3.0_wp, 3.0_wp, 1.0_wp, 1.0_wp, 5*deflection, 5*deflection, 12.0_wp, 12.0_wp, 4.0_wp, 4.0_wp, &
+         & 5*deflection*omega]
+      call check(maxval(abs(scales%value/expected - 1)) <= 1.0e-14_wp, 'scales raised')
+   end subroutine test_scales
 
    !> At t = 10, and as it passes the lowest point after a quarter and three quarters of a period, where it is fastest.
    subroutine test_pendulum()

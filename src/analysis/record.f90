@@ -151,6 +151,7 @@ contains
       call put_counts()
       if (.not. allocated(error)) call put_seconds()
       if (.not. allocated(error)) call put_checks()
+      if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
       if (allocated(error)) return
       if (message == '') then
          call history%finish(.true., 'finished', error)

@@ -1,5 +1,6 @@
 !> `limber run`: deck -> model -> modes -> system -> integrator -> history, with a closing report. Floor: analysis.
 module limber_analysis_run
+   use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
    use limber_analysis_dynamics, only: run_dynamics, new_integrator, outcome_type
@@ -47,6 +48,7 @@ contains
       if (.not. quiet) call progress%start(scene%system%model%dynamics%start, scene%system%model%dynamics%end, path)
       call run_dynamics(scene, integrator, history, progress, outcome, error)
       if (.not. quiet) call progress%finish()
+      scene%warnings = scene%warnings//energy_warning(outcome)
       if (allocated(error)) then
          call record_outcome(scene, outcome, integrator%statistics, error%message, history, write_error)
          error%message = path//': '//error%message//newline//'   What was computed up to there is in '//results// &
@@ -103,6 +105,18 @@ contains
          line = line//' '//as_text(sqrt(body%reduced%omega2(j)), 4)
       end do
    end function body_line
+
+   !> A warning if energy has come or gone from nowhere: the one check that every run has. Empty if all is well.
+   pure function energy_warning(outcome) result(text)
+      type(outcome_type), intent(in) :: outcome
+      character(:), allocatable :: text
+      real(wp), parameter :: allowed = 1.0e-2_wp
+      text = ''
+      if (outcome%imbalance <= allowed*outcome%largest_energy) return
+      text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/outcome%largest_energy, 2)// &
+         & ' % of the largest energy: the integrator has damped or fed vibrations that the tolerance does not resolve;'// &
+         & ' compare with a run at a tenth of TOLERANCE'//newline
+   end function energy_warning
 
    !> Time, steps, residuals, energy balance, where the file is.
    function closing_report(path, scene, outcome, integrator, results) result(text)

@@ -5,7 +5,7 @@ module limber_base_klu
    implicit none
    private
    public :: klu_common_type, klu_defaults, klu_analyze, klu_factor, klu_refactor, klu_solve, klu_rgrowth, klu_free_symbolic, &
-      & klu_free_numeric, klu_z_factor, klu_z_refactor, klu_z_solve, klu_z_free_numeric
+      & klu_free_numeric, klu_z_factor, klu_z_refactor, klu_z_rgrowth, klu_z_solve, klu_z_free_numeric
 
    !> klu_common: parameters and statistics
    type, bind(c) :: klu_common_type
@@ -102,6 +102,15 @@ module limber_base_klu
          type(c_ptr), value :: symbolic, numeric
          type(klu_common_type), intent(inout) :: common
       end function klu_z_refactor
+
+      !> The same for complex values
+      integer(c_int) function klu_z_rgrowth(ap, ai, ax, symbolic, numeric, common) bind(c)
+         import :: c_ptr, c_int, c_double_complex, klu_common_type
+         integer(c_int), intent(in) :: ap(*), ai(*)
+         complex(c_double_complex), intent(in) :: ax(*)
+         type(c_ptr), value :: symbolic, numeric
+         type(klu_common_type), intent(inout) :: common
+      end function klu_z_rgrowth
 
       !> The same for complex values
       integer(c_int) function klu_z_solve(symbolic, numeric, ldim, nrhs, b, common) bind(c)

@@ -70,7 +70,7 @@ contains
       self%y(self%nq + 1:2*self%nq) = v
       self%t = t
       self%t_before = t
-      self%scales = new_scales(system, duration)
+      self%scales = new_scales(system, duration, .false.)
       call update_scales(system, q, v, self%scales)
       call evaluate(self, system, work, t, self%y, self%yp, error)
       if (allocated(error)) return

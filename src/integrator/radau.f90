@@ -104,7 +104,7 @@ contains
       self%t_before = t
       self%layout = system%layout
       call new_tangent(system, self%tangent)
-      self%scales = new_scales(system, duration)
+      self%scales = new_scales(system, duration, .true.)
       call update_scales(system, q, v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
       call settle(self, system, work, error)

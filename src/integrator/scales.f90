@@ -1,7 +1,8 @@
 !> Named scales that local errors are compared with: a tolerance of 1e-6 means a millionth of the scale. Lengths and
-!> directions have fixed scales; speeds and deflections the largest that has occurred so far, not below a floor. A coordinate
-!> that vibrates at omega gets omega times the deflection's scale for its rate: the rate's error counts as the deflection
-!> that it makes, so that a fast ringing of small amplitude is not resolved for its own sake.
+!> directions have fixed scales; speeds, deflections and their rates the largest that has occurred so far, not below a floor.
+!> For an integrator that damps what it does not resolve, the rate of a coordinate that vibrates at omega has omega times the
+!> deflection's scale instead: its error counts as the deflection that it makes, so that a fast ringing of small amplitude is
+!> not resolved for its own sake. (An explicit one must not be given that freedom: at 1e-3 it lost the slider-crank.)
 !> Floor: integrator.
 module limber_integrator_scales
    use limber_base_kinds, only: wp
@@ -16,27 +17,35 @@ module limber_integrator_scales
       real(wp), allocatable :: value(:)
       !> Speed [length/time], common to all bodies
       real(wp) :: speed = 0.0_wp
-      !> Deflection coordinate of each body (bodies)
-      real(wp), allocatable :: deflection(:)
+      !> Deflection coordinate and its rate, of each body (bodies)
+      real(wp), allocatable :: deflection(:), rate(:)
+      !> True if rates of fast coordinates are weighed by the deflection that they make
+      logical :: damping = .false.
    end type scales_type
 
 contains
 
-   !> Floors: a speed that crosses the scene once in the whole time; a deflection of a thousandth of the body's length.
-   function new_scales(system, duration) result(scales)
+   !> Floors: a speed that crosses the scene once in the whole time; a deflection of a thousandth of the body's length, and
+   !> its rate at the first natural frequency.
+   function new_scales(system, duration, damping) result(scales)
       type(system_type), intent(in) :: system
       !> Time from start to end of the analysis
       real(wp), intent(in) :: duration
+      !> True for an integrator that damps what it does not resolve
+      logical, intent(in) :: damping
       type(scales_type) :: scales
       integer :: i
-      allocate (scales%value(2*system%layout%nq), scales%deflection(size(system%layout%q)))
+      allocate (scales%value(2*system%layout%nq), scales%deflection(size(system%layout%q)), scales%rate(size(system%layout%q)))
       scales%value = 1.0_wp
       scales%speed = system%model%length/duration
       scales%deflection = 0.0_wp
+      scales%rate = 0.0_wp
+      scales%damping = damping
       do i = 1, size(scales%deflection)
          if (system%layout%n(i) == 0) cycle
          associate (body => system%model%bodies(i))
             scales%deflection(i) = 1.0e-3_wp*body%size/body%largest_shape
+            scales%rate(i) = scales%deflection(i)*sqrt(minval(body%reduced%omega2))
          end associate
       end do
       call spread_scales(system, scales)
@@ -59,6 +68,7 @@ contains
          if (system%layout%n(i) == 0) cycle
          last = first + 3 + system%layout%n(i)
          call raise_to(scales%deflection(i), maxval(abs(q(first + 4:last))))
+         call raise_to(scales%rate(i), maxval(abs(v(first + 4:last))))
       end do
       if (changed) call spread_scales(system, scales)
 
@@ -110,7 +120,9 @@ contains
          scales%value(first + 2:first + 3) = 1.0_wp
          scales%value(nq + first + 2:nq + first + 3) = scales%speed/system%model%length
          scales%value(first + 4:first + 3 + n) = scales%deflection(i)
-         scales%value(nq + first + 4:nq + first + 3 + n) = scales%deflection(i)*sqrt(system%model%bodies(i)%reduced%omega2)
+         scales%value(nq + first + 4:nq + first + 3 + n) = scales%rate(i)
+         if (scales%damping) scales%value(nq + first + 4:nq + first + 3 + n) = max(scales%rate(i), scales%deflection(i) &
+            & *sqrt(system%model%bodies(i)%reduced%omega2))
       end do
    end subroutine spread_scales
 

@@ -5,7 +5,8 @@ module limber_system_sparse
    use, intrinsic :: iso_c_binding, only: c_int, c_ptr, c_null_ptr, c_associated
    use limber_base_kinds, only: wp
    use limber_base_klu, only: klu_common_type, klu_defaults, klu_analyze, klu_factor, klu_refactor, klu_solve, klu_rgrowth, &
-      & klu_free_symbolic, klu_free_numeric, klu_z_factor, klu_z_solve, klu_z_free_numeric
+      & klu_free_symbolic, klu_free_numeric, klu_z_factor, klu_z_refactor, &
+      & klu_z_rgrowth, klu_z_solve, klu_z_free_numeric
    implicit none
    private
    public :: sparse_type
@@ -169,8 +170,15 @@ contains
       self%factorisations = self%factorisations + 1
       singular = .false.
       if (self%n == 0) return
+      if (c_associated(self%complex_numeric)) then
+         ok = klu_z_refactor(self%first, self%row, self%complex_values, self%symbolic, self%complex_numeric, self%common)
+         if (ok == 1) ok = klu_z_rgrowth(self%first, self%row, self%complex_values, self%symbolic, self%complex_numeric, &
+            & self%common)
+         if (ok == 1 .and. self%common%status == 0 .and. self%common%rgrowth > least_growth) return
+         ok = klu_z_free_numeric(self%complex_numeric, self%common)
+      end if
       call order(self)
-      if (c_associated(self%complex_numeric)) ok = klu_z_free_numeric(self%complex_numeric, self%common)
+      self%searches = self%searches + 1
       self%complex_numeric = klu_z_factor(self%first, self%row, self%complex_values, self%symbolic, self%common)
       singular = .not. c_associated(self%complex_numeric) .or. self%common%status /= 0
    end subroutine factor_complex

@@ -249,7 +249,7 @@ contains
          & 0.0_wp, error)
       call check_no_error(error, 'beam')
       system = new_system(model)
-      scales = new_scales(system, 1.5_wp)
+      scales = new_scales(system, 1.5_wp, .false.)
       associate (field => model%bodies(body)%field)
          deflection = 1.0e-3_wp*2.0_wp/max(maxval(abs(field%w)), maxval(abs(field%u)))
          omega = sqrt([field%omega2_bending(1), field%omega2_axial(1)])

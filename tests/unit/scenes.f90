@@ -63,7 +63,7 @@ contains
       real(wp), intent(in) :: a, b, c, d
       type(expression_type) :: law
       allocate (law%codes(12), source=[op_constant, op_constant, op_slot, op_multiply, op_add, op_constant, op_constant, op_slot, &
-         & op_multiply, sine, op_multiply, op_add])
+         & op_multiply, code_of('sin'), op_multiply, op_add])
       allocate (law%operands(12), source=[1, 2, 1, 0, 0, 3, 4, 1, 0, 0, 0, 0])
       allocate (law%constants(4), source=[a, b, c, d])
       allocate (law%slots(1))
@@ -75,9 +75,10 @@ contains
    function ramp_law(a, b, c) result(law)
       real(wp), intent(in) :: a, b, c
       type(expression_type) :: law
-      law%codes = [op_constant, op_constant, op_slot, op_constant, op_add, op_multiply, code_of('tanh'), op_multiply]
-      law%operands = [1, 2, 1, 3, 0, 0, 0, 0]
-      law%constants = [a, b, -c]
+      allocate (law%codes(8), source=[op_constant, op_constant, op_slot, op_constant, op_add, op_multiply, code_of('tanh'), &
+         & op_multiply])
+      allocate (law%operands(8), source=[1, 2, 1, 3, 0, 0, 0, 0])
+      allocate (law%constants(3), source=[a, b, -c])
       allocate (law%slots(1))
       law%slots(1)%name = 't'
       law%slots(1)%argument = ''

@@ -3,12 +3,11 @@
 !> projected onto the constraints, least in the mass norm. Floor: integrator.
 !> Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapters 5 and 10; doc/theory.
 module limber_integrator_adams
-   use limber_base_kinds, only: wp, long
-   use limber_base_error, only: error_type, raise
-   use limber_base_text, only: as_text
-   use limber_integrator_integrator, only: integrator_type
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales
-   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power, worst_constraint
+   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -16,11 +15,6 @@ module limber_integrator_adams
 
    !> Highest order
    integer, parameter :: most = 12
-   !> Relative residual of the position constraints that a step leaves
-   real(wp), parameter :: constraint_tolerance = 1.0e-14_wp
-   !> The same that is tolerated where round-off forbids more
-   real(wp), parameter :: constraint_limit = 1.0e-11_wp
-
    !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
    real(wp), parameter :: gamma_star(13) = [0.5_wp, 0.0833_wp, 0.0417_wp, 0.0264_wp, 0.0188_wp, 0.0143_wp, 0.0114_wp, &
       & 0.00936_wp, 0.00789_wp, 0.00679_wp, 0.00592_wp, 0.00524_wp, 0.00468_wp]
@@ -133,7 +127,7 @@ contains
       real(wp), intent(in) :: stop
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: wanted, estimate(0:3), err, t
-      integer :: failures, k_next
+      integer :: failures, k_next, i
       logical :: accepted
 
       wanted = self%h
@@ -142,7 +136,8 @@ contains
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%t + self%h > stop) self%h = stop - self%t
          if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
-            call step_too_small(self, system, work, error)
+            i = maxloc(abs((self%yp(:2*self%nq) - self%phi(:2*self%nq, 1))/self%scales%value), dim=1)
+            call self%step_too_small(system, work, count(system%layout%q <= modulo(i - 1, self%nq) + 1), error)
             return
          end if
          t = self%t + self%h
@@ -170,7 +165,7 @@ contains
       self%k_last = self%k
       self%h_last = self%h
       call finish_differences(self)
-      call count_step(self)
+      call self%count_step(self%h_last, self%k_last)
       call next_order_and_step(self, estimate, k_next)
       ! A step that was cut short to end at `stop` says nothing about the next one
       if (self%t >= stop .and. failures == 0) self%h = max(self%h, min(wanted, 2*self%h))
@@ -373,16 +368,6 @@ contains
       end if
    end subroutine next_order_and_step
 
-   subroutine count_step(self)
-      class(adams_type), intent(inout) :: self
-      associate (statistics => self%statistics)
-         statistics%steps = statistics%steps + 1
-         statistics%smallest_step = min(statistics%smallest_step, self%h_last)
-         statistics%largest_step = max(statistics%largest_step, self%h_last)
-         statistics%highest_order = max(statistics%highest_order, self%k_last)
-      end associate
-   end subroutine count_step
-
    !> Dense output from the differences.
    subroutine adams_interpolate(self, t, q, v, w)
       class(adams_type), intent(inout) :: self
@@ -417,28 +402,5 @@ contains
       w = 0.0_wp
       if (self%ny > 2*nq) w = self%p(self%ny)
    end subroutine adams_interpolate
-
-   !> Error of a step that has shrunk to nothing.
-   subroutine step_too_small(self, system, work, error)
-      class(adams_type), intent(in) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      type(error_type), allocatable, intent(out) :: error
-      integer :: culprit, i
-      real(wp) :: residual
-      character(:), allocatable :: where_it_is
-      where_it_is = ''
-      if (size(system%constraints) > 0) then
-         call worst_constraint(system, work, culprit, residual)
-         if (residual > constraint_limit*system%constraints(culprit)%item%scale) where_it_is = '; '// &
-            & system%constraints(culprit)%item%label//' cannot be kept (residual '//as_text(residual, 3)//')'
-      end if
-      i = maxloc(abs((self%yp(:2*self%nq) - self%phi(:2*self%nq, 1))/self%scales%value), dim=1)
-      if (i > self%nq) i = i - self%nq
-      i = count(system%layout%q <= i)
-      call raise(error, "the step has shrunk to nothing at t = "//as_text(self%t, 10)//where_it_is//"; body '"// &
-         & system%model%bodies(i)%name//"' has the largest local error. The motion may be diverging or at a singular position:"// &
-         & ' try a smaller END, a looser TOLERANCE, or look at the history up to there')
-   end subroutine step_too_small
 
 end module limber_integrator_adams

@@ -3,12 +3,18 @@
 !> Floor: integrator.
 module limber_integrator_integrator
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
    use limber_integrator_statistics, only: step_statistics_type
+   use limber_system_dynamics, only: worst_constraint
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
    public :: integrator_type
+
+   !> Relative residual of the position constraints that a step aims at, and the one that is tolerated where round-off forbids
+   !> more
+   real(wp), parameter, public :: constraint_tolerance = 1.0e-14_wp, constraint_limit = 1.0e-11_wp
 
    !> An integrator between two steps
    type, abstract :: integrator_type
@@ -25,6 +31,7 @@ module limber_integrator_integrator
       procedure(start_interface), deferred :: start
       procedure(step_interface), deferred :: step
       procedure(interpolate_interface), deferred :: interpolate
+      procedure :: count_step, step_too_small
    end type integrator_type
 
    abstract interface
@@ -61,5 +68,43 @@ module limber_integrator_integrator
          real(wp), intent(out) :: q(:), v(:), w
       end subroutine interpolate_interface
    end interface
+
+contains
+
+   !> Counts an accepted step.
+   subroutine count_step(self, h, order)
+      class(integrator_type), intent(inout) :: self
+      !> Its length [time] and order
+      real(wp), intent(in) :: h
+      integer, intent(in) :: order
+      associate (statistics => self%statistics)
+         statistics%steps = statistics%steps + 1
+         statistics%smallest_step = min(statistics%smallest_step, h)
+         statistics%largest_step = max(statistics%largest_step, h)
+         statistics%highest_order = max(statistics%highest_order, order)
+      end associate
+   end subroutine count_step
+
+   !> Error of a step that has shrunk to nothing: which constraint, which body, when, what to try.
+   subroutine step_too_small(self, system, work, body, error)
+      class(integrator_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> The body with the largest local error
+      integer, intent(in) :: body
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: where_it_is
+      integer :: culprit
+      real(wp) :: residual
+      where_it_is = ''
+      if (size(system%constraints) > 0) then
+         call worst_constraint(system, work, culprit, residual)
+         if (residual > constraint_limit*system%constraints(culprit)%item%scale) where_it_is = '; '// &
+            & system%constraints(culprit)%item%label//' cannot be kept (residual '//as_text(residual, 3)//')'
+      end if
+      call raise(error, 'the step has shrunk to nothing at t = '//as_text(self%t, 10)//where_it_is//"; body '"// &
+         & system%model%bodies(body)%name//"' has the largest local error. The motion may be diverging or at a singular"// &
+         & ' position: try a smaller END, a looser TOLERANCE, or look at the history up to there')
+   end subroutine step_too_small
 
 end module limber_integrator_integrator

@@ -6,10 +6,10 @@ module limber_integrator_radau
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
-   use limber_integrator_integrator, only: integrator_type
+   use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_algebra, only: cross
-   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power, worst_constraint
+   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, &
@@ -47,7 +47,6 @@ module limber_integrator_radau
    real(wp), parameter :: e_weights(3) = [-(13 + 7*root6)/3, (-13 + 7*root6)/3, -1.0_wp/3]
 
    integer, parameter :: most_iterations = 10
-   real(wp), parameter :: constraint_tolerance = 1.0e-14_wp, constraint_limit = 1.0e-11_wp
 
    !> Memory of the method
    type, extends(integrator_type) :: radau_type
@@ -143,13 +142,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: wanted, err, factor
       logical :: converged, accepted, repeated
+      integer :: i
       wanted = self%h
       repeated = .false.
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%t + 1.0001_wp*self%h > stop) self%h = stop - self%t
          if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
-            call step_too_small(self, system, work, error)
+            i = maxloc(abs(self%real_part(:system%layout%nw))/self%scale_w, dim=1)
+            call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return
          end if
          if (.not. self%has_tangent .or. .not. self%fresh) call refresh(self, system, work)
@@ -190,7 +191,7 @@ contains
       self%error_last = max(err, 1.0e-2_wp*self%tolerance)
       self%h_accepted = self%h
       self%h_last = self%h
-      call count_step(self)
+      call self%count_step(self%h, 5)
       ! A step that hardly changes is kept, and with it the factors
       if (self%contraction <= 1.0e-2_wp .and. factor >= 1.0_wp .and. factor <= 1.2_wp) factor = 1.0_wp
       self%h = self%h*factor
@@ -447,16 +448,6 @@ contains
       end do
    end subroutine keep_increment
 
-   subroutine count_step(self)
-      class(radau_type), intent(inout) :: self
-      associate (statistics => self%statistics)
-         statistics%steps = statistics%steps + 1
-         statistics%smallest_step = min(statistics%smallest_step, self%h)
-         statistics%largest_step = max(statistics%largest_step, self%h)
-         statistics%highest_order = 5
-      end associate
-   end subroutine count_step
-
    !> Quintic through coordinates, rates and accelerations at both ends of the step; its derivative for the rates.
    subroutine radau_interpolate(self, t, q, v, w)
       class(radau_type), intent(inout) :: self
@@ -483,27 +474,5 @@ contains
       w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
          & - s*self%power)
    end subroutine radau_interpolate
-
-   !> Error of a step that has shrunk to nothing.
-   subroutine step_too_small(self, system, work, error)
-      class(radau_type), intent(in) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: where_it_is
-      integer :: culprit, i
-      real(wp) :: residual
-      where_it_is = ''
-      if (size(system%constraints) > 0) then
-         call worst_constraint(system, work, culprit, residual)
-         if (residual > constraint_limit*system%constraints(culprit)%item%scale) where_it_is = '; '// &
-            & system%constraints(culprit)%item%label//' cannot be kept (residual '//as_text(residual, 3)//')'
-      end if
-      i = maxloc(abs(self%real_part(:system%layout%nw))/self%scale_w, dim=1)
-      i = count(system%layout%w <= i)
-      call raise(error, 'the step has shrunk to nothing at t = '//as_text(self%t, 10)//where_it_is//"; body '"// &
-         & system%model%bodies(i)%name//"' has the largest local error. The motion may be diverging or at a singular position:"// &
-         & ' try a smaller END, a looser TOLERANCE, or look at the history up to there')
-   end subroutine step_too_small
 
 end module limber_integrator_radau

@@ -39,7 +39,7 @@ module limber_integrator_adams
       logical :: starting = .true.
       !> Coefficients
       real(wp) :: psi(most) = 0.0_wp, alpha(most) = 0.0_wp, beta(most) = 0.0_wp, sig(most + 1) = 0.0_wp
-      real(wp) :: v(most) = 0.0_wp, w(most) = 0.0_wp, g(most + 1) = 0.0_wp
+      real(wp) :: g(most + 1) = 0.0_wp
    contains
       procedure :: start => adams_start
       procedure :: step => adams_step
@@ -176,7 +176,7 @@ contains
    subroutine step_coefficients(self)
       class(adams_type), intent(inout) :: self
       integer :: i, iq, k, ns
-      real(wp) :: sum_of_steps, old
+      real(wp) :: sum_of_steps, old, w(most)
       k = self%k
       if (abs(self%h - self%h_last) > 0.0_wp) self%ns = 0
       if (self%ns <= self%k_last) self%ns = self%ns + 1
@@ -195,29 +195,16 @@ contains
          self%sig(i + 1) = i*self%alpha(i)*self%sig(i)
       end do
       self%psi(k) = sum_of_steps
-      if (ns <= 1) then
-         do iq = 1, k
-            self%v(iq) = 1.0_wp/(iq*(iq + 1))
-            self%w(iq) = self%v(iq)
-         end do
-      else
-         if (k > self%k_last) then
-            self%v(k) = 1.0_wp/(k*(k + 1))
-            do i = 1, ns - 2
-               self%v(k - i) = self%v(k - i) - self%alpha(i + 1)*self%v(k - i + 1)
-            end do
-         end if
-         do iq = 1, k + 1 - ns
-            self%v(iq) = self%v(iq) - self%alpha(ns)*self%v(iq + 1)
-            self%w(iq) = self%v(iq)
-         end do
-         self%g(ns + 1) = self%w(1)
-      end if
-      do i = ns + 2, k + 1
+      ! All of g anew from the triangle of its integrals: updating it in place, as the classical code does, goes wrong when the
+      ! order is lowered and raised again
+      do iq = 1, k
+         w(iq) = 1.0_wp/(iq*(iq + 1))
+      end do
+      do i = 3, k + 1
          do iq = 1, k + 2 - i
-            self%w(iq) = self%w(iq) - self%alpha(i - 1)*self%w(iq + 1)
+            w(iq) = w(iq) - self%alpha(i - 1)*w(iq + 1)
          end do
-         self%g(i) = self%w(1)
+         self%g(i) = w(1)
       end do
    end subroutine step_coefficients
 

@@ -3,7 +3,7 @@
 !>
 !> They must live on the same k_G elements as the coupling: with vibration modes alone, or with functions on a finer
 !> mesh than the element means, the model locks. They are made orthonormal in the lumped mass and diagonalise
-!> the axial stiffness. Floor: flex. Source: doc/theory.
+!> the axial stiffness. Floor: flex. Source: doc/theory, eqs. (25), (26).
 module limber_flex_axial
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -88,6 +88,11 @@ contains
       real(wp) :: norm, part
       real(wp), allocatable :: stiffness(:, :), omega2(:), work(:)
       integer :: j, k, kept, pass, info
+      if (size(x) - 1 > beam%elements) then
+         call raise(error, as_text(size(x) - 1)//' k_G elements need at least as many elements for their axial functions, not '// &
+            & as_text(beam%elements))
+         return
+      end if
       mass = nodal_masses(beam)
       kept = 0
       do j = 1, size(wanted, 2)

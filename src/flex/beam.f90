@@ -41,7 +41,7 @@ contains
          & 6*l, 2*l**2, -6*l, 4*l**2], [4, 4])*(ei/l**3)
    end function bending_stiffness
 
-   !> Linear stiffness k_E of an element on all six coordinates, doc/theory.
+   !> Linear stiffness k_E of an element on all six coordinates, eq. (16) of doc/theory.
    pure function beam_stiffness(ea, ei, l) result(k)
       !> Axial rigidity E A [force]
       real(wp), intent(in) :: ea
@@ -56,7 +56,7 @@ contains
    end function beam_stiffness
 
    !> Geometric stiffness k_G of an element on (w1, theta1, w2, theta2) per unit of its tension P:
-   !> the matrix of the integral of w'^2 over the element, w cubic.
+   !> the matrix of the integral of w'^2 over the element, w cubic; eq. (17) of doc/theory.
    pure function geometric_stiffness(l) result(k)
       !> Element length [length]
       real(wp), intent(in) :: l

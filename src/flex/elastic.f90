@@ -1,5 +1,5 @@
 !> Elastic energy and force of a reduced body: linear, k_g or full. Plain kernels of the time loop; their cost
-!> depends on the number of coordinates only. Floor: flex. Source: Han and Lee 1993, eqs. (10)-(14); doc/theory.
+!> depends on the number of coordinates only. Floor: flex. Source: Han and Lee 1993, eqs. (10)-(14); doc/theory, eqs. (22)-(24).
 module limber_flex_elastic
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type

@@ -7,7 +7,7 @@
 !>    U = 1/2 eta.K_E eta + z.(cubic eta_a) + 1/2 z.(quartic z),
 !>
 !> and the tension that a k_G element gets from eta_a acts on the bending through `cubic` alone (model k_g).
-!> Floor: flex. Source: Han and Lee 1993, eq. (12); Przemieniecki, section 15.4; doc/theory.
+!> Floor: flex. Source: Han and Lee 1993, eq. (12); Przemieniecki, section 15.4; doc/theory, eqs. (20)-(22).
 module limber_flex_geometric
    use limber_base_kinds, only: wp
    use limber_flex_beam, only: geometric_stiffness, bending_slope, bending_curvature

@@ -1,6 +1,6 @@
 !> The finite elements of one straight uniform beam: supports, assembly of k_E and the lumped mass, and its
 !> vibration modes, bending and axial apart (they do not couple). Everything that follows sees the beam as
-!> nodal fields, `field_type`. Floor: flex. Source: doc/theory.
+!> nodal fields, `field_type`. Floor: flex. Source: doc/theory, eqs. (16), (18).
 module limber_flex_mesh
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type

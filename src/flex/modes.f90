@@ -5,7 +5,7 @@
 !>
 !> which is symmetric, so that M may be singular without harm: there are exactly as many modes as
 !> coordinates with mass. Rigid-body modes, if the supports leave any, are known beforehand and deflated.
-!> Floor: flex. Source: doc/theory; Lehoucq, Sorensen and Yang, ARPACK Users' Guide, section 3.2.
+!> Floor: flex. Source: doc/theory, eqs. (18), (19); Lehoucq, Sorensen and Yang, ARPACK Users' Guide, section 3.2.
 module limber_flex_modes
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

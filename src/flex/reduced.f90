@@ -1,5 +1,5 @@
 !> A body reduced to its constants: inertia invariants, squared frequencies and the projected geometric part.
-!> All that the time loop ever sees of a body; a rigid body is one with n = 0. Floor: flex. Source: doc/theory.
+!> All that the time loop ever sees of a body; a rigid body is one with n = 0. Floor: flex. Source: doc/theory, eqs. (8), (22).
 module limber_flex_reduced
    use limber_base_kinds, only: wp
    implicit none

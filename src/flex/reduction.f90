@@ -1,6 +1,6 @@
 !> From a beam and the user's choices to its reduced constants: modes, axial functions, geometric part, invariants.
 !> The number of elements for the modes, of modes, and of k_G elements are independent of each other.
-!> Floor: flex. Source: Han and Lee 1993, sections 3 and 6; doc/theory.
+!> Floor: flex. Source: Han and Lee 1993, sections 3 and 6; doc/theory, sections 5-8.
 module limber_flex_reduction
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

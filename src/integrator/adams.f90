@@ -1,7 +1,8 @@
 !> ADAMS: predictor-corrector of Adams, Bashforth and Moulton (PECE) with variable order and step, in the divided-difference
 !> form of Shampine and Gordon, on the equations of index 1. After each correction the coordinates and velocities are
 !> projected onto the constraints, least in the mass norm. Floor: integrator.
-!> Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapters 5 and 10; doc/theory.
+!> Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapters 5 and 10;
+!> doc/theory, eqs. (36)-(38).
 module limber_integrator_adams
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -58,6 +59,7 @@ contains
       real(wp) :: slope
       self%nq = size(q)
       self%ny = 2*self%nq + merge(1, 0, system%powered)
+      if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change)
       allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(self%nq))
       self%y = 0.0_wp
       self%y(:self%nq) = q
@@ -333,13 +335,13 @@ contains
       else if (k_next == k - 1) then
          self%k = k - 1
          chosen = estimate(1)
-      else if (k + 1 <= self%ns .and. k < most) then
+      else if (k + 1 <= self%ns) then
          raised = self%h*gamma_star(k + 1)*weighted(self, self%phi(:, k + 2))
          if (k > 1) then
             if (estimate(1) <= min(estimate(0), raised)) then
                self%k = k - 1
                chosen = estimate(1)
-            else if (raised < estimate(0)) then
+            else if (raised < estimate(0) .and. k < most) then
                self%k = k + 1
                chosen = raised
             end if

@@ -1,7 +1,7 @@
 !> RADAU: Radau IIA of order 5, three stages, on the equations of index 2: motion and velocity constraints at every stage, the
 !> position constraints restored by projection after the step. In each Newton step one real and one complex sparse system of
 !> the exact derivatives are solved. Dense output of order 5 from coordinates, rates and accelerations at both ends.
-!> Floor: integrator. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8 and VII; doc/theory.
+!> Floor: integrator. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8 and VII; doc/theory, eqs. (42)-(45).
 module limber_integrator_radau
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

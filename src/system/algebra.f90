@@ -1,5 +1,5 @@
 !> Plane vector algebra of the floating frame: J turns a vector by a right angle, A(p) = p1 I + p2 J applied to the
-!> unit vector u gives the vector whose components in the frame are p. Floor: system. Source: doc/theory.
+!> unit vector u gives the vector whose components in the frame are p. Floor: system. Source: doc/theory, eqs. (2), (3).
 module limber_system_algebra
    use limber_base_kinds, only: wp
    implicit none

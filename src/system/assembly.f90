@@ -296,7 +296,7 @@ contains
       end do
    end subroutine check_rank
 
-   !> Largest rotation in a step, at least the largest displacement relative to the scene [rad].
+   !> Largest rotation in a step [rad].
    pure real(wp) function largest_turn(system, step) result(largest)
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: step(:)

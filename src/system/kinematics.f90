@@ -1,6 +1,6 @@
 !> Where everything is and how it moves: frames and markers (the points that joints and forces act on) from the
 !> coordinates q and velocities v. All later terms are made of these. Floor: system.
-!> Source: Han and Lee 1993, eqs. (1)-(6); doc/theory.
+!> Source: Han and Lee 1993, eqs. (1)-(6); doc/theory, eqs. (4)-(7), (28).
 module limber_system_kinematics
    use limber_base_kinds, only: wp
    use limber_model_scene, only: model_type, point_type, body_point, ground

@@ -6,7 +6,7 @@
 !> with the coordinates eta of each body condensed first (their mass matrix is the identity), so that a body enters
 !> with three unknowns however many modes it has. The same factors serve the accelerations and the projections onto the
 !> position and velocity constraints. M may be singular as long as the whole is not. Floor: system.
-!> Source: Han and Lee 1993, eq. (28); doc/theory.
+!> Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (14), (15), (32).
 module limber_system_multiplier
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground

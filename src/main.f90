@@ -12,6 +12,7 @@ program limber
    use limber_analysis_export, only: export_history
    use limber_analysis_help, only: help_on, version_text
    use limber_analysis_run, only: run_deck, check_deck
+   use limber_analysis_study, only: study_deck
    implicit none
    type(command_type) :: command
    type(error_type), allocatable :: error
@@ -24,6 +25,7 @@ program limber
    if (.not. allocated(error)) then
       select case (command%verb)
       case ('run'); call run_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
+      case ('study'); call study_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
       case ('check'); call check_deck(trim(command%words(1)), report, error)
       case ('export'); call export_history(trim(command%words(1)), command%words(2:), output_unit, error)
       case ('diff'); call compare_histories(trim(command%words(1)), trim(command%words(2)), command%tolerance, report, same, error)

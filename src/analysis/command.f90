@@ -11,11 +11,11 @@ module limber_analysis_command
    !> Longest argument that is taken
    integer, parameter :: longest = 4096
 
-   character(*), parameter :: verbs(*) = [character(9) :: 'run', 'check', 'export', 'diff', 'help', '--version', '--help']
+   character(*), parameter :: verbs(*) = [character(9) :: 'run', 'check', 'study', 'export', 'diff', 'help', '--version', '--help']
 
    !> What the user asked for
    type :: command_type
-      !> run, check, export, diff, help, --version
+      !> run, check, study, export, diff, help, --version
       character(:), allocatable :: verb
       !> Files, channels or keywords, in order
       character(longest), allocatable :: words(:)
@@ -37,6 +37,9 @@ contains
          & '   limber run DECK [-o FILE] [--force] [--quiet]', &
          & '                       run a deck; results in FILE (else the deck''s name with the ending .h5)', &
          & '   limber check DECK   read, build and assemble only', &
+         & '   limber study DECK [-o FILE] [--force] [--quiet]', &
+         & '                       weigh speed against error: integrators, tolerances and fineness of a deck;', &
+         & '                       the table of the runs in FILE (else study.h5)', &
          & '   limber export FILE [CHANNEL ...]', &
          & '                       print channels of a result as plain columns', &
          & '   limber diff A B [--rtol R] [--range R] [--atol A]', &
@@ -130,7 +133,7 @@ contains
       least = 0
       most = huge(most)
       select case (command%verb)
-      case ('run', 'check')
+      case ('run', 'check', 'study')
          least = 1
          most = 1
       case ('export'); least = 1

@@ -10,8 +10,8 @@ module limber_analysis_dynamics
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values
-   use limber_output_history, only: history_type
    use limber_output_progress, only: progress_type
+   use limber_output_sink, only: sink_type
    use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, position_residual, &
       & velocity_residual, mechanical_energy
    implicit none
@@ -58,8 +58,8 @@ contains
    subroutine run_dynamics(scene, integrator, history, progress, outcome, error)
       type(scene_type), intent(inout) :: scene
       class(integrator_type), intent(inout) :: integrator
-      !> Open, with its channels defined
-      type(history_type), intent(inout) :: history
+      !> Takes the samples: an open history with its channels defined, or memory
+      class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
       type(outcome_type), intent(out) :: outcome
       !> The run could not finish: which body, joint or constraint, when, and what to try
@@ -91,7 +91,7 @@ contains
       class(integrator_type), intent(inout) :: integrator
       type(recorder_type), intent(inout) :: recorder
       type(sample_type), intent(inout) :: sample
-      type(history_type), intent(inout) :: history
+      class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
@@ -135,7 +135,7 @@ contains
       real(wp), intent(in) :: t
       type(recorder_type), intent(inout) :: recorder
       type(sample_type), intent(inout) :: sample
-      type(history_type), intent(inout) :: history
+      class(sink_type), intent(inout) :: history
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: residual

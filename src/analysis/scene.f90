@@ -14,7 +14,7 @@ module limber_analysis_scene
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
-   public :: scene_type, read_scene, seconds_since
+   public :: scene_type, read_scene, build_scene, seconds_since
 
    !> A scene ready to be analysed
    type :: scene_type
@@ -39,11 +39,23 @@ contains
       !> Everything that is wrong with the deck, rendered; status 2
       type(error_type), allocatable, intent(out) :: error
       type(diagnostics_type) :: diagnostics
-      type(model_type) :: model
       integer(long) :: tick
       call system_clock(tick)
       call read_deck(path, scene%deck, diagnostics)
       scene%reading = seconds_since(tick)
+      call build_scene(scene, diagnostics, error)
+   end subroutine read_scene
+
+   !> Builds and assembles what the deck of the scene describes.
+   subroutine build_scene(scene, diagnostics, error)
+      !> With its deck; receives the rest
+      type(scene_type), intent(inout) :: scene
+      !> Of the reading of the deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> Everything that is wrong with the deck, rendered; status 2
+      type(error_type), allocatable, intent(out) :: error
+      type(model_type) :: model
+      integer(long) :: tick
       call system_clock(tick)
       call build_model(scene%deck, model, diagnostics)
       scene%building = seconds_since(tick)
@@ -57,7 +69,7 @@ contains
       scene%warnings = diagnostics%render(scene%deck%source)
       if (diagnostics%count > 0) call raise(error, scene%warnings, status_deck)
       if (diagnostics%warnings > 0) scene%warnings = scene%warnings//newline
-   end subroutine read_scene
+   end subroutine build_scene
 
    !> First state; what cannot be assembled is shown at the joint or driver in the deck.
    subroutine assemble_scene(scene, diagnostics)

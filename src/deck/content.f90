@@ -2,12 +2,12 @@
 !> with its origin. The model builder works on this. Floor: deck.
 module limber_deck_content
    use limber_base_kinds, only: wp
-   use limber_base_text, only: lowercase
+   use limber_base_text, only: as_text, lowercase
    use limber_deck_origin, only: origin_type
    use limber_deck_source, only: source_type
    use limber_deck_parameters, only: parameter_list_type
    use limber_deck_expression, only: expression_type
-   use limber_deck_schema, only: kind_yes, kind_word
+   use limber_deck_schema, only: kind_yes, kind_word, is_integer_kind
    use limber_deck_keywords, only: contains_value
    use limber_deck_lexer, only: collapsed
    implicit none
@@ -93,6 +93,7 @@ module limber_deck_content
       procedure :: find_named
       procedure :: indices
       procedure :: set_option
+      procedure :: set_number
    end type deck_type
 
 contains
@@ -286,5 +287,25 @@ contains
          option%has_value = .true.
       end associate
    end subroutine set_option
+
+   !> Sets a number, whole or not, in place of that of the deck.
+   pure subroutine set_number(self, block, name, value)
+      class(deck_type), intent(inout) :: self
+      !> Index of the block
+      integer, intent(in) :: block
+      !> Option in upper case
+      character(*), intent(in) :: name
+      !> In the unit of the table
+      real(wp), intent(in) :: value
+      integer :: i
+      i = self%blocks(block)%position(name)
+      if (i == 0) return
+      associate (option => self%blocks(block)%options(i))
+         option%value = value
+         if (is_integer_kind(option%kind)) option%whole = nint(value)
+         option%text = as_text(value)
+         option%has_value = .true.
+      end associate
+   end subroutine set_number
 
 end module limber_deck_content

@@ -3,15 +3,16 @@
 module limber_deck_data_lines
    use limber_base_text, only: as_text, lowercase
    use limber_deck_origin, only: origin_type, after
-   use limber_deck_lexer, only: part_type, trimmed, split_fields, find_outside, is_parameter_name
+   use limber_deck_lexer, only: part_type, trimmed, collapsed, split_fields, find_outside, is_parameter_name
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_parameters, only: parameter_type, max_parameters
    use limber_deck_compile, only: compile, is_reserved
    use limber_deck_operations, only: op_slot
-   use limber_deck_schema, only: field_spec_type, form_text, form_fields, form_assignments, form_channels
-   use limber_deck_keywords, only: keyword_table, keyword_fields
-   use limber_deck_content, only: deck_type, line_type, field_type
-   use limber_deck_values, only: read_field, check_name
+   use limber_deck_schema, only: field_spec_type, list_spec_type, option_spec_type, form_text, form_fields, form_assignments, &
+      & form_channels, form_lists
+   use limber_deck_keywords, only: keyword_table, keyword_fields, keyword_lists, keyword_options
+   use limber_deck_content, only: deck_type, line_type, field_type, option_type
+   use limber_deck_values, only: read_field, read_option, check_name, suggestion
    implicit none
    private
    public :: read_line, expected_line
@@ -53,6 +54,7 @@ contains
             call read_channel(parts(i), deck, line%fields(i), field_ok, diagnostics)
             ok = ok .and. field_ok
          end do
+      case (form_lists); call read_list(trim(keyword_table(row)%name), parts(:count), deck, line, ok, diagnostics)
       end select
    end subroutine read_line
 
@@ -90,6 +92,66 @@ contains
          ok = ok .and. field_ok
       end do
    end subroutine read_row
+
+   !> The name of a list and its values, each as the option wants it that they are for.
+   subroutine read_list(keyword, parts, deck, line, ok, diagnostics)
+      character(*), intent(in) :: keyword
+      type(part_type), intent(in) :: parts(:)
+      type(deck_type), intent(in) :: deck
+      type(line_type), intent(inout) :: line
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(list_spec_type), allocatable :: lists(:)
+      logical :: value_ok
+      integer :: which, i
+      allocate (lists, source=keyword_lists(keyword))
+      line%fields(1)%text = lowercase(collapsed(parts(1)%text))
+      line%fields(1)%origin = parts(1)%origin
+      line%fields(1)%name = ''
+      do which = size(lists), 1, -1
+         if (lists(which)%name == line%fields(1)%text) exit
+      end do
+      ok = which > 0 .and. size(parts) > 1
+      if (which == 0) then
+         call diagnostics%add(parts(1)%origin, '*'//keyword//" has no list '"//line%fields(1)%text//"'", &
+            & suggestion(line%fields(1)%text, lists%name))
+      else if (.not. ok) then
+         call diagnostics%add(parts(1)%origin, "the list '"//line%fields(1)%text//"' has no values", trim(lists(which)%meaning))
+      end if
+      if (.not. ok) return
+      do i = 2, size(parts)
+         call read_list_value(lists(which), parts(i), deck, line%fields(i), value_ok, diagnostics)
+         ok = ok .and. value_ok
+      end do
+   end subroutine read_list
+
+   !> A value of a list: a name, or what the option takes.
+   subroutine read_list_value(list, part, deck, field, ok, diagnostics)
+      type(list_spec_type), intent(in) :: list
+      type(part_type), intent(in) :: part
+      type(deck_type), intent(in) :: deck
+      type(field_type), intent(out) :: field
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(option_spec_type), allocatable :: specs(:)
+      type(option_type) :: option
+      field%origin = part%origin
+      field%name = ''
+      field%text = lowercase(part%text)
+      ok = len(part%text) > 0
+      if (.not. ok) then
+         call diagnostics%add(part%origin, 'a value is missing between two commas', trim(list%meaning))
+      else if (len_trim(list%option) == 0) then
+         call check_name(part, ok, diagnostics)
+      else
+         allocate (specs, source=keyword_options(trim(list%of)))
+         specs = pack(specs, specs%name == list%option)
+         call read_option(specs(1), part, deck%parameters, option, diagnostics)
+         ok = option%has_value
+         field%text = option%text
+         field%value = option%value
+      end if
+   end subroutine read_list_value
 
    pure function counted(fields) result(text)
       integer, intent(in) :: fields
@@ -192,6 +254,7 @@ contains
       select case (keyword_table(row)%form)
       case (form_assignments); text = 'name = expression'
       case (form_channels); text = 'quantity(object) or name = expression'
+      case (form_lists); text = 'name of a list, value, ...'
       case default
          text = ''
          do i = 1, size(specs)

@@ -3,10 +3,10 @@
 module limber_deck_help
    use limber_base_text, only: newline
    use limber_deck_operations, only: function_names, function_meanings
-   use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, many, needed, kind_name, kind_reference, &
-      & kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, kind_path, kind_point, &
-      & kind_yes, form_none, form_text, form_assignments, form_channels
-   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword
+   use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
+      & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
+      & kind_path, kind_point, kind_yes, form_none, form_text, form_assignments, form_channels, form_lists
+   use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, keyword_lists, find_keyword
    implicit none
    private
    public :: help_text, manual_text
@@ -127,6 +127,7 @@ contains
       case (form_text); text = 'free text'
       case (form_assignments); text = 'name = expression, ...'
       case (form_channels); text = 'quantity(object), name = expression, ...'
+      case (form_lists); text = 'name of a list, value, value, ...'
       case default; text = ''
       end select
       if (markdown .and. size(specs) == 0) text = '`'//text//'`'
@@ -141,8 +142,32 @@ contains
          end if
       end do
       if (markdown .and. size(specs) > 0) text = '`'//text//'`'//newline
+      if (keyword%form == form_lists) list = listed_lists(trim(keyword%name), markdown)
       text = text//list
    end function line_form
+
+   !> Names and meanings of the lists that data lines give, and the option that the values are for.
+   function listed_lists(keyword, markdown) result(text)
+      character(*), intent(in) :: keyword
+      logical, intent(in) :: markdown
+      character(:), allocatable :: text, sentence
+      type(list_spec_type), allocatable :: specs(:)
+      integer :: i
+      allocate (specs, source=keyword_lists(keyword))
+      text = ''
+      if (markdown) text = newline
+      do i = 1, size(specs)
+         sentence = trim(specs(i)%meaning)
+         if (len_trim(specs(i)%of) > 0) sentence = sentence//' (*'//trim(specs(i)%of)//', '//trim(specs(i)%option)//')'
+         if (markdown) then
+            if (len_trim(specs(i)%of) > 0) sentence = trim(specs(i)%meaning)//' (`*'//trim(specs(i)%of)//', '// &
+               & trim(specs(i)%option)//'`)'
+            text = text//newline//'- *'//trim(specs(i)%name)//'*: '//sentence
+         else
+            text = text//newline//'  '//specs(i)%name//'  '//sentence
+         end if
+      end do
+   end function listed_lists
 
    function field_sentence(spec) result(text)
       type(field_spec_type), intent(in) :: spec

@@ -2,14 +2,14 @@
 !> the reference chapter of the manual and the effective deck; a new keyword is new rows here. Floor: deck.
 module limber_deck_keywords
    use limber_deck_lexer, only: collapsed
-   use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, many, needed, kind_name, &
+   use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
       & kind_path, kind_point, kind_yes, kind_time_expression, form_none, form_text, form_fields, form_assignments, &
-      & form_channels
+      & form_channels, form_lists
    implicit none
    private
-   public :: keyword_table, option_table, field_table, find_keyword, keyword_options, keyword_fields, split_values, &
-      & contains_value
+   public :: keyword_table, option_table, field_table, list_table, find_keyword, keyword_options, keyword_fields, &
+      & keyword_lists, split_values, contains_value
 
    character(*), parameter :: supports = 'PINNED-ROLLER|PINNED-PINNED|CLAMPED-FREE|CLAMPED-ROLLER|CLAMPED-PINNED' &
       & //'|CLAMPED-CLAMPED|FREE-FREE'
@@ -34,6 +34,7 @@ module limber_deck_keywords
       & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
       & keyword_type('FORCE', many, form_fields, 1, 1, 'A force on a point'), &
       & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
+      & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
       & keyword_type('OUTPUT', many, form_channels, 1, many, &
       &    'Channels of the results, several in a line: quantity(object) or name = expression of quantities')]
    !> Options: kind, values, unit, default, meaning
@@ -136,7 +137,15 @@ module limber_deck_keywords
       & option_spec_type('DYNAMICS', 'MAXIMUM STEP', kind_positive, '', &
       &    's', '', 'longest step; if not given, not limited'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEPS', kind_counting, '', &
-      &    '', '100000000', 'number of steps after which the run gives up')]
+      &    '', '100000000', 'number of steps after which the run gives up'), &
+      & option_spec_type('STUDY', 'REPEATS', kind_counting, '', &
+      &    '', '3', 'runs of each setting that can be worth its time; their median counts'), &
+      & option_spec_type('STUDY', 'REFERENCE', kind_path, '', &
+      &    '', '', 'results (.h5) or columns with names (.csv) to compare with; if not given, limber makes its own'), &
+      & option_spec_type('STUDY', 'BEAM', kind_reference, 'BEAM', '', '', 'the beam that is varied; if not given, all'), &
+      & option_spec_type('STUDY', 'ERROR', kind_positive, '', '', '0.01', 'relative error that the advice aims at'), &
+      & option_spec_type('STUDY', 'LIMIT', kind_positive, '', &
+      &    's', '30', 'CPU time of this machine after which a run is given up')]
    !> All options in the order of their keywords: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, other_options]
    !> The fields of data lines of the form `form_fields`
@@ -154,6 +163,15 @@ module limber_deck_keywords
       & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad', 'expression of the time t'), &
       & field_spec_type('FORCE', 'fx', kind_time_expression, 'N', 'component along x of space, expression of the time t'), &
       & field_spec_type('FORCE', 'fy', kind_time_expression, 'N', 'component along y of space, expression of the time t')]
+   !> The lists of data lines of the form `form_lists`
+   type(list_spec_type), parameter :: list_table(*) = [ &
+      & list_spec_type('STUDY', 'integrators', 'DYNAMICS', 'INTEGRATOR', 'integration methods; default all'), &
+      & list_spec_type('STUDY', 'tolerances', 'DYNAMICS', 'TOLERANCE', 'tolerances; default 1e-2, 1e-3, ... 1e-6'), &
+      & list_spec_type('STUDY', 'modes', 'BEAM', 'MODES', 'numbers of modes'), &
+      & list_spec_type('STUDY', 'bending modes', 'BEAM', 'BENDING MODES', 'numbers of bending modes'), &
+      & list_spec_type('STUDY', 'geometric elements', 'BEAM', 'GEOMETRIC ELEMENTS', 'numbers of elements of the geometric part'), &
+      & list_spec_type('STUDY', 'fidelities', 'BEAM', 'GEOMETRIC', 'fidelities'), &
+      & list_spec_type('STUDY', 'channels', '', '', 'channels of *OUTPUT that are compared; default all')]
 
 contains
 
@@ -182,6 +200,14 @@ contains
       type(field_spec_type), allocatable :: fields(:)
       fields = pack(field_table, field_table%keyword == keyword)
    end function keyword_fields
+
+   !> The lists that data lines of a keyword give.
+   pure function keyword_lists(keyword) result(lists)
+      !> In upper case
+      character(*), intent(in) :: keyword
+      type(list_spec_type), allocatable :: lists(:)
+      lists = pack(list_table, list_table%keyword == keyword)
+   end function keyword_lists
 
    !> The words of a list that is separated by |.
    pure function split_values(values) result(words)

@@ -18,7 +18,7 @@ module limber_deck_reader
    use limber_deck_checks, only: check_deck
    implicit none
    private
-   public :: read_deck, read_deck_text, deck_type, block_type, diagnostics_type
+   public :: read_deck, read_deck_text, beside, deck_type, block_type, diagnostics_type
 
    !> Longest line, deepest nesting of *INCLUDE and greatest number of files
    integer, parameter :: max_line = 4096, max_nesting = 20, max_files = 200

@@ -2,10 +2,10 @@
 module limber_deck_schema
    implicit none
    private
-   public :: keyword_type, option_spec_type, field_spec_type, many, needed
+   public :: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed
    public :: kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, &
       & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression
-   public :: form_none, form_text, form_fields, form_assignments, form_channels
+   public :: form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    public :: is_number_kind, is_integer_kind
 
    !> Name of an object that the block defines; `values`: the name space, whose names differ from each other
@@ -24,8 +24,9 @@ module limber_deck_schema
    integer, parameter :: kind_point = 11, kind_yes = 12, kind_time_expression = 13
 
    !> Forms of data lines: none, free text, one row of fields in each line, name = expression,
-   !> channels of the output
-   integer, parameter :: form_none = 0, form_text = 1, form_fields = 2, form_assignments = 3, form_channels = 4
+   !> channels of the output, named lists of values
+   integer, parameter :: form_none = 0, form_text = 1, form_fields = 2, form_assignments = 3, form_channels = 4, &
+      & form_lists = 5
 
    !> Any number of blocks or lines
    integer, parameter :: many = huge(1)
@@ -69,6 +70,17 @@ module limber_deck_schema
       character(8) :: unit
       character(90) :: meaning
    end type field_spec_type
+
+   !> A list that a data line of the form `form_lists` gives: its name, then values of an option of the table
+   type :: list_spec_type
+      character(12) :: keyword
+      !> In lower case
+      character(20) :: name
+      !> Keyword and option that the values are for; without them the values are names
+      character(12) :: of
+      character(20) :: option
+      character(90) :: meaning
+   end type list_spec_type
 
 contains
 

@@ -24,6 +24,7 @@ module limber_output_history
    use limber_output_hdf5_error, only: hdf5_error, no_id
    use limber_output_hdf5_read, only: longest_name
    use limber_output_hdf5_series, only: series_type, create_series, append_rows, close_series
+   use limber_output_sink, only: sink_type
    implicit none
    private
    public :: history_type, history_format, history_format_version
@@ -36,7 +37,7 @@ module limber_output_history
    character(*), parameter :: reserved_name = 'time'
 
    !> A results file that is being written: create, define_time, define_channel ..., append ..., finish
-   type :: history_type
+   type, extends(sink_type) :: history_type
       !> Name of the file
       character(:), allocatable :: path
       !> Numbers in a sample: the widths of all channels added up

@@ -1,0 +1,86 @@
+!> `limber study`: speed against error. A deck is run with all combinations of integrators, tolerances and fineness that its
+!> *STUDY names, and every run is compared with a reference. Floor: analysis; deck -> plan -> runs -> report.
+module limber_analysis_study
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: newline
+   use limber_analysis_study_plan, only: plan_type, setting_type, read_plan, axis_modes, axis_fidelity
+   use limber_analysis_study_reference, only: reference_type, read_reference
+   use limber_analysis_study_report, only: heading, grid_table, time_table, family_table, advice, failures
+   use limber_analysis_study_results, only: open_results, add_runs
+   use limber_analysis_study_runs, only: run_type, make_reference, fine_setting, run_grid, run_family
+   use limber_output_history, only: history_type
+   use limber_output_progress, only: progress_type
+   implicit none
+   private
+   public :: study_deck
+
+contains
+
+   !> Studies a deck.
+   subroutine study_deck(path, output, force, quiet, report, error)
+      !> The deck, and the file for the table of the runs; empty: study.h5 in the working folder
+      character(*), intent(in) :: path, output
+      !> Whether an existing file may be replaced; whether the progress is not shown
+      logical, intent(in) :: force, quiet
+      !> Tables and advice
+      character(:), allocatable, intent(out) :: report
+      !> A deck that cannot be used (status 2), or no reference (status 3); a run that fails is in the report
+      type(error_type), allocatable, intent(out) :: error
+      type(plan_type) :: plan
+      type(reference_type) :: reference
+      type(setting_type) :: fine
+      type(history_type) :: file
+      type(progress_type) :: progress
+      type(run_type), allocatable :: runs(:)
+      type(error_type), allocatable :: close_error
+      character(:), allocatable :: results
+      report = ''
+      call read_plan(path, plan, error)
+      if (allocated(error)) return
+      results = output
+      if (results == '') results = 'study.h5'
+      if (plan%reference /= '') call read_reference(plan, reference, error)
+      if (allocated(error)) return
+      call open_results(plan, results, force, file, error)
+      if (allocated(error)) return
+      if (plan%reference == '') call make_reference(plan, reference, fine, error)
+      if (.not. allocated(error)) then
+         if (.not. quiet) call progress%start(0.0_wp, 1.0_wp, path)
+         call run_grid(plan, reference, progress, runs)
+         if (.not. quiet) call progress%finish()
+         if (plan%reference /= '') fine = fine_setting(plan, runs)
+         report = heading(plan, reference)//newline//newline//grid_table(plan, runs)//newline//newline// &
+            & time_table(plan, reference, runs)
+         call add_runs(plan, 0, runs, file, error)
+         if (.not. allocated(error)) call file%put_text('/run/failures', failures(plan, runs), error)
+         if (.not. allocated(error)) call study_families(plan, fine, file, report, error)
+         report = report//newline//newline//advice(plan, runs)//newline//'The table of the runs is in '//results
+      end if
+      if (allocated(error)) then
+         call file%finish(.false., error%message, close_error)
+         error%message = path//': '//error%message
+      else
+         call file%finish(.true., 'finished', error)
+      end if
+   end subroutine study_deck
+
+   !> What the modes, the geometric elements and the fidelity do alone.
+   subroutine study_families(plan, fine, file, report, error)
+      type(plan_type), intent(in) :: plan
+      type(setting_type), intent(in) :: fine
+      type(history_type), intent(inout) :: file
+      character(:), allocatable, intent(inout) :: report
+      type(error_type), allocatable, intent(out) :: error
+      type(run_type), allocatable :: runs(:)
+      integer :: which
+      do which = axis_modes, axis_fidelity
+         if (size(plan%axis(which)%values) < 2) cycle
+         call run_family(plan, which, fine, runs)
+         report = report//newline//newline//family_table(plan, which, fine, runs)
+         call add_runs(plan, which - axis_modes + 1, runs, file, error)
+         if (allocated(error)) return
+      end do
+   end subroutine study_families
+
+end module limber_analysis_study

@@ -256,7 +256,7 @@ contains
          & model_text(plan, runs(chosen)%setting)//': '//per_cent(runs(chosen)%error)//' in '// &
          & as_text(1.0e3_wp*median(runs(chosen)%cpu), 2)//' ms; '
       better = cheapest(runs, 0.1_wp*runs(chosen)%error)
-      if (better == 0) then
+      if (better == 0 .or. better == chosen) then
          text = text//'no run here has one more digit'
       else
          text = text//'one more digit costs '//as_text(median(runs(better)%cpu)/median(runs(chosen)%cpu), 2)//' times: '// &

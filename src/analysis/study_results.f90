@@ -4,7 +4,6 @@ module limber_analysis_study_results
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_base_text, only: newline
    use limber_base_version, only: version
    use limber_analysis_study_plan, only: plan_type, axis_type, axis_integrator, axis_modes, axis_elements, axis_fidelity
    use limber_analysis_study_runs, only: run_type, median
@@ -54,20 +53,22 @@ contains
          if (.not. allocated(error)) call file%define_channel('error_at_end_of_'//trim(plan%names(i)), 1, '1', &
             & 'difference from the reference at the last sample, relative to its largest magnitude', error)
       end do
-      if (.not. allocated(error)) call file%put_text('/run/integrators', lines_of(plan%axis(axis_integrator)%texts), error)
-      if (.not. allocated(error)) call file%put_text('/run/fidelities', lines_of(plan%axis(axis_fidelity)%texts), error)
+      if (.not. allocated(error)) call file%put_text('/run/integrators', words_of(plan%axis(axis_integrator)%texts), error)
+      if (.not. allocated(error)) call file%put_text('/run/fidelities', words_of(plan%axis(axis_fidelity)%texts), error)
       if (.not. allocated(error)) call file%put_text('/run/deck', plan%path, error)
    end subroutine open_results
 
-   pure function lines_of(words) result(text)
+   !> Words in a line.
+   pure function words_of(words) result(text)
       character(*), intent(in) :: words(:)
       character(:), allocatable :: text
       integer :: i
       text = ''
       do i = 1, size(words)
-         text = text//trim(words(i))//newline
+         if (i > 1) text = text//' '
+         text = text//trim(words(i))
       end do
-   end function lines_of
+   end function words_of
 
    !> Adds the runs of a table.
    subroutine add_runs(plan, table, runs, file, error)

@@ -1,0 +1,20 @@
+# Work and precision of a study: error against CPU time of the time loop. postproc/study makes the columns:
+# integrator, modes, elements, fidelity, CPU seconds, error, error at the end, on the front, one run in a line.
+# gnuplot -c study.gp png|svg COLUMNS OUTPUT_FILE 'ADAMS RADAU'
+format = ARG1; columns = ARG2; output_file = ARG3; names = ARG4
+width = 16; height = 9
+load 'style.gp'
+set linetype 1 linewidth 1 pointtype 7 pointsize 0.6
+set linetype 2 linewidth 1 pointtype 4 pointsize 0.8 dashtype solid
+set linetype 4 linewidth 1 pointtype 9 pointsize 0.8 dashtype solid
+type_of(i) = i < 3 ? i : i + 1
+do for [i = 1:words(names)] { eval key_point(0.6 + 3.0*(i - 1), type_of(i), word(names, i)) }
+eval key_line(1.2 + 3.0*words(names), 3, 'no other run is faster and more accurate')
+eval x_label(8.6, 'CPU time of the time loop [s]')
+eval y_label(4.6, 'error of the worst channel, relative')
+eval panel(2.0, 15.6, 1.6, 8.0)
+set logscale xy
+set format x '10^{%T}'
+set format y '10^{%T}'
+plot '< sort -g -k5,5 '.columns using (column(8) == 1 ? column(5) : NaN):6 with lines linetype 3, \
+   for [i = 1:words(names)] columns using (column(1) == i ? column(5) : NaN):6 with points linetype type_of(i)

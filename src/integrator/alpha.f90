@@ -1,0 +1,319 @@
+!> ALPHA: generalised-alpha of order 2 with a chosen spectral radius at infinity, on the equations of index 2: motion and
+!> velocity constraints at the end of the step, the position constraints restored by projection after it. Variable step by the
+!> local error, filtered so that vibrations which the step does not resolve do not bind it.
+!> Floor: integrator. Source: Chung and Hulbert, J. Appl. Mech. 60 (1993) 371; Arnold and Bruels, Multibody System Dynamics 18
+!> (2007) 185; doc/theory, eqs. (46)-(48).
+module limber_integrator_alpha
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
+   use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
+   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power
+   use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
+   use limber_system_system, only: system_type, workspace_type
+   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass
+   implicit none
+   private
+   public :: alpha_type
+
+   integer, parameter :: most_iterations = 8
+
+   !> Memory of the method
+   type, extends(integrator_type) :: alpha_type
+      !> Spectral radius at infinity: 1 damps nothing, 0 all that is not resolved
+      real(wp) :: radius = 0.8_wp
+      !> Coefficients that follow from it
+      real(wp) :: alpha_m = 0.0_wp, alpha_f = 0.0_wp, beta = 0.0_wp, gamma = 0.0_wp
+      !> Coordinates and velocities at t (nq); rates, accelerations, those of the algorithm, and the slope of the accelerations
+      !> over the last step (nw); multipliers (nc)
+      real(wp), allocatable :: q(:), v(:), w(:), a(:), algorithmic(:), jerk(:), lambda(:)
+      !> The same at the beginning of the last step; its increment of the coordinates
+      real(wp), allocatable :: q_before(:), w_before(:), increment(:)
+      !> Work put in and power, at the beginning and the end of the last step
+      real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp, power_before = 0.0_wp, power = 0.0_wp
+      !> The step that is tried
+      real(wp), allocatable :: new_q(:), new_v(:), new_w(:), new_a(:), new_algorithmic(:), new_lambda(:), x(:)
+      !> Scratch
+      real(wp), allocatable :: motion(:), rate(:), change(:), unknown(:), e(:)
+      type(tangent_type) :: tangent
+      type(layout_type) :: layout
+      type(scales_type) :: scales
+      !> Scales of coordinates and rates in the layout of the rates (nw)
+      real(wp), allocatable :: scale_x(:), scale_w(:)
+      !> Next step, last step
+      real(wp) :: h = 0.0_wp, h_last = 0.0_wp
+      !> Factors of the matrix: its step, and whether its derivatives are those of the present state
+      real(wp) :: h_factors = 0.0_wp
+      logical :: fresh = .false.
+      integer :: iterations = 0
+   contains
+      procedure :: start => alpha_start
+      procedure :: step => alpha_step
+      procedure :: interpolate => alpha_interpolate
+   end type alpha_type
+
+contains
+
+   subroutine alpha_start(self, system, work, t, duration, q, v, error)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t, duration
+      real(wp), intent(in) :: q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: nq, nw, nc
+      real(wp) :: slope
+      nq = system%layout%nq
+      nw = system%layout%nw
+      nc = system%nc
+      self%alpha_m = (2*self%radius - 1)/(self%radius + 1)
+      self%alpha_f = self%radius/(self%radius + 1)
+      self%gamma = 0.5_wp + self%alpha_f - self%alpha_m
+      self%beta = 0.25_wp*(self%gamma + 0.5_wp)**2
+      allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%algorithmic(nw), self%jerk(nw), self%lambda(nc), &
+         & self%q_before(nq), self%w_before(nw), self%increment(nw), self%new_q(nq), self%new_v(nq), self%new_w(nw), &
+         & self%new_a(nw), self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), &
+         & self%change(nq), self%unknown(nw + nc), self%e(nw), self%scale_x(nw), self%scale_w(nw))
+      self%q = q
+      self%v = v
+      self%t = t
+      self%t_before = t
+      self%layout = system%layout
+      call new_tangent(system, self%tangent)
+      self%scales = new_scales(system, duration, .true.)
+      call update_scales(system, q, v, self%scales)
+      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+      call linearise(system, work, t, q, error)
+      if (allocated(error)) return
+      call accelerations(system, work, q, v, self%change)
+      self%lambda = work%lambda
+      call rates_of(system%layout, q, v, self%w)
+      call rates_of(system%layout, q, self%change, self%a)
+      if (system%powered) self%power = input_power(system, work, q, v)
+      self%algorithmic = self%a
+      self%jerk = 0.0_wp
+      self%q_before = q
+      self%w_before = self%w
+      self%increment = 0.0_wp
+      slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%a/self%scale_w)**2))
+      self%h = duration
+      if (slope*self%h > 0.1_wp*self%tolerance**(1.0_wp/3)) self%h = 0.1_wp*self%tolerance**(1.0_wp/3)/slope
+      if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
+   end subroutine alpha_start
+
+   subroutine alpha_step(self, system, work, stop, error)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: wanted, err, factor
+      logical :: good, repeated
+      integer :: i
+      wanted = self%h
+      repeated = .false.
+      do
+         if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+         if (self%t + 1.0001_wp*self%h > stop) self%h = stop - self%t
+         if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+            i = maxloc(abs(self%e)/self%scale_w, dim=1)
+            call self%step_too_small(system, work, count(system%layout%w <= i), error)
+            return
+         end if
+         if (.not. self%fresh) call refresh(self, system, work)
+         if (abs(self%h - self%h_factors) > 0.0_wp) call factor_matrix(self, error)
+         if (allocated(error)) return
+         call iterate(self, system, work, min(self%t + self%h, stop), good)
+         if (good) then
+            call estimate_error(self, system, err)
+            good = err <= self%tolerance
+            factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
+            if (.not. good) factor = min(factor, 0.9_wp)
+         else
+            factor = 0.5_wp
+         end if
+         if (good) call accept(self, system, work, stop, good, error)
+         if (allocated(error)) return
+         if (good) exit
+         self%statistics%rejected = self%statistics%rejected + 1
+         self%h = self%h*min(factor, 0.9_wp)
+         repeated = .true.
+      end do
+      call self%count_step(self%h, 2)
+      self%h_last = self%h
+      if (repeated) factor = min(factor, 1.0_wp)
+      ! A step that would hardly change is kept
+      if (factor < 0.95_wp .or. factor > 1.2_wp) self%h = self%h*factor
+      if (self%t >= stop .and. .not. repeated) self%h = max(self%h, wanted)
+      self%fresh = .false.
+      call update_scales(system, self%q, self%v, self%scales)
+      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+   end subroutine alpha_step
+
+   !> Derivatives at the present state.
+   subroutine refresh(self, system, work)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      call motion_residual(system, work, self%t, self%q, self%v, self%a, self%lambda, self%motion, self%rate)
+      call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
+      self%statistics%jacobians = self%statistics%jacobians + 1
+      self%fresh = .true.
+      self%h_factors = 0.0_wp
+   end subroutine refresh
+
+   !> Factors of the Newton matrix for the present step.
+   subroutine factor_matrix(self, error)
+      class(alpha_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      logical :: singular
+      call combine(self%tangent, cmplx(mass_factor(self), 0.0_wp, wp), (1.0_wp, 0.0_wp), &
+         & cmplx(self%h*self%beta/self%gamma, 0.0_wp, wp), cmplx(self%h*self%beta/self%gamma, 0.0_wp, wp), .false.)
+      call self%tangent%matrix%factor(singular)
+      self%statistics%factorisations = self%statistics%factorisations + 1
+      self%h_factors = self%h
+      if (singular) call raise(error, 'the Newton matrix of ALPHA is singular at t = '//as_text(self%t, 8)// &
+         & ': a constraint is redundant there, or a body without mass is free to move')
+   end subroutine factor_matrix
+
+   !> Change of the accelerations for a unit change of the rates.
+   pure real(wp) function mass_factor(self)
+      class(alpha_type), intent(in) :: self
+      mass_factor = (1 - self%alpha_m)/((1 - self%alpha_f)*self%gamma*self%h)
+   end function mass_factor
+
+   !> Newton iteration for the end of the step.
+   subroutine iterate(self, system, work, t, converged)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      logical, intent(out) :: converged
+      real(wp) :: size_now, size_last, ratio, goal
+      integer :: round, nw
+      nw = system%layout%nw
+      converged = .false.
+      goal = max(1.0e-14_wp, self%tolerance*min(0.03_wp, sqrt(self%tolerance)))
+      ! The accelerations of the algorithm belong to a time that depends on the step
+      self%e = self%algorithmic + (self%alpha_m - self%alpha_f)*(self%h - self%h_last)*self%jerk
+      self%new_a = self%a + self%h*self%jerk
+      self%new_lambda = self%lambda
+      size_last = 0.0_wp
+      do round = 1, most_iterations
+         self%iterations = round
+         self%new_algorithmic = ((1 - self%alpha_f)*self%new_a + self%alpha_f*self%a - self%alpha_m*self%e)/(1 - self%alpha_m)
+         self%x = self%h*self%w + self%h**2*((0.5_wp - self%beta)*self%e + self%beta*self%new_algorithmic)
+         self%new_w = self%w + self%h*((1 - self%gamma)*self%e + self%gamma*self%new_algorithmic)
+         call advance(system%layout, self%q, self%x, self%new_q)
+         call velocities_of(system%layout, self%new_q, self%new_w, self%new_v)
+         if (converged) return
+         call motion_residual(system, work, t, self%new_q, self%new_v, self%new_a, self%new_lambda, self%motion, self%rate)
+         self%unknown(:nw) = -self%motion
+         self%unknown(nw + 1:) = -self%rate
+         call self%tangent%matrix%solve(self%unknown)
+         self%new_a = self%new_a + mass_factor(self)*self%unknown(:nw)
+         self%new_lambda = self%new_lambda + self%unknown(nw + 1:)
+         size_now = sqrt(sum((self%unknown(:nw)/self%scale_w)**2) + sum((self%h*self%unknown(:nw)/self%scale_x)**2))
+         if (.not. size_now <= huge(size_now)) return
+         converged = size_now <= goal
+         if (round > 1) then
+            ratio = size_now/max(size_last, tiny(size_last))
+            if (ratio >= 0.99_wp .and. .not. converged) return
+            if (ratio < 0.99_wp) converged = converged .or. size_now*ratio/(1 - ratio) <= goal
+         end if
+         size_last = size_now
+      end do
+      converged = .false.
+   end subroutine iterate
+
+   !> Local error in units of the scales: the next terms of the series, through the Newton matrix, which lets pass what the
+   !> step resolves.
+   subroutine estimate_error(self, system, err)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(out) :: err
+      integer :: nw
+      real(wp) :: factor_x, factor_w
+      nw = system%layout%nw
+      factor_x = abs(self%beta - 1.0_wp/6 + 0.5_wp*(self%alpha_m - self%alpha_f))
+      factor_w = 1.0_wp/12 + 0.5_wp*abs(self%alpha_m - self%alpha_f)
+      self%unknown = 0.0_wp
+      self%e = factor_x*self%h**2*(self%new_a - self%a)
+      call times_mass(system, self%tangent, mass_factor(self), self%e, self%unknown(:nw))
+      call self%tangent%matrix%solve(self%unknown)
+      err = sum((self%unknown(:nw)/self%scale_x)**2)
+      self%unknown = 0.0_wp
+      self%e = factor_w*self%h*(self%new_a - self%a - self%h*self%jerk)
+      call times_mass(system, self%tangent, mass_factor(self), self%e, self%unknown(:nw))
+      call self%tangent%matrix%solve(self%unknown)
+      err = sqrt(err + sum((self%unknown(:nw)/self%scale_w)**2))
+      if (.not. err <= huge(err)) err = huge(err)
+   end subroutine estimate_error
+
+   !> Takes the step as it is, restores the constraints.
+   subroutine accept(self, system, work, stop, good, error)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      !> False if the constraints cannot be met
+      logical, intent(out) :: good
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: residual, t
+      t = self%t + self%h
+      if (self%h >= stop - self%t) t = stop
+      call linearise(system, work, t, self%new_q, error)
+      if (allocated(error)) return
+      call project_position(system, work, t, self%new_q, self%change, constraint_tolerance, residual)
+      good = residual <= constraint_limit
+      if (.not. good) return
+      self%statistics%position_residual = max(self%statistics%position_residual, residual)
+      call linearise(system, work, t, self%new_q, error)
+      if (allocated(error)) return
+      call velocities_of(system%layout, self%new_q, self%new_w, self%new_v)
+      call project_velocity(system, work, self%new_v, self%change, residual)
+      self%q_before = self%q
+      self%w_before = self%w
+      self%increment = self%x
+      self%t_before = self%t
+      self%t = t
+      self%q = self%new_q
+      self%v = self%new_v
+      call rates_of(system%layout, self%q, self%v, self%w)
+      self%jerk = (self%new_a - self%a)/self%h
+      self%a = self%new_a
+      self%algorithmic = self%new_algorithmic
+      self%lambda = self%new_lambda
+      self%power_before = self%power
+      self%work_before = self%work_done
+      if (system%powered) then
+         call accelerations(system, work, self%q, self%v, self%change)
+         self%power = input_power(system, work, self%q, self%v)
+         self%work_done = self%work_done + 0.5_wp*self%h*(self%power_before + self%power)
+      end if
+   end subroutine accept
+
+   !> Cubic through coordinates and rates at both ends of the step; its derivative for the rates.
+   subroutine alpha_interpolate(self, t, q, v, w)
+      class(alpha_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: q(:), v(:), w
+      real(wp) :: h, s
+      h = self%t - self%t_before
+      if (.not. h > 0.0_wp .or. t >= self%t) then
+         q = self%q
+         v = self%v
+         w = self%work_done
+         return
+      end if
+      s = (t - self%t_before)/h
+      self%new_w = s**2*(3 - 2*s)*self%increment + h*(s*(1 - s)**2*self%w_before - s**2*(1 - s)*self%w)
+      self%e = 6*s*(1 - s)/h*self%increment + (1 - s)*(1 - 3*s)*self%w_before - s*(2 - 3*s)*self%w
+      call advance(self%layout, self%q_before, self%new_w, q)
+      call velocities_of(self%layout, q, self%e, v)
+      w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
+         & - s*self%power)
+   end subroutine alpha_interpolate
+
+end module limber_integrator_alpha

@@ -53,7 +53,7 @@ module limber_integrator_radau
       !> Coordinates and velocities at t (nq); rates and accelerations (nw); multipliers (nc)
       real(wp), allocatable :: q(:), v(:), w(:), a(:), lambda(:)
       !> The same at the beginning of the last step, its increment of the coordinates, its rates and accelerations at the end
-      real(wp), allocatable :: q_before(:), w_before(:), a_before(:), increment(:)
+      real(wp), allocatable :: q_before(:), w_before(:), a_before(:), increment(:), a_end(:)
       !> Work put in and power, at the beginning and the end of the last step
       real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp, power_before = 0.0_wp, power = 0.0_wp
       !> Stages: increments of rates and coordinates (nw,3), multipliers (nc,3), power (3)
@@ -94,7 +94,8 @@ contains
       nw = system%layout%nw
       nc = system%nc
       allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
-         & self%a_before(nw), self%increment(nw), self%z(nw, 3), self%x(nw, 3), self%multipliers(nc, 3), self%motion(nw, 3), &
+         & self%a_before(nw), self%a_end(nw), self%increment(nw), self%z(nw, 3), self%x(nw, 3), &
+         & self%multipliers(nc, 3), self%motion(nw, 3), &
          & self%rate(nc, 3), self%stage_q(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), self%real_part(nw + nc), &
          & self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
       self%q = q
@@ -112,6 +113,7 @@ contains
       self%w_before = self%w
       self%a_before = self%a
       self%increment = 0.0_wp
+      self%a_end = self%a
       slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%a/self%scale_w)**2))
       self%h = duration
       if (slope*self%h > 0.1_wp*self%tolerance**0.25_wp) self%h = 0.1_wp*self%tolerance**0.25_wp/slope
@@ -238,10 +240,10 @@ contains
       integer :: i
       real(wp) :: s
       do i = 1, 3
-         self%z(:, i) = radau_c(i)*self%h*self%a
+         self%z(:, i) = radau_c(i)*self%h*self%a_end
          if (self%h_last > 0.0_wp) then
             s = radau_c(i)*self%h/self%h_last
-            self%z(:, i) = self%z(:, i) + 0.5_wp*s*radau_c(i)*self%h*(self%a - self%a_before)
+            self%z(:, i) = self%z(:, i) + 0.5_wp*s*radau_c(i)*self%h*(self%a_end - self%a_before)
          end if
          self%multipliers(:, i) = self%lambda
       end do
@@ -266,9 +268,9 @@ contains
          if (.not. size_now <= huge(size_now)) return
          if (round > 1) then
             self%contraction = size_now/max(size_last, tiny(size_last))
-            if (self%contraction >= 0.99_wp .and. size_now > goal) return
+            if (round > 2 .and. self%contraction >= 0.99_wp .and. size_now > goal) return
             if (self%contraction < 1.0_wp) then
-               if (size_now*self%contraction**(most_iterations - round)/(1 - self%contraction) > goal) return
+               if (round > 2 .and. size_now*self%contraction**(most_iterations - round)/(1 - self%contraction) > goal) return
                converged = size_now*self%contraction/(1 - self%contraction) <= goal
             end if
          end if
@@ -299,7 +301,8 @@ contains
             & self%multipliers(:, i), self%motion(:, i), self%rate(:, i))
          if (system%powered) then
             work%lambda = self%multipliers(:, i)
-            self%stage_power(i) = input_power(system, work, self%stage_q, self%stage_v)
+            self%stage_power(i) = input_power(system, work, self%stage_q, self%stage_v) + dot_product(self%e, self%motion(:, i)) &
+               & - dot_product(self%multipliers(:, i), self%rate(:, i))
          end if
          self%statistics%evaluations = self%statistics%evaluations + 1
       end do
@@ -333,6 +336,7 @@ contains
             do i = 1, 3
                self%z(k, i) = self%z(k, i) + change(i)
             end do
+            self%x(k, :) = self%x(k, :) + self%h*matmul(radau_a, change)
             largest = largest + sum(change**2)*(1/self%scale_w(k)**2 + (self%h/self%scale_x(k))**2)
          else
             do i = 1, 3
@@ -393,6 +397,7 @@ contains
       real(wp) :: residual, t
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
+      if (system%powered) call stage_residuals(self, system, work)
       call advance(system%layout, self%q, self%x(:, 3), self%stage_q)
       self%e = self%w + self%z(:, 3)
       call linearise(system, work, t, self%stage_q, error)
@@ -405,8 +410,10 @@ contains
       call keep_increment(self, system)
       self%q_before = self%q
       self%w_before = self%w
-      self%a_before = self%a
+      self%a_before = self%a_end
+      self%a_end = matmul(self%z, inverse_a(3, :))/self%h
       self%power_before = self%power
+      self%power = self%stage_power(3)
       self%work_before = self%work_done
       self%work_done = self%work_done + self%h*dot_product(radau_a(3, :), self%stage_power)
       self%t_before = self%t
@@ -417,6 +424,7 @@ contains
       call velocities_of(system%layout, self%q, self%e, self%v)
       call project_velocity(system, work, self%v, self%change, residual)
       call settle_again(self, system, work)
+      where (self%h**2*abs(self%a - self%a_end) <= self%tolerance*self%scale_x) self%a_end = self%a
    end subroutine accept
 
    !> `settle` where the system is linearised already.
@@ -428,7 +436,6 @@ contains
       self%lambda = work%lambda
       call rates_of(system%layout, self%q, self%v, self%w)
       call rates_of(system%layout, self%q, self%change, self%a)
-      if (system%powered) self%power = input_power(system, work, self%q, self%v)
    end subroutine settle_again
 
    !> Increment of the coordinates over the step, the projection included; stage_v holds them before it.
@@ -467,8 +474,8 @@ contains
          & 0.5_wp*s**3*(1 - s)**2]
       d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
          & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]/h
-      self%stage_a = b(1)*self%increment + h*(b(2)*self%w_before + b(4)*self%w) + h**2*(b(3)*self%a_before + b(5)*self%a)
-      self%e = d(1)*self%increment + h*(d(2)*self%w_before + d(4)*self%w) + h**2*(d(3)*self%a_before + d(5)*self%a)
+      self%stage_a = b(1)*self%increment + h*(b(2)*self%w_before + b(4)*self%w) + h**2*(b(3)*self%a_before + b(5)*self%a_end)
+      self%e = d(1)*self%increment + h*(d(2)*self%w_before + d(4)*self%w) + h**2*(d(3)*self%a_before + d(5)*self%a_end)
       call advance(self%layout, self%q_before, self%stage_a, q)
       call velocities_of(self%layout, q, self%e, v)
       w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &

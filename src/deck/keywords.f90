@@ -33,6 +33,8 @@ module limber_deck_keywords
       & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
       & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
       & keyword_type('FORCE', many, form_fields, 1, 1, 'A force on a point'), &
+      & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body'), &
+      & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring and a damper between two points, along the line through them'), &
       & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
       & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
       & keyword_type('OUTPUT', many, form_channels, 1, many, &
@@ -115,16 +117,25 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess'), &
       & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess')]
    type(option_spec_type), parameter :: other_options(*) = [ &
-      & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and forces', '', needed, 'name of the joint'), &
+      & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the joint'), &
       & option_spec_type('JOINT', 'TYPE', kind_word, 'REVOLUTE|POINT ON LINE', &
       &    '', needed, 'POINT ON LINE: the first point moves on a line through the second one'), &
       & option_spec_type('JOINT', 'ANGLE', kind_real, '', &
       &    'rad', '0', 'POINT ON LINE: direction of the line in the frame of the second body'), &
-      & option_spec_type('DRIVER', 'NAME', kind_name, 'joints, drivers and forces', '', needed, 'name of the driver'), &
+      & option_spec_type('DRIVER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the driver'), &
       & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE', '', needed, 'ANGLE: the angle of the frame of a body'), &
       & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM', '', needed, 'body that is driven'), &
-      & option_spec_type('FORCE', 'NAME', kind_name, 'joints, drivers and forces', '', needed, 'name of the force'), &
+      & option_spec_type('FORCE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the force'), &
       & option_spec_type('FORCE', 'POINT', kind_point, '', '', needed, 'point that it acts on: body.point'), &
+      & option_spec_type('TORQUE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the torque'), &
+      & option_spec_type('TORQUE', 'BODY', kind_reference, 'RIGID BODY|BEAM', &
+      &    '', needed, 'body that it acts on; of a beam: its floating frame'), &
+      & option_spec_type('SPRING', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the spring'), &
+      & option_spec_type('SPRING', 'STIFFNESS', kind_nonnegative, '', 'N/m', needed, 'tension for each unit of extension'), &
+      & option_spec_type('SPRING', 'LENGTH', kind_nonnegative, '', &
+      &    'm', '0', 'free length: the distance of the points without tension'), &
+      & option_spec_type('SPRING', 'DAMPING', kind_nonnegative, '', &
+      &    'N s/m', '0', 'tension of the damper for each unit of the speed at which the points part'), &
       & option_spec_type('DYNAMICS', 'START', kind_real, '', 's', '0', 'first instant'), &
       & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
       & option_spec_type('DYNAMICS', 'OUTPUTS', kind_counting, '', &
@@ -162,7 +173,10 @@ module limber_deck_keywords
       & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &
       & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad', 'expression of the time t'), &
       & field_spec_type('FORCE', 'fx', kind_time_expression, 'N', 'component along x of space, expression of the time t'), &
-      & field_spec_type('FORCE', 'fy', kind_time_expression, 'N', 'component along y of space, expression of the time t')]
+      & field_spec_type('FORCE', 'fy', kind_time_expression, 'N', 'component along y of space, expression of the time t'), &
+      & field_spec_type('TORQUE', 'value', kind_time_expression, 'N m', 'positive from x to y, expression of the time t'), &
+      & field_spec_type('SPRING', 'first point', kind_point, '', 'body.point'), &
+      & field_spec_type('SPRING', 'second point', kind_point, '', 'body.point')]
    !> The lists of data lines of the form `form_lists`
    type(list_spec_type), parameter :: list_table(*) = [ &
       & list_spec_type('STUDY', 'integrators', 'DYNAMICS', 'INTEGRATOR', 'integration methods; default all'), &

@@ -15,16 +15,17 @@ module limber_deck_operations
    integer, parameter :: first_function = 9
    integer, parameter :: op_sqrt = 9, op_sin = 10, op_cos = 11, op_tan = 12, op_asin = 13, op_acos = 14, &
       & op_atan = 15, op_sinh = 16, op_cosh = 17, op_tanh = 18, op_exp = 19, op_log = 20, op_log10 = 21, &
-      & op_abs = 22, op_atan2 = 23, op_min = 24, op_max = 25
+      & op_abs = 22, op_atan2 = 23, op_min = 24, op_max = 25, op_step = 26, op_smoothstep = 27
 
    !> Names of the functions
-   character(5), parameter :: function_names(*) = ['sqrt ', 'sin  ', 'cos  ', 'tan  ', 'asin ', 'acos ', &
-      & 'atan ', 'sinh ', 'cosh ', 'tanh ', 'exp  ', 'log  ', 'log10', 'abs  ', 'atan2', 'min  ', 'max  ']
+   character(10), parameter :: function_names(*) = [character(10) :: 'sqrt', 'sin', 'cos', 'tan', 'asin', 'acos', &
+      & 'atan', 'sinh', 'cosh', 'tanh', 'exp', 'log', 'log10', 'abs', 'atan2', 'min', 'max', 'step', 'smoothstep']
    !> Numbers of their arguments; -2: two or more
-   integer, parameter :: function_arity(*) = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, -2, -2]
+   integer, parameter :: function_arity(*) = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, -2, -2, 1, 1]
    !> What is worth saying about them
    character(*), parameter :: function_meanings = 'angles in rad; log is the natural logarithm; ' &
-      & //'atan2(y, x); min and max of two or more'
+      & //'atan2(y, x); min and max of two or more; step(x) is 0 below x = 0 and 1 from there on; ' &
+      & //'smoothstep(x) rises from 0 at x = 0 to 1 at x = 1 with continuous second derivative'
 
    !> A value with its first and second derivative with respect to time
    type :: jet_type
@@ -53,6 +54,8 @@ contains
       case (op_exp); f = exp(u)
       case (op_log); f = log(u)
       case (op_log10); f = log10(u)
+      case (op_step); f = merge(1.0_wp, 0.0_wp, u >= 0.0_wp)
+      case (op_smoothstep); f = smoothstep(u)
       case default; f = abs(u)
       end select
    end function unary_value
@@ -73,6 +76,14 @@ contains
       case default; f = max(u, v)
       end select
    end function binary_value
+
+   !> 0 below 0, 1 above 1, and between the polynomial that joins them with continuous first and second derivatives.
+   elemental real(wp) function smoothstep(u) result(f)
+      real(wp), intent(in) :: u
+      real(wp) :: x
+      x = min(max(u, 0.0_wp), 1.0_wp)
+      f = x**3*(10 + x*(6*x - 15))
+   end function smoothstep
 
    !> u**v; whole exponents take negative bases too.
    elemental real(wp) function power(u, v) result(f)
@@ -96,6 +107,11 @@ contains
       type(jet_type), intent(in) :: u
       type(jet_type) :: f
       real(wp) :: f_u, f_uu
+      if (code == op_abs) then
+         f = u
+         if (is_below(u, jet_type())) f = jet_type(-u%value, -u%first, -u%second)
+         return
+      end if
       f%value = unary_value(code, u%value)
       call unary_derivatives(code, u%value, f%value, f_u, f_uu)
       f%first = f_u*u%first
@@ -123,7 +139,13 @@ contains
       case (op_exp); f_u = y; f_uu = y
       case (op_log); f_u = 1.0_wp/x; f_uu = -f_u**2
       case (op_log10); f_u = 1.0_wp/(x*log(10.0_wp)); f_uu = -f_u/x
-      case default; f_u = sign(1.0_wp, x)
+      case (op_smoothstep)
+         f_u = 0.0_wp
+         if (x > 0.0_wp .and. x < 1.0_wp) then
+            f_u = 30*x**2*(1 - x)**2
+            f_uu = 60*x*(1 - x)*(1 - 2*x)
+         end if
+      case default; f_u = 0.0_wp
       end select
    end subroutine unary_derivatives
 
@@ -157,12 +179,25 @@ contains
             & - 2.0_wp*w*(u%value*u%first + v%value*v%first)/square**2
       case (op_min)
          f = v
-         if (u%value <= v%value) f = u
+         if (is_below(u, v)) f = u
       case default
-         f = v
-         if (u%value >= v%value) f = u
+         f = u
+         if (is_below(u, v)) f = v
       end select
    end function binary_jet
+
+   !> Whether u < v at this instant or, where they are equal, right after it: a bend in time has the derivatives of what
+   !> follows, in every function of a law.
+   elemental logical function is_below(u, v)
+      type(jet_type), intent(in) :: u, v
+      if (abs(u%value - v%value) > 0.0_wp) then
+         is_below = u%value < v%value
+      else if (abs(u%first - v%first) > 0.0_wp) then
+         is_below = u%first < v%first
+      else
+         is_below = u%second < v%second
+      end if
+   end function is_below
 
    !> u**v: by the power rule if v does not change, otherwise as exp(v log u), where f_u and
    !> f_uu are the derivatives of v log u.

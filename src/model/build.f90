@@ -12,8 +12,8 @@ module limber_model_build
    use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, point_shape, fidelity_linear, fidelity_kg, &
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
    use limber_model_channels, only: add_channels
-   use limber_model_points, only: add_point, find_point
-   use limber_model_scene, only: model_type, body_type, joint_type, driver_type, force_type, &
+   use limber_model_points, only: add_point, find_point, find_body
+   use limber_model_scene, only: model_type, body_type, joint_type, driver_type, force_type, torque_type, spring_type, &
       & body_point, body_rigid, body_flexible, ground, joint_revolute, joint_point_on_line
    implicit none
    private
@@ -32,6 +32,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
+      allocate (model%torques(0), model%springs(0))
       call read_labels(deck, model)
       call add_point(model%points, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -50,6 +51,8 @@ contains
          case ('JOINT'); call add_joint(deck%blocks(i), model, diagnostics)
          case ('DRIVER'); call add_driver(deck%blocks(i), model)
          case ('FORCE'); call add_force(deck%blocks(i), model, diagnostics)
+         case ('TORQUE'); call add_torque(deck%blocks(i), model)
+         case ('SPRING'); call add_spring(deck%blocks(i), model, diagnostics)
          end select
       end do
       do i = 1, size(deck%blocks)
@@ -432,12 +435,8 @@ contains
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(driver_type) :: driver
-      integer :: i
       driver%name = block%name()
-      do i = size(model%bodies), 1, -1
-         if (model%bodies(i)%name == block%name('BODY')) exit
-      end do
-      driver%body = i
+      driver%body = find_body(model, block%name('BODY'))
       if (driver%body == 0 .or. size(block%lines) /= 1) return
       driver%law = block%lines(1)%fields(1)%expression
       model%drivers = [model%drivers, driver]
@@ -455,6 +454,46 @@ contains
       force%law(2) = block%lines(1)%fields(2)%expression
       model%forces = [model%forces, force]
    end subroutine add_force
+
+   subroutine add_torque(block, model)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(torque_type) :: torque
+      torque%name = block%name()
+      torque%body = find_body(model, block%name('BODY'))
+      if (torque%body == 0 .or. size(block%lines) /= 1) return
+      torque%law = block%lines(1)%fields(1)%expression
+      model%torques = [model%torques, torque]
+   end subroutine add_torque
+
+   subroutine add_spring(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(spring_type) :: spring
+      integer :: i, bodies(2)
+      if (size(block%lines) /= 1) return
+      do i = 1, 2
+         spring%points(i) = find_point(model, block%lines(1)%text(i), block%lines(1)%origin_of(i), diagnostics)
+      end do
+      if (any(spring%points == 0)) return
+      bodies = model%points(spring%points)%body
+      if (bodies(1) == bodies(2) .and. .not. is_beam(model, bodies(1))) call diagnostics%add(block%lines(1)%origin_of(2), &
+         & "spring '"//block%name()//"' pulls at two points whose distance never changes", 'name points of two different bodies')
+      spring%name = block%name()
+      spring%stiffness = block%real('STIFFNESS')
+      spring%length = block%real('LENGTH')
+      spring%damping = block%real('DAMPING')
+      model%springs = [model%springs, spring]
+   end subroutine add_spring
+
+   !> Whether a body, or the ground, is a beam.
+   pure logical function is_beam(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      is_beam = .false.
+      if (body /= ground) is_beam = model%bodies(body)%end_point > 0
+   end function is_beam
 
    subroutine read_dynamics(block, model, diagnostics)
       type(block_type), intent(in) :: block

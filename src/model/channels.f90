@@ -7,8 +7,9 @@ module limber_model_channels
    use limber_deck_expression, only: expression_type, slot_type, is_binary
    use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide
    use limber_deck_origin, only: origin_type
-   use limber_model_points, only: find_point
-   use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_system
+   use limber_model_points, only: find_point, find_body
+   use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
+      & of_system
    use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, ground
    implicit none
    private
@@ -126,6 +127,12 @@ contains
          end do
          quantity%of = i
          if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
+      case (of_spring)
+         do i = size(model%springs), 1, -1
+            if (model%springs(i)%name == slot%argument) exit
+         end do
+         quantity%of = i
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'")
       case (of_system)
          quantity%of = 0
          if (slot%argument /= 'system') call diagnostics%add(slot%origin, "'"//slot%name//"' is asked of the whole", &
@@ -146,14 +153,6 @@ contains
       quantity%of = -1
       call diagnostics%add(slot%origin, "'"//slot%argument//"' is not on a beam", slot%name//' is a quantity of beams')
    end subroutine need_beam
-
-   pure integer function find_body(model, name) result(found)
-      type(model_type), intent(in) :: model
-      character(*), intent(in) :: name
-      do found = size(model%bodies), 1, -1
-         if (model%bodies(found)%name == name) return
-      end do
-   end function find_body
 
    pure function body_list(model) result(text)
       type(model_type), intent(in) :: model

@@ -1,4 +1,4 @@
-!> The list of named points: adding to it, and finding what a deck refers to. Floor: model.
+!> The list of named points: adding to it, and finding points and bodies that a deck refers to. Floor: model.
 module limber_model_points
    use limber_base_kinds, only: wp
    use limber_base_text, only: nearest_name, lowercase
@@ -7,7 +7,7 @@ module limber_model_points
    use limber_model_scene, only: model_type, point_type
    implicit none
    private
-   public :: add_point, find_point
+   public :: add_point, find_point, find_body
 
 contains
 
@@ -74,6 +74,15 @@ contains
          end if
       end if
    end function find_point
+
+   !> Index of a body; 0 if there is none of this name.
+   pure integer function find_body(model, name) result(found)
+      type(model_type), intent(in) :: model
+      character(*), intent(in) :: name
+      do found = size(model%bodies), 1, -1
+         if (model%bodies(found)%name == name) return
+      end do
+   end function find_body
 
    !> Names separated by commas.
    pure function listed(names) result(text)

@@ -8,13 +8,14 @@ module limber_model_quantities
 
    !> What a quantity is asked of
    integer, parameter, public :: of_point = 1, of_body = 2, of_beam_point = 3, of_beam = 4, of_joint = 5, of_driver = 6, &
-      & of_system = 7
+      & of_system = 7, of_spring = 8
 
    !> The quantities
    integer, parameter, public :: quantity_x = 1, quantity_y = 2, quantity_vx = 3, quantity_vy = 4, quantity_ax = 5, &
       & quantity_ay = 6, quantity_angle = 7, quantity_spin = 8, quantity_deflection = 9, quantity_length = 10, &
       & quantity_force_x = 11, quantity_force_y = 12, quantity_torque = 13, quantity_kinetic = 14, &
-      & quantity_potential = 15, quantity_work = 16
+      & quantity_potential = 15, quantity_work = 16, quantity_u1 = 17, quantity_u2 = 18, quantity_rotation = 19, &
+      & quantity_tension = 20
 
    !> One row
    type :: quantity_spec_type
@@ -30,7 +31,7 @@ module limber_model_quantities
       character(100) :: meaning
    end type quantity_spec_type
 
-   type(quantity_spec_type), parameter :: quantities(16) = [ &
+   type(quantity_spec_type), parameter :: quantities(20) = [ &
       & quantity_spec_type('x', of_point, [1, 0, 0], .false., 'position of a point along the fixed x axis'), &
       & quantity_spec_type('y', of_point, [1, 0, 0], .false., 'position of a point along the fixed y axis'), &
       & quantity_spec_type('vx', of_point, [1, -1, 0], .false., 'velocity of a point along x'), &
@@ -49,9 +50,17 @@ module limber_model_quantities
       & quantity_spec_type('kinetic_energy', of_system, [2, -2, 1], .false., &
       &    'kinetic energy of the whole: kinetic_energy(system)'), &
       & quantity_spec_type('potential_energy', of_system, [2, -2, 1], .false., &
-      &    'elastic energy and potential of the weight of the whole: potential_energy(system)'), &
+      &    'energy of beams, springs and weight of the whole: potential_energy(system)'), &
       & quantity_spec_type('work', of_system, [2, -2, 1], .false., &
-      &    'work put in by drivers and forces since the start: work(system)')]
+      &    'work put in by drivers, forces and torques since the start, less that of dampers: work(system)'), &
+      & quantity_spec_type('u1', of_beam_point, [1, 0, 0], .false., &
+      &    'displacement of a beam''s point along the first axis of the beam''s frame'), &
+      & quantity_spec_type('u2', of_beam_point, [1, 0, 0], .false., &
+      &    'displacement of a beam''s point along the second axis of the beam''s frame'), &
+      & quantity_spec_type('rotation', of_beam_point, [0, 0, 0], .true., &
+      &    'slope of a beam at a point within the beam''s frame'), &
+      & quantity_spec_type('tension', of_spring, [1, -2, 1], .false., &
+      &    'pull of a spring and its damper on their points')]
 
 contains
 
@@ -80,8 +89,8 @@ contains
    pure function argument(of) result(name)
       integer, intent(in) :: of
       character(15) :: name
-      character(15), parameter :: names(7) = [character(15) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
-         & 'driver', 'system']
+      character(15), parameter :: names(8) = [character(15) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
+         & 'driver', 'system', 'spring']
       name = names(of)
    end function argument
 

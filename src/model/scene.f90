@@ -1,4 +1,4 @@
-!> The model: bodies, points, joints, drivers, forces and what is asked for. Constant once it is built; it knows
+!> The model: bodies, points, joints, drivers, loads and what is asked for. Constant once it is built; it knows
 !> neither the deck's text nor any state. Floor: model.
 module limber_model_scene
    use limber_base_kinds, only: wp
@@ -8,8 +8,8 @@ module limber_model_scene
    use limber_flex_reduction, only: reduction_type
    implicit none
    private
-   public :: model_type, body_type, point_type, joint_type, driver_type, force_type, dynamics_type, channel_type
-   public :: quantity_type, units_type
+   public :: model_type, body_type, point_type, joint_type, driver_type, force_type, torque_type, spring_type
+   public :: dynamics_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
@@ -81,11 +81,29 @@ module limber_model_scene
       type(expression_type) :: law(2)
    end type force_type
 
+   !> A torque on a body
+   type :: torque_type
+      character(:), allocatable :: name
+      !> Index of the body
+      integer :: body = 0
+      !> Function of t [force length]
+      type(expression_type) :: law
+   end type torque_type
+
+   !> A spring and a damper between two points
+   type :: spring_type
+      character(:), allocatable :: name
+      !> Indices of the two points
+      integer :: points(2) = 0
+      !> Stiffness [force/length], free length [length], damping [force time/length]
+      real(wp) :: stiffness = 0.0_wp, length = 0.0_wp, damping = 0.0_wp
+   end type spring_type
+
    !> A quantity that a channel's expression asks for
    type :: quantity_type
       !> Index into the table of quantities
       integer :: kind = 0
-      !> Index of the point, body, joint or driver that it is asked of
+      !> Index of the point, body, joint, driver or spring that it is asked of
       integer :: of = 0
    end type quantity_type
 
@@ -134,6 +152,8 @@ module limber_model_scene
       type(joint_type), allocatable :: joints(:)
       type(driver_type), allocatable :: drivers(:)
       type(force_type), allocatable :: forces(:)
+      type(torque_type), allocatable :: torques(:)
+      type(spring_type), allocatable :: springs(:)
       type(channel_type), allocatable :: channels(:)
       type(dynamics_type) :: dynamics
       !> Characteristic length: the largest size of a body or distance between guessed places [length]

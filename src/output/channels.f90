@@ -6,6 +6,7 @@ module limber_output_channels
    use limber_system_algebra, only: turn, along, cross
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
+   use limber_system_springs, only: point_spring_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -43,7 +44,7 @@ contains
             associate (quantity => system%model%channels(i)%quantities(j))
                select case (quantity%kind)
                case (quantity_angle); recorder%turning = [recorder%turning, quantity%of]
-               case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque)
+               case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension)
                   recorder%needs_accelerations = .true.
                case (quantity_kinetic, quantity_potential); recorder%needs_energy = .true.
                end select
@@ -140,13 +141,21 @@ contains
          associate (item => system%constraints(size(system%model%joints) + quantity%of)%item)
             value = -work%lambda(item%first)*work%jacobians(1, size(system%model%joints) + quantity%of)%z(1, 3)
          end associate
+      case (quantity_u1, quantity_u2)
+         vector = beam_displacement(system, quantity%of, q)
+      case (quantity_rotation)
+         associate (point => system%model%points(quantity%of))
+            value = dot_product(point%psi, q(system%layout%q(point%body) + 4:system%layout%q(point%body) + 3 + size(point%psi)))
+         end associate
+      case (quantity_tension)
+         value = spring_tension(system, work, quantity%of)
       case (quantity_kinetic); value = recorder%kinetic
       case (quantity_potential); value = recorder%potential
       case (quantity_work); value = recorder%work
       end select
       select case (quantity%kind)
-      case (quantity_x, quantity_vx, quantity_ax, quantity_force_x); value = vector(1)
-      case (quantity_y, quantity_vy, quantity_ay, quantity_force_y); value = vector(2)
+      case (quantity_x, quantity_vx, quantity_ax, quantity_force_x, quantity_u1); value = vector(1)
+      case (quantity_y, quantity_vy, quantity_ay, quantity_force_y, quantity_u2); value = vector(2)
       end select
    end function quantity_value
 
@@ -179,5 +188,32 @@ contains
          deflection = cross(chord, point_position(system%layout, points(point), q) - start)/norm2(chord)
       end associate
    end function deflection
+
+   !> Displacement of a beam's point from its undeformed place, along the axes of the beam's frame.
+   pure function beam_displacement(system, point, q) result(displacement)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: point
+      real(wp), intent(in) :: q(:)
+      real(wp) :: displacement(2)
+      integer :: first, k
+      displacement = 0.0_wp
+      first = system%layout%q(system%model%points(point)%body) + 4
+      do k = 1, size(system%model%points(point)%psi)
+         displacement = displacement + system%model%points(point)%phi(:, k)*q(first + k - 1)
+      end do
+   end function beam_displacement
+
+   !> Tension of a spring; the loads stand in the order forces, torques, springs.
+   real(wp) function spring_tension(system, work, spring) result(tension)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the spring in the model
+      integer, intent(in) :: spring
+      tension = 0.0_wp
+      select type (load => system%loads(size(system%model%forces) + size(system%model%torques) + spring)%item)
+      type is (point_spring_type)
+         tension = load%tension(work%kinematics)
+      end select
+   end function spring_tension
 
 end module limber_output_channels

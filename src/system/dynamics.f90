@@ -5,7 +5,7 @@ module limber_system_dynamics
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
-   use limber_model_scene, only: body_flexible
+   use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn, cross
    use limber_system_body, only: velocity_forces, gravity_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_frames, move_frames
@@ -68,8 +68,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: q(:), v(:)
-      integer :: i, k, first, last
-      real(wp) :: force(2)
+      integer :: i, first, last
       logical :: heavy
       heavy = any(abs(system%model%gravity) > 0.0_wp)
       do i = 1, size(work%bodies)
@@ -91,30 +90,33 @@ contains
          end associate
       end do
       do i = 1, size(system%loads)
-         associate (marker => work%kinematics%markers(system%loads(i)%marker))
-            if (marker%body == 0) cycle
-            force = load_at(system, i, work%kinematics%time)
-            associate (body => work%bodies(marker%body))
-               body%force(1:2) = body%force(1:2) + force
-               body%force(3) = body%force(3) + dot_product(marker%lever, force)
-               do k = 1, size(marker%shape, 2)
-                  body%eta_force(k) = body%eta_force(k) + dot_product(marker%shape(:, k), force)
-               end do
-            end associate
+         associate (load => system%loads(i)%item, force => work%loads(i)%force)
+            force = 0.0_wp
+            call load%add_force(work%kinematics, force)
+            call add_to_body(system, work, load%bodies(1), force(:load%rates(1)))
+            call add_to_body(system, work, load%bodies(2), force(load%rates(1) + 1:))
          end associate
       end do
    end subroutine sum_forces
 
-   !> Components of a load at a time.
-   pure function load_at(system, load, t) result(force)
+   !> Adds a load's forces, in the layout of a body's rates, to those of the body.
+   pure subroutine add_to_body(system, work, body, force)
       type(system_type), intent(in) :: system
-      integer, intent(in) :: load
-      real(wp), intent(in) :: t
-      real(wp) :: force(2), time(1)
-      time = t
-      force(1) = system%loads(load)%law(1)%evaluate(time)
-      force(2) = system%loads(load)%law(2)%evaluate(time)
-   end function load_at
+      type(workspace_type), intent(inout) :: work
+      !> Index of the body, or `ground`
+      integer, intent(in) :: body
+      !> Forces (rates)
+      real(wp), intent(in) :: force(:)
+      integer :: k, rates
+      if (body == ground) return
+      rates = system%layout%rates(body)
+      do k = 1, rates
+         work%bodies(body)%force(k) = work%bodies(body)%force(k) + force(k)
+      end do
+      do k = 1, system%layout%n(body)
+         work%bodies(body)%eta_force(k) = work%bodies(body)%eta_force(k) + force(rates + k)
+      end do
+   end subroutine add_to_body
 
    !> Residual of every constraint at the placed kinematics into work%phi; returns the largest, each relative to its scale.
    real(wp) function position_residual(system, work) result(largest)
@@ -170,7 +172,7 @@ contains
             call item%rate(work%kinematics, work%gamma(at + 1:at + item%rows))
             do side = 1, 2
                body = item%bodies(side)
-               if (body == 0) cycle
+               if (body == ground) cycle
                first = system%layout%q(body)
                rates = 0.0_wp
                rates(1:2) = v(first:first + 1)
@@ -298,8 +300,7 @@ contains
          end associate
       end do
       do i = 1, size(system%loads)
-         power = power + dot_product(load_at(system, i, work%kinematics%time), &
-            & work%kinematics%markers(system%loads(i)%marker)%velocity)
+         call system%loads(i)%item%add_power(work%kinematics, power)
       end do
       do i = 1, size(work%bodies)
          if (system%model%bodies(i)%kind /= body_flexible) cycle
@@ -311,7 +312,8 @@ contains
       end do
    end function input_power
 
-   !> Kinetic energy, and potential energy: elastic and weight. In the model k_g the elastic energy is that of K_E.
+   !> Kinetic energy, and potential energy: of beams, weight and springs. In the model k_g the energy of a beam is that of K_E.
+   !> With loads, the kinematics are left placed at q.
    subroutine mechanical_energy(system, work, q, v, kinetic, potential)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -338,6 +340,11 @@ contains
             call elastic_energy(reduced, q(first + 4:last), work%bodies(i)%z, work%bodies(i)%s, elastic)
             potential = potential + elastic
          end associate
+      end do
+      if (size(system%loads) == 0) return
+      call place_frames(system%model, system%layout, work%kinematics%time, q, work%kinematics)
+      do i = 1, size(system%loads)
+         call system%loads(i)%item%add_energy(work%kinematics, potential)
       end do
    end subroutine mechanical_energy
 

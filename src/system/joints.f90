@@ -5,6 +5,7 @@ module limber_system_joints
    use limber_system_algebra, only: turn, along
    use limber_system_constraint, only: constraint_type, jacobian_type
    use limber_system_kinematics, only: kinematics_type, marker_type
+   use limber_system_markers, only: add_marker, marker_drift, marker_stiffness
    implicit none
    private
    public :: revolute_type, point_on_line_type
@@ -190,52 +191,5 @@ contains
          jacobian%eta(row, k) = weight(1)*marker%shape(1, k) + weight(2)*marker%shape(2, k)
       end do
    end subroutine marker_row
-
-   !> Adds the derivatives of (weight . position of a marker) to a row.
-   pure subroutine add_marker(marker, weight, row)
-      type(marker_type), intent(in) :: marker
-      real(wp), intent(in) :: weight(2)
-      real(wp), intent(inout) :: row(:)
-      integer :: k
-      if (marker%body == ground) return
-      row(1:2) = row(1:2) + weight
-      if (size(row) < 3) return
-      row(3) = row(3) + dot_product(weight, marker%lever)
-      do k = 1, size(marker%shape, 2)
-         row(3 + k) = row(3 + k) + dot_product(weight, marker%shape(:, k))
-      end do
-   end subroutine add_marker
-
-   !> Adds the derivatives of (weight . velocity of a marker) with respect to (r, rotation, eta) to a row.
-   pure subroutine marker_drift(kinematics, marker, weight, row)
-      type(kinematics_type), intent(in) :: kinematics
-      integer, intent(in) :: marker
-      real(wp), intent(in) :: weight(2)
-      real(wp), intent(inout) :: row(:)
-      integer :: k
-      if (size(row) < 3) return
-      associate (point => kinematics%markers(marker), frame => kinematics%frames(kinematics%markers(marker)%body))
-         row(3) = row(3) + dot_product(weight, turn(point%velocity - frame%velocity))
-         do k = 1, size(point%shape, 2)
-            row(3 + k) = row(3 + k) + frame%omega*dot_product(weight, turn(point%shape(:, k)))
-         end do
-      end associate
-   end subroutine marker_drift
-
-   !> Adds the second derivatives of (force . position of a marker) with respect to (r, rotation, eta).
-   pure subroutine marker_stiffness(marker, force, k)
-      type(marker_type), intent(in) :: marker
-      real(wp), intent(in) :: force(2)
-      real(wp), intent(inout) :: k(:, :)
-      real(wp) :: part
-      integer :: j
-      if (size(k, 1) < 3) return
-      k(3, 3) = k(3, 3) + dot_product(turn(marker%lever), force)
-      do j = 1, size(marker%shape, 2)
-         part = dot_product(turn(marker%shape(:, j)), force)
-         k(3, 3 + j) = k(3, 3 + j) + part
-         k(3 + j, 3) = k(3 + j, 3) + part
-      end do
-   end subroutine marker_stiffness
 
 end module limber_system_joints

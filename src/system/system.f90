@@ -2,25 +2,22 @@
 !> everything that changes lives in `workspace_type`. Floor: system.
 module limber_system_system
    use limber_base_kinds, only: wp
-   use limber_deck_expression, only: expression_type
    use limber_flex_reduced, only: reduced_type
-   use limber_model_scene, only: model_type, joint_type, driver_type, joint_revolute, joint_point_on_line, ground
+   use limber_model_scene, only: model_type, joint_type, driver_type, force_type, torque_type, spring_type, joint_revolute, &
+      & joint_point_on_line, ground
    use limber_system_constraint, only: constraint_type, constraint_item_type, jacobian_type, new_jacobian
    use limber_system_drivers, only: driven_angle_type
    use limber_system_joints, only: revolute_type, point_on_line_type
    use limber_system_kinematics, only: layout_type, new_layout, kinematics_type, new_kinematics
+   use limber_system_loads, only: load_type, load_item_type, dead_force_type, body_torque_type
    use limber_system_sparse, only: sparse_type
+   use limber_system_springs, only: point_spring_type
    implicit none
    private
-   public :: system_type, new_system, workspace_type, new_workspace, load_type, body_workspace_type, mark_block, block_place
+   public :: system_type, new_system, workspace_type, new_workspace, body_workspace_type, mark_block, block_place
 
-   !> A dead force at a marker
-   type :: load_type
-      !> Index of the marker
-      integer :: marker = 0
-      !> Components along the fixed axes as functions of t
-      type(expression_type) :: law(2)
-   end type load_type
+   !> Distance below which a spring's direction fades, relative to the characteristic length
+   real(wp), parameter :: softening = 1.0e-10_wp
 
    !> The equations; constant once it is built
    type :: system_type
@@ -28,7 +25,8 @@ module limber_system_system
       type(layout_type) :: layout
       !> Joints first, then drivers, in the order of the model
       type(constraint_item_type), allocatable :: constraints(:)
-      type(load_type), allocatable :: loads(:)
+      !> Forces first, then torques, then springs, in the order of the model
+      type(load_item_type), allocatable :: loads(:)
       !> Points that joints and loads use
       integer, allocatable :: marker_points(:)
       !> Number of constraint equations (without the norm constraints), and of all unknowns of the multiplier system
@@ -54,12 +52,18 @@ module limber_system_system
       real(wp), allocatable :: eta_rows(:, :)
    end type body_workspace_type
 
+   !> Scratch of one load: its forces on both bodies (rates)
+   type :: load_workspace_type
+      real(wp), allocatable :: force(:)
+   end type load_workspace_type
+
    !> Everything that changes while the equations are evaluated; allocated once
    type :: workspace_type
       type(kinematics_type) :: kinematics
       type(body_workspace_type), allocatable :: bodies(:)
       !> Jacobian of each constraint on its two bodies (2, constraints)
       type(jacobian_type), allocatable :: jacobians(:, :)
+      type(load_workspace_type), allocatable :: loads(:)
       !> Residuals and right-hand sides of the constraints (nc)
       real(wp), allocatable :: phi(:), gamma(:)
       !> Multiplier matrix of the unknowns [frame accelerations; multipliers], and a vector of them
@@ -81,7 +85,7 @@ contains
       system%model = model
       system%layout = new_layout(model)
       allocate (system%marker_points(0))
-      allocate (system%constraints(size(model%joints) + size(model%drivers)), system%loads(size(model%forces)))
+      allocate (system%constraints(size(model%joints) + size(model%drivers)))
       count = 0
       do i = 1, size(model%joints)
          count = count + 1
@@ -95,12 +99,12 @@ contains
          system%constraints(i)%item%first = system%nc + 1
          system%nc = system%nc + system%constraints(i)%item%rows
       end do
-      do i = 1, size(model%forces)
-         system%loads(i)%marker = marker_of(system, model%forces(i)%point)
-         system%loads(i)%law = model%forces(i)%law
-      end do
+      call add_loads(system)
       system%unknowns = system%layout%nz + system%nc
-      system%powered = size(model%drivers) > 0 .or. size(model%forces) > 0
+      system%powered = size(model%drivers) > 0
+      do i = 1, size(system%loads)
+         system%powered = system%powered .or. system%loads(i)%item%powered
+      end do
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
             if (body%geometric .and. .not. body%full) system%powered = .true.
@@ -154,6 +158,73 @@ contains
       item%bodies = [driver%body, ground]
    end subroutine add_driver
 
+   !> Forces, torques and springs.
+   subroutine add_loads(system)
+      type(system_type), intent(inout) :: system
+      integer :: i, side, count
+      count = 0
+      associate (model => system%model)
+         allocate (system%loads(size(model%forces) + size(model%torques) + size(model%springs)))
+      end associate
+      do i = 1, size(system%model%forces)
+         count = count + 1
+         call add_force(system, system%model%forces(i), system%loads(count)%item)
+      end do
+      do i = 1, size(system%model%torques)
+         count = count + 1
+         call add_torque(system%model%torques(i), system%loads(count)%item)
+      end do
+      do i = 1, size(system%model%springs)
+         count = count + 1
+         call add_spring(system, system%model%springs(i), system%loads(count)%item)
+      end do
+      do i = 1, count
+         associate (load => system%loads(i)%item)
+            do side = 1, 2
+               if (load%bodies(side) /= ground) load%rates(side) = system%layout%rates(load%bodies(side)) &
+                  & + system%layout%n(load%bodies(side))
+            end do
+         end associate
+      end do
+   end subroutine add_loads
+
+   subroutine add_force(system, force, item)
+      type(system_type), intent(inout) :: system
+      type(force_type), intent(in) :: force
+      class(load_type), allocatable, intent(out) :: item
+      type(dead_force_type) :: dead
+      dead%marker = marker_of(system, force%point)
+      dead%law_x = force%law(1)
+      dead%law_y = force%law(2)
+      dead%bodies(1) = system%model%points(force%point)%body
+      allocate (item, source=dead)
+   end subroutine add_force
+
+   subroutine add_torque(torque, item)
+      type(torque_type), intent(in) :: torque
+      class(load_type), allocatable, intent(out) :: item
+      type(body_torque_type) :: turning
+      turning%law = torque%law
+      turning%bodies(1) = torque%body
+      allocate (item, source=turning)
+   end subroutine add_torque
+
+   subroutine add_spring(system, spring, item)
+      type(system_type), intent(inout) :: system
+      type(spring_type), intent(in) :: spring
+      class(load_type), allocatable, intent(out) :: item
+      type(point_spring_type) :: pull
+      pull%markers(1) = marker_of(system, spring%points(1))
+      pull%markers(2) = marker_of(system, spring%points(2))
+      pull%bodies = [system%model%points(spring%points(1))%body, system%model%points(spring%points(2))%body]
+      pull%stiffness = spring%stiffness
+      pull%free_length = spring%length
+      pull%damping = spring%damping
+      pull%softening = softening*system%model%length
+      pull%powered = spring%damping > 0.0_wp
+      allocate (item, source=pull)
+   end subroutine add_spring
+
    !> Room for everything that changes.
    subroutine new_workspace(system, work)
       type(system_type), intent(in) :: system
@@ -164,6 +235,10 @@ contains
       allocate (work%phi(system%nc), work%gamma(system%nc), work%lambda(system%nc))
       allocate (work%solution(system%unknowns))
       work%lambda = 0.0_wp
+      allocate (work%loads(size(system%loads)))
+      do i = 1, size(work%loads)
+         allocate (work%loads(i)%force(sum(system%loads(i)%item%rates)))
+      end do
       do i = 1, size(work%bodies)
          call size_body(system%model%bodies(i)%reduced, work%bodies(i))
       end do

@@ -38,11 +38,19 @@ module limber_system_tangent
       integer, allocatable :: across_place(:, :), across_transposed(:, :)
    end type constraint_tangent_type
 
+   !> Derivatives of minus the forces of a load (rates, rates), and where they stand
+   type :: load_tangent_type
+      real(wp), allocatable :: damping(:, :), stiffness(:, :)
+      !> Unknowns of the load's two bodies, one after the other (rates), and places in the matrix
+      integer, allocatable :: unknowns(:), place(:, :)
+   end type load_tangent_type
+
    !> Derivatives of the whole system at one state
    type :: tangent_type
       type(sparse_type) :: matrix
       type(body_tangent_type), allocatable :: bodies(:)
       type(constraint_tangent_type), allocatable :: constraints(:)
+      type(load_tangent_type), allocatable :: loads(:)
    end type tangent_type
 
 contains
@@ -73,6 +81,15 @@ contains
             call mark_block(tangent%matrix, places(system, item%bodies(2)), places(system, item%bodies(1)))
          end associate
       end do
+      allocate (tangent%loads(size(system%loads)))
+      do i = 1, size(tangent%loads)
+         associate (item => system%loads(i)%item, load => tangent%loads(i))
+            m = sum(item%rates)
+            allocate (load%damping(m, m), load%stiffness(m, m))
+            load%unknowns = [places(system, item%bodies(1)), places(system, item%bodies(2))]
+            call mark_block(tangent%matrix, load%unknowns, load%unknowns)
+         end associate
+      end do
       call tangent%matrix%analyse(system%layout%nw + system%nc)
       allocate (tangent%matrix%complex_values(size(tangent%matrix%values)))
       call find_places(system, tangent)
@@ -101,6 +118,9 @@ contains
             c%across_place = block_place(matrix, places(system, bodies(1)), places(system, bodies(2)))
             c%across_transposed = transpose(block_place(matrix, places(system, bodies(2)), places(system, bodies(1))))
          end associate
+      end do
+      do i = 1, size(tangent%loads)
+         tangent%loads(i)%place = block_place(tangent%matrix, tangent%loads(i)%unknowns, tangent%loads(i)%unknowns)
       end do
    end subroutine find_places
 
@@ -209,6 +229,11 @@ contains
       do i = 1, size(tangent%constraints)
          call linearise_constraint(system, work, i, lambda, tangent)
       end do
+      do i = 1, size(tangent%loads)
+         tangent%loads(i)%stiffness = 0.0_wp
+         tangent%loads(i)%damping = 0.0_wp
+         call system%loads(i)%item%add_tangent(work%kinematics, tangent%loads(i)%stiffness, tangent%loads(i)%damping)
+      end do
    end subroutine linearise_motion
 
    subroutine linearise_body(system, work, i, q, v, a, body)
@@ -310,6 +335,10 @@ contains
             call add(c%across_transposed, c%across, stiffness)
          end associate
       end do
+      do i = 1, size(tangent%loads)
+         call add(tangent%loads(i)%place, tangent%loads(i)%damping, damping)
+         call add(tangent%loads(i)%place, tangent%loads(i)%stiffness, stiffness)
+      end do
 
    contains
 
@@ -357,7 +386,7 @@ contains
       type(tangent_type), intent(in) :: tangent
       real(wp), intent(in) :: factor, vector(:)
       real(wp), intent(inout) :: product(:)
-      integer :: i, j, first, other
+      integer :: i, j, k, first, other
       do i = 1, size(tangent%bodies)
          first = system%layout%w(i)
          associate (stiffness => tangent%bodies(i)%stiffness)
@@ -377,6 +406,15 @@ contains
                   & + factor*vector(other + j - 1)*across(:, j)
                product(other + j - 1) = product(other + j - 1) &
                   & + factor*dot_product(across(:, j), vector(first:first + size(across, 1) - 1))
+            end do
+         end associate
+      end do
+      do i = 1, size(tangent%loads)
+         associate (load => tangent%loads(i))
+            do j = 1, size(load%unknowns)
+               do k = 1, size(load%unknowns)
+                  product(load%unknowns(k)) = product(load%unknowns(k)) + factor*load%stiffness(k, j)*vector(load%unknowns(j))
+               end do
             end do
          end associate
       end do

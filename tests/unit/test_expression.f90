@@ -18,6 +18,7 @@ program test_expression
    call test_functions()
    call test_derivatives()
    call test_special_derivatives()
+   call test_bends()
    call test_slots()
    call test_errors()
    call test_depth()
@@ -79,6 +80,14 @@ contains
       call value('min(3, 1, 2)', 1.0_wp)
       call value('max(3, 1, 5, 2)', 5.0_wp)
       call value('max(1, min(2, a))', 2.0_wp)
+      call value('step(-1e-300)', 0.0_wp)
+      call value('step(0)', 1.0_wp)
+      call value('step(2)', 1.0_wp)
+      call value('smoothstep(-1)', 0.0_wp)
+      call value('smoothstep(0.5)', 0.5_wp)
+      call value('smoothstep(0.25)', 0.103515625_wp)
+      call value('smoothstep(1)', 1.0_wp)
+      call value('smoothstep(3)', 1.0_wp)
    end subroutine test_functions
 
    !> A constant expression has a value, and is folded into one number.
@@ -126,6 +135,12 @@ contains
       call derivatives('min(t**2, t, 5)', 0.7_wp)
       call derivatives('max(t**2, t, -5)', 0.7_wp)
       call derivatives('-(150*t + 0.1*sin(3*t)**2)', 0.7_wp)
+      call derivatives('t**2*step(t - 0.5) + t*step(0.5 - t)', 0.7_wp)
+      call derivatives('t**2*step(t - 0.8) + t*step(0.8 - t)', 0.7_wp)
+      call derivatives('smoothstep(t)', 0.7_wp)
+      call derivatives('smoothstep(2*t**2)', 0.3_wp)
+      call derivatives('smoothstep(2*t)', 0.7_wp)
+      call derivatives('smoothstep(-t)', 0.7_wp)
    end subroutine test_derivatives
 
    !> Value and derivatives against the plain value and central differences of it.
@@ -159,6 +174,40 @@ contains
       call derivatives('(t - 1)**3', 1.0_wp)
       call derivatives('0*t', 0.0_wp)
    end subroutine test_special_derivatives
+
+   !> Where a law has a bend in time, all its functions have the derivatives of what follows: sums of them agree.
+   subroutine test_bends()
+      call bend('max(t - 2, 0)', 0.0_wp, 1.0_wp, 0.0_wp)
+      call bend('max(0, t - 2)', 0.0_wp, 1.0_wp, 0.0_wp)
+      call bend('max(2 - t, 0)', 0.0_wp, 0.0_wp, 0.0_wp)
+      call bend('min(t, 2)', 2.0_wp, 0.0_wp, 0.0_wp)
+      call bend('min(2, t)', 2.0_wp, 0.0_wp, 0.0_wp)
+      call bend('min(t, 2) + max(t - 2, 0)', 2.0_wp, 1.0_wp, 0.0_wp)
+      call bend('abs(t - 2)', 0.0_wp, 1.0_wp, 0.0_wp)
+      call bend('abs(2 - t)', 0.0_wp, 1.0_wp, 0.0_wp)
+      call bend('max((t - 2)**2, 0)', 0.0_wp, 0.0_wp, 2.0_wp)
+      call bend('min(0, (t - 2)**2)', 0.0_wp, 0.0_wp, 0.0_wp)
+      call bend('(1 - step(t - 2))*t**2 + step(t - 2)*(4 + 3*(t - 2))', 4.0_wp, 3.0_wp, 0.0_wp)
+      call bend('smoothstep(t - 2)', 0.0_wp, 0.0_wp, 0.0_wp)
+      call bend('smoothstep(t - 1)', 1.0_wp, 0.0_wp, 0.0_wp)
+   end subroutine test_bends
+
+   !> Value and derivatives at t = 2.
+   subroutine bend(text, value, first, second)
+      character(*), intent(in) :: text
+      real(wp), intent(in) :: value, first, second
+      type(expression_type) :: expression
+      type(diagnostics_type) :: diagnostics
+      type(jet_type) :: jet
+      logical :: ok
+      call compile(text, origin_type(1, 1, 1, len(text)), parameters, expression, ok, diagnostics, time=.true.)
+      call check(ok, 'compiles: '//text)
+      if (.not. ok) return
+      jet = expression%evaluate_jet(2.0_wp)
+      call check_close(jet%value, value, 0.0_wp, 'value at the bend of '//text)
+      call check_close(jet%first, first, 0.0_wp, 'first derivative at the bend of '//text)
+      call check_close(jet%second, second, 0.0_wp, 'second derivative at the bend of '//text)
+   end subroutine bend
 
    subroutine test_slots()
       type(expression_type) :: expression

@@ -7,7 +7,7 @@ program test_tangent
    use limber_flex_elastic, only: elastic_force, elastic_tangent
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, &
+   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, axial_static, fidelity_full, fidelity_kg, &
       & fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
@@ -15,7 +15,7 @@ program test_tangent
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, tangent_type, times_mass, &
       & times_stiffness
-   use scenes, only: add_beam, add_beam_place, add_driver, add_joint, add_place, add_point_mass, add_rigid, &
+   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_joint, add_place, add_point_mass, add_rigid, &
       & derivative, empty_model, random, slider_crank, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -37,6 +37,7 @@ program test_tangent
    call test_scene('slider-crank, full', crank_with(fidelity_full))
    call test_scene('a moving line', moving_line())
    call test_scene('every pairing', zoo())
+   call test_scene('loads', loaded())
    call test_elastic(fidelity_linear)
    call test_elastic(fidelity_kg)
    call test_elastic(fidelity_full)
@@ -113,6 +114,28 @@ contains
       call add_driver(model, 'drive rod', rod, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
       call add_driver(model, 'drive block', block, wavy_law(2.9_wp, -0.7_wp, 0.6_wp, -1.4_wp))
    end function zoo
+
+   !> Dead forces that turn a rigid body, bend a beam and push a mass; no joints at all.
+   function loaded() result(model)
+      type(model_type) :: model
+      type(reduction_type) :: choice
+      type(error_type), allocatable :: error
+      integer :: beam, block, bead
+      model = empty_model(1.2_wp)
+      choice = reduction_type(support=new_support('FREE-FREE'), bending=2, geometric_elements=3, axial_basis=axial_static, &
+         & fidelity=fidelity_full, origin=0.3_wp)
+      beam = add_beam(model, 'beam', beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.2_wp, elements=8), choice, &
+         & [0.1_wp, 0.2_wp], 0.4_wp, error)
+      call check_no_error(error, 'beam')
+      block = add_rigid(model, 'block', 2.0_wp, 0.3_wp, [0.1_wp, -0.2_wp], [0.5_wp, 0.5_wp], 2.0_wp)
+      bead = add_point_mass(model, 'bead', 0.7_wp, [1.0_wp, -0.4_wp])
+      call add_force(model, 'bend', add_beam_place(model, 'beam.place', beam, 0.9_wp), wavy_law(3.0_wp, 0.0_wp, 2.0_wp, 3.0_wp), &
+         & wavy_law(-1.0_wp, 7.0_wp, 0.0_wp, 0.0_wp))
+      call add_force(model, 'turn', add_place(model, 'block.corner', block, [-0.4_wp, 0.25_wp]), &
+         & wavy_law(-5.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), wavy_law(4.0_wp, 1.0_wp, 0.0_wp, 0.0_wp))
+      call add_force(model, 'push', add_place(model, 'bead', bead, [0.0_wp, 0.0_wp]), wavy_law(1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), &
+         & wavy_law(2.0_wp, 0.0_wp, 0.0_wp, 0.0_wp))
+   end function loaded
 
    !> All checks at three states of a scene.
    subroutine test_scene(name, model)

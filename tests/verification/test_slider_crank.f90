@@ -28,6 +28,7 @@ program test_slider_crank
    call check_errors('verification/full_18_coordinates.inp', 0.0_wp, 1.0e-3_wp, 2.0e-4_wp)
 
    call check_energy('verification/full_free.inp', 1.0e-8_wp)
+   deallocate (t_exact, w_exact, x_exact)
    call finish()
 
 contains

@@ -1,0 +1,156 @@
+!> Springs: loads that store energy, with dampers beside. Floor: system. Source: doc/theory.
+module limber_system_springs
+   use limber_base_kinds, only: wp
+   use limber_system_kinematics, only: kinematics_type
+   use limber_system_loads, only: load_type
+   use limber_system_markers, only: add_marker, marker_stiffness, marker_column, drift_column
+   implicit none
+   private
+   public :: point_spring_type
+
+   !> A spring and a damper between two markers, g = P2 - P1 apart:
+   !>
+   !>    tension k (l - l0) + c l',      l = sqrt(g.g + softening^2)
+   !>
+   !> along g/l. The softening length is far below what can be seen; it keeps all derivatives finite where the points meet.
+   type, extends(load_type) :: point_spring_type
+      !> Indices of the two markers
+      integer :: markers(2) = 0
+      !> Stiffness k [force/length], free length l0 [length], damping c [force time/length]
+      real(wp) :: stiffness = 0.0_wp, free_length = 0.0_wp, damping = 0.0_wp
+      !> [length]
+      real(wp) :: softening = 0.0_wp
+   contains
+      procedure :: add_force => spring_add_force
+      procedure :: add_tangent => spring_add_tangent
+      procedure :: add_energy => spring_add_energy
+      procedure :: add_power => spring_add_power
+      procedure :: tension => spring_tension
+   end type point_spring_type
+
+contains
+
+   pure subroutine spring_add_force(self, kinematics, force)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: force(:)
+      real(wp) :: pull(2), gap(2), rate(2), length
+      call measure(self, kinematics, gap, rate, length)
+      pull = spring_tension(self, kinematics)/length*gap
+      call add_marker(kinematics%markers(self%markers(1)), pull, force(:self%rates(1)))
+      call add_marker(kinematics%markers(self%markers(2)), -pull, force(self%rates(1) + 1:))
+   end subroutine spring_add_force
+
+   !> With n the pull on the first point, G = dg/dx and H = dg'/dx: G^T (n_g G + n_g' H) and what the turning of G makes;
+   !> the damping is G^T n_g' G.
+   pure subroutine spring_add_tangent(self, kinematics, stiffness, damping)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
+      real(wp) :: by_gap(2, 2), by_rate(2, 2), pull(2), column(2), change(2), push(2)
+      integer :: i, j, first
+      first = self%rates(1)
+      call pull_derivatives(self, kinematics, pull, by_gap, by_rate)
+      do j = 1, sum(self%rates)
+         column = gap_column(self, kinematics, j)
+         change = matmul(by_gap, column) + matmul(by_rate, gap_drift(self, kinematics, j))
+         push = matmul(by_rate, column)
+         do i = 1, sum(self%rates)
+            column = gap_column(self, kinematics, i)
+            stiffness(i, j) = stiffness(i, j) + dot_product(column, change)
+            damping(i, j) = damping(i, j) + dot_product(column, push)
+         end do
+      end do
+      call marker_stiffness(kinematics%markers(self%markers(1)), -pull, stiffness(:first, :first))
+      call marker_stiffness(kinematics%markers(self%markers(2)), pull, stiffness(first + 1:, first + 1:))
+   end subroutine spring_add_tangent
+
+   pure subroutine spring_add_energy(self, kinematics, sum)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: sum
+      real(wp) :: gap(2), rate(2), length
+      call measure(self, kinematics, gap, rate, length)
+      sum = sum + 0.5_wp*self%stiffness*(length - self%free_length)**2
+   end subroutine spring_add_energy
+
+   !> What the damper takes.
+   pure subroutine spring_add_power(self, kinematics, sum)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: sum
+      real(wp) :: gap(2), rate(2), length
+      call measure(self, kinematics, gap, rate, length)
+      sum = sum - self%damping*(dot_product(gap, rate)/length)**2
+   end subroutine spring_add_power
+
+   !> Tension of spring and damper; kinematics are placed and moved.
+   pure real(wp) function spring_tension(self, kinematics) result(tension)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp) :: gap(2), rate(2), length
+      call measure(self, kinematics, gap, rate, length)
+      tension = self%stiffness*(length - self%free_length) + self%damping*dot_product(gap, rate)/length
+   end function spring_tension
+
+   !> Gap, its rate and the softened length.
+   pure subroutine measure(self, kinematics, gap, rate, length)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: gap(2), rate(2), length
+      associate (a => kinematics%markers(self%markers(1)), b => kinematics%markers(self%markers(2)))
+         gap = b%position - a%position
+         rate = b%velocity - a%velocity
+      end associate
+      length = sqrt(dot_product(gap, gap) + self%softening**2)
+   end subroutine measure
+
+   !> The pull n = (k (1 - l0/l) + c g.g'/l^2) g and its derivatives by g and by g'.
+   pure subroutine pull_derivatives(self, kinematics, pull, by_gap, by_rate)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: pull(2), by_gap(2, 2), by_rate(2, 2)
+      real(wp) :: gap(2), rate(2), length, along, drag, factor
+      integer :: i, j
+      call measure(self, kinematics, gap, rate, length)
+      drag = self%damping/length**2
+      along = dot_product(gap, rate)
+      factor = self%stiffness*(1 - self%free_length/length) + drag*along
+      pull = factor*gap
+      do j = 1, 2
+         do i = 1, 2
+            by_rate(i, j) = drag*gap(i)*gap(j)
+            by_gap(i, j) = (self%stiffness*self%free_length/length - 2*drag*along)*gap(i)/length*gap(j)/length &
+               & + drag*gap(i)*rate(j)
+         end do
+         by_gap(j, j) = by_gap(j, j) + factor
+      end do
+   end subroutine pull_derivatives
+
+   !> Derivative of the gap by one of the coordinates of both bodies.
+   pure function gap_column(self, kinematics, j) result(column)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      integer, intent(in) :: j
+      real(wp) :: column(2)
+      if (j <= self%rates(1)) then
+         column = -marker_column(kinematics%markers(self%markers(1)), j)
+      else
+         column = marker_column(kinematics%markers(self%markers(2)), j - self%rates(1))
+      end if
+   end function gap_column
+
+   !> Derivative of the gap's rate by one of them.
+   pure function gap_drift(self, kinematics, j) result(column)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      integer, intent(in) :: j
+      real(wp) :: column(2)
+      if (j <= self%rates(1)) then
+         column = -drift_column(kinematics, self%markers(1), j)
+      else
+         column = drift_column(kinematics, self%markers(2), j - self%rates(1))
+      end if
+   end function gap_drift
+
+end module limber_system_springs

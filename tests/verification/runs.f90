@@ -1,0 +1,77 @@
+!> What tests of whole runs share: a deck with some of its words exchanged, run, and its history opened.
+module runs
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use testing, only: check, check_no_error
+   implicit none
+   private
+   public :: run_changed, channel, read_columns
+
+contains
+
+   !> Writes a deck with two texts exchanged beside the results, runs it, and opens its history.
+   subroutine run_changed(path, results, old, new, reader)
+      !> The deck; the file for its results; texts that occur in the deck once, and what stands for them (of equal numbers)
+      character(*), intent(in) :: path, results, old(:), new(:)
+      type(history_reader_type), intent(out) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text, report
+      integer :: i, at, unit
+      text = contents(path)
+      do i = 1, size(old)
+         at = index(text, trim(old(i)))
+         call check(at > 0, path//' has '//trim(old(i)))
+         if (at > 0) text = text(:at - 1)//trim(new(i))//text(at + len_trim(old(i)):)
+      end do
+      open (newunit=unit, file=results//'.inp', access='stream', action='write', status='replace')
+      write (unit) text
+      close (unit)
+      call run_deck(results//'.inp', results, .true., .true., report, error)
+      call check_no_error(error, path)
+      if (allocated(error)) error stop 1
+      call reader%open(results, error)
+      call check_no_error(error, path//': results')
+      call check(reader%complete, path//' is marked complete')
+   end subroutine run_changed
+
+   !> All samples of a channel.
+   function channel(reader, name) result(values)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name
+      real(wp), allocatable :: values(:), table(:, :)
+      type(error_type), allocatable :: error
+      call reader%read_channel(name, table, error)
+      call check_no_error(error, name)
+      allocate (values(size(table, 2)), source=table(1, :))
+   end function channel
+
+   !> Columns of numbers, separated by commas, under one line of names.
+   subroutine read_columns(path, table)
+      character(*), intent(in) :: path
+      !> (columns, rows); their numbers are known
+      real(wp), intent(out) :: table(:, :)
+      integer :: unit, status, i
+      open (newunit=unit, file=path, action='read', status='old', iostat=status)
+      call check(status == 0, path//' opens')
+      read (unit, *)
+      do i = 1, size(table, 2)
+         read (unit, *) table(:, i)
+      end do
+      close (unit)
+   end subroutine read_columns
+
+   function contents(path) result(text)
+      character(*), intent(in) :: path
+      character(:), allocatable :: text
+      integer :: unit, length
+      inquire (file=path, size=length)
+      call check(length > 0, path//' is there')
+      allocate (character(max(0, length)) :: text)
+      open (newunit=unit, file=path, access='stream', action='read', status='old')
+      read (unit) text
+      close (unit)
+   end function contents
+
+end module runs

@@ -78,7 +78,13 @@ contains
       type(model_type), intent(inout) :: model
       integer, intent(in) :: first, second
       real(wp), intent(in) :: stiffness, length, damping
-      model%springs = [model%springs, spring_type('spring', [first, second], stiffness, length, damping)]
+      type(spring_type) :: spring
+      spring%name = 'spring'
+      spring%points = [first, second]
+      spring%stiffness = stiffness
+      spring%length = length
+      spring%damping = damping
+      model%springs = [model%springs, spring]
    end subroutine add_spring
 
    !> Puts a torque on a body; appended by hand for the law's sake.

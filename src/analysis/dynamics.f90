@@ -13,8 +13,7 @@ module limber_analysis_dynamics
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
-   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, position_residual, &
-      & velocity_residual, mechanical_energy
+   use limber_system_dynamics, only: accelerations, settle, position_residual, velocity_residual, mechanical_energy
    implicit none
    private
    public :: run_dynamics, outcome_type, new_integrator
@@ -141,10 +140,8 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: residual
-      call project_position(scene%system, scene%work, t, sample%q, sample%change, 1.0e-14_wp, residual)
-      call linearise(scene%system, scene%work, t, sample%q, error)
+      call settle(scene%system, scene%work, t, sample%q, sample%v, sample%change, 1.0e-14_wp, residual, error)
       if (allocated(error)) return
-      call project_velocity(scene%system, scene%work, sample%v, sample%change, residual)
       call check_sample(scene, sample, outcome)
       if (recorder%needs_accelerations) call accelerations(scene%system, scene%work, sample%q, sample%v, sample%a)
       recorder%work = sample%w

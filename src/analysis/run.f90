@@ -75,8 +75,8 @@ contains
          end do
          report = report//newline//'   '//as_text(size(model%joints))//' joints, '//as_text(size(model%drivers))//' drivers, '// &
             & as_text(size(scene%system%loads))//' loads; '//as_text(size(model%channels))//' channels'//newline// &
-            & '   '//as_text(scene%system%layout%nz + sum(scene%system%layout%n))//' rates, '//as_text(scene%system%nc)// &
-            & ' constraint equations: '//as_text(scene%system%layout%nz + sum(scene%system%layout%n) - scene%system%nc)// &
+            & '   '//as_text(scene%system%layout%nw)//' rates, '//as_text(scene%system%nc)// &
+            & ' constraint equations: '//as_text(scene%system%layout%nw - scene%system%nc)// &
             & ' degrees of freedom'
       end associate
    end subroutine check_deck

@@ -292,11 +292,11 @@ contains
       !> False if the constraints cannot be met
       logical, intent(out) :: accepted
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: residual
+      real(wp) :: before, residual
       integer :: nq
       nq = self%nq
       self%p = self%p + self%h*self%g(self%k + 1)*(self%yp - self%phi(:, 1))
-      call project_position(system, work, t, self%p(:nq), self%change, constraint_tolerance, residual)
+      call project_position(system, work, t, self%p(:nq), self%change, constraint_tolerance, before, residual)
       accepted = residual <= constraint_limit
       if (.not. accepted) return
       self%statistics%position_residual = max(self%statistics%position_residual, residual)

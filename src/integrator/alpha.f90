@@ -9,7 +9,7 @@ module limber_integrator_alpha
    use limber_base_text, only: as_text
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
-   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power
+   use limber_system_dynamics, only: linearise, accelerations, settle, input_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass
@@ -263,16 +263,11 @@ contains
       real(wp) :: residual, t
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
-      call linearise(system, work, t, self%new_q, error)
+      call settle(system, work, t, self%new_q, self%new_v, self%change, constraint_tolerance, residual, error)
       if (allocated(error)) return
-      call project_position(system, work, t, self%new_q, self%change, constraint_tolerance, residual)
       good = residual <= constraint_limit
       if (.not. good) return
       self%statistics%position_residual = max(self%statistics%position_residual, residual)
-      call linearise(system, work, t, self%new_q, error)
-      if (allocated(error)) return
-      call velocities_of(system%layout, self%new_q, self%new_w, self%new_v)
-      call project_velocity(system, work, self%new_v, self%change, residual)
       self%q_before = self%q
       self%w_before = self%w
       self%increment = self%x

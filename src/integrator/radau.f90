@@ -9,7 +9,7 @@ module limber_integrator_radau
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_algebra, only: cross
-   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power
+   use limber_system_dynamics, only: linearise, accelerations, settle, input_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, &
@@ -60,7 +60,8 @@ module limber_integrator_radau
       real(wp), allocatable :: z(:, :), x(:, :), multipliers(:, :)
       real(wp) :: stage_power(3) = 0.0_wp
       !> Scratch
-      real(wp), allocatable :: motion(:, :), rate(:, :), stage_q(:), stage_v(:), stage_a(:), change(:), real_part(:), e(:)
+      real(wp), allocatable :: motion(:, :), rate(:, :), stage_q(:), stage_v(:), stage_a(:), change(:), real_part(:), e(:), &
+         & q_stage_end(:)
       complex(wp), allocatable :: complex_part(:)
       type(tangent_type) :: tangent
       type(layout_type) :: layout
@@ -96,8 +97,8 @@ contains
       allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
          & self%a_before(nw), self%a_end(nw), self%increment(nw), self%z(nw, 3), self%x(nw, 3), &
          & self%multipliers(nc, 3), self%motion(nw, 3), &
-         & self%rate(nc, 3), self%stage_q(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), self%real_part(nw + nc), &
-         & self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
+         & self%rate(nc, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), &
+         & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
       self%q = q
       self%v = v
       self%t = t
@@ -107,8 +108,10 @@ contains
       self%scales = new_scales(system, duration, .true.)
       call update_scales(system, q, v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
-      call settle(self, system, work, error)
+      call linearise(system, work, t, q, error)
       if (allocated(error)) return
+      call take_over(self, system, work)
+      if (system%powered) self%power = input_power(system, work, q, v)
       self%q_before = self%q
       self%w_before = self%w
       self%a_before = self%a
@@ -119,22 +122,6 @@ contains
       if (slope*self%h > 0.1_wp*self%tolerance**0.25_wp) self%h = 0.1_wp*self%tolerance**0.25_wp/slope
       if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
    end subroutine radau_start
-
-   !> Rates, accelerations, multipliers and power at (t, q, v).
-   subroutine settle(self, system, work, error)
-      class(radau_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      type(error_type), allocatable, intent(out) :: error
-      call linearise(system, work, self%t, self%q, error)
-      if (allocated(error)) return
-      call accelerations(system, work, self%q, self%v, self%change)
-      self%lambda = work%lambda
-      call rates_of(system%layout, self%q, self%v, self%w)
-      ! Of u'' the part along J u is alpha
-      call rates_of(system%layout, self%q, self%change, self%a)
-      if (system%powered) self%power = input_power(system, work, self%q, self%v)
-   end subroutine settle
 
    subroutine radau_step(self, system, work, stop, error)
       class(radau_type), intent(inout) :: self
@@ -398,12 +385,12 @@ contains
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
       if (system%powered) call stage_residuals(self, system, work)
-      call advance(system%layout, self%q, self%x(:, 3), self%stage_q)
+      call advance(system%layout, self%q, self%x(:, 3), self%q_stage_end)
       self%e = self%w + self%z(:, 3)
-      call linearise(system, work, t, self%stage_q, error)
+      self%stage_q = self%q_stage_end
+      call velocities_of(system%layout, self%stage_q, self%e, self%stage_v)
+      call settle(system, work, t, self%stage_q, self%stage_v, self%change, constraint_tolerance, residual, error)
       if (allocated(error)) return
-      self%stage_v = self%stage_q
-      call project_position(system, work, t, self%stage_q, self%change, constraint_tolerance, residual)
       accepted = residual <= constraint_limit
       if (.not. accepted) return
       self%statistics%position_residual = max(self%statistics%position_residual, residual)
@@ -419,16 +406,13 @@ contains
       self%t_before = self%t
       self%t = t
       self%q = self%stage_q
-      call linearise(system, work, self%t, self%q, error)
-      if (allocated(error)) return
-      call velocities_of(system%layout, self%q, self%e, self%v)
-      call project_velocity(system, work, self%v, self%change, residual)
-      call settle_again(self, system, work)
+      self%v = self%stage_v
+      call take_over(self, system, work)
       where (self%h**2*abs(self%a - self%a_end) <= self%tolerance*self%scale_x) self%a_end = self%a
    end subroutine accept
 
-   !> `settle` where the system is linearised already.
-   subroutine settle_again(self, system, work)
+   !> Rates, accelerations and multipliers where the system is linearised already.
+   subroutine take_over(self, system, work)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -436,9 +420,9 @@ contains
       self%lambda = work%lambda
       call rates_of(system%layout, self%q, self%v, self%w)
       call rates_of(system%layout, self%q, self%change, self%a)
-   end subroutine settle_again
+   end subroutine take_over
 
-   !> Increment of the coordinates over the step, the projection included; stage_v holds them before it.
+   !> Increment of the coordinates over the step, the projection included.
    subroutine keep_increment(self, system)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -450,7 +434,8 @@ contains
          n = system%layout%n(i)
          self%increment(to:to + 1) = self%stage_q(from:from + 1) - self%q(from:from + 1)
          if (.not. system%layout%framed(i)) cycle
-         self%increment(to + 2) = self%increment(to + 2) + cross(self%stage_v(from + 2:from + 3), self%stage_q(from + 2:from + 3))
+         self%increment(to + 2) = self%increment(to + 2) + cross(self%q_stage_end(from + 2:from + 3), &
+            & self%stage_q(from + 2:from + 3))
          self%increment(to + 3:to + 2 + n) = self%stage_q(from + 4:from + 3 + n) - self%q(from + 4:from + 3 + n)
       end do
    end subroutine keep_increment

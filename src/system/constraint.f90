@@ -9,10 +9,10 @@ module limber_system_constraint
    private
    public :: constraint_type, constraint_item_type, jacobian_type, new_jacobian
 
-   !> Rows of the Jacobian that act on one body: z (rows,3) on r' and omega, eta (rows,n) on eta'; and where z stands in the
-   !> multiplier matrix, as it is and transposed (rows, frame rates)
+   !> Rows of the Jacobian that act on one body: z (rows,3) on r' and omega, eta (rows,n) on eta'; z after the condensation of
+   !> eta (rows,3); and where that stands in the multiplier matrix, as it is and transposed (rows, unknowns of the frame)
    type :: jacobian_type
-      real(wp), allocatable :: z(:, :), eta(:, :)
+      real(wp), allocatable :: z(:, :), eta(:, :), condensed(:, :)
       integer, allocatable :: place(:, :), transposed(:, :)
    end type jacobian_type
 
@@ -105,8 +105,9 @@ contains
    pure function new_jacobian(rows, n) result(jacobian)
       integer, intent(in) :: rows, n
       type(jacobian_type) :: jacobian
-      allocate (jacobian%z(rows, 3), jacobian%eta(rows, n))
+      allocate (jacobian%z(rows, 3), jacobian%eta(rows, n), jacobian%condensed(rows, 3))
       jacobian%z = 0.0_wp
+      jacobian%condensed = 0.0_wp
       jacobian%eta = 0.0_wp
    end function new_jacobian
 

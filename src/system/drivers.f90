@@ -1,8 +1,6 @@
 !> Driven motion: the angle of a frame prescribed in time. Floor: system. Source: doc/theory.
 module limber_system_drivers
    use limber_base_kinds, only: wp
-   use limber_deck_expression, only: expression_type
-   use limber_deck_operations, only: jet_type
    use limber_system_algebra, only: turn
    use limber_system_constraint, only: constraint_type, jacobian_type
    use limber_system_kinematics, only: kinematics_type
@@ -13,8 +11,8 @@ module limber_system_drivers
    !> The frame's unit vector u points along e = (cos theta, sin theta), theta(t) given: (J e).u = 0. No angle
    !> coordinate is needed; which of the two directions is meant is settled by the assembly and kept by continuity.
    type, extends(constraint_type) :: driven_angle_type
-      !> theta(t) [rad]
-      type(expression_type) :: law
+      !> Index of the driver in the model
+      integer :: drive = 0
    contains
       procedure :: residual => angle_residual
       procedure :: jacobian => angle_jacobian
@@ -30,18 +28,14 @@ contains
       class(driven_angle_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: phi(:)
-      type(jet_type) :: theta
-      theta = self%law%evaluate_jet(kinematics%time)
-      phi = dot_product(turn(heading(theta%value)), kinematics%frames(self%bodies(1))%u)
+      phi = dot_product(turn(kinematics%drives(self%drive)%heading), kinematics%frames(self%bodies(1))%u)
    end subroutine angle_residual
 
    pure subroutine angle_jacobian(self, kinematics, first, second)
       class(driven_angle_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       type(jacobian_type), intent(inout) :: first, second
-      type(jet_type) :: theta
-      theta = self%law%evaluate_jet(kinematics%time)
-      first%z(1, 3) = dot_product(heading(theta%value), kinematics%frames(self%bodies(1))%u)
+      first%z(1, 3) = dot_product(kinematics%drives(self%drive)%heading, kinematics%frames(self%bodies(1))%u)
       second%z(1, :) = 0.0_wp
    end subroutine angle_jacobian
 
@@ -49,9 +43,9 @@ contains
       class(driven_angle_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: rate(:)
-      type(jet_type) :: theta
-      theta = self%law%evaluate_jet(kinematics%time)
-      rate = theta%first*dot_product(heading(theta%value), kinematics%frames(self%bodies(1))%u)
+      associate (drive => kinematics%drives(self%drive))
+         rate = drive%rate*dot_product(drive%heading, kinematics%frames(self%bodies(1))%u)
+      end associate
    end subroutine angle_rate
 
    pure subroutine angle_stiffness(self, kinematics, lambda, first, second, across)
@@ -59,9 +53,9 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(in) :: lambda(:)
       real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
-      type(jet_type) :: theta
-      theta = self%law%evaluate_jet(kinematics%time)
-      first(3, 3) = first(3, 3) - lambda(1)*dot_product(turn(heading(theta%value)), kinematics%frames(self%bodies(1))%u)
+      associate (u => kinematics%frames(self%bodies(1))%u)
+         first(3, 3) = first(3, 3) - lambda(1)*dot_product(turn(kinematics%drives(self%drive)%heading), u)
+      end associate
       second = second
       across = across
    end subroutine angle_stiffness
@@ -70,10 +64,8 @@ contains
       class(driven_angle_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: first(:, :), second(:, :)
-      type(jet_type) :: theta
-      theta = self%law%evaluate_jet(kinematics%time)
-      associate (frame => kinematics%frames(self%bodies(1)))
-         first(1, 3) = first(1, 3) + (theta%first - frame%omega)*dot_product(turn(heading(theta%value)), frame%u)
+      associate (frame => kinematics%frames(self%bodies(1)), drive => kinematics%drives(self%drive))
+         first(1, 3) = first(1, 3) + (drive%rate - frame%omega)*dot_product(turn(drive%heading), frame%u)
       end associate
       second = second
    end subroutine angle_drift
@@ -82,21 +74,10 @@ contains
       class(driven_angle_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: rate(:)
-      type(jet_type) :: theta
-      real(wp) :: e(2)
-      theta = self%law%evaluate_jet(kinematics%time)
-      e = heading(theta%value)
-      associate (frame => kinematics%frames(self%bodies(1)))
-         rate = (dot_product(frame%rate, frame%rate) + theta%first**2)*dot_product(turn(e), frame%u) &
-            & + 2*theta%first*dot_product(e, frame%rate) + theta%second*dot_product(e, frame%u)
+      associate (frame => kinematics%frames(self%bodies(1)), drive => kinematics%drives(self%drive))
+         rate = (dot_product(frame%rate, frame%rate) + drive%rate**2)*dot_product(turn(drive%heading), frame%u) &
+            & + 2*drive%rate*dot_product(drive%heading, frame%rate) + drive%acceleration*dot_product(drive%heading, frame%u)
       end associate
    end subroutine angle_gamma
-
-   !> Unit vector at an angle.
-   pure function heading(theta) result(e)
-      real(wp), intent(in) :: theta
-      real(wp) :: e(2)
-      e = [cos(theta), sin(theta)]
-   end function heading
 
 end module limber_system_drivers

@@ -8,12 +8,13 @@ module limber_system_dynamics
    use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn, cross
    use limber_system_body, only: velocity_forces, gravity_forces, kinetic_energy, weight_potential
-   use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system
+   use limber_system_drivers, only: driven_angle_type
+   use limber_system_kinematics, only: place_drives, place_frames, move_frames, point_position
+   use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system, recover_multipliers
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: linearise, accelerations, sum_forces, project_position, project_velocity, position_residual, velocity_residual
+   public :: linearise, accelerations, sum_forces, project_position, project_velocity, settle, position_residual, velocity_residual
    public :: input_power, mechanical_energy, worst_constraint
 
 contains
@@ -52,6 +53,7 @@ contains
          end associate
       end do
       call solve_multiplier_system(system, work, work%gamma, a)
+      call recover_multipliers(system, work)
       do i = 1, size(work%bodies)
          if (.not. system%layout%framed(i)) cycle
          first = system%layout%q(i) + 2
@@ -195,7 +197,7 @@ contains
 
    !> Moves q onto the constraints, least in the mass norm, by Newton steps with the factors at hand; the frames'
    !> vectors are brought to unit length. Leaves the kinematics placed at the new q.
-   subroutine project_position(system, work, t, q, change, tolerance, residual)
+   subroutine project_position(system, work, t, q, change, tolerance, before, residual)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
@@ -205,14 +207,16 @@ contains
       real(wp), intent(inout) :: change(:)
       !> Residual relative to the constraints' scales that is small enough
       real(wp), intent(in) :: tolerance
-      !> Residual reached
-      real(wp), intent(out) :: residual
+      !> Residual at first, with all frames of the tree in their places, and residual reached
+      real(wp), intent(out) :: before, residual
       integer, parameter :: most = 6
       integer :: round, i
       call normalise_frames(system, q)
+      call place_tree(system, work, t, q)
       do round = 0, most
          call place_frames(system%model, system%layout, t, q, work%kinematics)
          residual = position_residual(system, work)
+         if (round == 0) before = residual
          if (residual <= tolerance .or. round == most) return
          call clear_forces(work)
          work%phi = -work%phi
@@ -223,8 +227,67 @@ contains
          end do
          q = q + change
          call normalise_frames(system, q)
+         call place_tree(system, work, t, q)
       end do
    end subroutine project_position
+
+   !> Puts frames that hang on others, or are driven, where they belong.
+   pure subroutine place_tree(system, work, t, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), intent(inout) :: q(:)
+      integer :: i, k, first
+      call place_drives(system%model, t, work%kinematics)
+      associate (tree => system%tree)
+         do k = 1, size(tree%order)
+            i = tree%order(k)
+            first = system%layout%q(i)
+            if (tree%joint(i) > 0) q(first:first + 1) = point_position(system%layout, &
+               & system%model%points(system%marker_points(tree%marker(i))), q)
+            if (tree%driver(i) > 0) then
+               select type (item => system%constraints(tree%driver(i))%item)
+               type is (driven_angle_type)
+                  q(first + 2:first + 3) = work%kinematics%drives(item%drive)%heading
+               end select
+            end if
+         end do
+      end associate
+   end subroutine place_tree
+
+   !> Moves a state that is near the constraints onto them, at position and at velocity level, and leaves the multiplier system
+   !> linearised there.
+   subroutine settle(system, work, t, q, v, change, tolerance, residual, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      !> Scratch (nq)
+      real(wp), intent(inout) :: change(:)
+      !> Residual of the position relative to the constraints' scales that is small enough
+      real(wp), intent(in) :: tolerance
+      !> Residual of the position reached
+      real(wp), intent(out) :: residual
+      type(error_type), allocatable, intent(out) :: error
+      !> Residual before, below which the factors serve the new place too
+      real(wp), parameter :: near = 1.0e-8_wp
+      real(wp) :: before, left
+      call normalise_frames(system, q)
+      call place_tree(system, work, t, q)
+      call linearise(system, work, t, q, error)
+      if (allocated(error)) return
+      call project_position(system, work, t, q, change, tolerance, before, residual)
+      if (before > near) then
+         call linearise(system, work, t, q, error)
+         if (allocated(error)) return
+      else if (before > tolerance) then
+         call update_jacobians(system, work)
+      end if
+      call project_velocity(system, work, v, change, left)
+      if (before > tolerance .and. before <= near) call project_velocity(system, work, v, change, left)
+   end subroutine settle
 
    !> Takes out of v what violates the velocity equations, least in the mass norm; `linearise` at q comes first.
    subroutine project_velocity(system, work, v, change, residual)

@@ -3,12 +3,13 @@
 !> Source: Han and Lee 1993, eqs. (1)-(6); doc/theory, eqs. (4)-(7), (28).
 module limber_system_kinematics
    use limber_base_kinds, only: wp
+   use limber_deck_operations, only: jet_type
    use limber_model_scene, only: model_type, point_type, body_point, ground
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
    public :: layout_type, new_layout, frame_type, marker_type, kinematics_type, new_kinematics
-   public :: place_frames, move_frames, place_marker, move_marker, rates_of, velocities_of, advance
+   public :: place_drives, place_frames, move_frames, place_marker, move_marker, rates_of, velocities_of, advance
    public :: point_position, point_velocity, point_acceleration
 
    !> Where each body's coordinates stand. In q and v a body has [r (2); u (2); eta (n)], a point mass r only; the
@@ -20,10 +21,10 @@ module limber_system_kinematics
       integer, allocatable :: n(:)
       !> First index of r in q (bodies)
       integer, allocatable :: q(:)
-      !> First index among the frame rates, and how many of them: 3 or 2 (bodies)
-      integer, allocatable :: z(:), rates(:)
-      !> Lengths of q and of the frame rates
-      integer :: nq = 0, nz = 0
+      !> Number of the frame's rates: 3 or 2 (bodies)
+      integer, allocatable :: rates(:)
+      !> Length of q
+      integer :: nq = 0
       !> First index of a body's rates [r' (2); omega; eta' (n)], or r' only, among the rates w of all; length of w
       integer, allocatable :: w(:)
       integer :: nw = 0
@@ -50,9 +51,15 @@ module limber_system_kinematics
       real(wp) :: bias(2) = 0.0_wp
    end type marker_type
 
-   !> Frames of all bodies (index 0 is the ground) and all markers in use, at a time
+   !> What a driver prescribes at a time: the unit vector of the angle, and the angle's two derivatives
+   type :: drive_type
+      real(wp) :: heading(2) = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
+   end type drive_type
+
+   !> Frames of all bodies (index 0 is the ground), all markers in use, and what drivers prescribe, at a time
    type :: kinematics_type
-      real(wp) :: time = 0.0_wp
+      real(wp) :: time = -huge(1.0_wp)
+      type(drive_type), allocatable :: drives(:)
       type(frame_type), allocatable :: frames(:)
       type(marker_type), allocatable :: markers(:)
    end type kinematics_type
@@ -65,15 +72,13 @@ contains
       type(layout_type) :: layout
       integer :: i, bodies
       bodies = size(model%bodies)
-      allocate (layout%framed(bodies), layout%n(bodies), layout%q(bodies), layout%z(bodies), layout%rates(bodies), layout%w(bodies))
+      allocate (layout%framed(bodies), layout%n(bodies), layout%q(bodies), layout%rates(bodies), layout%w(bodies))
       do i = 1, bodies
          layout%framed(i) = model%bodies(i)%kind /= body_point
          layout%n(i) = model%bodies(i)%reduced%n
          layout%rates(i) = merge(3, 2, layout%framed(i))
          layout%q(i) = layout%nq + 1
-         layout%z(i) = layout%nz + 1
          layout%nq = layout%nq + merge(4, 2, layout%framed(i)) + layout%n(i)
-         layout%nz = layout%nz + layout%rates(i)
          layout%w(i) = layout%nw + 1
          layout%nw = layout%nw + layout%rates(i) + layout%n(i)
       end do
@@ -86,7 +91,7 @@ contains
       integer, intent(in) :: points(:)
       type(kinematics_type) :: kinematics
       integer :: m
-      allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)))
+      allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)), kinematics%drives(size(model%drivers)))
       do m = 1, size(points)
          kinematics%markers(m)%point = points(m)
          kinematics%markers(m)%body = model%points(points(m))%body
@@ -96,6 +101,23 @@ contains
       end do
    end function new_kinematics
 
+   !> What the drivers prescribe at the time t; nothing is done if it is that of the last call.
+   pure subroutine place_drives(model, t, kinematics)
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: t
+      type(kinematics_type), intent(inout) :: kinematics
+      type(jet_type) :: theta
+      integer :: i
+      if (.not. abs(t - kinematics%time) > 0.0_wp) return
+      kinematics%time = t
+      do i = 1, size(model%drivers)
+         theta = model%drivers(i)%law%evaluate_jet(t)
+         kinematics%drives(i)%heading = [cos(theta%value), sin(theta%value)]
+         kinematics%drives(i)%rate = theta%first
+         kinematics%drives(i)%acceleration = theta%second
+      end do
+   end subroutine place_drives
+
    !> Frames and markers at the time t and coordinates q.
    pure subroutine place_frames(model, layout, t, q, kinematics)
       type(model_type), intent(in) :: model
@@ -104,7 +126,7 @@ contains
       real(wp), intent(in) :: t, q(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, m, first
-      kinematics%time = t
+      call place_drives(model, t, kinematics)
       do i = 1, size(model%bodies)
          first = layout%q(i)
          kinematics%frames(i)%position = q(first:first + 1)

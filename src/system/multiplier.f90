@@ -4,9 +4,10 @@
 !>    [ G   0   ] [ lambda ] = [ gamma ]
 !>
 !> with the coordinates eta of each body condensed first (their mass matrix is the identity), so that a body enters
-!> with three unknowns however many modes it has. The same factors serve the accelerations and the projections onto the
+!> with three unknowns however many modes it has; and with the frames that hang on others, or are driven, expressed by those
+!> that are free, so that their joints enter not at all. The same factors serve the accelerations and the projections onto the
 !> position and velocity constraints. M may be singular as long as the whole is not. Floor: system.
-!> Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (14), (15), (32).
+!> Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (14), (15), (32), (32a)-(32c).
 module limber_system_multiplier
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
@@ -14,7 +15,7 @@ module limber_system_multiplier
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: update_jacobians, update_masses, factor_multiplier_system, solve_multiplier_system
+   public :: update_jacobians, update_masses, factor_multiplier_system, solve_multiplier_system, recover_multipliers
 
 contains
 
@@ -69,16 +70,42 @@ contains
       logical, intent(out) :: singular
       integer :: i
       call update_masses(system, work, q)
+      call update_hanging(system, work)
       work%matrix%values = 0.0_wp
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), n => system%layout%n(i))
             if (n > 0) call condense_body(n, body%coupling, body%eta_rows, body%rows_place, body%mass, work%matrix%values)
-            call add_frame(body%frame_place, body%mass, work%matrix%values)
+            if (system%tree%plain(i)) then
+               call add_frame(body%frame_place, body%mass, work%matrix%values)
+            else
+               call add_hanging_frame(body%frame_place, body%mass, body%hanging, work%matrix%values)
+            end if
          end associate
       end do
       call add_constraint_rows(system, work)
       call work%matrix%factor(singular)
    end subroutine factor_multiplier_system
+
+   !> Accelerations of frames that hang on others, for unit values of the unknowns: those of the carrier at the joint, eq. (32a).
+   !> Ones and zeros stand there already.
+   subroutine update_hanging(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i, k, column
+      associate (tree => system%tree)
+         do k = 1, size(tree%order)
+            i = tree%order(k)
+            if (tree%carrier(i) == ground) cycle
+            associate (hanging => work%bodies(i)%hanging, carrier => work%bodies(tree%carrier(i))%hanging, &
+                  & lever => work%kinematics%markers(tree%marker(i))%lever)
+               do column = 1, size(carrier, 2)
+                  hanging(1, column) = carrier(1, column) + lever(1)*carrier(3, column)
+                  hanging(2, column) = carrier(2, column) + lever(2)*carrier(3, column)
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine update_hanging
 
    !> Takes from a body's mass the part of eta, and adds what eta makes between the constraints.
    pure subroutine condense_body(n, coupling, eta_rows, rows_place, mass, values)
@@ -114,7 +141,7 @@ contains
       end do
    end subroutine condense_body
 
-   !> Adds the mass of a frame.
+   !> Adds the mass of a free frame.
    pure subroutine add_frame(place, mass, values)
       integer, intent(in) :: place(:, :)
       real(wp), intent(in) :: mass(3, 3)
@@ -127,6 +154,31 @@ contains
       end do
    end subroutine add_frame
 
+   !> Adds the mass of a frame that hangs or is driven: hanging^T mass hanging.
+   pure subroutine add_hanging_frame(place, mass, hanging, values)
+      integer, intent(in) :: place(:, :)
+      real(wp), intent(in) :: mass(3, 3), hanging(:, :)
+      real(wp), contiguous, intent(inout) :: values(:)
+      real(wp) :: product(3), part
+      integer :: i, j, k, m
+      m = size(hanging, 1)
+      do j = 1, size(place, 2)
+         do i = 1, m
+            product(i) = 0.0_wp
+            do k = 1, m
+               product(i) = product(i) + mass(i, k)*hanging(k, j)
+            end do
+         end do
+         do i = 1, size(place, 1)
+            part = 0.0_wp
+            do k = 1, m
+               part = part + hanging(k, i)*product(k)
+            end do
+            values(place(i, j)) = values(place(i, j)) + part
+         end do
+      end do
+   end subroutine add_hanging_frame
+
    !> Adds the condensed Jacobian rows and their transposes.
    subroutine add_constraint_rows(system, work)
       type(system_type), intent(in) :: system
@@ -134,16 +186,31 @@ contains
       integer :: i, side, body, row, j, k
       real(wp) :: value
       do i = 1, size(system%constraints)
+         if (system%tree%row(system%constraints(i)%item%first) == 0) cycle
          do side = 1, 2
             body = system%constraints(i)%item%bodies(side)
             if (body == ground) cycle
-            associate (jacobian => work%jacobians(side, i), coupling => work%bodies(body)%coupling, values => work%matrix%values)
+            associate (jacobian => work%jacobians(side, i), coupling => work%bodies(body)%coupling, &
+                  & hanging => work%bodies(body)%hanging, values => work%matrix%values)
                do j = 1, system%layout%rates(body)
                   do row = 1, size(jacobian%z, 1)
                      value = jacobian%z(row, j)
                      do k = 1, size(jacobian%eta, 2)
                         value = value - jacobian%eta(row, k)*coupling(k, j)
                      end do
+                     jacobian%condensed(row, j) = value
+                  end do
+               end do
+               do j = 1, size(jacobian%place, 2)
+                  do row = 1, size(jacobian%place, 1)
+                     if (system%tree%plain(body)) then
+                        value = jacobian%condensed(row, j)
+                     else
+                        value = 0.0_wp
+                        do k = 1, size(hanging, 1)
+                           value = value + jacobian%condensed(row, k)*hanging(k, j)
+                        end do
+                     end if
                      values(jacobian%place(row, j)) = values(jacobian%place(row, j)) + value
                      values(jacobian%transposed(row, j)) = values(jacobian%transposed(row, j)) + value
                   end do
@@ -154,7 +221,7 @@ contains
    end subroutine add_constraint_rows
 
    !> Solves with the factors. In: `force` and `eta_force` of each body in the workspace, `gamma` of the constraints.
-   !> Out: a (nq layout; the places of u hold [alpha, 0]) and work%lambda.
+   !> Out: a (nq layout; the places of u hold [alpha, 0]), and the multipliers of the unknowns in work%solution.
    subroutine solve_multiplier_system(system, work, gamma, a)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -162,45 +229,191 @@ contains
       real(wp), intent(in) :: gamma(:)
       !> Frame accelerations, alpha and eta'' (nq)
       real(wp), intent(out) :: a(:)
-      integer :: i, j, k, first, rates
+      integer :: i, j, k, first
       real(wp) :: value
-      work%solution(system%layout%nz + 1:) = gamma
-      do i = 1, size(work%bodies)
-         first = system%layout%z(i)
-         rates = system%layout%rates(i)
-         associate (body => work%bodies(i))
-            work%solution(first:first + rates - 1) = body%force(1:rates)
-            do k = 1, system%layout%n(i)
-               do j = 1, rates
-                  work%solution(first + j - 1) = work%solution(first + j - 1) - body%coupling(k, j)*body%eta_force(k)
-               end do
-               do j = 1, size(body%rows)
-                  work%solution(system%layout%nz + body%rows(j)) = work%solution(system%layout%nz + body%rows(j)) &
-                     & - body%eta_rows(k, j)*body%eta_force(k)
-               end do
-            end do
-         end associate
-      end do
+      call set_bias(system, work, gamma)
+      call set_right_side(system, work, gamma)
       call work%matrix%solve(work%solution)
-      work%lambda = work%solution(system%layout%nz + 1:)
       do i = 1, size(work%bodies)
          first = system%layout%q(i)
-         associate (body => work%bodies(i), frame => work%solution(system%layout%z(i):))
-            a(first:first + 1) = frame(1:2)
+         associate (body => work%bodies(i))
+            call frame_acceleration(system, i, work%solution, body%hanging, body%bias, body%acceleration)
+            a(first:first + 1) = body%acceleration(1:2)
             if (.not. system%layout%framed(i)) cycle
-            a(first + 2:first + 3) = [frame(3), 0.0_wp]
+            a(first + 2:first + 3) = [body%acceleration(3), 0.0_wp]
             do k = 1, system%layout%n(i)
                value = body%eta_force(k)
                do j = 1, 3
-                  value = value - body%coupling(k, j)*frame(j)
+                  value = value - body%coupling(k, j)*body%acceleration(j)
                end do
                do j = 1, size(body%rows)
-                  value = value - body%eta_rows(k, j)*work%lambda(body%rows(j))
+                  value = value - body%eta_rows(k, j)*work%solution(body%rows(j))
                end do
                a(first + 3 + k) = value
             end do
          end associate
       end do
    end subroutine solve_multiplier_system
+
+   !> What the joints and drivers of the tree give their frames beside the unknowns, eq. (32a).
+   subroutine set_bias(system, work, gamma)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: gamma(:)
+      integer :: i, k, row
+      associate (tree => system%tree)
+         do k = 1, size(tree%order)
+            i = tree%order(k)
+            if (tree%plain(i)) cycle
+            associate (bias => work%bodies(i)%bias)
+               bias = 0.0_wp
+               if (tree%joint(i) > 0) then
+                  row = system%constraints(tree%joint(i))%item%first
+                  bias(1:2) = gamma(row:row + 1)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
+                  if (tree%carrier(i) /= ground) then
+                     associate (carrier => work%bodies(tree%carrier(i))%bias)
+                        bias(1:2) = bias(1:2) + carrier(1:2) + work%kinematics%markers(tree%marker(i))%lever*carrier(3)
+                     end associate
+                  end if
+               end if
+               if (tree%driver(i) > 0) bias(3) = gamma(system%constraints(tree%driver(i))%item%first) &
+                  & /work%jacobians(1, tree%driver(i))%z(1, 3)
+            end associate
+         end do
+      end associate
+   end subroutine set_bias
+
+   !> Right-hand side of the unknowns, eqs. (15) and (32b).
+   subroutine set_right_side(system, work, gamma)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: gamma(:)
+      integer :: i, j, k, rates, column
+      real(wp) :: force(3)
+      associate (tree => system%tree, solution => work%solution)
+         solution(:tree%free) = 0.0_wp
+         do k = 1, size(gamma)
+            if (tree%row(k) > 0) solution(tree%row(k)) = gamma(k)
+         end do
+         do i = 1, size(work%bodies)
+            rates = system%layout%rates(i)
+            associate (body => work%bodies(i))
+               body%condensed = body%force
+               do k = 1, system%layout%n(i)
+                  do j = 1, rates
+                     body%condensed(j) = body%condensed(j) - body%coupling(k, j)*body%eta_force(k)
+                  end do
+                  do j = 1, size(body%rows)
+                     solution(body%rows(j)) = solution(body%rows(j)) - body%eta_rows(k, j)*body%eta_force(k)
+                  end do
+               end do
+               if (tree%plain(i)) then
+                  do j = 1, rates
+                     column = tree%columns(j, i)
+                     solution(column) = solution(column) + body%condensed(j)
+                  end do
+                  cycle
+               end if
+               force = body%condensed
+               do j = 1, rates
+                  do k = 1, rates
+                     force(k) = force(k) - body%mass(k, j)*body%bias(j)
+                  end do
+               end do
+               do j = 1, tree%count(i)
+                  column = tree%columns(j, i)
+                  do k = 1, rates
+                     solution(column) = solution(column) + body%hanging(k, j)*force(k)
+                  end do
+               end do
+               do j = 1, size(body%rows)
+                  associate (condensed => work%jacobians(body%sources(2, j), body%sources(1, j))%condensed)
+                     do k = 1, rates
+                        solution(body%rows(j)) = solution(body%rows(j)) - condensed(body%sources(3, j), k)*body%bias(k)
+                     end do
+                  end associate
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine set_right_side
+
+   !> Accelerations of a frame from the unknowns.
+   pure subroutine frame_acceleration(system, i, solution, hanging, bias, acceleration)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: i
+      real(wp), intent(in) :: solution(:), hanging(:, :), bias(3)
+      real(wp), intent(inout) :: acceleration(3)
+      integer :: j, k
+      associate (columns => system%tree%columns(:, i))
+         if (system%tree%plain(i)) then
+            do j = 1, system%layout%rates(i)
+               acceleration(j) = solution(columns(j))
+            end do
+         else
+            acceleration = bias
+            do j = 1, size(hanging, 2)
+               do k = 1, size(hanging, 1)
+                  acceleration(k) = acceleration(k) + hanging(k, j)*solution(columns(j))
+               end do
+            end do
+         end if
+      end associate
+   end subroutine frame_acceleration
+
+   !> All multipliers after `solve_multiplier_system`, into work%lambda: those of the unknowns as they are, those of the tree from
+   !> what the equations of their body leave, the last in the tree first, eq. (32c).
+   subroutine recover_multipliers(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i, j, k, row
+      real(wp) :: left(3)
+      associate (tree => system%tree)
+         do k = 1, size(work%lambda)
+            if (tree%row(k) > 0) work%lambda(k) = work%solution(tree%row(k))
+         end do
+         do k = size(tree%order), 1, -1
+            i = tree%order(k)
+            if (tree%plain(i)) cycle
+            left = work%bodies(i)%condensed
+            do j = 1, system%layout%rates(i)
+               left = left - work%bodies(i)%mass(:, j)*work%bodies(i)%acceleration(j)
+            end do
+            associate (body => work%bodies(i))
+               do j = 1, size(body%rows)
+                  left = left - work%jacobians(body%sources(2, j), body%sources(1, j))%condensed(body%sources(3, j), :) &
+                     & *work%solution(body%rows(j))
+               end do
+            end associate
+            do j = k + 1, size(tree%order)
+               if (tree%carrier(tree%order(j)) == i) call take_joint(system, work, tree%order(j), left)
+            end do
+            if (tree%joint(i) > 0) then
+               row = system%constraints(tree%joint(i))%item%first
+               work%lambda(row:row + 1) = left(1:2)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
+            end if
+            if (tree%driver(i) > 0) then
+               row = system%constraints(tree%driver(i))%item%first
+               work%lambda(row) = left(3)/work%jacobians(1, tree%driver(i))%z(1, 3)
+            end if
+         end do
+      end associate
+   end subroutine recover_multipliers
+
+   !> Takes from what is left of a carrier's forces those of the joint on which a body hangs.
+   pure subroutine take_joint(system, work, hanging, left)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the body that hangs
+      integer, intent(in) :: hanging
+      real(wp), intent(inout) :: left(3)
+      integer :: row
+      associate (joint => system%tree%joint(hanging))
+         do row = 1, 2
+            left = left - work%jacobians(3 - system%tree%side(hanging), joint)%z(row, :) &
+               & *work%lambda(system%constraints(joint)%item%first + row - 1)
+         end do
+      end associate
+   end subroutine take_joint
 
 end module limber_system_multiplier

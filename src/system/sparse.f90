@@ -95,7 +95,7 @@ contains
       allocate (self%values(kept))
       self%values = 0.0_wp
       self%n = n
-      deallocate (self%marks)
+      if (allocated(self%marks)) deallocate (self%marks)
    end subroutine analyse
 
    !> Sorts a short list by insertion and moves its distinct members to the front.

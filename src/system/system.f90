@@ -12,6 +12,7 @@ module limber_system_system
    use limber_system_loads, only: load_type, load_item_type, dead_force_type, body_torque_type
    use limber_system_sparse, only: sparse_type
    use limber_system_springs, only: point_spring_type
+   use limber_system_tree, only: tree_type, new_tree
    implicit none
    private
    public :: system_type, new_system, workspace_type, new_workspace, body_workspace_type, mark_block, block_place
@@ -29,24 +30,31 @@ module limber_system_system
       type(load_item_type), allocatable :: loads(:)
       !> Points that joints and loads use
       integer, allocatable :: marker_points(:)
-      !> Number of constraint equations (without the norm constraints), and of all unknowns of the multiplier system
-      integer :: nc = 0, unknowns = 0
+      !> Number of constraint equations (without the norm constraints)
+      integer :: nc = 0
+      !> Which bodies hang on which, and the unknowns of the multiplier system that are left
+      type(tree_type) :: tree
       !> True if something puts energy in or takes it out: a driver, a load, or the force of the model k_g
       logical :: powered = .false.
    end type system_type
 
    !> Scratch of one body in the multiplier system
    type :: body_workspace_type
-      !> Mass matrix and force of the frame, after condensation of eta
+      !> Mass matrix and force of the frame; the mass after condensation of eta once the system is factored
       real(wp) :: mass(3, 3) = 0.0_wp, force(3) = 0.0_wp
+      !> The force after condensation of eta, and the accelerations that solve the system
+      real(wp) :: condensed(3) = 0.0_wp, acceleration(3) = 0.0_wp
       !> Coupling (n,3) of eta'' with the frame, and forces on eta (n)
       real(wp), allocatable :: coupling(:, :), eta_force(:)
+      !> Of a frame that hangs on another, or is driven: its accelerations are hanging . unknowns + bias (rates, count)
+      real(wp), allocatable :: hanging(:, :)
+      real(wp) :: bias(3) = 0.0_wp
       !> Scratch of the elastic force (pairs)
       real(wp), allocatable :: z(:), s(:)
-      !> Constraint rows that act on the body: their places among all (rows), where each comes from, [constraint, side,
-      !> row in it] (3, rows), and their eta parts (n, rows)
+      !> Constraint equations with multipliers that act on the body: their places among the unknowns (rows), where each comes
+      !> from, [constraint, side, row in it] (3, rows), and their eta parts (n, rows)
       integer, allocatable :: rows(:), sources(:, :)
-      !> Where the mass matrix of the frame (rates, rates), and what eta adds between the constraint rows (rows, rows), stand
+      !> Where the mass matrix of the frame (count, count), and what eta adds between the constraint rows (rows, rows), stand
       !> in the multiplier matrix
       integer, allocatable :: frame_place(:, :), rows_place(:, :)
       real(wp), allocatable :: eta_rows(:, :)
@@ -66,7 +74,7 @@ module limber_system_system
       type(load_workspace_type), allocatable :: loads(:)
       !> Residuals and right-hand sides of the constraints (nc)
       real(wp), allocatable :: phi(:), gamma(:)
-      !> Multiplier matrix of the unknowns [frame accelerations; multipliers], and a vector of them
+      !> Multiplier matrix of the unknowns [free accelerations of frames; multipliers], and a vector of them
       type(sparse_type) :: matrix
       real(wp), allocatable :: solution(:)
       !> Multipliers of the last solution (nc): the constraints act on the bodies with -Jacobian^T lambda
@@ -93,14 +101,14 @@ contains
       end do
       do i = 1, size(model%drivers)
          count = count + 1
-         call add_driver(model%drivers(i), system%constraints(count)%item)
+         call add_driver(model%drivers(i), i, system%constraints(count)%item)
       end do
       do i = 1, count
          system%constraints(i)%item%first = system%nc + 1
          system%nc = system%nc + system%constraints(i)%item%rows
       end do
       call add_loads(system)
-      system%unknowns = system%layout%nz + system%nc
+      system%tree = new_tree(model, system%layout, system%constraints, system%marker_points, system%nc)
       system%powered = size(model%drivers) > 0
       do i = 1, size(system%loads)
          system%powered = system%powered .or. system%loads(i)%item%powered
@@ -147,12 +155,14 @@ contains
       item%scale = system%model%length
    end subroutine add_joint
 
-   subroutine add_driver(driver, item)
+   subroutine add_driver(driver, index, item)
       type(driver_type), intent(in) :: driver
+      !> Of the driver in the model
+      integer, intent(in) :: index
       class(constraint_type), allocatable, intent(out) :: item
       type(driven_angle_type) :: driven
       driven%rows = 1
-      driven%law = driver%law
+      driven%drive = index
       allocate (item, source=driven)
       item%label = "driver '"//driver%name//"'"
       item%bodies = [driver%body, ground]
@@ -233,7 +243,7 @@ contains
       work%kinematics = new_kinematics(system%model, system%marker_points)
       allocate (work%bodies(size(system%model%bodies)), work%jacobians(2, size(system%constraints)))
       allocate (work%phi(system%nc), work%gamma(system%nc), work%lambda(system%nc))
-      allocate (work%solution(system%unknowns))
+      allocate (work%solution(system%tree%unknowns))
       work%lambda = 0.0_wp
       allocate (work%loads(size(system%loads)))
       do i = 1, size(work%loads)
@@ -246,72 +256,90 @@ contains
          associate (item => system%constraints(i)%item)
             do side = 1, 2
                body = item%bodies(side)
-               if (body == ground) then
-                  work%jacobians(side, i) = new_jacobian(item%rows, 0)
-               else
-                  work%jacobians(side, i) = new_jacobian(item%rows, system%layout%n(body))
-                  old = size(work%bodies(body)%rows)
-                  work%bodies(body)%rows = [work%bodies(body)%rows, (item%first + row - 1, row=1, item%rows)]
-                  work%bodies(body)%sources = reshape([work%bodies(body)%sources, ([i, side, row], row=1, item%rows)], &
-                     & [3, old + item%rows])
-               end if
+               work%jacobians(side, i) = new_jacobian(item%rows, merge(0, system%layout%n(max(1, body)), body == ground))
+               if (body == ground .or. system%tree%row(item%first) == 0) cycle
+               old = size(work%bodies(body)%rows)
+               work%bodies(body)%rows = [work%bodies(body)%rows, rows_of(system, i)]
+               work%bodies(body)%sources = reshape([work%bodies(body)%sources, ([i, side, row], row=1, item%rows)], &
+                  & [3, old + item%rows])
             end do
          end associate
       end do
       do i = 1, size(work%bodies)
          allocate (work%bodies(i)%eta_rows(system%layout%n(i), size(work%bodies(i)%rows)))
+         call start_hanging(system, i, work%bodies(i)%hanging)
       end do
       call analyse_pattern(system, work)
    end subroutine new_workspace
+
+   !> The constant entries of a frame's accelerations for unit values of the unknowns: its own.
+   pure subroutine start_hanging(system, body, hanging)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      real(wp), allocatable, intent(out) :: hanging(:, :)
+      integer :: j
+      allocate (hanging(system%layout%rates(body), system%tree%count(body)))
+      hanging = 0.0_wp
+      if (system%tree%joint(body) == 0) then
+         do j = 1, size(hanging, 2)
+            hanging(j, j) = 1.0_wp
+         end do
+      else if (system%layout%framed(body) .and. system%tree%driver(body) == 0) then
+         hanging(3, size(hanging, 2)) = 1.0_wp
+      end if
+   end subroutine start_hanging
+
+   !> Unknowns on which a body's frame depends.
+   pure function columns_of(system, body) result(list)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      integer :: list(system%tree%count(body))
+      list = system%tree%columns(:size(list), body)
+   end function columns_of
+
+   !> Places of a constraint's multipliers among the unknowns.
+   pure function rows_of(system, constraint) result(list)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: constraint
+      integer :: list(system%constraints(constraint)%item%rows)
+      associate (first => system%constraints(constraint)%item%first)
+         list = system%tree%row(first:first + size(list) - 1)
+      end associate
+   end function rows_of
 
    !> Pattern of the multiplier matrix, and the place in it of everything that will be filled in.
    subroutine analyse_pattern(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      integer :: i, side, body, row, nz
-      nz = system%layout%nz
+      integer :: i, side, body
       do i = 1, size(work%bodies)
-         associate (body => work%bodies(i), first => system%layout%z(i), rates => system%layout%rates(i))
-            call mark_block(work%matrix, [(row, row=first, first + rates - 1)], [(row, row=first, first + rates - 1)])
-            if (system%layout%n(i) > 0) call mark_block(work%matrix, nz + body%rows, nz + body%rows)
+         call mark_block(work%matrix, columns_of(system, i), columns_of(system, i))
+         if (system%layout%n(i) > 0) call mark_block(work%matrix, work%bodies(i)%rows, work%bodies(i)%rows)
+      end do
+      do i = 1, size(system%constraints)
+         do side = 1, 2
+            body = system%constraints(i)%item%bodies(side)
+            if (body == ground .or. system%tree%row(system%constraints(i)%item%first) == 0) cycle
+            call mark_block(work%matrix, rows_of(system, i), columns_of(system, body))
+            call mark_block(work%matrix, columns_of(system, body), rows_of(system, i))
+         end do
+      end do
+      call work%matrix%analyse(system%tree%unknowns)
+      do i = 1, size(work%bodies)
+         associate (body => work%bodies(i))
+            body%frame_place = block_place(work%matrix, columns_of(system, i), columns_of(system, i))
+            if (system%layout%n(i) > 0) body%rows_place = block_place(work%matrix, body%rows, body%rows)
          end associate
       end do
       do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            do side = 1, 2
-               body = item%bodies(side)
-               if (body == ground) cycle
-               associate (first => system%layout%z(body), rates => system%layout%rates(body))
-                  call mark_block(work%matrix, [(nz + row, row=item%first, item%first + item%rows - 1)], &
-                     & [(row, row=first, first + rates - 1)])
-                  call mark_block(work%matrix, [(row, row=first, first + rates - 1)], &
-                     & [(nz + row, row=item%first, item%first + item%rows - 1)])
-               end associate
-            end do
-         end associate
-      end do
-      call work%matrix%analyse(system%unknowns)
-      do i = 1, size(work%bodies)
-         associate (body => work%bodies(i), first => system%layout%z(i), rates => system%layout%rates(i))
-            body%frame_place = block_place(work%matrix, [(row, row=first, first + rates - 1)], &
-               & [(row, row=first, first + rates - 1)])
-            if (system%layout%n(i) > 0) body%rows_place = block_place(work%matrix, nz + body%rows, nz + body%rows)
-         end associate
-      end do
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            do side = 1, 2
-               body = item%bodies(side)
-               if (body == ground) cycle
-               associate (first => system%layout%z(body), rates => system%layout%rates(body), &
-                     & jacobian => work%jacobians(side, i))
-                  jacobian%place = block_place(work%matrix, [(nz + row, row=item%first, item%first + item%rows - 1)], &
-                     & [(row, row=first, first + rates - 1)])
-                  jacobian%transposed = transpose(block_place(work%matrix, [(row, row=first, first + rates - 1)], &
-                     & [(nz + row, row=item%first, item%first + item%rows - 1)]))
-               end associate
-            end do
-         end associate
+         do side = 1, 2
+            body = system%constraints(i)%item%bodies(side)
+            if (body == ground .or. system%tree%row(system%constraints(i)%item%first) == 0) cycle
+            associate (jacobian => work%jacobians(side, i))
+               jacobian%place = block_place(work%matrix, rows_of(system, i), columns_of(system, body))
+               jacobian%transposed = transpose(block_place(work%matrix, columns_of(system, body), rows_of(system, i)))
+            end associate
+         end do
       end do
    end subroutine analyse_pattern
 

@@ -364,7 +364,7 @@ contains
       real(wp), allocatable, intent(out) :: q(:), v(:)
       type(error_type), allocatable :: error
       real(wp), allocatable :: change(:)
-      real(wp) :: residual
+      real(wp) :: before, residual
       integer :: culprit, i, first, round
       system = new_system(slider_crank(fidelity, driven))
       call new_workspace(system, work)
@@ -384,7 +384,7 @@ contains
       do round = 1, 4
          call linearise(system, work, t, q, error)
          call check_no_error(error, 'slider-crank')
-         call project_position(system, work, t, q, change, 1.0e-16_wp, residual)
+         call project_position(system, work, t, q, change, 1.0e-16_wp, before, residual)
       end do
       call linearise(system, work, t, q, error)
       do round = 1, 2
@@ -548,19 +548,19 @@ contains
       type(workspace_type) :: work
       type(error_type), allocatable :: error
       real(wp), allocatable :: q(:), v(:), good(:), change(:), speed(:)
-      real(wp) :: residual
+      real(wp) :: before, residual
       integer :: i
       call prepare(fidelity_full, .true., 0.4_wp, system, work, q, v)
       allocate (change(size(q)))
       good = q
       call linearise(system, work, 0.4_wp, q, error)
-      call project_position(system, work, 0.4_wp, q, change, 1.0e-14_wp, residual)
+      call project_position(system, work, 0.4_wp, q, change, 1.0e-14_wp, before, residual)
       call check(maxval(abs(q - good)) <= 4.0e-16_wp, 'a good position is left alone')
       do i = 1, size(q)
          q(i) = q(i) + 1.0e-5_wp*random()
       end do
       call linearise(system, work, 0.4_wp, q, error)
-      call project_position(system, work, 0.4_wp, q, change, 1.0e-14_wp, residual)
+      call project_position(system, work, 0.4_wp, q, change, 1.0e-14_wp, before, residual)
       call check(residual <= 1.0e-14_wp, 'positions are projected')
       call check(maxval(abs(q - good)) <= 1.0e-4_wp, 'not far')
       call check(abs(norm2(q(3:4)) - 1) <= 2.5e-16_wp, 'u has unit length')

@@ -140,7 +140,8 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: residual
-      call settle(scene%system, scene%work, t, sample%q, sample%v, sample%change, 1.0e-14_wp, residual, error)
+      call settle(scene%system, scene%work, t, sample%q, sample%v, sample%change, &
+         & recorder%needs_accelerations, residual, error)
       if (allocated(error)) return
       call check_sample(scene, sample, outcome)
       if (recorder%needs_accelerations) call accelerations(scene%system, scene%work, sample%q, sample%v, sample%a)

@@ -7,7 +7,7 @@ module limber_integrator_alpha
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
-   use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
+   use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_dynamics, only: linearise, accelerations, settle, input_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
@@ -263,7 +263,7 @@ contains
       real(wp) :: residual, t
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
-      call settle(system, work, t, self%new_q, self%new_v, self%change, constraint_tolerance, residual, error)
+      call settle(system, work, t, self%new_q, self%new_v, self%change, .true., residual, error)
       if (allocated(error)) return
       good = residual <= constraint_limit
       if (.not. good) return

@@ -6,7 +6,7 @@ module limber_integrator_radau
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
-   use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
+   use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, settle, input_power
@@ -268,22 +268,14 @@ contains
       if (self%iterations == 1) self%contraction = 1.0e-3_wp
    end subroutine iterate
 
-   !> Coordinates of the stages from their rates, and the residuals there.
+   !> Residuals at the stages.
    subroutine stage_residuals(self, system, work)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      integer :: i, j
+      integer :: i
       do i = 1, 3
-         self%x(:, i) = radau_c(i)*self%h*self%w
-         self%stage_a = 0.0_wp
-         do j = 1, 3
-            self%x(:, i) = self%x(:, i) + self%h*radau_a(i, j)*self%z(:, j)
-            self%stage_a = self%stage_a + inverse_a(i, j)/self%h*self%z(:, j)
-         end do
-         call advance(system%layout, self%q, self%x(:, i), self%stage_q)
-         self%e = self%w + self%z(:, i)
-         call velocities_of(system%layout, self%stage_q, self%e, self%stage_v)
+         call place_stage(self, system, i)
          call motion_residual(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v, self%stage_a, &
             & self%multipliers(:, i), self%motion(:, i), self%rate(:, i))
          if (system%powered) then
@@ -294,6 +286,24 @@ contains
          self%statistics%evaluations = self%statistics%evaluations + 1
       end do
    end subroutine stage_residuals
+
+   !> Coordinates, velocities and accelerations of a stage from the increments of its rates.
+   subroutine place_stage(self, system, i)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Which stage
+      integer, intent(in) :: i
+      integer :: j
+      self%x(:, i) = radau_c(i)*self%h*self%w
+      self%stage_a = 0.0_wp
+      do j = 1, 3
+         self%x(:, i) = self%x(:, i) + self%h*radau_a(i, j)*self%z(:, j)
+         self%stage_a = self%stage_a + inverse_a(i, j)/self%h*self%z(:, j)
+      end do
+      call advance(system%layout, self%q, self%x(:, i), self%stage_q)
+      self%e = self%w + self%z(:, i)
+      call velocities_of(system%layout, self%stage_q, self%e, self%stage_v)
+   end subroutine place_stage
 
    !> One Newton change of stages and multipliers; its size in units of the scales.
    subroutine newton_change(self, system, largest)
@@ -384,12 +394,11 @@ contains
       real(wp) :: residual, t
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
+      ! The power put in is that of the stages as they are now
       if (system%powered) call stage_residuals(self, system, work)
-      call advance(system%layout, self%q, self%x(:, 3), self%q_stage_end)
-      self%e = self%w + self%z(:, 3)
-      self%stage_q = self%q_stage_end
-      call velocities_of(system%layout, self%stage_q, self%e, self%stage_v)
-      call settle(system, work, t, self%stage_q, self%stage_v, self%change, constraint_tolerance, residual, error)
+      call place_stage(self, system, 3)
+      self%q_stage_end = self%stage_q
+      call settle(system, work, t, self%stage_q, self%stage_v, self%change, .true., residual, error)
       if (allocated(error)) return
       accepted = residual <= constraint_limit
       if (.not. accepted) return

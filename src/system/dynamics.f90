@@ -258,7 +258,7 @@ contains
 
    !> Moves a state that is near the constraints onto them, at position and at velocity level, and leaves the multiplier system
    !> linearised there.
-   subroutine settle(system, work, t, q, v, change, tolerance, residual, error)
+   subroutine settle(system, work, t, q, v, change, exact, residual, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
@@ -266,27 +266,28 @@ contains
       real(wp), intent(inout) :: q(:), v(:)
       !> Scratch (nq)
       real(wp), intent(inout) :: change(:)
-      !> Residual of the position relative to the constraints' scales that is small enough
-      real(wp), intent(in) :: tolerance
+      !> Whether the factors are to be those of the very state, as accelerations want it
+      logical, intent(in) :: exact
       !> Residual of the position reached
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
-      !> Residual before, below which the factors serve the new place too
-      real(wp), parameter :: near = 1.0e-8_wp
+      !> Residual of the position that is aimed at; residual before, below which the factors serve the new place too; and the one
+      !> below which they do so to round-off
+      real(wp), parameter :: aim = 1.0e-14_wp, near = 1.0e-4_wp, nearest = 1.0e-9_wp
       real(wp) :: before, left
       call normalise_frames(system, q)
       call place_tree(system, work, t, q)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
-      call project_position(system, work, t, q, change, tolerance, before, residual)
-      if (before > near) then
+      call project_position(system, work, t, q, change, aim, before, residual)
+      if (before > near .or. (exact .and. before > nearest)) then
          call linearise(system, work, t, q, error)
          if (allocated(error)) return
-      else if (before > tolerance) then
+      else if (before > aim) then
          call update_jacobians(system, work)
       end if
       call project_velocity(system, work, v, change, left)
-      if (before > tolerance .and. before <= near) call project_velocity(system, work, v, change, left)
+      if (before > nearest .and. before <= near .and. .not. exact) call project_velocity(system, work, v, change, left)
    end subroutine settle
 
    !> Takes out of v what violates the velocity equations, least in the mass norm; `linearise` at q comes first.

@@ -186,7 +186,7 @@ contains
       type(radau_type) :: integrator
       real(wp) :: h
       h = duration/steps
-      call run(model, integrator, multiple*h**4, duration, outcome, h)
+      call run(model, integrator, (10*multiple*h**4)**1.25_wp, duration, outcome, h)
       call check(outcome%rejected == 0 .and. outcome%steps == steps, 'steps of one length: '//as_text(outcome%rejected)// &
          & ' rejected, '//as_text(outcome%steps)//' of '//as_text(steps))
    end subroutine run_fixed

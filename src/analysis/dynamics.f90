@@ -3,17 +3,21 @@
 module limber_analysis_dynamics
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
-   use limber_base_text, only: as_text
+   use limber_base_text, only: as_text, newline
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
+   use limber_model_breaks, only: break_times
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
-   use limber_system_dynamics, only: accelerations, settle, position_residual, velocity_residual, mechanical_energy
+   use limber_system_algebra, only: cross
+   use limber_system_dynamics, only: linearise, accelerations, settle, position_residual, velocity_residual, mechanical_energy, &
+      & worst_constraint
+   use limber_system_system, only: system_type
    implicit none
    private
    public :: run_dynamics, outcome_type, new_integrator
@@ -31,6 +35,8 @@ module limber_analysis_dynamics
       real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
       !> Largest |energy - first energy - work| at a sample, and the largest energy that it compares with
       real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
+      !> What the user should know, one line after another; not allocated if there is nothing
+      character(:), allocatable :: warnings
    end type outcome_type
 
    !> Scratch of the sampling, allocated once
@@ -49,6 +55,10 @@ contains
       case ('ALPHA'); allocate (alpha_type :: integrator)
       case ('RADAU'); allocate (radau_type :: integrator)
       case default; allocate (adams_type :: integrator)
+      end select
+      select type (integrator)
+      type is (alpha_type)
+         integrator%radius = dynamics%spectral_radius
       end select
       integrator%tolerance = dynamics%tolerance
       integrator%initial_step = dynamics%initial_step
@@ -85,7 +95,7 @@ contains
       integrator%statistics%factorisations = scene%work%matrix%factorisations
    end subroutine run_dynamics
 
-   !> The time loop.
+   !> The time loop. Steps end at the breaks of the drivers and loads, where the integrator starts anew.
    subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, outcome, error)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
@@ -96,7 +106,11 @@ contains
       type(progress_type), intent(inout) :: progress
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
-      integer :: next
+      real(wp), allocatable :: breaks(:)
+      real(wp) :: stop
+      integer :: next, passed
+      allocate (breaks, source=break_times(scene%system%model))
+      passed = 0
       sample%q = scene%q
       sample%v = scene%v
       call record(scene, dynamics%start, recorder, sample, history, outcome, error)
@@ -107,9 +121,13 @@ contains
                & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE')
             exit
          end if
-         call integrator%step(scene%system, scene%work, dynamics%end, error)
+         stop = dynamics%end
+         if (passed < size(breaks)) stop = nearest(breaks(passed + 1), -1.0_wp)
+         call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
+         call check_deflections(scene%system, integrator%t, sample%q, sample%v, error)
+         if (allocated(error)) exit
          call follow_angles(recorder, scene%system, sample%q)
          do while (next <= dynamics%outputs .and. sample_time(dynamics, next) <= integrator%t)
             call integrator%interpolate(sample_time(dynamics, next), sample%q, sample%v, sample%w)
@@ -117,10 +135,94 @@ contains
             if (allocated(error)) exit
             next = next + 1
          end do
+         if (passed < size(breaks) .and. integrator%t >= stop .and. .not. allocated(error)) then
+            passed = passed + 1
+            call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
+         end if
          call progress%update(integrator%t)
       end do
       outcome%reached = integrator%t
    end subroutine advance
+
+   !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
+   !> by an impact; a position that it changes is an error.
+   subroutine pass_break(scene, t, integrator, sample, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: t
+      class(integrator_type), intent(inout) :: integrator
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      !> Relative residuals beyond which a position and a velocity have jumped
+      real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
+      real(wp) :: residual, energy(2), before, speed
+      integer :: culprit
+      associate (system => scene%system, work => scene%work)
+         call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
+         call linearise(system, work, t, sample%q, error)
+         if (allocated(error)) return
+         if (system%nc > 0) then
+            call worst_constraint(system, work, culprit, residual)
+            if (residual > jump*system%constraints(culprit)%item%scale) then
+               call raise(error, system%constraints(culprit)%item%label//' jumps by '//as_text(residual, 3)//' at t = '// &
+                  & as_text(t, 8)//'; a motion must be continuous: use smoothstep((t - t0)/duration) in place of a jump')
+               return
+            end if
+         end if
+         call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
+         before = sum(energy)
+         speed = maxval(abs(sample%v))
+         sample%change = sample%v
+         call settle(system, work, t, sample%q, sample%v, sample%a, .true., residual, error)
+         if (allocated(error)) return
+         call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
+         if (maxval(abs(sample%v - sample%change)) > impact*speed) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)// &
+            & ' as by an impact, for a driver changes its speed abruptly there; the energy changes by '// &
+            & as_text(sum(energy) - before, 3))
+         integrator%work_at_start = sample%w + sum(energy) - before
+         associate (dynamics => system%model%dynamics)
+            call integrator%start(system, work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
+         end associate
+      end associate
+   end subroutine pass_break
+
+   !> Adds a line to the warnings of a run.
+   pure subroutine warn(outcome, text)
+      type(outcome_type), intent(inout) :: outcome
+      character(*), intent(in) :: text
+      if (.not. allocated(outcome%warnings)) outcome%warnings = ''
+      outcome%warnings = outcome%warnings//'warning: '//text//newline
+   end subroutine warn
+
+   !> An error if a beam deflects by more than its length: no frame can follow that, and mostly the motion diverges.
+   subroutine check_deflections(system, t, q, v, error)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: t, q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, first, n
+      real(wp) :: spin, first_frequency
+      do i = 1, size(system%layout%n)
+         n = system%layout%n(i)
+         if (n == 0) cycle
+         first = system%layout%q(i) + 4
+         associate (body => system%model%bodies(i))
+            if (maxval(abs(q(first:first + n - 1)))*body%largest_shape <= body%size) cycle
+            spin = abs(cross(q(first - 2:first - 1), v(first - 2:first - 1)))
+            first_frequency = sqrt(minval(body%reduced%omega2))
+            if (.not. body%reduced%geometric .and. spin > first_frequency) then
+               call raise(error, "beam '"//body%name//"' deflects by more than its length at t = "//as_text(t, 8)// &
+                  & ': it diverges, for it rotates at '//as_text(spin, 3)//' rad per time, above its first frequency '// &
+                  & as_text(first_frequency, 3)//', and a LINEAR beam is not stiffened by the tension that rotation makes.'// &
+                  & ' Use GEOMETRIC=K_G or FULL')
+            else
+               call raise(error, "beam '"//body%name//"' deflects by more than its length at t = "//as_text(t, 8)// &
+                  & ': that is outside what one floating frame can describe, or the motion diverges. Look at the history up to'// &
+                  & ' there, use GEOMETRIC=FULL, or divide the beam')
+            end if
+            return
+         end associate
+      end do
+   end subroutine check_deflections
 
    !> Time of a sample; the last is the end, to the bit.
    pure real(wp) function sample_time(dynamics, index)

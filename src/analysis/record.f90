@@ -61,6 +61,7 @@ contains
       if (.not. allocated(error)) call history%put_attribute('/run', 'compiler', compiler, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'compiler_options', compiler_options, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'integrator', scene%system%model%dynamics%integrator, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'integrator_reason', scene%system%model%dynamics%reason, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'tolerance', scene%system%model%dynamics%tolerance, error)
    end subroutine record_provenance
 

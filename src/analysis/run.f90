@@ -48,6 +48,7 @@ contains
       if (.not. quiet) call progress%start(scene%system%model%dynamics%start, scene%system%model%dynamics%end, path)
       call run_dynamics(scene, integrator, history, progress, outcome, error)
       if (.not. quiet) call progress%finish()
+      if (allocated(outcome%warnings)) scene%warnings = scene%warnings//outcome%warnings
       scene%warnings = scene%warnings//energy_warning(outcome)
       if (allocated(error)) then
          call record_outcome(scene, outcome, integrator%statistics, error%message, history, write_error)
@@ -127,9 +128,11 @@ contains
       character(*), intent(in) :: results
       character(:), allocatable :: text
       associate (statistics => integrator%statistics, units => scene%system%model%units)
-         text = path//': '//scene%system%model%heading//newline// &
-            & '   reached t = '//as_text(outcome%reached, 8)//' '//units%time//' in '//as_text(statistics%steps)//' steps ('// &
-            & as_text(statistics%rejected)//' rejected), '//as_text(statistics%evaluations)//' evaluations'//newline// &
+         text = path//': '//scene%system%model%heading//newline
+         if (scene%system%model%dynamics%reason /= '') text = text//'   '//scene%system%model%dynamics%integrator//', chosen: '// &
+            & scene%system%model%dynamics%reason//newline
+         text = text//'   reached t = '//as_text(outcome%reached, 8)//' '//units%time//' in '//as_text(statistics%steps)// &
+            & ' steps ('//as_text(statistics%rejected)//' rejected), '//as_text(statistics%evaluations)//' evaluations'//newline// &
             & '   '//as_text(outcome%cpu, 3)//' s CPU in the time loop; '//as_text(scene%reading + scene%building + &
             & scene%assembling, 3)//' s before it'//newline// &
             & '   constraints: position '//as_text(outcome%position_residual, 2)//' '//units%length//', velocity '// &

@@ -4,6 +4,7 @@ module limber_analysis_scene
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: newline
+   use limber_analysis_choice, only: choose_integrator
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
@@ -65,11 +66,23 @@ contains
          call new_workspace(scene%system, scene%work)
          call assemble_scene(scene, diagnostics)
          scene%assembling = seconds_since(tick)
+         if (diagnostics%count == 0) call settle_integrator(scene)
       end if
       scene%warnings = diagnostics%render(scene%deck%source)
       if (diagnostics%count > 0) call raise(error, scene%warnings, status_deck)
       if (diagnostics%warnings > 0) scene%warnings = scene%warnings//newline
    end subroutine build_scene
+
+   !> Chooses the integrator where the deck leaves it open.
+   subroutine settle_integrator(scene)
+      type(scene_type), intent(inout) :: scene
+      character(:), allocatable :: integrator, reason
+      if (.not. scene%system%model%dynamics%wanted) return
+      if (scene%system%model%dynamics%integrator /= 'AUTO') return
+      call choose_integrator(scene%system, scene%work, scene%q, scene%v, integrator, reason)
+      scene%system%model%dynamics%integrator = integrator
+      scene%system%model%dynamics%reason = reason
+   end subroutine settle_integrator
 
    !> First state; what cannot be assembled is shown at the joint or driver in the deck.
    subroutine assemble_scene(scene, diagnostics)

@@ -198,6 +198,8 @@ contains
       allocate (specs, source=keyword_options(axis%keyword))
       specs = pack(specs, specs%name == axis%option)
       words = [character(24) :: split_values(trim(specs(1)%values))]
+      ! Not one more integrator, but one of the others
+      words = pack(words, words /= 'AUTO')
    end function words_of
 
    !> Place of a word among those that the option takes.

@@ -1,10 +1,10 @@
 !> An expression of a deck as a postfix program on a small stack: made once by `limber_deck_compile`,
 !> evaluated in every step without allocation. Floor: deck.
 module limber_deck_expression
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_deck_origin, only: origin_type
    use limber_deck_operations, only: jet_type, unary_value, binary_value, unary_jet, binary_jet, &
-      & function_arity, first_function, op_constant, op_slot, op_negate
+      & branch_of, function_arity, first_function, op_constant, op_slot, op_negate
    implicit none
    private
    public :: expression_type, slot_type, max_stack, is_binary
@@ -35,6 +35,7 @@ module limber_deck_expression
    contains
       procedure :: evaluate
       procedure :: evaluate_jet
+      procedure :: branches
       procedure :: is_constant
       procedure :: constant_value
    end type expression_type
@@ -74,10 +75,33 @@ contains
       !> Time [s]
       real(wp), intent(in) :: t
       type(jet_type) :: jet
+      integer(long) :: taken
+      call walk(self, t, jet, taken)
+   end function evaluate_jet
+
+   !> A number for the branches that min, max, abs, step and smoothstep take at a time, right after it where it is a bend: while
+   !> it does not change the expression is smooth. -1 if there is nothing to choose.
+   pure integer(long) function branches(self, t)
+      class(expression_type), intent(in) :: self
+      !> Time [s]
+      real(wp), intent(in) :: t
+      type(jet_type) :: jet
+      call walk(self, t, jet, branches)
+   end function branches
+
+   !> Both of these.
+   pure subroutine walk(self, t, jet, branches)
+      class(expression_type), intent(in) :: self
+      real(wp), intent(in) :: t
+      type(jet_type), intent(out) :: jet
+      integer(long), intent(out) :: branches
+      integer(long), parameter :: most = 2_long**48
       type(jet_type) :: stack(max_stack)
-      integer :: i, top
+      integer :: i, top, branch
       top = 0
+      branches = -1
       do i = 1, size(self%codes)
+         branch = -1
          if (self%codes(i) == op_constant) then
             top = top + 1
             stack(top) = jet_type(self%constants(self%operands(i)), 0.0_wp, 0.0_wp)
@@ -86,13 +110,16 @@ contains
             stack(top) = jet_type(t, 1.0_wp, 0.0_wp)
          else if (is_binary(self%codes(i))) then
             top = top - 1
+            branch = branch_of(self%codes(i), stack(top), stack(top + 1))
             stack(top) = binary_jet(self%codes(i), stack(top), stack(top + 1))
          else
+            branch = branch_of(self%codes(i), stack(top), stack(top))
             stack(top) = unary_jet(self%codes(i), stack(top))
          end if
+         if (branch >= 0) branches = modulo(3*max(0_long, branches) + branch, most)
       end do
       jet = stack(1)
-   end function evaluate_jet
+   end subroutine walk
 
    !> Whether an expression depends on nothing.
    pure logical function is_constant(self)

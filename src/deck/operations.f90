@@ -4,7 +4,7 @@ module limber_deck_operations
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: jet_type, unary_value, binary_value, unary_jet, binary_jet, unary_complaint, binary_complaint, &
+   public :: branch_of, jet_type, unary_value, binary_value, unary_jet, binary_jet, unary_complaint, binary_complaint, &
       & function_names, function_arity, first_function, function_meanings
    public :: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, op_power
 
@@ -198,6 +198,20 @@ contains
          is_below = u%second < v%second
       end if
    end function is_below
+
+   !> Which of the formulas of an operation holds at (u, v), 0 or more; -1 of an operation that has but one.
+   elemental integer function branch_of(code, u, v) result(branch)
+      integer, intent(in) :: code
+      !> Arguments; of an operation with one argument, v is not used
+      type(jet_type), intent(in) :: u, v
+      select case (code)
+      case (op_abs); branch = merge(1, 0, is_below(u, jet_type()))
+      case (op_min, op_max); branch = merge(1, 0, is_below(u, v))
+      case (op_step); branch = merge(1, 0, u%value >= 0.0_wp)
+      case (op_smoothstep); branch = merge(1, 0, u%value >= 0.0_wp) + merge(1, 0, u%value >= 1.0_wp)
+      case default; branch = -1
+      end select
+   end function branch_of
 
    !> u**v: by the power rule if v does not change, otherwise as exp(v log u), where f_u and
    !> f_uu are the derivatives of v log u.

@@ -64,9 +64,15 @@ contains
       self%y = 0.0_wp
       self%y(:self%nq) = q
       self%y(self%nq + 1:2*self%nq) = v
+      if (system%powered) self%y(self%ny) = self%work_at_start
+      self%h_last = 0.0_wp
+      self%k = 1
+      self%k_last = 0
+      self%ns = 0
+      self%starting = .true.
       self%t = t
       self%t_before = t
-      self%scales = new_scales(system, duration, .false.)
+      if (.not. allocated(self%scales%value)) self%scales = new_scales(system, duration, .false.)
       call update_scales(system, q, v, self%scales)
       call evaluate(self, system, work, t, self%y, self%yp, error)
       if (allocated(error)) return

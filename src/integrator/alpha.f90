@@ -71,17 +71,23 @@ contains
       self%alpha_f = self%radius/(self%radius + 1)
       self%gamma = 0.5_wp + self%alpha_f - self%alpha_m
       self%beta = 0.25_wp*(self%gamma + 0.5_wp)**2
-      allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%algorithmic(nw), self%jerk(nw), self%lambda(nc), &
-         & self%q_before(nq), self%w_before(nw), self%increment(nw), self%new_q(nq), self%new_v(nq), self%new_w(nw), &
-         & self%new_a(nw), self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), &
-         & self%change(nq), self%unknown(nw + nc), self%e(nw), self%scale_x(nw), self%scale_w(nw))
+      if (.not. allocated(self%q)) then
+         allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%algorithmic(nw), self%jerk(nw), self%lambda(nc), &
+            & self%q_before(nq), self%w_before(nw), self%increment(nw), self%new_q(nq), self%new_v(nq), self%new_w(nw), &
+            & self%new_a(nw), self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), &
+            & self%change(nq), self%unknown(nw + nc), self%e(nw), self%scale_x(nw), self%scale_w(nw))
+         call new_tangent(system, self%tangent)
+         self%scales = new_scales(system, duration, .true.)
+      end if
+      self%work_done = self%work_at_start
+      self%work_before = self%work_at_start
+      self%h_last = 0.0_wp
+      self%fresh = .false.
       self%q = q
       self%v = v
       self%t = t
       self%t_before = t
       self%layout = system%layout
-      call new_tangent(system, self%tangent)
-      self%scales = new_scales(system, duration, .true.)
       call update_scales(system, q, v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
       call linearise(system, work, t, q, error)

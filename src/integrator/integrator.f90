@@ -26,6 +26,8 @@ module limber_integrator_integrator
       real(wp) :: t = 0.0_wp
       !> Time of the step before: `interpolate` serves from there to t
       real(wp) :: t_before = 0.0_wp
+      !> Work put in before the start
+      real(wp) :: work_at_start = 0.0_wp
       type(step_statistics_type) :: statistics
    contains
       procedure(start_interface), deferred :: start
@@ -35,13 +37,14 @@ module limber_integrator_integrator
    end type integrator_type
 
    abstract interface
-      !> Takes over an assembled state (t, q, v) and prepares the first step.
+      !> Takes over an assembled state (t, q, v) and prepares the first step. Called again, it forgets the steps before, for what
+      !> acts may have changed abruptly, but not the scales of the motion.
       subroutine start_interface(self, system, work, t, duration, q, v, error)
          import :: integrator_type, system_type, workspace_type, error_type, wp
          class(integrator_type), intent(inout) :: self
          type(system_type), intent(in) :: system
          type(workspace_type), intent(inout) :: work
-         !> Time, and time from there to the end of the analysis
+         !> Time, and length of the whole analysis
          real(wp), intent(in) :: t, duration
          !> Coordinates and velocities (nq)
          real(wp), intent(in) :: q(:), v(:)

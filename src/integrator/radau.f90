@@ -94,18 +94,25 @@ contains
       nq = system%layout%nq
       nw = system%layout%nw
       nc = system%nc
-      allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
-         & self%a_before(nw), self%a_end(nw), self%increment(nw), self%z(nw, 3), self%x(nw, 3), &
-         & self%multipliers(nc, 3), self%motion(nw, 3), &
-         & self%rate(nc, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), &
-         & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
+      if (.not. allocated(self%q)) then
+         allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
+            & self%a_before(nw), self%a_end(nw), self%increment(nw), self%z(nw, 3), self%x(nw, 3), &
+            & self%multipliers(nc, 3), self%motion(nw, 3), &
+            & self%rate(nc, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), &
+            & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
+         call new_tangent(system, self%tangent)
+         self%scales = new_scales(system, duration, .true.)
+      end if
+      self%work_done = self%work_at_start
+      self%work_before = self%work_at_start
+      self%h_last = 0.0_wp
+      self%h_accepted = 0.0_wp
+      self%fresh = .false.
       self%q = q
       self%v = v
       self%t = t
       self%t_before = t
       self%layout = system%layout
-      call new_tangent(system, self%tangent)
-      self%scales = new_scales(system, duration, .true.)
       call update_scales(system, q, v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
       call linearise(system, work, t, q, error)

@@ -506,11 +506,15 @@ contains
          dynamics%outputs = block%integer('OUTPUTS')
          dynamics%tolerance = block%real('TOLERANCE')
          dynamics%integrator = block%word('INTEGRATOR')
+         dynamics%reason = ''
+         dynamics%spectral_radius = block%real('SPECTRAL RADIUS')
          dynamics%initial_step = block%real('INITIAL STEP')
          dynamics%maximum_step = block%real('MAXIMUM STEP')
          dynamics%maximum_steps = block%integer('MAXIMUM STEPS')
          if (dynamics%end <= dynamics%start) call diagnostics%add(block%origin_of('END'), &
             & 'END='//as_text(dynamics%end)//' is not later than START='//as_text(dynamics%start), 'give a later time')
+         if (dynamics%spectral_radius > 1.0_wp) call diagnostics%add(block%origin_of('SPECTRAL RADIUS'), &
+            & 'SPECTRAL RADIUS='//as_text(dynamics%spectral_radius)//' feeds vibrations', 'give a number from 0 to 1')
          if (dynamics%tolerance > 0.1_wp .or. dynamics%tolerance < 1.0e-13_wp) call diagnostics%add( &
             & block%origin_of('TOLERANCE'), 'TOLERANCE='//as_text(dynamics%tolerance)//' cannot be kept', &
             & 'give a value between 1e-13 and 0.1')

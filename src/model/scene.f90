@@ -127,8 +127,10 @@ module limber_model_scene
       integer :: outputs = 100
       !> Local error allowed in a step, relative to each scale
       real(wp) :: tolerance = 1.0e-6_wp
-      !> Name of the integrator
-      character(:), allocatable :: integrator
+      !> Name of the integrator; and, where the deck leaves it to limber, why it is that one
+      character(:), allocatable :: integrator, reason
+      !> Spectral radius at infinity of ALPHA
+      real(wp) :: spectral_radius = 0.8_wp
       !> First and largest step; zero: chosen, unbounded
       real(wp) :: initial_step = 0.0_wp, maximum_step = 0.0_wp
       !> Largest number of steps

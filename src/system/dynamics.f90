@@ -14,7 +14,8 @@ module limber_system_dynamics
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: linearise, accelerations, sum_forces, project_position, project_velocity, settle, position_residual, velocity_residual
+   public :: linearise, accelerations, accelerate, sum_forces, project_position, project_velocity, settle
+   public :: position_residual, velocity_residual
    public :: input_power, mechanical_energy, worst_constraint
 
 contains
@@ -64,6 +65,35 @@ contains
       end do
       work%evaluations = work%evaluations + 1
    end subroutine accelerations
+
+   !> Accelerations that forces alone make, at rest and with the constraints kept; `linearise` comes first.
+   subroutine accelerate(system, work, force, push)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Forces in the layout of the rates (nw)
+      real(wp), intent(in) :: force(:)
+      !> Accelerations in the layout of the rates (nw)
+      real(wp), intent(out) :: push(:)
+      real(wp) :: change(system%layout%nq)
+      integer :: i, first, rates, n
+      do i = 1, size(work%bodies)
+         first = system%layout%w(i)
+         rates = system%layout%rates(i)
+         n = system%layout%n(i)
+         work%bodies(i)%force = 0.0_wp
+         work%bodies(i)%force(:rates) = force(first:first + rates - 1)
+         work%bodies(i)%eta_force = force(first + rates:first + rates + n - 1)
+      end do
+      work%gamma = 0.0_wp
+      call solve_multiplier_system(system, work, work%gamma, change)
+      do i = 1, size(work%bodies)
+         first = system%layout%w(i)
+         rates = system%layout%rates(i)
+         n = system%layout%n(i)
+         push(first:first + rates - 1) = work%bodies(i)%acceleration(:rates)
+         push(first + rates:first + rates + n - 1) = change(system%layout%q(i) + 4:system%layout%q(i) + 3 + n)
+      end do
+   end subroutine accelerate
 
    !> Velocity terms, weight, elasticity and loads of all bodies into the workspace.
    subroutine sum_forces(system, work, q, v)

@@ -1,0 +1,171 @@
+!> INTEGRATOR=AUTO: the integrator that suits a scene. What counts is how much faster its fastest vibration is than its motion,
+!> what the tolerance asks, and whether that vibration is excited at the start. The numbers come from runs of the slider-crank,
+!> the spin-up and the squeezer (doc/benchmarks.md). Floor: analysis.
+module limber_analysis_choice
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_deck_operations, only: jet_type
+   use limber_model_scene, only: dynamics_type
+   use limber_system_algebra, only: cross
+   use limber_system_dynamics, only: linearise, accelerations, accelerate
+   use limber_system_kinematics, only: rates_of
+   use limber_system_system, only: system_type, workspace_type
+   use limber_system_tangent, only: tangent_type, new_tangent, motion_residual, linearise_motion, times_stiffness
+   implicit none
+   private
+   public :: choose_integrator
+
+   !> What is known of a scene before it runs
+   type :: indicators_type
+      !> Fastest vibration, and fastest motion [rad/time]
+      real(wp) :: fastest = 0.0_wp, motion = 0.0_wp
+      !> Amplitude of the vibrations that the start excites and that are faster than the motion, relative to the deflection's scale
+      real(wp) :: ringing = 0.0_wp
+   end type indicators_type
+
+contains
+
+   !> The integrator for a scene at its first state, and why.
+   subroutine choose_integrator(system, work, q, v, integrator, reason)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Assembled coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      character(:), allocatable, intent(out) :: integrator, reason
+      type(indicators_type) :: found
+      call look(system, work, q, v, found)
+      call decide(found, system%powered, system%model%dynamics, integrator, reason)
+   end subroutine choose_integrator
+
+   !> Decides from the indicators.
+   subroutine decide(found, powered, dynamics, integrator, reason)
+      type(indicators_type), intent(in) :: found
+      !> True if something puts energy in or takes it out
+      logical, intent(in) :: powered
+      type(dynamics_type), intent(in) :: dynamics
+      character(:), allocatable, intent(out) :: integrator, reason
+      !> Turns of the motion beyond which the energy of a conservative scene counts more than its phase
+      real(wp), parameter :: long = 1.0e3_wp
+      real(wp) :: limit, resolved
+      character(:), allocatable :: ratio
+      ratio = 'the fastest vibration ('//as_text(found%fastest, 2)//' rad per time) is '//as_text(found%fastest/found%motion, 2)// &
+         & ' times as fast as the motion'
+      ! A step of RADAU costs as much as ten of ADAMS; those of ADAMS are bound to the fastest vibration
+      limit = 10*dynamics%tolerance**(-0.125_wp)
+      ! Ringing that is ten thousand times what RADAU lets pass in a step it must follow all too closely: ADAMS does so for less
+      resolved = 1.0e3_wp*dynamics%tolerance**0.8_wp
+      if (.not. powered .and. found%motion*(dynamics%end - dynamics%start) > 2*acos(-1.0_wp)*long &
+         & .and. dynamics%tolerance > 1.0e-6_wp) then
+         integrator = 'CONSERVING'
+         reason = 'nothing puts energy in or takes it out, and the run is long'
+      else if (found%fastest <= limit*found%motion) then
+         integrator = 'ADAMS'
+         reason = ratio//': not stiff at this tolerance'
+      else if (found%ringing > resolved) then
+         integrator = 'ADAMS'
+         reason = ratio//', but the start excites it and the tolerance asks for it'
+      else
+         integrator = 'RADAU'
+         reason = ratio//', and the tolerance does not ask for it'
+      end if
+   end subroutine decide
+
+   !> Finds the indicators.
+   subroutine look(system, work, q, v, found)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: q(:), v(:)
+      type(indicators_type), intent(out) :: found
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: a(:)
+      allocate (a(size(q)))
+      a = 0.0_wp
+      call linearise(system, work, system%model%dynamics%start, q, error)
+      if (.not. allocated(error)) call accelerations(system, work, q, v, a)
+      found%motion = motion_rate(system, q, v, a)
+      found%ringing = ringing(system, a, found%motion)
+      if (.not. allocated(error)) call find_fastest(system, work, q, v, a, found%fastest)
+   end subroutine look
+
+   !> Rate of the motion: the fastest rotation, speeds and accelerations on the scene's length, and the slowest vibration of each
+   !> body. [rad/time]
+   pure real(wp) function motion_rate(system, q, v, a) result(rate)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      integer, parameter :: looks = 50
+      type(jet_type) :: theta
+      integer :: i, k, first
+      real(wp) :: t
+      associate (dynamics => system%model%dynamics, length => system%model%length)
+         rate = 2*acos(-1.0_wp)/(dynamics%end - dynamics%start)
+         do i = 1, size(system%layout%q)
+            first = system%layout%q(i)
+            rate = max(rate, norm2(v(first:first + 1))/length, sqrt(norm2(a(first:first + 1))/length))
+            if (system%layout%framed(i)) rate = max(rate, abs(cross(q(first + 2:first + 3), v(first + 2:first + 3))), &
+               & sqrt(norm2(a(first + 2:first + 3))))
+            if (system%layout%n(i) > 0) rate = max(rate, sqrt(minval(system%model%bodies(i)%reduced%omega2)))
+         end do
+         do i = 1, size(system%model%drivers)
+            do k = 0, looks
+               t = dynamics%start + (dynamics%end - dynamics%start)*(real(k, wp)/looks)
+               theta = system%model%drivers(i)%law%evaluate_jet(t)
+               rate = max(rate, abs(theta%first), sqrt(abs(theta%second)))
+            end do
+         end do
+      end associate
+   end function motion_rate
+
+   !> Amplitude of vibrations faster than the motion that the accelerations of the start leave, relative to the scales of
+   !> limber_integrator_scales.
+   pure real(wp) function ringing(system, a, motion) result(amplitude)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: a(:), motion
+      integer :: i, k, first
+      amplitude = 0.0_wp
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i) + 3
+         associate (body => system%model%bodies(i))
+            do k = 1, system%layout%n(i)
+               if (body%reduced%omega2(k) < (10*motion)**2) cycle
+               amplitude = max(amplitude, abs(a(first + k))/body%reduced%omega2(k)/(1.0e-3_wp*body%size/body%largest_shape))
+            end do
+         end associate
+      end do
+   end function ringing
+
+   !> Fastest vibration about the first state with the constraints kept, by the power method.
+   subroutine find_fastest(system, work, q, v, a, fastest)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      real(wp), intent(out) :: fastest
+      integer, parameter :: rounds = 12
+      type(tangent_type) :: tangent
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: x(:), force(:), push(:), rates(:), motion(:)
+      integer :: i, k
+      real(wp) :: length
+      fastest = 0.0_wp
+      associate (nw => system%layout%nw)
+         allocate (x(nw), force(nw), push(nw), motion(nw), rates(system%nc))
+         call new_tangent(system, tangent)
+         call rates_of(system%layout, q, a, push)
+         call motion_residual(system, work, system%model%dynamics%start, q, v, push, work%lambda, motion, rates)
+         call linearise_motion(system, work, tangent, q, v, push, work%lambda)
+         call linearise(system, work, system%model%dynamics%start, q, error)
+         if (allocated(error)) return
+         x = [(1.0_wp + 0.5_wp*modulo(0.618_wp*k, 1.0_wp), k=1, nw)]
+      end associate
+      do i = 1, rounds
+         force = 0.0_wp
+         call times_stiffness(system, tangent, 1.0_wp, x, force)
+         call accelerate(system, work, force, push)
+         length = norm2(push)
+         if (.not. length > 0.0_wp) return
+         fastest = sqrt(length/norm2(x))
+         x = push/length
+      end do
+   end subroutine find_fastest
+
+end module limber_analysis_choice

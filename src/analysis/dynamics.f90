@@ -15,9 +15,9 @@ module limber_analysis_dynamics
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_system_algebra, only: cross
-   use limber_system_dynamics, only: linearise, accelerations, settle, position_residual, velocity_residual, mechanical_energy, &
-      & worst_constraint
-   use limber_system_system, only: system_type
+   use limber_system_dynamics, only: linearise, accelerations, settle, settle_position, position_residual, velocity_residual, &
+      & mechanical_energy, worst_constraint
+   use limber_system_system, only: system_type, workspace_type
    implicit none
    private
    public :: run_dynamics, outcome_type, new_integrator
@@ -33,7 +33,7 @@ module limber_analysis_dynamics
       real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
       !> Mechanical energy at the start and the end, and work put in
       real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
-      !> Largest |energy - first energy - work| at a sample, and the largest energy that it compares with
+      !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
       real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
@@ -113,6 +113,7 @@ contains
       passed = 0
       sample%q = scene%q
       sample%v = scene%v
+      call check_energy(scene, sample, outcome)
       call record(scene, dynamics%start, recorder, sample, history, outcome, error)
       next = 1
       do while (next <= dynamics%outputs .and. .not. allocated(error))
@@ -129,6 +130,7 @@ contains
          call check_deflections(scene%system, integrator%t, sample%q, sample%v, error)
          if (allocated(error)) exit
          call follow_angles(recorder, scene%system, sample%q)
+         if (sample_time(dynamics, next) <= integrator%t) call check_energy(scene, sample, outcome)
          do while (next <= dynamics%outputs .and. sample_time(dynamics, next) <= integrator%t)
             call integrator%interpolate(sample_time(dynamics, next), sample%q, sample%v, sample%w)
             call record(scene, sample_time(dynamics, next), recorder, sample, history, outcome, error)
@@ -241,38 +243,53 @@ contains
       class(sink_type), intent(inout) :: history
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: residual
-      call settle(scene%system, scene%work, t, sample%q, sample%v, sample%change, &
-         & recorder%needs_accelerations, residual, error)
-      if (allocated(error)) return
-      call check_sample(scene, sample, outcome)
-      if (recorder%needs_accelerations) call accelerations(scene%system, scene%work, sample%q, sample%v, sample%a)
-      recorder%work = sample%w
-      call channel_values(recorder, scene%system, scene%work, t, sample%q, sample%v, sample%a, sample%values)
+      real(wp) :: before, residual
+      associate (system => scene%system, work => scene%work)
+         if (recorder%needs_velocities) then
+            call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
+         else
+            call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
+         end if
+         if (allocated(error)) return
+         call check_residuals(system, work, recorder%needs_velocities, sample%v, outcome)
+         if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
+         recorder%work = sample%w
+         call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
+      end associate
       call history%append(t, sample%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine record
 
-   !> Constraint residuals and energy balance of a sample.
-   subroutine check_sample(scene, sample, outcome)
+   !> Constraint residuals of a sample.
+   subroutine check_residuals(system, work, moving, v, outcome)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Whether its velocities are asked for
+      logical, intent(in) :: moving
+      real(wp), intent(in) :: v(:)
+      type(outcome_type), intent(inout) :: outcome
+      real(wp) :: largest
+      if (system%nc == 0) return
+      largest = position_residual(system, work)
+      outcome%position_residual = max(outcome%position_residual, maxval(abs(work%phi)))
+      if (.not. moving) return
+      largest = velocity_residual(system, work, v)
+      outcome%velocity_residual = max(outcome%velocity_residual, maxval(abs(work%gamma)))
+   end subroutine check_residuals
+
+   !> Energy balance at the end of a step.
+   subroutine check_energy(scene, sample, outcome)
       type(scene_type), intent(inout) :: scene
       type(sample_type), intent(in) :: sample
       type(outcome_type), intent(inout) :: outcome
-      real(wp) :: kinetic, potential, largest
-      if (scene%system%nc > 0) then
-         largest = position_residual(scene%system, scene%work)
-         outcome%position_residual = max(outcome%position_residual, maxval(abs(scene%work%phi)))
-         largest = velocity_residual(scene%system, scene%work, sample%v)
-         outcome%velocity_residual = max(outcome%velocity_residual, maxval(abs(scene%work%gamma)))
-      end if
+      real(wp) :: kinetic, potential
       call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
       if (outcome%samples == 0) outcome%first_energy = kinetic + potential
       outcome%last_energy = kinetic + potential
       outcome%work = sample%w
       outcome%imbalance = max(outcome%imbalance, abs(kinetic + potential - outcome%first_energy - sample%w))
-      largest = max(kinetic, abs(potential - outcome%first_energy))
-      outcome%largest_energy = max(outcome%largest_energy, largest)
-   end subroutine check_sample
+      outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))
+   end subroutine check_energy
 
    !> CPU seconds of this process.
    real(wp) function cpu_now()

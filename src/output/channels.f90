@@ -18,8 +18,8 @@ module limber_output_channels
       real(wp), allocatable :: angle(:)
       !> Bodies whose angle a channel asks for
       integer, allocatable :: turning(:)
-      !> True if a channel needs accelerations or multipliers, or energies
-      logical :: needs_accelerations = .false., needs_energy = .false.
+      !> True if a channel needs velocities; accelerations or multipliers; energies
+      logical :: needs_velocities = .false., needs_accelerations = .false., needs_energy = .false.
       !> Scratch: values of one expression's slots
       real(wp), allocatable :: slots(:)
       !> Kinetic and potential energy, and work, at the sample
@@ -46,11 +46,13 @@ contains
                case (quantity_angle); recorder%turning = [recorder%turning, quantity%of]
                case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension)
                   recorder%needs_accelerations = .true.
+               case (quantity_vx, quantity_vy, quantity_spin); recorder%needs_velocities = .true.
                case (quantity_kinetic, quantity_potential); recorder%needs_energy = .true.
                end select
             end associate
          end do
       end do
+      recorder%needs_velocities = recorder%needs_velocities .or. recorder%needs_accelerations .or. recorder%needs_energy
       allocate (recorder%slots(most))
       do i = 1, size(recorder%angle)
          recorder%angle(i) = system%model%bodies(i)%angle

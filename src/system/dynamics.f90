@@ -14,7 +14,7 @@ module limber_system_dynamics
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: linearise, accelerations, accelerate, sum_forces, project_position, project_velocity, settle
+   public :: linearise, accelerations, accelerate, sum_forces, project_position, project_velocity, settle, settle_position
    public :: position_residual, velocity_residual
    public :: input_power, mechanical_energy, worst_constraint
 
@@ -239,15 +239,26 @@ contains
       real(wp), intent(in) :: tolerance
       !> Residual at first, with all frames of the tree in their places, and residual reached
       real(wp), intent(out) :: before, residual
-      integer, parameter :: most = 6
-      integer :: round, i
       call normalise_frames(system, q)
       call place_tree(system, work, t, q)
-      do round = 0, most
-         call place_frames(system%model, system%layout, t, q, work%kinematics)
-         residual = position_residual(system, work)
-         if (round == 0) before = residual
-         if (residual <= tolerance .or. round == most) return
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call project_placed(system, work, t, q, change, tolerance, before, residual)
+   end subroutine project_position
+
+   !> The rounds of `project_position`; kinematics are placed, and what hangs or is driven is in its place.
+   subroutine project_placed(system, work, t, q, change, tolerance, before, residual)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: q(:), change(:)
+      real(wp), intent(in) :: tolerance
+      real(wp), intent(out) :: before, residual
+      integer, parameter :: most = 6
+      integer :: round, i
+      residual = position_residual(system, work)
+      before = residual
+      do round = 1, most
+         if (residual <= tolerance) return
          call clear_forces(work)
          work%phi = -work%phi
          call solve_multiplier_system(system, work, work%phi, change)
@@ -258,8 +269,10 @@ contains
          q = q + change
          call normalise_frames(system, q)
          call place_tree(system, work, t, q)
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         residual = position_residual(system, work)
       end do
-   end subroutine project_position
+   end subroutine project_placed
 
    !> Puts frames that hang on others, or are driven, where they belong.
    pure subroutine place_tree(system, work, t, q)
@@ -286,8 +299,7 @@ contains
       end associate
    end subroutine place_tree
 
-   !> Moves a state that is near the constraints onto them, at position and at velocity level, and leaves the multiplier system
-   !> linearised there.
+   !> Moves a state that is near the constraints onto them, at position and at velocity level.
    subroutine settle(system, work, t, q, v, change, exact, residual, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -296,29 +308,47 @@ contains
       real(wp), intent(inout) :: q(:), v(:)
       !> Scratch (nq)
       real(wp), intent(inout) :: change(:)
-      !> Whether the factors are to be those of the very state, as accelerations want it
+      !> Whether the multiplier system is to be left linearised at the very state, as accelerations want it
       logical, intent(in) :: exact
       !> Residual of the position reached
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
-      !> Residual of the position that is aimed at; residual before, below which the factors serve the new place too; and the one
-      !> below which they do so to round-off
-      real(wp), parameter :: aim = 1.0e-14_wp, near = 1.0e-4_wp, nearest = 1.0e-9_wp
+      !> Residual before, below which the factors serve the new place too, and below which they do so to round-off
+      real(wp), parameter :: near = 1.0e-4_wp, nearest = 1.0e-9_wp
       real(wp) :: before, left
+      call settle_position(system, work, t, q, change, before, residual, error)
+      if (allocated(error)) return
+      if (before > near .or. (exact .and. before > nearest)) then
+         call linearise(system, work, t, q, error)
+         if (allocated(error)) return
+         before = 0.0_wp
+      else if (before > 0.0_wp) then
+         call update_jacobians(system, work)
+      end if
+      call project_velocity(system, work, v, change, left)
+      if (before > nearest) call project_velocity(system, work, v, change, left)
+   end subroutine settle
+
+   !> Moves coordinates that are near the constraints onto them.
+   subroutine settle_position(system, work, t, q, change, before, residual, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), intent(inout) :: q(:)
+      !> Scratch (nq)
+      real(wp), intent(inout) :: change(:)
+      !> Residual before, zero if nothing had to be moved but what hangs or is driven; and residual reached
+      real(wp), intent(out) :: before, residual
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), parameter :: aim = 1.0e-14_wp
       call normalise_frames(system, q)
       call place_tree(system, work, t, q)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
-      call project_position(system, work, t, q, change, aim, before, residual)
-      if (before > near .or. (exact .and. before > nearest)) then
-         call linearise(system, work, t, q, error)
-         if (allocated(error)) return
-      else if (before > aim) then
-         call update_jacobians(system, work)
-      end if
-      call project_velocity(system, work, v, change, left)
-      if (before > nearest .and. before <= near .and. .not. exact) call project_velocity(system, work, v, change, left)
-   end subroutine settle
+      call project_placed(system, work, t, q, change, aim, before, residual)
+      if (before <= aim) before = 0.0_wp
+   end subroutine settle_position
 
    !> Takes out of v what violates the velocity equations, least in the mass norm; `linearise` at q comes first.
    subroutine project_velocity(system, work, v, change, residual)

@@ -7,27 +7,18 @@ module runs
    use testing, only: check, check_no_error
    implicit none
    private
-   public :: run_changed, channel, read_columns
+   public :: run_changed, change_deck, channel, read_columns
 
 contains
 
-   !> Writes a deck with two texts exchanged beside the results, runs it, and opens its history.
+   !> Writes a deck with texts exchanged beside the results, runs it, and opens its history.
    subroutine run_changed(path, results, old, new, reader)
-      !> The deck; the file for its results; texts that occur in the deck once, and what stands for them (of equal numbers)
+      !> The deck; the file for its results; texts that occur in the deck, and what stands for them (of equal numbers)
       character(*), intent(in) :: path, results, old(:), new(:)
       type(history_reader_type), intent(out) :: reader
       type(error_type), allocatable :: error
-      character(:), allocatable :: text, report
-      integer :: i, at, unit
-      text = contents(path)
-      do i = 1, size(old)
-         at = index(text, trim(old(i)))
-         call check(at > 0, path//' has '//trim(old(i)))
-         if (at > 0) text = text(:at - 1)//trim(new(i))//text(at + len_trim(old(i)):)
-      end do
-      open (newunit=unit, file=results//'.inp', access='stream', action='write', status='replace')
-      write (unit) text
-      close (unit)
+      character(:), allocatable :: report
+      call change_deck(path, results//'.inp', old, new)
       call run_deck(results//'.inp', results, .true., .true., report, error)
       call check_no_error(error, path)
       if (allocated(error)) error stop 1
@@ -35,6 +26,23 @@ contains
       call check_no_error(error, path//': results')
       call check(reader%complete, path//' is marked complete')
    end subroutine run_changed
+
+   !> Writes a deck with texts exchanged, each where it occurs first.
+   subroutine change_deck(path, changed, old, new)
+      !> The deck and the new one; texts that occur in it, and what stands for them (of equal numbers)
+      character(*), intent(in) :: path, changed, old(:), new(:)
+      character(:), allocatable :: text
+      integer :: i, at, unit
+      text = contents(path)
+      do i = 1, size(old)
+         at = index(text, trim(old(i)))
+         call check(at > 0, path//' has '//trim(old(i)))
+         if (at > 0) text = text(:at - 1)//trim(new(i))//text(at + len_trim(old(i)):)
+      end do
+      open (newunit=unit, file=changed, access='stream', action='write', status='replace')
+      write (unit) text
+      close (unit)
+   end subroutine change_deck
 
    !> All samples of a channel.
    function channel(reader, name) result(values)

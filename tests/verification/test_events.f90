@@ -1,0 +1,103 @@
+!> Runs across breaks: loads that change their formula, drivers that change their speed or jump, and a beam that diverges. Between
+!> the breaks of its torque a rotor does what a polynomial says, which RADAU integrates exactly if its steps end there, however
+!> loose the tolerance.
+!> Usage, in tests/: test_events RESULT_FILE
+program test_events
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, change_deck, channel
+   use testing, only: check, check_close, finish
+   implicit none
+
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_rotor('RADAU', 1.0e-13_wp)
+   call check_rotor('ADAMS', 1.0e-3_wp)
+   call check_rotor('ALPHA', 1.0e-2_wp)
+   call check_impact('ADAMS')
+   call check_impact('RADAU')
+   call check_refusal('verification/impact.inp', 'max(t - 1, 0)', 'step(t - 1)', [character(64) :: &
+      & "driver 'motor' jumps by 0.841", 'at t = 1', 'smoothstep'])
+   call check_refusal('../input/spin_up.inp', 'GEOMETRIC=FULL', 'GEOMETRIC=LINEAR', [character(64) :: "beam 'beam' deflects", &
+      & 'it diverges', 'above its first frequency 3.8', 'Use GEOMETRIC=K_G or FULL'])
+   call finish()
+
+contains
+
+   !> Angle and speed of the rotor against the integral of its torque.
+   subroutine check_rotor(integrator, most)
+      character(*), intent(in) :: integrator
+      real(wp), intent(in) :: most
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: t(:), angle(:), spin(:), balance(:)
+      real(wp), parameter :: inertia = 0.5_wp
+      integer :: i
+      call run_changed('verification/breaks.inp', trim(results), ['INTEGRATOR=ADAMS'], ['INTEGRATOR='//integrator], reader)
+      call reader%read_time(t, error)
+      allocate (angle, source=channel(reader, 'angle_rotor'))
+      allocate (spin, source=channel(reader, 'spin_rotor'))
+      allocate (balance, source=channel(reader, 'balance'))
+      do i = 1, size(t)
+         call check_close(spin(i), (after(t(i), 0.3_wp, 1) - 2*after(t(i), 0.7_wp, 1) + after(t(i), 1.1_wp, 2)/2)/inertia, most, &
+            & integrator//': speed of the rotor')
+         call check_close(angle(i), (after(t(i), 0.3_wp, 2)/2 - after(t(i), 0.7_wp, 2) + after(t(i), 1.1_wp, 3)/6)/inertia, most, &
+            & integrator//': angle of the rotor')
+      end do
+      call check_close(maxval(abs(balance)), 0.0_wp, max(most, 1.0e-3_wp), integrator//': balance of energy and work')
+      call reader%close()
+   end subroutine check_rotor
+
+   !> (t - t0)^power from t0 on.
+   pure real(wp) function after(t, t0, power)
+      real(wp), intent(in) :: t, t0
+      integer, intent(in) :: power
+      after = max(t - t0, 0.0_wp)**power
+   end function after
+
+   !> The elbow is struck: the bob turns as if hit at its end, and the energy that this takes is work of the driver.
+   subroutine check_impact(integrator)
+      character(*), intent(in) :: integrator
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: spin(:), balance(:)
+      real(wp) :: expected
+      call run_changed('verification/impact.inp', trim(results), ['INTEGRATOR=ADAMS'], ['INTEGRATOR='//integrator], reader)
+      allocate (spin, source=channel(reader, 'spin_bob'))
+      allocate (balance, source=channel(reader, 'balance'))
+      ! Mass 1, centre at 0.5, inertia 0.1: (I + m c^2) w = -m c v, the elbow moving across the bob with v = 1
+      expected = -0.5_wp/(0.1_wp + 0.25_wp)
+      call check_close(spin(10), 0.0_wp, 1.0e-14_wp, integrator//': at rest before the impact')
+      call check_close(spin(11), expected, 1.0e-12_wp, integrator//': speed right after the impact')
+      call check_close(maxval(abs(balance)), 0.0_wp, 1.0e-5_wp, integrator//': balance of energy and work')
+      call reader%close()
+   end subroutine check_impact
+
+   !> A run that is refused on its way, and what it says.
+   subroutine check_refusal(path, old, new, said)
+      character(*), intent(in) :: path, old, new, said(:)
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      character(:), allocatable :: report
+      real(wp), allocatable :: t(:)
+      integer :: i
+      call change_deck(path, trim(results)//'.inp', [old], [new])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(allocated(error), path//' with '//new//' is refused')
+      if (.not. allocated(error)) return
+      do i = 1, size(said)
+         call check(index(error%message, trim(said(i))) > 0, trim(said(i))//' in: '//error%message)
+      end do
+      deallocate (error)
+      call reader%open(trim(results), error)
+      call check(.not. allocated(error), path//': the results can be read')
+      if (allocated(error)) return
+      call check(.not. reader%complete, path//': the results are marked incomplete')
+      call reader%read_time(t, error)
+      call check(size(t) > 5, path//': what was computed is kept')
+      call reader%close()
+   end subroutine check_refusal
+
+end program test_events

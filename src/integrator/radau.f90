@@ -47,8 +47,6 @@ module limber_integrator_radau
    real(wp), parameter :: e_weights(3) = [-(13 + 7*root6)/3, (-13 + 7*root6)/3, -1.0_wp/3]
 
    integer, parameter :: most_iterations = 10
-   !> Rate of convergence below which the derivatives serve another step
-   real(wp), parameter :: keep = 2.0e-3_wp
 
    !> Memory of the method
    type, extends(integrator_type) :: radau_type
@@ -72,9 +70,8 @@ module limber_integrator_radau
       real(wp), allocatable :: scale_x(:), scale_w(:)
       !> Next step, last step, step of the factors; error and step of the last accepted step, for the prediction
       real(wp) :: h = 0.0_wp, h_last = 0.0_wp, h_factors = 0.0_wp, error_last = 0.0_wp, h_accepted = 0.0_wp
-      !> Whether there are derivatives that may serve, and whether they are those of the present state; rate of convergence of
-      !> the last Newton iteration
-      logical :: has_tangent = .false., fresh = .false.
+      !> Whether the derivatives are those of the present state; rate of convergence of the last Newton iteration
+      logical :: fresh = .false.
       real(wp) :: contraction = 1.0_wp
       integer :: iterations = 0
    contains
@@ -110,7 +107,7 @@ contains
       self%work_before = self%work_at_start
       self%h_last = 0.0_wp
       self%h_accepted = 0.0_wp
-      self%has_tangent = .false.
+      self%fresh = .false.
       self%q = q
       self%v = v
       self%t = t
@@ -152,7 +149,7 @@ contains
             call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return
          end if
-         if (.not. self%has_tangent) call refresh(self, system, work)
+         if (.not. self%fresh) call refresh(self, system, work)
          if (abs(self%h - self%h_factors) > 0.0_wp) call factor_both(self, converged)
          if (abs(self%h - self%h_factors) > 0.0_wp) then
             call raise(error, 'the Newton matrix of RADAU is singular at t = '//as_text(self%t, 8)// &
@@ -163,11 +160,7 @@ contains
          call iterate(self, system, work, converged)
          if (.not. converged) then
             self%statistics%rejected = self%statistics%rejected + 1
-            if (self%fresh) then
-               self%h = 0.5_wp*self%h
-            else
-               call refresh(self, system, work)
-            end if
+            self%h = 0.5_wp*self%h
             repeated = .true.
             cycle
          end if
@@ -191,12 +184,9 @@ contains
       self%h_accepted = self%h
       self%h_last = self%h
       call self%count_step(self%h, 5)
-      ! A step that would hardly change is kept, and with it the factors
-      if (self%contraction <= keep .and. factor >= 1.0_wp .and. factor <= 1.2_wp) factor = 1.0_wp
       self%h = self%h*factor
       if (self%t >= stop .and. .not. repeated) self%h = max(self%h, wanted)
       self%fresh = .false.
-      if (self%contraction > keep .or. abs(factor - 1.0_wp) > 0.0_wp) self%has_tangent = .false.
       call update_scales(system, self%q, self%v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
    end subroutine radau_step
@@ -217,7 +207,6 @@ contains
       call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
       self%statistics%jacobians = self%statistics%jacobians + 1
       self%fresh = .true.
-      self%has_tangent = .true.
       self%h_factors = 0.0_wp
    end subroutine refresh
 

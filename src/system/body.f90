@@ -7,7 +7,7 @@
 !>    [ .      I(eta)            h_k         ]      I(eta) = I0 + 2 d.eta + eta.eta
 !>    [ .      .                 1           ]
 !>
-!> Plain kernels on arrays; no allocation. Floor: system. Source: Han and Lee 1993, eqs. (6), (7), (28); doc/theory.
+!> Plain kernels on arrays; no allocation. Floor: system. Source: Han and Lee 1993, eqs. (6), (7), (28); doc/theory, eqs. (7)-(13).
 module limber_system_body
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type

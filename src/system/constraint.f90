@@ -1,6 +1,6 @@
 !> What every joint and driver gives the system: its residual, its Jacobian with respect to the independent rates
 !> (r', omega, eta') of the one or two bodies it acts on, and the right-hand sides of its velocity and
-!> acceleration equations. Floor: system. Source: doc/theory.
+!> acceleration equations. Floor: system. Source: doc/theory, eq. (27).
 module limber_system_constraint
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground

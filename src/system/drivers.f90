@@ -1,4 +1,4 @@
-!> Driven motion: the angle of a frame prescribed in time. Floor: system. Source: doc/theory.
+!> Driven motion: the angle of a frame prescribed in time. Floor: system. Source: doc/theory, eq. (31).
 module limber_system_drivers
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: turn

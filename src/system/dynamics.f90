@@ -1,5 +1,5 @@
 !> Right-hand side of the equations of motion, and the projections onto the constraints: what an explicit integrator
-!> needs of the system. No allocation, no finite elements. Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory.
+!> needs of the system. No allocation, no finite elements. Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (32)-(35).
 module limber_system_dynamics
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

@@ -1,4 +1,4 @@
-!> Joints between two markers: revolute, and point on a line. Floor: system. Source: doc/theory.
+!> Joints between two markers: revolute, and point on a line. Floor: system. Source: doc/theory, eqs. (29), (30).
 module limber_system_joints
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground

@@ -5,7 +5,7 @@
 !>    [ G + g dG           0   ]
 !>
 !> with any real or complex factors. Increments of the coordinates are those of `advance`, in the layout of w.
-!> Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory.
+!> Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (39)-(41).
 module limber_system_tangent
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_tangent

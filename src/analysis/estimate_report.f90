@@ -102,11 +102,11 @@ contains
       text = '   estimated errors of the time integration, from runs at TOLERANCE='//as_text(estimate%companion, 3)
       if (estimate%check > 0.0_wp) text = text//' and '//as_text(estimate%check, 3)
       text = text//', '//as_text(estimate%cpu, 3)//' s CPU or '//as_text(estimate%factor, 2)//' times the run itself:'//newline// &
-         & '      channel'//repeat(' ', first - 7)//right('largest')//right('at the end')//right('error')//right('relative')
+         & '      '//left('channel', first)//right('largest')//right('at the end')//right('error')//right('relative')
       do i = 1, size(channels)
          largest = maxval(abs(samples%values(i, :samples%samples)))
          worst = maxval(estimate%values(i, :))
-         text = text//newline//'      '//channels(i)%name//repeat(' ', first - len(channels(i)%name))//right(as_text(largest, 6))// &
+         text = text//newline//'      '//left(channels(i)%name, first)//right(as_text(largest, 6))// &
             & right(as_text(samples%values(i, samples%samples), 6))//right(as_text(worst, 2))// &
             & right(as_text(worst/magnitude(samples%values(i, :samples%samples)), 2))
          if (estimate%stuck(i)) text = text//'  does not shrink'
@@ -114,6 +114,15 @@ contains
       text = text//newline//'      '//excluded
    end function estimate_table
 
+   !> A text filled up to a length.
+   pure function left(cell, length) result(text)
+      character(*), intent(in) :: cell
+      integer, intent(in) :: length
+      character(length) :: text
+      text = cell
+   end function left
+
+   !> A number at the right of its column.
    pure function right(cell) result(text)
       character(*), intent(in) :: cell
       character(:), allocatable :: text

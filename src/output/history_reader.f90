@@ -242,8 +242,8 @@ contains
       end if
    end subroutine read_text
 
-   !> Reads a number that the run left among its statistics, an attribute of /run.
-   subroutine read_statistic(self, name, value, error)
+   !> Reads a number that the run left among its statistics, an attribute of /run or of another group.
+   subroutine read_statistic(self, name, value, error, group)
       !> Open reader
       class(history_reader_type), intent(in) :: self
       !> Name of the attribute, such as 'steps'
@@ -251,7 +251,13 @@ contains
       real(wp), intent(out) :: value
       !> Allocated if there is no such number
       type(error_type), allocatable, intent(out) :: error
-      call read_attribute(self%file, '/run', name, value, error)
+      !> Absolute path of the other group
+      character(*), intent(in), optional :: group
+      if (present(group)) then
+         call read_attribute(self%file, group, name, value, error)
+      else
+         call read_attribute(self%file, '/run', name, value, error)
+      end if
       if (allocated(error)) error%message = self%path//': '//error%message
    end subroutine read_statistic
 

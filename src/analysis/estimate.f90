@@ -9,9 +9,9 @@ module limber_analysis_estimate
    use limber_analysis_errors, only: envelope, shrinkage, widening, unknown_ratio, no_shrinkage
    use limber_analysis_scene, only: scene_type
    use limber_deck_operations, only: op_slot
-   use limber_integrator_integrator, only: integrator_type
-   use limber_model_quantities, only: quantity_work
-   use limber_model_scene, only: channel_type, dynamics_type
+   use limber_integrator_integrator, only: integrator_type, constraint_tolerance
+   use limber_model_quantities, only: quantities, quantity_work
+   use limber_model_scene, only: channel_type, dynamics_type, model_type, quantity_type
    use limber_output_history, only: history_type
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: memory_type
@@ -90,7 +90,7 @@ contains
          if (no_check == '') estimate%check = ladder*estimate%tolerance
       end if
       estimate%factor = estimate%cpu/max(cpu, tiny(cpu))
-      if (estimate%reason == '') call compare_runs(scene%system%model%channels, samples, companion, check, steps, estimate)
+      if (estimate%reason == '') call compare_runs(scene%system%model, samples, companion, check, steps, estimate)
    end subroutine make_estimate
 
    !> Runs a scene once more at another tolerance. Besides the channels the run samples all quantities that are in them.
@@ -161,26 +161,29 @@ contains
    end subroutine add_quantities
 
    !> Errors from the samples of the runs: eqs. (70) to (73).
-   subroutine compare_runs(channels, samples, companion, check, steps, estimate)
-      type(channel_type), intent(in) :: channels(:)
+   subroutine compare_runs(model, samples, companion, check, steps, estimate)
+      type(model_type), intent(in) :: model
       !> Of the run, of the one to compare with, and, if there is one, of the check
       type(memory_type), intent(in) :: samples, companion, check
       integer(long), intent(in) :: steps
       type(estimate_type), intent(inout) :: estimate
       real(wp), allocatable :: difference(:), floors(:), sizes(:)
       real(wp) :: factor
-      integer :: i, first, n
+      integer :: i, j, first, n
       n = samples%samples
-      allocate (estimate%values(size(channels), n), estimate%ratio(size(channels)), estimate%stuck(size(channels)))
+      first = size(model%channels)
+      allocate (estimate%values(first, n), estimate%ratio(first), estimate%stuck(first))
       allocate (difference(n), floors(n), sizes(n))
       estimate%ratio = unknown_ratio
-      first = size(channels)
-      do i = 1, size(channels)
+      do i = 1, size(model%channels)
          difference = samples%values(i, :n) - companion%values(i, :n)
          if (estimate%check > 0.0_wp) &
             & estimate%ratio(i) = shrinkage(difference, check%values(i, :n) - samples%values(i, :n))
-         call round_off(channels(i), companion%values(first + 1:first + size(channels(i)%quantities), :n), steps, floors, sizes)
-         first = first + size(channels(i)%quantities)
+         associate (asked => model%channels(i)%quantities)
+            call round_off(model%channels(i), companion%values(first + 1:first + size(asked), :n), &
+               & [(natural_scale(asked(j), model), j=1, size(asked))], steps, floors, sizes)
+            first = first + size(asked)
+         end associate
          factor = widening(estimate%ratio(i))
          ! A coarser companion has the larger error of the two
          if (estimate%companion > estimate%tolerance) factor = 1.0_wp
@@ -190,36 +193,62 @@ contains
    end subroutine compare_runs
 
    !> What round-off alone can do to a channel: eq. (73).
-   subroutine round_off(channel, quantities, steps, floors, sizes)
+   subroutine round_off(channel, slots_of, scales, steps, floors, sizes)
       type(channel_type), intent(in) :: channel
-      !> Its quantities (quantities, samples)
-      real(wp), intent(in) :: quantities(:, :)
+      !> Its quantities (quantities, samples), and what `natural_scale` says of them (quantities)
+      real(wp), intent(in) :: slots_of(:, :), scales(:)
       !> Of the run
       integer(long), intent(in) :: steps
-      !> Round-off (samples), and the magnitude of the terms of the channel that it is part of [unit of the channel]
+      !> Round-off (samples), and the largest magnitude of the channel and its terms [unit of the channel]
       real(wp), intent(out) :: floors(:), sizes(:)
-      real(wp), parameter :: few = 4.0_wp, part = 1.0e-6_wp
-      real(wp) :: slots(size(quantities, 1)), value, term, roundings, largest
+      real(wp), parameter :: few = 4.0_wp
+      real(wp) :: slots(size(scales)), value, slope, roundings, now, largest
       integer :: j, k
       largest = 0.0_wp
       do k = 1, size(floors)
-         slots = quantities(:, k)
+         slots = slots_of(:, k)
          value = channel%expression%evaluate(slots)
-         sizes(k) = 0.0_wp
+         sizes(k) = abs(value)
+         now = few*epsilon(1.0_wp)*abs(value)
          do j = 1, size(slots)
-            slots(j) = (1 - part)*quantities(j, k)
-            term = abs(channel%expression%evaluate(slots) - value)/part
-            slots(j) = quantities(j, k)
-            sizes(k) = sizes(k) + term
+            slope = abs(derivative(channel, slots, j, max(abs(slots(j)), scales(j))))
             ! The work is summed up over all steps, and nothing holds it in place
             roundings = few
             if (channel%quantities(j)%kind == quantity_work) roundings = few + real(steps, wp)*(k - 1)/max(1, size(floors) - 1)
-            largest = max(largest, epsilon(1.0_wp)*roundings*term)
+            now = now + slope*(roundings*epsilon(1.0_wp)*abs(slots(j)) + constraint_tolerance*scales(j))
+            sizes(k) = max(sizes(k), slope*max(abs(slots(j)), scales(j)))
          end do
-         sizes(k) = max(sizes(k), abs(value))
-         largest = max(largest, few*epsilon(1.0_wp)*abs(value))
+         largest = max(largest, now)
          floors(k) = largest
       end do
    end subroutine round_off
+
+   !> Derivative of a channel with respect to one of its quantities, from values at the same side of zero.
+   pure real(wp) function derivative(channel, slots, which, scale)
+      type(channel_type), intent(in) :: channel
+      real(wp), intent(in) :: slots(:), scale
+      integer, intent(in) :: which
+      real(wp), parameter :: part = 1.0e-6_wp
+      real(wp) :: moved(size(slots)), step
+      derivative = 0.0_wp
+      step = part*scale
+      if (.not. step > 0.0_wp) return
+      if (abs(slots(which)) > step) step = -step
+      moved = slots
+      moved(which) = moved(which) + sign(1.0_wp, slots(which))*step
+      derivative = (channel%expression%evaluate(moved) - channel%expression%evaluate(slots))/(moved(which) - slots(which))
+   end function derivative
+
+   !> What the accuracy of the constraints of a quantity is relative to, from its dimension: the length of the scene, the
+   !> duration, one radian; zero if it has a mass.
+   pure real(wp) function natural_scale(quantity, model)
+      type(quantity_type), intent(in) :: quantity
+      type(model_type), intent(in) :: model
+      natural_scale = 0.0_wp
+      if (quantity%kind == 0) return
+      associate (dimension => quantities(quantity%kind)%dimension)
+         if (dimension(3) == 0) natural_scale = model%length**dimension(1)*(model%dynamics%end - model%dynamics%start)**dimension(2)
+      end associate
+   end function natural_scale
 
 end module limber_analysis_estimate

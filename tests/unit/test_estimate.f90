@@ -99,18 +99,22 @@ contains
    subroutine test_round_off()
       type(scene_type) :: scene
       type(error_type), allocatable :: error
-      real(wp) :: quantities(3, 3), floors(3), sizes(3)
+      real(wp) :: quantities(3, 3), floors(3), sizes(3), none(3)
       call write_deck('plain.inp', 'TOLERANCE=1e-6', '*ACCURACY')
       call read_scene(folder//'/plain.inp', scene, error)
       call check_no_error(error, 'plain deck')
       quantities(:, 1) = [1.0_wp, -1.0_wp, 0.0_wp]
       quantities(:, 2) = [5.0_wp, -1.0_wp, 4.0_wp]
       quantities(:, 3) = [1.0_wp, -1.0_wp, 0.0_wp]
-      call round_off(scene%system%model%channels(3), quantities, 1000_long, floors, sizes)
-      call check(all(abs(sizes - [2.0_wp, 10.0_wp, 2.0_wp]) <= 1.0e-8_wp), 'round-off: size of the terms')
-      call check(all(abs(floors/epsilon(1.0_wp) - [4.0_wp, 2016.0_wp, 2016.0_wp]) <= 1.0e-5_wp), 'round-off: floors')
-      call round_off(scene%system%model%channels(2), quantities(:0, :), 1000_long, floors, sizes)
+      none = 0.0_wp
+      call round_off(scene%system%model%channels(3), quantities, none, 1000_long, floors, sizes)
+      call check(all(abs(sizes - [1.0_wp, 5.0_wp, 1.0_wp]) <= 1.0e-8_wp), 'round-off: size of the terms')
+      call check(all(abs(floors/epsilon(1.0_wp) - [8.0_wp, 2040.0_wp, 2040.0_wp]) <= 1.0e-5_wp), 'round-off: floors')
+      call round_off(scene%system%model%channels(2), quantities(:0, :), none(:0), 1000_long, floors, sizes)
       call check(all(abs(floors/epsilon(1.0_wp) - 8.0_wp) <= 1.0e-12_wp), 'round-off of a constant')
+      call round_off(scene%system%model%channels(1), quantities(3:3, :)/1000, [1.0_wp], 1000_long, floors, sizes)
+      call check(all(abs(sizes - 1.0_wp) <= 1.0e-8_wp) .and. floors(1) > 0.9e-14_wp .and. floors(2) < 1.1e-14_wp, &
+         & 'round-off of an angle near zero')
    end subroutine test_round_off
 
    subroutine test_texts()

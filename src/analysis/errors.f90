@@ -21,7 +21,7 @@ contains
       if (.not. magnitude > 0.0_wp) magnitude = 1.0_wp
    end function magnitude
 
-   !> Largest magnitude among each sample and its neighbours: a difference that changes its sign leaves no gap there.
+   !> Largest magnitude among each sample and its neighbours, in eq. (72): a difference that changes its sign leaves no gap there.
    pure function envelope(difference, reach) result(largest)
       real(wp), intent(in) :: difference(:)
       !> Neighbours on each side

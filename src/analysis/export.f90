@@ -12,11 +12,12 @@ module limber_analysis_export
 contains
 
    !> Writes a comment line with the names and units of the columns, then one line for each sample: the time and the
-   !> channels in the order asked for. A channel of width k makes k columns, name[1] to name[k].
+   !> channels in the order asked for. A channel of width k makes k columns, name[1] to name[k]. The estimated error of a
+   !> channel is asked for as name_error.
    subroutine export_history(path, names, unit, error)
       !> Name of the results file
       character(*), intent(in) :: path
-      !> Names of channels, padded with blanks; none means all, in the order of the file
+      !> Names of channels, padded with blanks; none means all, in the order of the file, then all estimated errors
       character(*), intent(in) :: names(:)
       !> Open formatted unit; its lines must be free to be 25 characters a column long
       integer, intent(in) :: unit
@@ -25,7 +26,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(history_reader_type) :: reader
       real(wp), allocatable :: table(:, :)
-      integer, allocatable :: wanted(:)
+      type(channel_type), allocatable :: wanted(:)
       integer :: sample, status
       call reader%open(path, error)
       if (allocated(error)) return
@@ -43,15 +44,15 @@ contains
       call reader%close()
    end subroutine export_history
 
-   !> Indices of the channels to write.
+   !> The channels to write.
    subroutine find_wanted(reader, names, wanted, error)
       type(history_reader_type), intent(in) :: reader
       character(*), intent(in) :: names(:)
-      integer, allocatable, intent(out) :: wanted(:)
+      type(channel_type), allocatable, intent(out) :: wanted(:)
       type(error_type), allocatable, intent(out) :: error
       integer :: i
       if (size(names) == 0) then
-         wanted = [(i, i=1, size(reader%channels))]
+         wanted = [reader%channels, reader%estimates]
          return
       end if
       allocate (wanted(size(names)))
@@ -64,18 +65,18 @@ contains
    !> Time and channels side by side, one sample in each Fortran column.
    subroutine read_table(reader, wanted, table, error)
       type(history_reader_type), intent(in) :: reader
-      integer, intent(in) :: wanted(:)
+      type(channel_type), intent(in) :: wanted(:)
       real(wp), allocatable, intent(out) :: table(:, :)
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: time(:), values(:, :)
       integer :: i, row
-      allocate (table(1 + sum(reader%channels(wanted)%width), reader%samples))
+      allocate (table(1 + sum(wanted%width), reader%samples))
       call reader%read_time(time, error)
       if (allocated(error)) return
       table(1, :) = time
       row = 1
       do i = 1, size(wanted)
-         call reader%read_channel(reader%channels(wanted(i))%name, values, error)
+         call reader%read_channel(wanted(i)%name, values, error)
          if (allocated(error)) return
          table(row + 1:row + size(values, 1), :) = values
          row = row + size(values, 1)
@@ -85,17 +86,15 @@ contains
    !> Comment line with names and units of the columns.
    pure function header(reader, wanted) result(line)
       type(history_reader_type), intent(in) :: reader
-      integer, intent(in) :: wanted(:)
+      type(channel_type), intent(in) :: wanted(:)
       character(:), allocatable :: line
-      type(channel_type) :: channel
       integer :: i, component
       line = '# time ['//reader%time_units//']'
       do i = 1, size(wanted)
-         channel = reader%channels(wanted(i))
-         do component = 1, channel%width
-            line = line//'  '//channel%name
-            if (channel%width > 1) line = line//'['//as_text(component)//']'
-            line = line//' ['//channel%units//']'
+         do component = 1, wanted(i)%width
+            line = line//'  '//wanted(i)%name
+            if (wanted(i)%width > 1) line = line//'['//as_text(component)//']'
+            line = line//' ['//wanted(i)%units//']'
          end do
       end do
    end function header

@@ -4,11 +4,12 @@ module limber_analysis_run
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
    use limber_analysis_dynamics, only: run_dynamics, new_integrator, outcome_type
+   use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
+   use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table
    use limber_analysis_record, only: open_history, record_outcome
    use limber_analysis_scene, only: scene_type, read_scene
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: body_type, body_flexible, units_type
-   use limber_output_history, only: history_type
    use limber_output_progress, only: progress_type
    implicit none
    private
@@ -28,11 +29,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(scene_type) :: scene
       class(integrator_type), allocatable :: integrator
-      type(history_type) :: history
+      type(kept_type) :: history
       type(progress_type) :: progress
       type(outcome_type) :: outcome
       type(error_type), allocatable :: write_error
-      character(:), allocatable :: results
+      character(:), allocatable :: results, table
       report = ''
       call read_scene(path, scene, error)
       if (allocated(error)) return
@@ -42,8 +43,9 @@ contains
       end if
       results = output
       if (results == '') results = default_results(path)
-      call open_history(scene, results, force, history, error)
+      call open_history(scene, results, force, history%history_type, error)
       if (allocated(error)) return
+      call keep_samples(scene, history)
       call new_integrator(scene%system%model%dynamics, integrator)
       if (.not. quiet) call progress%start(scene%system%model%dynamics%start, scene%system%model%dynamics%end, path)
       call run_dynamics(scene, integrator, history, progress, outcome, error)
@@ -51,14 +53,51 @@ contains
       if (allocated(outcome%warnings)) scene%warnings = scene%warnings//outcome%warnings
       scene%warnings = scene%warnings//energy_warning(outcome)
       if (allocated(error)) then
-         call record_outcome(scene, outcome, integrator%statistics, error%message, history, write_error)
+         call record_outcome(scene, outcome, integrator%statistics, error%message, history%history_type, write_error)
          error%message = path//': '//error%message//newline//'   What was computed up to there is in '//results// &
             & ', marked incomplete.'
       else
-         call record_outcome(scene, outcome, integrator%statistics, '', history, error)
-         report = scene%warnings//closing_report(path, scene, outcome, integrator, results)
+         call add_estimate(scene, integrator, outcome, quiet, history, table, error)
+         if (.not. allocated(error)) call record_outcome(scene, outcome, integrator%statistics, '', history%history_type, error)
+         report = scene%warnings//closing_report(path, scene, outcome, integrator, results)//table
       end if
    end subroutine run_deck
+
+   !> Lets the history keep its samples in memory if errors are to be estimated from them.
+   subroutine keep_samples(scene, history)
+      type(scene_type), intent(in) :: scene
+      type(kept_type), intent(inout) :: history
+      associate (model => scene%system%model)
+         history%keeps = model%accuracy%estimate
+         if (history%keeps) call history%memory%start(size(model%channels), model%dynamics%outputs + 1, huge(1.0_wp))
+      end associate
+   end subroutine keep_samples
+
+   !> Estimates the errors, if the deck asks for that, and writes them. Until then the file has all samples, but is not complete.
+   subroutine add_estimate(scene, integrator, outcome, quiet, history, table, error)
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(in) :: integrator
+      type(outcome_type), intent(in) :: outcome
+      logical, intent(in) :: quiet
+      type(kept_type), intent(inout) :: history
+      !> Lines for the report
+      character(:), allocatable, intent(out) :: table
+      !> The file cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      type(estimate_type) :: estimate
+      table = ''
+      if (.not. history%keeps) return
+      call history%put_attribute('/run', 'status', 'finished; its errors were being estimated', error)
+      if (.not. allocated(error)) call history%flush(error)
+      if (allocated(error)) return
+      call make_estimate(scene, history%memory, integrator%statistics%steps, outcome%cpu, quiet, estimate)
+      associate (channels => scene%system%model%channels)
+         scene%warnings = scene%warnings//estimate_warning(estimate, channels)
+         table = estimate_table(estimate, channels, history%memory)
+         if (table /= '') table = newline//table
+         call record_estimate(estimate, channels, history%history_type, error)
+      end associate
+   end subroutine add_estimate
 
    !> Reads, builds and assembles a deck, and says what it found.
    subroutine check_deck(path, report, error)

@@ -4,6 +4,7 @@ module limber_analysis_study_reference
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text
+   use limber_analysis_errors, only: magnitude
    use limber_analysis_study_plan, only: plan_type
    use limber_output_history_reader, only: history_reader_type
    use limber_output_sink, only: memory_type
@@ -227,8 +228,7 @@ contains
          end if
       end associate
       do i = 1, size(greatest)
-         scale = maxval(abs(reference%values(i, :)))
-         if (.not. scale > 0.0_wp) scale = 1.0_wp
+         scale = magnitude(reference%values(i, :))
          greatest(i) = greatest(i)/scale
          last(i) = last(i)/scale
       end do

@@ -4,7 +4,7 @@ module limber_analysis_study_runs
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
-   use limber_base_text, only: as_text, newline
+   use limber_base_text, only: as_text, first_line, newline
    use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_analysis_study_plan, only: plan_type, setting_type, variant, finest, levels, set_fine, all_integrators, &
@@ -76,12 +76,6 @@ contains
       run%energy = outcome%imbalance
       if (outcome%largest_energy > 0.0_wp) run%energy = outcome%imbalance/outcome%largest_energy
    end subroutine simulate
-
-   pure function first_line(text) result(line)
-      character(*), intent(in) :: text
-      character(:), allocatable :: line
-      line = text(:index(text//newline, newline) - 1)
-   end function first_line
 
    !> Runs a setting and compares it.
    subroutine measure(plan, setting, reference, samples, run)

@@ -4,7 +4,7 @@ module limber_base_text
    use limber_base_kinds, only: wp, long
    implicit none
    private
-   public :: lowercase, uppercase, as_text, nearest_name, newline
+   public :: lowercase, uppercase, as_text, nearest_name, first_line, newline
 
    !> Line separator of every text that limber writes
    character(1), parameter :: newline = new_line('a')
@@ -42,6 +42,13 @@ contains
          end select
       end do
    end function uppercase
+
+   !> A text up to its first line feed.
+   pure function first_line(text) result(line)
+      character(*), intent(in) :: text
+      character(:), allocatable :: line
+      line = text(:index(text//newline, newline) - 1)
+   end function first_line
 
    pure function integer_as_text(value) result(text)
       integer, intent(in) :: value

@@ -36,6 +36,7 @@ module limber_deck_keywords
       & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body'), &
       & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring and a damper between two points, along the line through them'), &
       & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
+      & keyword_type('ACCURACY', 1, form_none, 0, 0, 'What is to be known of the error of the results of limber run'), &
       & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
       & keyword_type('OUTPUT', many, form_channels, 1, many, &
       &    'Channels of the results, several in a line: quantity(object) or name = expression of quantities')]
@@ -152,6 +153,8 @@ module limber_deck_keywords
       &    's', '', 'longest step; if not given, not limited'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEPS', kind_counting, '', &
       &    '', '100000000', 'number of steps after which the run gives up'), &
+      & option_spec_type('ACCURACY', 'ESTIMATE', kind_yes, '', &
+      &    '', 'NO', 'a dataset beside each channel with its error of time integration, from runs at other tolerances'), &
       & option_spec_type('STUDY', 'REPEATS', kind_counting, '', &
       &    '', '3', 'runs of each setting that can be worth its time; their median counts'), &
       & option_spec_type('STUDY', 'REFERENCE', kind_path, '', &

@@ -43,6 +43,7 @@ contains
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
          case ('BEAM'); call add_beam(deck, i, model, diagnostics)
          case ('DYNAMICS'); call read_dynamics(deck%blocks(i), model, diagnostics)
+         case ('ACCURACY'); model%accuracy%estimate = deck%blocks(i)%yes('ESTIMATE')
          end select
       end do
       model%length = scene_length(model)

@@ -9,7 +9,7 @@ module limber_model_scene
    implicit none
    private
    public :: model_type, body_type, point_type, joint_type, driver_type, force_type, torque_type, spring_type
-   public :: dynamics_type, channel_type, quantity_type, units_type
+   public :: dynamics_type, accuracy_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
@@ -137,6 +137,12 @@ module limber_model_scene
       integer :: maximum_steps = 100000000
    end type dynamics_type
 
+   !> What is to be known of the error of the results
+   type :: accuracy_type
+      !> True if the error of each channel is to be estimated
+      logical :: estimate = .false.
+   end type accuracy_type
+
    !> Names of the units that the deck's numbers are in; they label results only
    type :: units_type
       character(:), allocatable :: length, time, mass
@@ -158,6 +164,7 @@ module limber_model_scene
       type(spring_type), allocatable :: springs(:)
       type(channel_type), allocatable :: channels(:)
       type(dynamics_type) :: dynamics
+      type(accuracy_type) :: accuracy
       !> Characteristic length: the largest size of a body or distance between guessed places [length]
       real(wp) :: length = 0.0_wp
    end type model_type

@@ -6,6 +6,7 @@
 !>     /time              (time): scale of every channel; attributes units, long_name
 !>     /component_<k>     1..k: scale of the second dimension of channels of width k, one for each width in use
 !>     /channels/<name>   (time) or (time, k); attributes units, long_name; members in order of definition
+!>     /<group>/<name>    of the same shape, with the same scales: more about a channel, whose attribute <group> is the path
 !>     /bodies/<name>/... small datasets and attributes
 !>     /run               texts (deck, ...), statistics; attributes complete (0, then 1) and status
 !>
@@ -57,7 +58,7 @@ module limber_output_history
       !> Set by a write that failed; no sample is taken any more
       logical, private :: failed = .false.
    contains
-      procedure :: create, define_time, define_channel, append, flush => flush_samples, finish, put_text
+      procedure :: create, define_time, define_channel, append, flush => flush_samples, finish, put_group, put_beside, put_text
       !> `put_real(path, value, units, long_name, error)`: value (:) or (:, :), which h5py sees transposed
       generic :: put_real => put_reals, put_table
       !> `put_attribute(path, name, value, error)`: value a text, integer, long, real or real (:)
@@ -65,7 +66,7 @@ module limber_output_history
          & put_attribute_real, put_attribute_reals
       procedure :: put_integer
       procedure, private :: put_reals, put_table, put_attribute_text, put_attribute_integer, put_attribute_long, &
-         & put_attribute_real, put_attribute_reals, component_scale
+         & put_attribute_real, put_attribute_reals, attach_scales, component_scale
    end type history_type
 
 contains
@@ -139,8 +140,6 @@ contains
       !> Allocated if the name is bad or taken, or the file cannot be written
       type(error_type), allocatable, intent(out) :: error
       type(series_type) :: channel
-      integer(hid_t) :: scale
-      integer :: status
       call check_definition(self, name, width, error)
       if (allocated(error)) return
       call create_series(self%file, '/channels/'//name, width, chunk_rows(width), channel, error)
@@ -149,16 +148,27 @@ contains
       self%width = self%width + width
       call write_attribute(self%file, '/channels/'//name, 'units', units, error)
       if (.not. allocated(error)) call write_attribute(self%file, '/channels/'//name, 'long_name', long_name, error)
-      if (allocated(error)) return
-      call h5dsattach_scale_f(channel%id, self%time%id, 1, status)
-      if (status >= 0 .and. width > 1) then
-         call self%component_scale(width, scale, error)
-         if (allocated(error)) return
-         call h5dsattach_scale_f(channel%id, scale, 2, status)
-         call h5dclose_f(scale, status)
-      end if
-      if (status < 0) call hdf5_error(error, self%file, 'cannot attach a dimension scale to /channels/'//name)
+      if (.not. allocated(error)) call self%attach_scales(channel, '/channels/'//name, error)
    end subroutine define_channel
+
+   !> Gives a series the time and, if it is wide, the components as scales of its dimensions.
+   subroutine attach_scales(self, series, path, error)
+      class(history_type), intent(in) :: self
+      type(series_type), intent(in) :: series
+      !> For the error
+      character(*), intent(in) :: path
+      type(error_type), allocatable, intent(out) :: error
+      integer(hid_t) :: scale
+      integer :: status, ignored
+      call h5dsattach_scale_f(series%id, self%time%id, 1, status)
+      if (status >= 0 .and. series%width > 1) then
+         call self%component_scale(series%width, scale, error)
+         if (allocated(error)) return
+         call h5dsattach_scale_f(series%id, scale, 2, status)
+         call h5dclose_f(scale, ignored)
+      end if
+      if (status < 0) call hdf5_error(error, self%file, 'cannot attach a dimension scale to '//path)
+   end subroutine attach_scales
 
    !> Whether a channel can be defined.
    subroutine check_definition(self, name, width, error)
@@ -282,6 +292,44 @@ contains
       if (allocated(self%buffer)) deallocate (self%buffer, self%times)
       self%width = 0
    end subroutine finish
+
+   !> Makes a group, such as one for `put_beside`; its attributes are those of all its datasets.
+   subroutine put_group(self, path, error)
+      !> Open history
+      class(history_type), intent(in) :: self
+      !> Absolute path, such as '/error_estimate'
+      character(*), intent(in) :: path
+      !> Allocated if it cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      call create_group(self%file, path, error)
+   end subroutine put_group
+
+   !> Writes the dataset /<group>/<name> beside the channel of that name, whose attribute <group> becomes its path.
+   subroutine put_beside(self, group, name, values, units, long_name, error)
+      !> Open history; its samples should all be there
+      class(history_type), intent(in) :: self
+      !> Name of the group, which is made if need be, and of a channel
+      character(*), intent(in) :: group, name
+      !> (width, samples), of the shape of the channel
+      real(wp), contiguous, intent(in) :: values(:, :)
+      !> Unit, and one line for people
+      character(*), intent(in) :: units, long_name
+      !> Allocated if it cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      type(series_type) :: series
+      character(:), allocatable :: path
+      path = '/'//group//'/'//name
+      call create_group(self%file, '/'//group, error)
+      if (.not. allocated(error)) &
+         & call create_series(self%file, path, size(values, 1), chunk_rows(size(values, 1)), series, error)
+      if (allocated(error)) return
+      call append_rows(series, values, 1, size(values, 2), error)
+      if (.not. allocated(error)) call self%attach_scales(series, path, error)
+      if (.not. allocated(error)) call write_attribute(self%file, path, 'units', units, error)
+      if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
+      if (.not. allocated(error)) call write_attribute(self%file, '/channels/'//name, group, path, error)
+      call close_series(series)
+   end subroutine put_beside
 
    !> Writes a text as a dataset, replacing an older one.
    subroutine put_text(self, path, text, error)

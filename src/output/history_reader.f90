@@ -21,7 +21,12 @@ module limber_output_history_reader
       integer :: width = 1
       !> Unit and one line for people
       character(:), allocatable :: units, long_name
+      !> Path of its dataset in the file
+      character(:), allocatable :: path
    end type channel_type
+
+   !> Name of an estimate of error: that of the channel with this behind it
+   character(*), parameter :: error_suffix = '_error'
 
    !> An open results file: open, read_time, read_channel ..., close
    type :: history_reader_type
@@ -39,6 +44,8 @@ module limber_output_history_reader
       character(:), allocatable :: time_units
       !> Channels in the order of their definition
       type(channel_type), allocatable :: channels(:)
+      !> Estimated errors of channels, as far as the file has any: NAME_error for the channel NAME, in the same order
+      type(channel_type), allocatable :: estimates(:)
       integer(hid_t), private :: file = no_id
    contains
       procedure :: open => open_history, close => close_history, read_time, read_channel, read_text, read_statistic, &
@@ -62,6 +69,7 @@ contains
       call check_format(self, error)
       if (.not. allocated(error)) call read_header(self, error)
       if (.not. allocated(error)) call read_channel_list(self, error)
+      if (.not. allocated(error)) call read_estimate_list(self, error)
       if (allocated(error)) call self%close()
    end subroutine open_history
 
@@ -107,28 +115,72 @@ contains
       class(history_reader_type), intent(inout) :: self
       type(error_type), allocatable, intent(out) :: error
       character(longest_name), allocatable :: names(:)
-      character(:), allocatable :: path
-      integer(hsize_t), allocatable :: extent(:)
-      integer :: i
+      integer :: i, samples
       call list_members(self%file, '/channels', names, error)
       if (allocated(error)) return
       allocate (self%channels(size(names)))
       do i = 1, size(names)
-         path = '/channels/'//trim(names(i))
          self%channels(i)%name = trim(names(i))
-         call dataset_shape(self%file, path, extent, error)
-         if (.not. allocated(error)) call read_attribute(self%file, path, 'units', self%channels(i)%units, error)
-         if (.not. allocated(error)) &
-            & call read_attribute(self%file, path, 'long_name', self%channels(i)%long_name, error)
+         self%channels(i)%path = '/channels/'//trim(names(i))
+         call read_description(self, self%channels(i), samples, error)
          if (allocated(error)) return
-         if (size(extent) < 1 .or. size(extent) > 2) then
-            call raise(error, self%path//': '//path//' is not a channel', status_deck)
-            return
-         end if
-         if (size(extent) == 2) self%channels(i)%width = int(extent(1))
-         self%samples = min(self%samples, int(extent(size(extent))))
+         self%samples = min(self%samples, samples)
       end do
    end subroutine read_channel_list
+
+   !> Reads the list of estimated errors. A channel that is called like one hides it, and one that a kill left short is none.
+   subroutine read_estimate_list(self, error)
+      class(history_reader_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: group = '/error_estimate/'
+      integer :: i, count, samples
+      count = 0
+      allocate (self%estimates(size(self%channels)))
+      do i = 1, size(self%channels)
+         if (.not. object_exists(self%file, group//self%channels(i)%name)) cycle
+         if (has_channel(self%channels(i)%name//error_suffix)) cycle
+         self%estimates(count + 1)%name = self%channels(i)%name//error_suffix
+         self%estimates(count + 1)%path = group//self%channels(i)%name
+         call read_description(self, self%estimates(count + 1), samples, error)
+         if (allocated(error)) return
+         if (samples >= self%samples) count = count + 1
+      end do
+      self%estimates = self%estimates(:count)
+
+   contains
+
+      logical function has_channel(name)
+         character(*), intent(in) :: name
+         integer :: k
+         has_channel = .false.
+         do k = 1, size(self%channels)
+            if (self%channels(k)%name == name) has_channel = .true.
+         end do
+      end function has_channel
+
+   end subroutine read_estimate_list
+
+   !> Reads unit, meaning and width of a channel.
+   subroutine read_description(self, channel, samples, error)
+      class(history_reader_type), intent(in) :: self
+      !> With its path
+      type(channel_type), intent(inout) :: channel
+      !> Samples that it has
+      integer, intent(out) :: samples
+      type(error_type), allocatable, intent(out) :: error
+      integer(hsize_t), allocatable :: extent(:)
+      samples = 0
+      call dataset_shape(self%file, channel%path, extent, error)
+      if (.not. allocated(error)) call read_attribute(self%file, channel%path, 'units', channel%units, error)
+      if (.not. allocated(error)) call read_attribute(self%file, channel%path, 'long_name', channel%long_name, error)
+      if (allocated(error)) return
+      if (size(extent) < 1 .or. size(extent) > 2) then
+         call raise(error, self%path//': '//channel%path//' is not a channel', status_deck)
+         return
+      end if
+      if (size(extent) == 2) channel%width = int(extent(1))
+      samples = int(extent(size(extent)))
+   end subroutine read_description
 
    !> Closes the file; does nothing if none is open.
    subroutine close_history(self)
@@ -137,6 +189,7 @@ contains
       type(error_type), allocatable :: ignored
       if (self%file /= no_id) call close_file(self%path, self%file, ignored)
       if (allocated(self%channels)) deallocate (self%channels)
+      if (allocated(self%estimates)) deallocate (self%estimates)
       self%samples = 0
       self%complete = .false.
    end subroutine close_history
@@ -154,20 +207,20 @@ contains
       if (size(time) > self%samples) time = time(:self%samples)
    end subroutine read_time
 
-   !> Reads all samples of a channel.
+   !> Reads all samples of a channel, or of its estimated error.
    subroutine read_channel(self, name, values, error)
       !> Open reader
       class(history_reader_type), intent(in) :: self
-      !> Name of the channel
+      !> Name of the channel or estimate
       character(*), intent(in) :: name
       !> Values [units of the channel], (width, samples)
       real(wp), allocatable, intent(out) :: values(:, :)
       !> Allocated if there is no such channel or it cannot be read
       type(error_type), allocatable, intent(out) :: error
-      integer :: which
-      call self%find_channel(name, which, error)
+      type(channel_type) :: channel
+      call self%find_channel(name, channel, error)
       if (allocated(error)) return
-      call read_dataset(self%file, '/channels/'//self%channels(which)%name, values, error)
+      call read_dataset(self%file, channel%path, values, error)
       if (allocated(error)) return
       if (size(values, 2) > self%samples) values = values(:, :self%samples)
    end subroutine read_channel
@@ -189,8 +242,8 @@ contains
       end if
    end subroutine read_text
 
-   !> Reads a number that the run left among its statistics, an attribute of /run.
-   subroutine read_statistic(self, name, value, error)
+   !> Reads a number that the run left among its statistics, an attribute of /run or of another group.
+   subroutine read_statistic(self, name, value, error, group)
       !> Open reader
       class(history_reader_type), intent(in) :: self
       !> Name of the attribute, such as 'steps'
@@ -198,27 +251,40 @@ contains
       real(wp), intent(out) :: value
       !> Allocated if there is no such number
       type(error_type), allocatable, intent(out) :: error
-      call read_attribute(self%file, '/run', name, value, error)
+      !> Absolute path of the other group
+      character(*), intent(in), optional :: group
+      if (present(group)) then
+         call read_attribute(self%file, group, name, value, error)
+      else
+         call read_attribute(self%file, '/run', name, value, error)
+      end if
       if (allocated(error)) error%message = self%path//': '//error%message
    end subroutine read_statistic
 
-   !> Looks a channel up by its name.
-   subroutine find_channel(self, name, which, error)
+   !> Looks a channel, or an estimate, up by its name.
+   subroutine find_channel(self, name, channel, error)
       !> Open reader
       class(history_reader_type), intent(in) :: self
       !> Name of the channel
       character(*), intent(in) :: name
-      !> Index in `channels`; 0 after an error
-      integer, intent(out) :: which
+      type(channel_type), intent(out) :: channel
       !> Allocated if there is no such channel: names the nearest one and lists all
       type(error_type), allocatable, intent(out) :: error
       character(longest_name), allocatable :: names(:)
       character(:), allocatable :: message
       integer :: i, nearest
-      do which = 1, size(self%channels)
-         if (self%channels(which)%name == name) return
+      do i = 1, size(self%channels)
+         if (self%channels(i)%name == name) then
+            channel = self%channels(i)
+            return
+         end if
       end do
-      which = 0
+      do i = 1, size(self%estimates)
+         if (self%estimates(i)%name == name) then
+            channel = self%estimates(i)
+            return
+         end if
+      end do
       message = self%path//" has no channel '"//trim(name)//"'"
       allocate (names(size(self%channels)))
       do i = 1, size(names)

@@ -32,11 +32,11 @@ program test_error_estimate
 
    call get_command_argument(1, results)
    print '(a)', 'Estimated over true error: median of all samples, median factor between them, least and greatest of the', &
-      & 'largest of each channel; CPU time of the estimate over that of the run'
+      & 'largest of each channel that has an error; CPU time of the estimate over that of the run'
    scene = case_type('../input/slider_crank_full.inp', 'TOLERANCE=1e-8, OUTPUTS=838', 'OUTPUTS=838', nl// &
       & ' energy = kinetic_energy(system) + potential_energy(system) - work(system)'//nl// &
       & ' speed = vy(rod.middle), acceleration = ax(slider), pin_force = force_x(crank-pin)')
-   call make_truth('ADAMS', '1e-11', 'RADAU', '1e-10')
+   call make_truth('ADAMS', '1e-11', 'RADAU', '3e-12')
    call check_runs()
    scene = case_type('../input/spin_up.inp', 'TOLERANCE=1e-8, OUTPUTS=1000, INTEGRATOR=ADAMS', 'OUTPUTS=1000', '')
    call make_truth('RADAU', '1e-11', 'ADAMS', '1e-10')
@@ -127,7 +127,7 @@ contains
       end do
       middle = median(ratios)
       print '(2x,a,t48,4f8.2,f8.1)', title, middle, median(max(ratios, 1/max(ratios, tiny(cost)))), minval(largest), &
-         & maxval(largest), cost
+         & maxval(largest, mask=largest < 1.0e3_wp), cost
       call check(middle >= 0.2_wp .and. middle <= 5.0_wp, title//': median '//as_text(middle, 3)//' within a factor of 5')
       call check(minval(largest) >= 0.1_wp, title//': least ratio of largest errors '//as_text(minval(largest), 3))
    end subroutine check_estimate

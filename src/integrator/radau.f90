@@ -398,7 +398,8 @@ contains
       !> False if the constraints cannot be met
       logical, intent(out) :: accepted
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: residual, t
+      real(wp) :: residual, t, allowed
+      integer :: i
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
       ! The power put in is that of the stages as they are now
@@ -414,7 +415,7 @@ contains
       self%q_before = self%q
       self%w_before = self%w
       self%a_before = self%a_end
-      self%a_end = matmul(self%z, inverse_a(3, :))/self%h
+      self%a_end = (inverse_a(3, 1)*self%z(:, 1) + inverse_a(3, 2)*self%z(:, 2) + inverse_a(3, 3)*self%z(:, 3))/self%h
       self%power_before = self%power
       self%power = self%stage_power(3)
       self%work_before = self%work_done
@@ -424,7 +425,10 @@ contains
       self%q = self%stage_q
       self%v = self%stage_v
       call take_over(self, system, work)
-      where (self%h**2*abs(self%a - self%a_end) <= bound(self)*self%scale_x) self%a_end = self%a
+      allowed = bound(self)/self%h**2
+      do i = 1, size(self%a)
+         if (abs(self%a(i) - self%a_end(i)) <= allowed*self%scale_x(i)) self%a_end(i) = self%a(i)
+      end do
    end subroutine accept
 
    !> Rates, accelerations and multipliers where the system is linearised already.

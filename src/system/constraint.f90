@@ -39,6 +39,8 @@ module limber_system_constraint
       procedure(rate_interface), deferred :: gamma
       !> Velocity equation: Jacobian times rates = rate; zero unless the constraint moves in time
       procedure :: rate => resting_rate
+      !> Whether `stiffness` has a part across the two bodies
+      procedure :: couples => never
    end type constraint_type
 
    !> One place of a list of constraints
@@ -100,6 +102,12 @@ contains
       real(wp), intent(inout) :: rate(:)
       rate = 0*self%scale*kinematics%time
    end subroutine resting_rate
+
+   !> A constraint whose second derivatives are within its bodies.
+   pure logical function never(self)
+      class(constraint_type), intent(in) :: self
+      never = self%rows < 0
+   end function never
 
    !> Room for the rows on a body with n coordinates, all zero.
    pure function new_jacobian(rows, n) result(jacobian)

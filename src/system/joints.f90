@@ -35,6 +35,7 @@ module limber_system_joints
       procedure :: stiffness => line_stiffness
       procedure :: drift => line_drift
       procedure :: gamma => line_gamma
+      procedure :: couples => line_couples
    end type point_on_line_type
 
 contains
@@ -142,6 +143,12 @@ contains
          end do
       end associate
    end subroutine line_stiffness
+
+   !> Between two bodies: the force on the point turns with the line.
+   pure logical function line_couples(self)
+      class(point_on_line_type), intent(in) :: self
+      line_couples = all(self%bodies /= ground)
+   end function line_couples
 
    pure subroutine line_drift(self, kinematics, first, second)
       class(point_on_line_type), intent(in) :: self

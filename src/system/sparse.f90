@@ -155,7 +155,7 @@ contains
       integer(c_int) :: ok
       if (c_associated(self%symbolic)) return
       ok = klu_defaults(self%common)
-      self%common%btf = 0
+      self%common%btf = 1
       self%common%scale = 2
       self%common%tol = 0.1_wp
       self%symbolic = klu_analyze(int(self%n, c_int), self%first, self%row, self%common)

@@ -32,7 +32,9 @@ module limber_system_tangent
    type :: constraint_tangent_type
       !> Jacobian and its drift (rows, 3 + n) on either body
       real(wp), allocatable :: first(:, :), second(:, :), first_drift(:, :), second_drift(:, :)
-      !> Second derivatives across the two bodies
+      !> First and last column that is not zero always, on either body
+      integer :: first_range(2) = 0, second_range(2) = 0
+      !> Second derivatives across the two bodies; of no size if there are none
       real(wp), allocatable :: across(:, :)
       integer, allocatable :: first_place(:, :), second_place(:, :), first_transposed(:, :), second_transposed(:, :)
       integer, allocatable :: across_place(:, :), across_transposed(:, :)
@@ -71,14 +73,15 @@ contains
          end associate
       end do
       do i = 1, size(tangent%constraints)
-         associate (item => system%constraints(i)%item, constraint => tangent%constraints(i))
-            call size_constraint(item%rows, body_size(system, item%bodies(1)), body_size(system, item%bodies(2)), constraint)
-            call mark_block(tangent%matrix, rows_of(system, i), places(system, item%bodies(1)))
-            call mark_block(tangent%matrix, rows_of(system, i), places(system, item%bodies(2)))
-            call mark_block(tangent%matrix, places(system, item%bodies(1)), rows_of(system, i))
-            call mark_block(tangent%matrix, places(system, item%bodies(2)), rows_of(system, i))
-            call mark_block(tangent%matrix, places(system, item%bodies(1)), places(system, item%bodies(2)))
-            call mark_block(tangent%matrix, places(system, item%bodies(2)), places(system, item%bodies(1)))
+         associate (bodies => system%constraints(i)%item%bodies, constraint => tangent%constraints(i))
+            call size_constraint(system, i, constraint)
+            call mark_block(tangent%matrix, rows_of(system, i), part_of(system, bodies(1), constraint%first_range))
+            call mark_block(tangent%matrix, rows_of(system, i), part_of(system, bodies(2), constraint%second_range))
+            call mark_block(tangent%matrix, part_of(system, bodies(1), constraint%first_range), rows_of(system, i))
+            call mark_block(tangent%matrix, part_of(system, bodies(2), constraint%second_range), rows_of(system, i))
+            if (size(constraint%across) == 0) cycle
+            call mark_block(tangent%matrix, places(system, bodies(1)), places(system, bodies(2)))
+            call mark_block(tangent%matrix, places(system, bodies(2)), places(system, bodies(1)))
          end associate
       end do
       allocate (tangent%loads(size(system%loads)))
@@ -95,12 +98,39 @@ contains
       call find_places(system, tangent)
    end subroutine new_tangent
 
-   subroutine size_constraint(rows, m, n, constraint)
-      integer, intent(in) :: rows, m, n
+   !> Room for the rows of a constraint, and the columns that they have: a joint that places a frame has only the frame's origin
+   !> on its side, a driver only the rotation, so that the factors of what hangs or is driven cost nothing.
+   subroutine size_constraint(system, i, constraint)
+      type(system_type), intent(in) :: system
+      !> Index of the constraint
+      integer, intent(in) :: i
       type(constraint_tangent_type), intent(inout) :: constraint
-      allocate (constraint%first(rows, m), constraint%second(rows, n), constraint%first_drift(rows, m), &
-         & constraint%second_drift(rows, n), constraint%across(m, n))
+      integer :: m, n
+      associate (item => system%constraints(i)%item, tree => system%tree)
+         m = body_size(system, item%bodies(1))
+         n = body_size(system, item%bodies(2))
+         allocate (constraint%first(item%rows, m), constraint%second(item%rows, n), constraint%first_drift(item%rows, m), &
+            & constraint%second_drift(item%rows, n))
+         constraint%first_range = [1, m]
+         constraint%second_range = [1, n]
+         if (any(tree%joint == i .and. tree%side == 1)) constraint%first_range = [1, 2]
+         if (any(tree%joint == i .and. tree%side == 2)) constraint%second_range = [1, 2]
+         if (any(tree%driver == i)) constraint%first_range = [3, 3]
+         if (.not. item%couples()) then
+            m = 0
+            n = 0
+         end if
+         allocate (constraint%across(m, n))
+      end associate
    end subroutine size_constraint
+
+   !> Some of the unknowns of a body.
+   pure function part_of(system, body, range) result(list)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body, range(2)
+      integer :: list(range(2) - range(1) + 1), k
+      if (body /= ground) list = [(system%layout%w(body) + k - 1, k=range(1), range(2))]
+   end function part_of
 
    subroutine find_places(system, tangent)
       type(system_type), intent(in) :: system
@@ -111,10 +141,11 @@ contains
       end do
       do i = 1, size(tangent%constraints)
          associate (c => tangent%constraints(i), bodies => system%constraints(i)%item%bodies, matrix => tangent%matrix)
-            c%first_place = block_place(matrix, rows_of(system, i), places(system, bodies(1)))
-            c%second_place = block_place(matrix, rows_of(system, i), places(system, bodies(2)))
-            c%first_transposed = transpose(block_place(matrix, places(system, bodies(1)), rows_of(system, i)))
-            c%second_transposed = transpose(block_place(matrix, places(system, bodies(2)), rows_of(system, i)))
+            c%first_place = block_place(matrix, rows_of(system, i), part_of(system, bodies(1), c%first_range))
+            c%second_place = block_place(matrix, rows_of(system, i), part_of(system, bodies(2), c%second_range))
+            c%first_transposed = transpose(block_place(matrix, part_of(system, bodies(1), c%first_range), rows_of(system, i)))
+            c%second_transposed = transpose(block_place(matrix, part_of(system, bodies(2), c%second_range), rows_of(system, i)))
+            if (size(c%across) == 0) cycle
             c%across_place = block_place(matrix, places(system, bodies(1)), places(system, bodies(2)))
             c%across_transposed = transpose(block_place(matrix, places(system, bodies(2)), places(system, bodies(1))))
          end associate
@@ -324,13 +355,16 @@ contains
          end associate
       end do
       do i = 1, size(tangent%constraints)
-         associate (c => tangent%constraints(i))
-            call add(c%first_place, c%first, (1.0_wp, 0.0_wp))
-            call add(c%second_place, c%second, (1.0_wp, 0.0_wp))
-            call add(c%first_transposed, c%first, (1.0_wp, 0.0_wp))
-            call add(c%second_transposed, c%second, (1.0_wp, 0.0_wp))
-            call add(c%first_place, c%first_drift, drift)
-            call add(c%second_place, c%second_drift, drift)
+         associate (c => tangent%constraints(i), a => tangent%constraints(i)%first_range(1), &
+               & b => tangent%constraints(i)%first_range(2), d => tangent%constraints(i)%second_range(1), &
+               & e => tangent%constraints(i)%second_range(2))
+            call add(c%first_place, c%first(:, a:b), (1.0_wp, 0.0_wp))
+            call add(c%second_place, c%second(:, d:e), (1.0_wp, 0.0_wp))
+            call add(c%first_transposed, c%first(:, a:b), (1.0_wp, 0.0_wp))
+            call add(c%second_transposed, c%second(:, d:e), (1.0_wp, 0.0_wp))
+            call add(c%first_place, c%first_drift(:, a:b), drift)
+            call add(c%second_place, c%second_drift(:, d:e), drift)
+            if (size(c%across) == 0) cycle
             call add(c%across_place, c%across, stiffness)
             call add(c%across_transposed, c%across, stiffness)
          end associate

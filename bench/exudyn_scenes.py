@@ -259,10 +259,13 @@ def simulation_settings(scene, setting):
     motion.numberOfSteps = setting["steps"]
     motion.verboseMode = 0
     motion.adaptiveStep = False
+    motion.generalizedAlpha.useIndex2Constraints = setting.get("index", 3) == 2
+    motion.generalizedAlpha.useNewmark = setting.get("newmark", False)
+    motion.newton.modifiedNewtonJacUpdatePerStep = setting.get("newton") == "each step"
     motion.generalizedAlpha.spectralRadius = setting.get("rho", 1.0)
-    motion.newton.useModifiedNewton = setting.get("newton", "modified") == "modified"
+    motion.newton.useModifiedNewton = setting.get("newton", "modified") != "full"
     motion.newton.relativeTolerance = setting.get("tolerance", 1e-8)
-    motion.newton.absoluteTolerance = 1e-10
+    motion.newton.absoluteTolerance = setting.get("absolute", 1e-10)
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse if setting.get("matrices") == "sparse" \
         else exu.LinearSolverType.EXUdense
     settings.linearSolver.reuseAnalyzedPattern = True

@@ -1,6 +1,7 @@
 """What the benchmarks measure: errors against a reference, the cheapest setting that reaches a target, tables."""
 
 import csv
+import re
 import statistics
 from dataclasses import dataclass, field
 
@@ -75,6 +76,21 @@ def candidates(entries, program, target, slack=1.6, most=4):
     return [e for e in good if e.median <= slack*good[0].median][:most]
 
 
+def by_chance(best, entries, target):
+    """Whether a finer tolerance, or more steps, of the same setting misses the target that it reaches."""
+    def family(setting):
+        finer = "steps" if "steps" in setting else "tolerance"
+        return {k: v for k, v in setting.items() if k != finer}, finer
+
+    same, finer = family(best.setting)
+    for other in entries:
+        if other.program == best.program and other.error is not None and other.error > target and family(other.setting) == (same, finer):
+            less = float(other.setting[finer]) < float(best.setting[finer])
+            if less == (finer == "tolerance") and other is not best:
+                return True
+    return False
+
+
 def front(entries, program):
     """Settings of a program that no other one of it beats in both error and time, fastest first."""
     chosen = []
@@ -85,14 +101,14 @@ def front(entries, program):
 
 
 def failures(entries):
-    """Failures, as (program, message, settings): one line for each reason, whose numbers may differ between settings."""
+    """Failures with one reason each: (entry, entries); reasons are the same if only numbers and names in them differ."""
     groups = {}
     for entry in entries:
         if entry.failure:
-            word = entry.label.split()[0] if entry.program == "limber" else ""
-            reason = "".join(c for c in entry.failure if not (c.isdigit() or c in ".+-"))
-            groups.setdefault((entry.program, word, reason.replace("e", "")), []).append(entry)
-    return [(group[0].program, group[0].failure, [e.label for e in group]) for group in groups.values()]
+            reason = re.sub(r"'[^']*'|\d\S*", "", entry.failure)
+            family = entry.setting.get("integrator", "")
+            groups.setdefault((entry.program, family, reason), []).append(entry)
+    return [(group[0], group) for group in groups.values()]
 
 
 def number(value):

@@ -44,8 +44,8 @@ class Limber:
 
 
 def one_line(message):
-    """A message of limber without its line breaks and the name of the deck."""
-    return re.sub(r"\s+", " ", message.strip()).removeprefix("limber: ").removeprefix("error: ").removeprefix("deck.inp: ")
+    """The first line of a message of limber, without the name of the deck."""
+    return re.sub(r"^(limber: |error: |deck\.inp: )+", "", message.strip().split("\n")[0])
 
 
 def with_options(deck, block, options):

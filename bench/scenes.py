@@ -40,15 +40,12 @@ class Scene:
         return [{k: v for k, v in s.items() if k != "quick"} | {"scene": self.name} for s in self.peer
                 if not quick or s.get("quick")]
 
-    def beam_options(self, setting):
-        return {k: v for k, v in self.models[setting["model"]].items() if k != "quick"}
-
 
 def tolerances(first, last):
-    """Tolerances 10^-first to 10^-last, with 3 times each between."""
+    """Tolerances 10^-first to 10^-last, with 5 and 2 times the next one between."""
     values = []
     for exponent in range(first, last):
-        values += [f"1e-{exponent}", f"3e-{exponent + 1}"]
+        values += [f"1e-{exponent}", f"5e-{exponent + 1}", f"2e-{exponent + 1}"]
     return values + [f"1e-{last}"]
 
 
@@ -95,8 +92,8 @@ def input_deck(name, channels, scene_models):
 
 def slider_crank():
     models = dict([static(1, 1, 12, centrifugal=False, quick=True), static(1, 1, 24, centrifugal=False), static(1, 2, 12),
-                   static(2, 3, 12), static(3, 3, 12, quick=True), static(3, 6, 12), static(4, 6, 16), static(5, 10, 24),
-                   static(6, 10, 24, quick=True)])
+                   static(2, 3, 12), static(3, 2, 12), static(3, 3, 12, quick=True), static(3, 6, 12), static(5, 10, 24),
+                   static(6, 10, 24, quick=True), static(8, 10, 24), static(10, 16, 40)])
     peer = [dict(elements=e, steps=838*n, rho=1.0, newton="modified", tolerance=t, matrices=m, quick=q)
             for e, n, t, m, q in [
                 (2, 1, 1e-3, "dense", False), (4, 1, 1e-3, "dense", True), (4, 1, 1e-4, "dense", False), (6, 2, 1e-3, "dense", False),
@@ -123,7 +120,7 @@ def spin_up():
 def squeezer():
     peer = [dict(method="trapezoidal", steps=n, newton=newton, tolerance=t, matrices="dense",
                  quick=newton == "modified" and t == 1e-8 and n in (1200, 2400, 12000))
-            for n in (300, 600, 1200, 1800, 2400, 4800, 9600, 12000, 15000) for newton in ("modified", "full") for t in (1e-8, 1e-6)]
+            for n in (300, 600, 1200, 1800, 2400, 4800, 9600, 12000, 18000) for newton in ("modified", "full") for t in (1e-10, 1e-8, 1e-6)]
     channels = ["beta = angle(k1), theta = angle(k2) - angle(k1), gamma = angle(k3), phi = angle(k4) - angle(k5)",
                 "delta = angle(k5), omega = angle(k6) - angle(k7), epsilon = angle(k7)"]
     columns = {name: name.capitalize() if name in ("theta", "phi", "omega") else name for name in ANGLES}
@@ -135,8 +132,8 @@ def squeezer():
 def four_bars():
     peer = [dict(steps=n, rho=0.9, newton=newton, tolerance=t, matrices="sparse", quick=n == 1500 and newton == "full" and t == 1e-3)
             for n, newton, t in [(1000, "full", 1e-3), (1500, "full", 1e-3), (1500, "modified", 1e-4), (3000, "full", 1e-3),
-                                 (4500, "full", 1e-3), (4500, "modified", 1e-5), (4500, "full", 1e-5), (14000, "full", 1e-3),
-                                 (14000, "modified", 1e-6), (14000, "full", 1e-6)]]
+                                 (4000, "full", 1e-3), (4500, "full", 1e-3), (4500, "modified", 1e-5), (4500, "full", 1e-5),
+                                 (10000, "full", 1e-3), (14000, "full", 1e-3), (14000, "modified", 1e-6), (14000, "full", 1e-6)]]
     return Scene("S4", "chain of 40 four-bars, 10 s through folded positions: position of B0", "bench/reference/four_bar_chain_40.csv",
                  {"x_b0": "x_b0", "y_b0": "y_b0"}, False, [1e-2, 1e-3, 1e-4], four_bar_deck, {"": {"quick": True}}, tolerances(2, 9), peer, [])
 

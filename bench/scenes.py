@@ -49,6 +49,13 @@ def tolerances(first, last):
     return values + [f"1e-{last}"]
 
 
+def integration(setting):
+    """Options of *DYNAMICS: tolerance and integrator; ALPHA:1 is ALPHA with the spectral radius 1."""
+    integrator, _, radius = setting["integrator"].partition(":")
+    options = {"TOLERANCE": setting["tolerance"], "INTEGRATOR": integrator}
+    return options | {"SPECTRAL RADIUS": radius} if radius else options
+
+
 def limber_label(setting):
     model = f", {setting['model']}" if setting["model"] else ""
     return f"{setting['integrator']} {setting['tolerance']}{model}"
@@ -85,14 +92,13 @@ def input_deck(name, channels, scene_models):
         if scene_models:
             options = {k: v for k, v in scene_models[setting["model"]].items() if k != "quick"}
             changed = with_options(changed, "BEAM", options)
-        changed = with_options(changed, "DYNAMICS", {"TOLERANCE": setting["tolerance"], "INTEGRATOR": setting["integrator"]})
+        changed = with_options(changed, "DYNAMICS", integration(setting))
         return with_channels(changed, channels)
     return deck
 
 
 def slider_crank():
-    models = dict([static(1, 1, 12, centrifugal=False, quick=True), static(1, 1, 24, centrifugal=False), static(1, 2, 12),
-                   static(2, 3, 12), static(3, 2, 12), static(3, 3, 12, quick=True), static(3, 6, 12), static(5, 10, 24),
+    models = dict([static(1, 1, 12, centrifugal=False, quick=True), static(1, 2, 12), static(2, 3, 12), static(3, 2, 12), static(3, 3, 12, quick=True), static(3, 6, 12), static(5, 10, 24),
                    static(6, 10, 24, quick=True), static(8, 10, 24), static(10, 16, 40)])
     peer = [dict(elements=e, steps=838*n, rho=1.0, newton="modified", tolerance=t, matrices=m, quick=q)
             for e, n, t, m, q in [
@@ -103,7 +109,7 @@ def slider_crank():
     return Scene("S1", "slider-crank of Han and Lee, rod of 6 mm: deflection of its middle", "tests/reference/slider_crank_6mm.csv",
                  {"deflection_over_length": "w_mid_over_L"}, False, [1e-2, 1e-3, 1e-4],
                  input_deck("slider_crank_full.inp", ["deflection_over_length = deflection(rod.middle)/length(rod)"], models),
-                 models, tolerances(2, 7), peer, [])
+                 models, tolerances(2, 6), peer, [])
 
 
 def spin_up():
@@ -153,9 +159,8 @@ def four_bar_deck(setting, loops=40):
     for i in range(loops):
         lines += [f"*JOINT, NAME=left{i}, TYPE=REVOLUTE", f" coupler{i}.a, upright{i}.b",
                   f"*JOINT, NAME=right{i}, TYPE=REVOLUTE", f" coupler{i}.b, upright{i + 1}.b"]
-    lines += [f"*DYNAMICS, END=10, TOLERANCE={setting['tolerance']}, OUTPUTS=500, INTEGRATOR={setting['integrator']}",
-              "*OUTPUT", " x_b0 = x(upright0.b), y_b0 = y(upright0.b)"]
-    return "\n".join(lines) + "\n"
+    lines += ["*DYNAMICS, END=10, OUTPUTS=500", "*OUTPUT", " x_b0 = x(upright0.b), y_b0 = y(upright0.b)"]
+    return with_options("\n".join(lines) + "\n", "DYNAMICS", integration(setting))
 
 
 SCENES = {scene.name: scene for scene in (slider_crank(), spin_up(), squeezer(), four_bars())}

@@ -11,6 +11,10 @@ class Run:
     """One run of a program: CPU seconds of its solver, samples; or why there are none."""
 
     seconds: float = None
+    #: seconds before the solver: reading, building
+    before: float = None
+    #: what the program chose itself
+    chosen: str = None
     times: list = None
     columns: dict = None
     failure: str = None
@@ -29,6 +33,7 @@ class Entry:
     label: str
     setting: dict
     seconds: list = field(default_factory=list)
+    before: list = field(default_factory=list)
     error: float = None
     failure: str = None
 
@@ -39,9 +44,13 @@ class Entry:
     def add(self, run, reference):
         """Takes a run; its error counts from the first one, as the programs repeat themselves."""
         if run.failure:
-            self.failure = run.failure
+            self.failure = self.failure or run.failure
             return
         self.seconds.append(run.seconds)
+        if run.before is not None:
+            self.before.append(run.before)
+        if run.chosen and not self.before[1:]:
+            self.label = self.label.replace(" ", f" ({run.chosen}) ", 1)
         if self.error is None:
             self.error = run.error if run.error is not None else reference.error(run)
 
@@ -91,10 +100,11 @@ def by_chance(best, entries, target):
     return False
 
 
-def front(entries, program):
-    """Settings of a program that no other one of it beats in both error and time, fastest first."""
+def front(entries, program, worst=0.1):
+    """Settings of a program that no other one of it beats in both error and time, fastest first, below an error that is of use."""
     chosen = []
-    for entry in sorted((e for e in entries if e.program == program and e.seconds), key=lambda e: (e.median, e.error)):
+    for entry in sorted((e for e in entries if e.program == program and e.seconds and e.error <= worst),
+                        key=lambda e: (e.median, e.error)):
         if not chosen or entry.error < chosen[-1].error:
             chosen.append(entry)
     return chosen
@@ -104,7 +114,7 @@ def failures(entries):
     """Failures with one reason each: (entry, entries); reasons are the same if only numbers and names in them differ."""
     groups = {}
     for entry in entries:
-        if entry.failure:
+        if entry.failure and not entry.seconds:
             reason = re.sub(r"'[^']*'|\d\S*", "", entry.failure)
             family = entry.setting.get("integrator", "")
             groups.setdefault((entry.program, family, reason), []).append(entry)
@@ -113,7 +123,7 @@ def failures(entries):
 
 def number(value):
     """Three significant digits."""
-    return f"{value:.2e}" if value < 1e-3 or value >= 1e4 else f"{value:.3g}"
+    return f"{value:.2e}" if value < 1e-3 else f"{value:#.3g}"
 
 
 def table(heading, rows, aligned=None):

@@ -1,12 +1,13 @@
 """The scenes in Exudyn (https://github.com/jgerstmayr/EXUDYN), served to bench/run.
 
 It runs with the Python of the environment where Exudyn is installed. Each line of the standard input is a setting in JSON,
-{"scene": "S1", "elements": 8, "steps": 3352, ...}; each answer is a line too: wall and CPU seconds of the solver, times and columns, or
-{"failure": message}. Sensors keep their values in memory; no file is written.
+{"scene": "S1", "elements": 8, "steps": 3352, ...}; each answer is a line too: wall and CPU seconds of the solver, CPU seconds of
+building the model, times and columns; or {"failure": message}. Sensors keep their values in memory; no file is written.
 """
 import json
 import math
 import os
+import re
 import sys
 import time
 
@@ -277,8 +278,10 @@ def simulation_settings(scene, setting):
 
 def run(setting):
     """One run, timed around the solver alone."""
+    before = time.process_time()
     scene = SCENES[setting["scene"]](setting)
     settings = simulation_settings(scene, setting)
+    before = time.process_time() - before
     method = exu.DynamicSolverType.TrapezoidalIndex2 if setting.get("method") == "trapezoidal" \
         else exu.DynamicSolverType.GeneralizedAlpha
     wall, cpu = time.perf_counter(), time.process_time()
@@ -287,7 +290,7 @@ def run(setting):
     if not done:
         return {"failure": "the solver gave up"}
     times, columns = scene.columns()
-    return {"wall": wall, "cpu": cpu, "times": times.tolist(), "columns": {name: c.tolist() for name, c in columns.items()}}
+    return {"wall": wall, "cpu": cpu, "before": before, "times": times.tolist(), "columns": {name: c.tolist() for name, c in columns.items()}}
 
 
 def main():
@@ -295,7 +298,8 @@ def main():
         try:
             answer = run(json.loads(line))
         except Exception as error:
-            answer = {"failure": (str(error).strip().splitlines() or [repr(error)])[0]}
+            message = re.sub(r"\s*\[Python file[^\]]*\]", "", str(error)).strip()
+            answer = {"failure": (message.splitlines() or [repr(error)])[0]}
         answers.write(json.dumps(answer) + "\n")
 
 

@@ -18,7 +18,7 @@ class Limber:
     def version(self):
         """Version and commit."""
         answer = subprocess.run([self.program, "--version"], capture_output=True, text=True, check=True)
-        return answer.stdout.splitlines()[0]
+        return answer.stdout.splitlines()[0].removeprefix("limber ")
 
     def run(self, deck, channels):
         """One run of a deck given as text."""
@@ -30,9 +30,10 @@ class Limber:
             return Run(failure=f"not finished after {self.limit:g} s", slow=True)
         if answer.returncode:
             return Run(failure=one_line(answer.stderr))
-        seconds = re.search(r"(\S+) s CPU in the time loop", answer.stdout)
+        seconds, before = re.search(r"(\S+) s CPU in the time loop; (\S+) s before it", answer.stdout).groups()
+        chosen = re.search(r"^ +(\w+), chosen", answer.stdout, re.MULTILINE)
         times, columns = self.export(channels)
-        return Run(seconds=float(seconds.group(1)), times=times, columns=columns)
+        return Run(seconds=float(seconds), before=float(before), chosen=chosen and chosen.group(1), times=times, columns=columns)
 
     def export(self, channels):
         """Times and channels of the last run."""
@@ -44,8 +45,8 @@ class Limber:
 
 
 def one_line(message):
-    """The first line of a message of limber, without the name of the deck."""
-    return re.sub(r"^(limber: |error: |deck\.inp: )+", "", message.strip().split("\n")[0])
+    """The first sentence of a message of limber, without the name of the deck."""
+    return re.split(r"\. (?=[A-Z])|\n", re.sub(r"^(limber: |error: |deck\.inp: )+", "", message.strip()))[0]
 
 
 def with_options(deck, block, options):

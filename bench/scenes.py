@@ -127,6 +127,7 @@ def squeezer():
     peer = [dict(method="trapezoidal", steps=n, newton=newton, tolerance=t, matrices="dense",
                  quick=newton == "modified" and t == 1e-8 and n in (1200, 2400, 12000))
             for n in (300, 600, 1200, 1800, 2400, 4800, 9600, 12000, 18000) for newton in ("modified", "full") for t in (1e-10, 1e-8, 1e-6)]
+    peer += [dict(method="trapezoidal", steps=n, newton="modified", tolerance=1e-10, matrices="dense") for n in (24000, 30000)]
     channels = ["beta = angle(k1), theta = angle(k2) - angle(k1), gamma = angle(k3), phi = angle(k4) - angle(k5)",
                 "delta = angle(k5), omega = angle(k6) - angle(k7), epsilon = angle(k7)"]
     columns = {name: name.capitalize() if name in ("theta", "phi", "omega") else name for name in ANGLES}

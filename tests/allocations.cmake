@@ -1,12 +1,13 @@
 # No allocation in the time loop: the number of heap allocations of a whole run, counted by valgrind, must not grow with the
 # number of steps. A few belong to the text of the closing report, whose numbers have other digits; one in a hundred steps
-# would be told. No memory error either. Runs the deck with two tolerances: cmake -DLIMBER= -DDECK= -DWORK= -DVALGRIND= -P allocations.cmake
+# would be told. No memory error either. Runs the deck with two tolerances: cmake -DLIMBER= -DDECK= -DWORK= -DVALGRIND=
+# -DINTEGRATOR= -DTIGHT= -P allocations.cmake
 file(READ ${DECK} deck)
-set(tolerances 1e-3 1e-7)
+set(tolerances 1e-3 ${TIGHT})
 foreach(tolerance IN LISTS tolerances)
-  string(REGEX REPLACE "TOLERANCE=[^,]*" "TOLERANCE=${tolerance}" text "${deck}")
-  file(WRITE ${WORK}/allocations.inp "${text}")
-  execute_process(COMMAND ${VALGRIND} ${LIMBER} run ${WORK}/allocations.inp -o ${WORK}/allocations.h5 --force
+  string(REGEX REPLACE "TOLERANCE=[^,]*" "TOLERANCE=${tolerance}, INTEGRATOR=${INTEGRATOR}" text "${deck}")
+  file(WRITE ${WORK}/allocations_${INTEGRATOR}.inp "${text}")
+  execute_process(COMMAND ${VALGRIND} ${LIMBER} run ${WORK}/allocations_${INTEGRATOR}.inp -o ${WORK}/allocations_${INTEGRATOR}.h5 --force
     OUTPUT_VARIABLE report ERROR_VARIABLE counts RESULT_VARIABLE status)
   if(NOT status EQUAL 0 OR NOT counts MATCHES "total heap usage: ([0-9,]+) allocs")
     message(FATAL_ERROR "valgrind or the run failed (${status}): ${counts}")
@@ -22,8 +23,8 @@ foreach(tolerance IN LISTS tolerances)
   endif()
 endforeach()
 string(REPLACE "," "" few "${allocations_1e-3}")
-string(REPLACE "," "" many "${allocations_1e-7}")
-math(EXPR steps "${steps_1e-7} - ${steps_1e-3}")
+string(REPLACE "," "" many "${allocations_${TIGHT}}")
+math(EXPR steps "${steps_${TIGHT}} - ${steps_1e-3}")
 math(EXPR allocations "${many} - ${few}")
 math(EXPR allowed "${steps} / 100")
 if(steps LESS 2000)

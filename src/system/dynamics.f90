@@ -281,14 +281,17 @@ contains
       real(wp), intent(in) :: t
       !> Coordinates (nq)
       real(wp), intent(inout) :: q(:)
+      real(wp) :: place(2)
       integer :: i, k, first
       call place_drives(system%model, t, work%kinematics)
       associate (tree => system%tree)
          do k = 1, size(tree%order)
             i = tree%order(k)
             first = system%layout%q(i)
-            if (tree%joint(i) > 0) q(first:first + 1) = point_position(system%layout, &
-               & system%model%points(system%marker_points(tree%marker(i))), q)
+            if (tree%joint(i) > 0) then
+               place = point_position(system%layout, system%model%points(system%marker_points(tree%marker(i))), q)
+               q(first:first + 1) = place
+            end if
             if (tree%driver(i) > 0) then
                select type (item => system%constraints(tree%driver(i))%item)
                type is (driven_angle_type)

@@ -7,6 +7,7 @@ module limber_analysis_dynamics
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
+   use limber_integrator_conserving, only: conserving_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: dynamics_type
@@ -48,6 +49,7 @@ contains
       class(integrator_type), allocatable, intent(out) :: integrator
       select case (dynamics%integrator)
       case ('ALPHA'); allocate (alpha_type :: integrator)
+      case ('CONSERVING'); allocate (conserving_type :: integrator)
       case ('RADAU'); allocate (radau_type :: integrator)
       case default; allocate (adams_type :: integrator)
       end select

@@ -142,7 +142,7 @@ module limber_deck_keywords
       &    '', '100', 'equal intervals between samples of the output: one sample more than intervals'), &
       & option_spec_type('DYNAMICS', 'TOLERANCE', kind_positive, '', &
       &    '', '1e-6', 'bound of the local error of a step, relative and absolute'), &
-      & option_spec_type('DYNAMICS', 'INTEGRATOR', kind_word, 'ADAMS|ALPHA|RADAU', '', 'ADAMS', 'integration method'), &
+      & option_spec_type('DYNAMICS', 'INTEGRATOR', kind_word, 'ADAMS|ALPHA|RADAU|CONSERVING', '', 'ADAMS', 'integration method'), &
       & option_spec_type('DYNAMICS', 'INITIAL STEP', kind_positive, '', &
       &    's', '', 'first step; if not given, chosen by the integrator'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEP', kind_positive, '', &

@@ -53,6 +53,8 @@ module limber_system_kinematics
    !> Frames of all bodies (index 0 is the ground) and all markers in use, at a time
    type :: kinematics_type
       real(wp) :: time = 0.0_wp
+      !> Time over which they are means, velocities being increments over it; zero: those of an instant
+      real(wp) :: span = 0.0_wp
       type(frame_type), allocatable :: frames(:)
       type(marker_type), allocatable :: markers(:)
    end type kinematics_type

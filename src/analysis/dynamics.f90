@@ -100,9 +100,10 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       integer :: next
+      real(wp) :: stop
       sample%q = scene%q
       sample%v = scene%v
-      call record(scene, dynamics%start, recorder, sample, history, outcome, error)
+      call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       next = 1
       do while (next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
@@ -110,13 +111,15 @@ contains
                & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE')
             exit
          end if
-         call integrator%step(scene%system, scene%work, dynamics%end, error)
+         stop = dynamics%end
+         if (integrator%ends_on_samples) stop = sample_time(dynamics, next)
+         call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call follow_angles(recorder, scene%system, sample%q)
          do while (next <= dynamics%outputs .and. sample_time(dynamics, next) <= integrator%t)
             call integrator%interpolate(sample_time(dynamics, next), sample%q, sample%v, sample%w)
-            call record(scene, sample_time(dynamics, next), recorder, sample, history, outcome, error)
+            call record(scene, sample_time(dynamics, next), integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
             next = next + 1
          end do
@@ -133,10 +136,12 @@ contains
       if (index == dynamics%outputs) sample_time = dynamics%end
    end function sample_time
 
-   !> Projects a state onto the constraints, evaluates the channels there and hands them to the history.
-   subroutine record(scene, t, recorder, sample, history, outcome, error)
+   !> Projects a state onto the constraints, evaluates the channels there and hands them to the history. Velocities at the end of
+   !> a step that conserves energy are left as they are: projected, they would have another.
+   subroutine record(scene, t, integrator, recorder, sample, history, outcome, error)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
+      class(integrator_type), intent(in) :: integrator
       type(recorder_type), intent(inout) :: recorder
       type(sample_type), intent(inout) :: sample
       class(sink_type), intent(inout) :: history
@@ -146,7 +151,7 @@ contains
       call project_position(scene%system, scene%work, t, sample%q, sample%change, 1.0e-14_wp, residual)
       call linearise(scene%system, scene%work, t, sample%q, error)
       if (allocated(error)) return
-      call project_velocity(scene%system, scene%work, sample%v, sample%change, residual)
+      if (.not. integrator%ends_on_samples) call project_velocity(scene%system, scene%work, sample%v, sample%change, residual)
       call check_sample(scene, sample, outcome)
       if (recorder%needs_accelerations) call accelerations(scene%system, scene%work, sample%q, sample%v, sample%a)
       recorder%work = sample%w

@@ -77,6 +77,7 @@ contains
       self%v = v
       self%t = t
       self%t_before = t
+      self%ends_on_samples = .true.
       self%layout = system%layout
       call new_tangent(system, self%tangent)
       call new_step(system, work, self%trial)
@@ -200,7 +201,7 @@ contains
       fresh = .false.
       if (abs(self%trial%h - self%h_factors) > same_step*self%trial%h) self%h_factors = 0.0_wp
       goal = max(1.0e-15_wp, epsilon(goal)*system%model%length/(self%trial%h*self%scales%speed))
-      size_last = huge(size_last)
+      size_last = 0.0_wp
       do round = 1, most_iterations
          call step_residual(system, work, self%trial, self%y, self%lambda, self%motion, self%phi)
          if (converged) return
@@ -216,8 +217,9 @@ contains
          if (.not. size_now <= 1.0e10_wp) return
          self%y = self%y + self%unknown(:nw)
          self%lambda = self%lambda + self%unknown(nw + 1:)
-         ratio = min(1.0_wp, size_now/size_last)
-         converged = size_now <= goal .or. ratio*size_now <= goal
+         ratio = slow
+         if (round > 1) ratio = min(1.0_wp, size_now/size_last)
+         converged = size_now <= goal .or. (round > 1 .and. ratio*size_now <= goal)
          if (ratio > slow .and. .not. converged) then
             converged = fresh .and. size_now <= small_correction
             self%h_factors = 0.0_wp
@@ -299,6 +301,8 @@ contains
          if (trial%h >= stop - self%t_before) self%t = stop
          self%q = trial%new_q
          self%b = trial%new_b
+         if (system%nc > 0) statistics%position_residual = max(statistics%position_residual, &
+            & maxval(abs(self%phi))/system%model%length)
       end associate
       call fixed_rates(system%layout, self%q, self%b, self%w)
       call velocities_of(system%layout, self%q, self%w, self%v)

@@ -21,8 +21,8 @@ module limber_integrator_conserving
 
    integer, parameter :: most_iterations = 20
    !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
-   !> and the correction at which no further progress counts as round-off
-   real(wp), parameter :: slow = 0.1_wp, same_step = 1.0e-3_wp, small_correction = 1.0e-7_wp
+   !> the correction that is too small to matter, and the one at which no further progress counts as round-off
+   real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp
 
    !> Memory of the method
    type, extends(integrator_type) :: conserving_type
@@ -47,6 +47,8 @@ module limber_integrator_conserving
       type(scales_type) :: scales
       !> Scales of coordinates and rates in the layout of the rates (nw)
       real(wp), allocatable :: scale_x(:), scale_w(:)
+      !> Impulses of the multipliers that change the momenta much (nc)
+      real(wp), allocatable :: scale_lambda(:)
       !> Next step, step of the factors at hand
       real(wp) :: h = 0.0_wp, h_factors = 0.0_wp
    contains
@@ -72,7 +74,7 @@ contains
       allocate (self%q(nq), self%v(nq), self%b(nw), self%y(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
          & self%increment(nw), self%w(nw), self%mean(nw, 2), self%mean_lambda(nc, 2), self%curvature_before(nw), &
          & self%curvature(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
-         & self%scale_x(nw), self%scale_w(nw))
+         & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc))
       self%q = q
       self%v = v
       self%t = t
@@ -82,8 +84,7 @@ contains
       call new_tangent(system, self%tangent)
       call new_step(system, work, self%trial)
       self%scales = new_scales(system, duration, .true.)
-      call update_scales(system, q, v, self%scales)
-      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+      call find_scales(self, system)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
       call accelerations(system, work, q, v, self%change)
@@ -153,9 +154,27 @@ contains
       else if (factor > 1.2_wp) then
          self%h = max(self%h, h*factor)
       end if
+      call find_scales(self, system)
+   end subroutine conserving_step
+
+   !> Scales at the present state.
+   subroutine find_scales(self, system)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp) :: momentum
+      integer :: i
       call update_scales(system, self%q, self%v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
-   end subroutine conserving_step
+      momentum = 0.0_wp
+      do i = 1, size(system%model%bodies)
+         momentum = momentum + system%model%bodies(i)%reduced%mass*self%scales%speed
+      end do
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            self%scale_lambda(item%first:item%first + item%rows - 1) = momentum*system%model%length/item%scale
+         end associate
+      end do
+   end subroutine find_scales
 
    !> The step that divides the way to the next stop evenly and is not above the one wanted.
    pure real(wp) function even_step(way, wanted) result(h)
@@ -193,14 +212,14 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       logical, intent(out) :: converged
-      real(wp) :: size_now, size_last, ratio, goal
+      real(wp) :: size_now, size_last, ratio, noise
       integer :: round, nw
       logical :: fresh
       nw = system%layout%nw
       converged = .false.
       fresh = .false.
       if (abs(self%trial%h - self%h_factors) > same_step*self%trial%h) self%h_factors = 0.0_wp
-      goal = max(1.0e-15_wp, epsilon(goal)*system%model%length/(self%trial%h*self%scales%speed))
+      noise = epsilon(noise)*max(1.0_wp, system%model%length/(self%trial%h*self%scales%speed))
       size_last = 0.0_wp
       do round = 1, most_iterations
          call step_residual(system, work, self%trial, self%y, self%lambda, self%motion, self%phi)
@@ -213,16 +232,18 @@ contains
          self%unknown(:nw) = -self%motion
          self%unknown(nw + 1:) = -self%phi
          call self%tangent%matrix%solve(self%unknown)
-         size_now = sqrt(sum((self%unknown(:nw)/self%scale_w)**2))/self%trial%h
+         size_now = sqrt(sum((self%unknown(:nw)/(self%trial%h*self%scale_w))**2) + sum((self%trial%h*self%unknown(nw + 1:)/ &
+            & self%scale_lambda)**2))
          if (.not. size_now <= 1.0e10_wp) return
          self%y = self%y + self%unknown(:nw)
          self%lambda = self%lambda + self%unknown(nw + 1:)
-         ratio = slow
-         if (round > 1) ratio = min(1.0_wp, size_now/size_last)
-         converged = size_now <= goal .or. (round > 1 .and. ratio*size_now <= goal)
-         if (ratio > slow .and. .not. converged) then
-            converged = fresh .and. size_now <= small_correction
-            self%h_factors = 0.0_wp
+         if (round > 1) then
+            ratio = size_now/max(size_last, tiny(size_last))
+            converged = ratio*size_now <= negligible .or. size_last <= noise
+            if (.not. converged .and. ratio > slow .and. size_now > noise) then
+               converged = fresh .and. size_now <= small_correction
+               self%h_factors = 0.0_wp
+            end if
          end if
          size_last = size_now
       end do

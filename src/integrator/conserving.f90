@@ -21,8 +21,9 @@ module limber_integrator_conserving
 
    integer, parameter :: most_iterations = 20
    !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
-   !> the correction that is too small to matter, and the one at which no further progress counts as round-off
-   real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp
+   !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off
+   real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
+      & no_progress = 0.5_wp
 
    !> Memory of the method
    type, extends(integrator_type) :: conserving_type
@@ -31,9 +32,9 @@ module limber_integrator_conserving
       !> Coordinates (nq) and rates (nw) at the beginning of the last step, its increment (nw), and rates at its end (nw), all in
       !> the fixed axes
       real(wp), allocatable :: q_before(:), w_before(:), increment(:), w(:)
-      !> Mean rates in the axes of the frames and multipliers of the last two steps, the latest first, and their times
+      !> Mean rates in the axes of the frames and multipliers of the last two steps, the latest first, their times and lengths
       real(wp), allocatable :: mean(:, :), mean_lambda(:, :)
-      real(wp) :: mean_time(2) = 0.0_wp
+      real(wp) :: mean_time(2) = 0.0_wp, mean_step(2) = 0.0_wp
       !> Second derivative of the mean rates, before and now (nw); zero times before the first
       real(wp), allocatable :: curvature_before(:), curvature(:)
       logical :: has_curvature = .false.
@@ -49,8 +50,8 @@ module limber_integrator_conserving
       real(wp), allocatable :: scale_x(:), scale_w(:)
       !> Impulses of the multipliers that change the momenta much (nc)
       real(wp), allocatable :: scale_lambda(:)
-      !> Next step, step of the factors at hand
-      real(wp) :: h = 0.0_wp, h_factors = 0.0_wp
+      !> Next step, step of the factors at hand, what t is above the sum of all steps
+      real(wp) :: h = 0.0_wp, h_factors = 0.0_wp, rounding = 0.0_wp
    contains
       procedure :: start => conserving_start
       procedure :: step => conserving_step
@@ -96,7 +97,7 @@ contains
       slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%e/self%scale_w)**2))
       self%h = duration
       if (slope*self%h > 0.1_wp*self%tolerance**(1.0_wp/3)) self%h = 0.1_wp*self%tolerance**(1.0_wp/3)/slope
-      if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
+      if (self%initial_step > 0.0_wp) self%h = self%initial_step
       ! A past that the first prediction follows from
       call frame_rates(system%layout, q, self%w, self%b)
       call frame_rates(system%layout, q, self%e, self%motion)
@@ -131,8 +132,12 @@ contains
          end if
          self%trial%h = h
          call begin_step(system, self%trial, self%t, self%q, self%b)
-         call predict(self, system)
+         call predict(self, system, .true.)
          call iterate(self, system, work, good)
+         if (.not. good) then
+            call predict(self, system, .false.)
+            call iterate(self, system, work, good)
+         end if
          if (good) then
             call estimate_error(self, system, err)
             good = err <= self%tolerance
@@ -187,19 +192,23 @@ contains
       if (way > 1.5_wp*wanted .and. abs(h - wanted) <= slack*wanted) h = wanted
    end function even_step
 
-   !> Increments and multipliers from the mean rates of the last two steps.
-   subroutine predict(self, system)
+   !> Increments and multipliers from the mean rates of the last two steps; or from the last step, with deflections that rest,
+   !> which is the better guess where vibrations are not resolved.
+   subroutine predict(self, system, smooth)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      logical, intent(in) :: smooth
       real(wp) :: part, h, alpha, v(2)
       integer :: i, at
       h = self%trial%h
-      part = (self%t + 0.5_wp*h - self%mean_time(1))/(self%mean_time(1) - self%mean_time(2))
+      part = 0.0_wp
+      if (smooth) part = (self%t + 0.5_wp*h - self%mean_time(1))/(self%mean_time(1) - self%mean_time(2))
       self%y = h*(self%mean(:, 1) + part*(self%mean(:, 1) - self%mean(:, 2)))
       self%lambda = self%mean_lambda(:, 1) + part*(self%mean_lambda(:, 1) - self%mean_lambda(:, 2))
       do i = 1, size(system%layout%q)
          if (.not. system%layout%framed(i)) cycle
          at = system%layout%w(i)
+         if (.not. smooth) self%y(at + 3:at + 2 + system%layout%n(i)) = 0.0_wp
          alpha = self%y(at + 2)
          v = along(self%y(at:at + 1), self%q(system%layout%q(i) + 2:system%layout%q(i) + 3))
          self%y(at:at + 1) = (v + 0.5_wp*alpha*turn(v))/(1 + 0.25_wp*alpha**2)
@@ -241,7 +250,7 @@ contains
             ratio = size_now/max(size_last, tiny(size_last))
             converged = ratio*size_now <= negligible .or. size_last <= noise
             if (.not. converged .and. ratio > slow .and. size_now > noise) then
-               converged = fresh .and. size_now <= small_correction
+               converged = fresh .and. ratio > no_progress .and. size_now <= small_correction
                self%h_factors = 0.0_wp
             end if
          end if
@@ -268,12 +277,13 @@ contains
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(wp), intent(out) :: err
-      real(wp) :: middle, first, second
-      middle = self%t + 0.5_wp*self%trial%h
-      first = middle - self%mean_time(1)
-      second = middle - self%mean_time(2)
+      real(wp) :: first, last, both, widths
+      first = self%t + 0.5_wp*self%trial%h - self%mean_time(1)
+      last = self%mean_time(1) - self%mean_time(2)
+      both = first + last
+      widths = ((self%trial%h**2 - self%mean_step(1)**2)/first - (self%mean_step(1)**2 - self%mean_step(2)**2)/last)/both
       self%e = 0.5_wp*(self%b + self%trial%new_b) - self%mean(:, 1)
-      self%curvature = 2*(self%e/first - (self%mean(:, 1) - self%mean(:, 2))/(self%mean_time(1) - self%mean_time(2)))/second
+      self%curvature = (self%e/first - (self%mean(:, 1) - self%mean(:, 2))/last)/both/(0.5_wp + 0.125_wp*widths)
       err = part_of_error(self, system, self%curvature, self%scale_x)
       if (self%has_curvature) err = err + part_of_error(self, system, (self%curvature - self%curvature_before)/first, self%scale_w)
       err = sqrt(err)
@@ -299,6 +309,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: stop
+      real(wp) :: exact
       integer :: i, at
       associate (trial => self%trial, statistics => self%statistics)
          self%work_before = self%work_done
@@ -313,13 +324,19 @@ contains
          self%mean_lambda(:, 2) = self%mean_lambda(:, 1)
          self%mean_lambda(:, 1) = self%lambda
          self%mean_time = [self%t + 0.5_wp*trial%h, self%mean_time(1)]
+         self%mean_step = [trial%h, self%mean_step(1)]
          self%curvature_before = self%curvature
          self%has_curvature = statistics%steps > 0
          self%q_before = self%q
          self%w_before = self%w
          self%t_before = self%t
-         self%t = self%t + trial%h
-         if (trial%h >= stop - self%t_before) self%t = stop
+         exact = trial%h - self%rounding
+         self%t = self%t_before + exact
+         self%rounding = (self%t - self%t_before) - exact
+         if (trial%h >= stop - self%t_before) then
+            self%t = stop
+            self%rounding = 0.0_wp
+         end if
          self%q = trial%new_q
          self%b = trial%new_b
          if (system%nc > 0) statistics%position_residual = max(statistics%position_residual, &

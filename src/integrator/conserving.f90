@@ -50,6 +50,8 @@ module limber_integrator_conserving
       real(wp), allocatable :: scale_x(:), scale_w(:)
       !> Impulses of the multipliers that change the momenta much (nc)
       real(wp), allocatable :: scale_lambda(:)
+      !> Largest coordinate of a place, or the length of the scene [length]
+      real(wp) :: reach = 0.0_wp
       !> Next step, step of the factors at hand, what t is above the sum of all steps
       real(wp) :: h = 0.0_wp, h_factors = 0.0_wp, rounding = 0.0_wp
    contains
@@ -130,8 +132,8 @@ contains
             call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return
          end if
-         self%trial%h = h
-         call begin_step(system, self%trial, self%t, self%q, self%b)
+         call begin_step(system, self%trial, self%t, h, merge(stop, self%t + (h - self%rounding), h >= stop - self%t), self%q, &
+            & self%b)
          call predict(self, system, .true.)
          call iterate(self, system, work, good)
          if (.not. good) then
@@ -171,7 +173,9 @@ contains
       call update_scales(system, self%q, self%v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
       momentum = 0.0_wp
+      self%reach = system%model%length
       do i = 1, size(system%model%bodies)
+         self%reach = max(self%reach, abs(self%q(system%layout%q(i))), abs(self%q(system%layout%q(i) + 1)))
          momentum = momentum + system%model%bodies(i)%reduced%mass*self%scales%speed
       end do
       do i = 1, size(system%constraints)
@@ -228,7 +232,7 @@ contains
       converged = .false.
       fresh = .false.
       if (abs(self%trial%h - self%h_factors) > same_step*self%trial%h) self%h_factors = 0.0_wp
-      noise = epsilon(noise)*max(1.0_wp, system%model%length/(self%trial%h*self%scales%speed))
+      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*self%scales%speed))
       size_last = 0.0_wp
       do round = 1, most_iterations
          call step_residual(system, work, self%trial, self%y, self%lambda, self%motion, self%phi)
@@ -309,7 +313,6 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: stop
-      real(wp) :: exact
       integer :: i, at
       associate (trial => self%trial, statistics => self%statistics)
          self%work_before = self%work_done
@@ -330,13 +333,8 @@ contains
          self%q_before = self%q
          self%w_before = self%w
          self%t_before = self%t
-         exact = trial%h - self%rounding
-         self%t = self%t_before + exact
-         self%rounding = (self%t - self%t_before) - exact
-         if (trial%h >= stop - self%t_before) then
-            self%t = stop
-            self%rounding = 0.0_wp
-         end if
+         self%t = trial%final
+         self%rounding = merge(0.0_wp, (self%t - self%t_before) - (trial%h - self%rounding), self%t >= stop)
          self%q = trial%new_q
          self%b = trial%new_b
          if (system%nc > 0) statistics%position_residual = max(statistics%position_residual, &

@@ -34,8 +34,8 @@ module limber_system_discrete
 
    !> A step from a state
    type :: step_type
-      !> Time at its start, its length
-      real(wp) :: t = 0.0_wp, h = 0.0_wp
+      !> Time at its start, its length, time at its end: their sum but for rounding
+      real(wp) :: t = 0.0_wp, h = 0.0_wp, final = 0.0_wp
       !> State at its start: coordinates (nq), rates and momenta in the axes of the frames (nw)
       real(wp), allocatable :: q(:), b(:), p(:)
       !> The end that is tried: coordinates, rates, momenta
@@ -70,12 +70,14 @@ contains
    end subroutine new_step
 
    !> Places the start at (t, q), rates b.
-   subroutine begin_step(system, step, t, q, b)
+   subroutine begin_step(system, step, t, h, final, q, b)
       type(system_type), intent(in) :: system
       type(step_type), intent(inout) :: step
-      !> Time, coordinates (nq), rates in the axes of the frames (nw)
-      real(wp), intent(in) :: t, q(:), b(:)
+      !> Time, length, time at the end; coordinates (nq), rates in the axes of the frames (nw)
+      real(wp), intent(in) :: t, h, final, q(:), b(:)
       step%t = t
+      step%h = h
+      step%final = final
       step%q = q
       step%b = b
       call place_frames(system%model, system%layout, t, q, step%start)
@@ -219,7 +221,7 @@ contains
       integer :: i, side, first
       real(wp) :: largest
       call find_end(system%layout, step, y)
-      call place_frames(system%model, system%layout, step%t + step%h, step%new_q, work%kinematics)
+      call place_frames(system%model, system%layout, step%final, step%new_q, work%kinematics)
       call find_mean(system%layout, step, work%kinematics, y)
       call find_momenta(system, step%new_q, step%new_b, step%new_p)
       do i = 1, size(work%bodies)

@@ -5,7 +5,7 @@
 !>
 !> Joints and loads come in by the kinematics of the mean: with positions, levers and u averaged over both ends, shapes by eq.
 !> (53) and increments over the step for velocities, their Jacobians and forces are discrete gradients.
-!> No allocation but in `new_step`. Floor: system. Source: doc/theory, eqs. (49)-(55).
+!> No allocation but in `new_step`. Floor: system. Source: doc/theory, eqs. (49)-(56).
 module limber_system_discrete
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent
@@ -171,7 +171,7 @@ contains
       end do
    end subroutine find_end
 
-   !> Kinematics of the mean, eqs. (52), (53).
+   !> Kinematics of the mean, eq. (53).
    pure subroutine find_mean(layout, step, final, y)
       type(layout_type), intent(in) :: layout
       type(step_type), intent(inout) :: step

@@ -35,7 +35,7 @@ module limber_integrator_conserving
       !> Mean rates in the axes of the frames and multipliers of the last two steps, the latest first, their times and lengths
       real(wp), allocatable :: mean(:, :), mean_lambda(:, :)
       real(wp) :: mean_time(2) = 0.0_wp, mean_step(2) = 0.0_wp
-      !> Second derivative of the mean rates, before and now (nw); zero times before the first
+      !> Second derivatives of the rates at the last two steps, and whether there are two (nw)
       real(wp), allocatable :: curvature_before(:), curvature(:)
       logical :: has_curvature = .false.
       !> Work put in at the beginning and the end of the last step
@@ -96,6 +96,8 @@ contains
       self%q_before = q
       self%w_before = self%w
       self%increment = 0.0_wp
+      self%curvature = 0.0_wp
+      self%curvature_before = 0.0_wp
       slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%e/self%scale_w)**2))
       self%h = duration
       if (slope*self%h > 0.1_wp*self%tolerance**(1.0_wp/3)) self%h = 0.1_wp*self%tolerance**(1.0_wp/3)/slope
@@ -215,7 +217,8 @@ contains
          if (.not. smooth) self%y(at + 3:at + 2 + system%layout%n(i)) = 0.0_wp
          alpha = self%y(at + 2)
          v = along(self%y(at:at + 1), self%q(system%layout%q(i) + 2:system%layout%q(i) + 3))
-         self%y(at:at + 1) = (v + 0.5_wp*alpha*turn(v))/(1 + 0.25_wp*alpha**2)
+         v = (v + 0.5_wp*alpha*turn(v))/(1 + 0.25_wp*alpha**2)
+         self%y(at:at + 1) = v
       end do
    end subroutine predict
 
@@ -289,7 +292,8 @@ contains
       self%e = 0.5_wp*(self%b + self%trial%new_b) - self%mean(:, 1)
       self%curvature = (self%e/first - (self%mean(:, 1) - self%mean(:, 2))/last)/both/(0.5_wp + 0.125_wp*widths)
       err = part_of_error(self, system, self%curvature, self%scale_x)
-      if (self%has_curvature) err = err + part_of_error(self, system, (self%curvature - self%curvature_before)/first, self%scale_w)
+      self%motion = (self%curvature - self%curvature_before)/first
+      if (self%has_curvature) err = err + part_of_error(self, system, self%motion, self%scale_w)
       err = sqrt(err)
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error

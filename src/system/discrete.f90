@@ -109,12 +109,14 @@ contains
       !> Coordinates (nq), rates (nw)
       real(wp), intent(in) :: q(:), w(:)
       real(wp), intent(inout) :: b(:)
+      real(wp) :: part(2)
       integer :: i, at
       b = w
       do i = 1, size(layout%q)
          if (.not. layout%framed(i)) cycle
          at = layout%w(i)
-         b(at:at + 1) = into_frame(w(at:at + 1), q(layout%q(i) + 2:layout%q(i) + 3))
+         part = into_frame(w(at:at + 1), q(layout%q(i) + 2:layout%q(i) + 3))
+         b(at:at + 1) = part
       end do
    end subroutine frame_rates
 
@@ -123,12 +125,14 @@ contains
       type(layout_type), intent(in) :: layout
       real(wp), intent(in) :: q(:), b(:)
       real(wp), intent(inout) :: w(:)
+      real(wp) :: part(2)
       integer :: i, at
       w = b
       do i = 1, size(layout%q)
          if (.not. layout%framed(i)) cycle
          at = layout%w(i)
-         w(at:at + 1) = along(b(at:at + 1), q(layout%q(i) + 2:layout%q(i) + 3))
+         part = along(b(at:at + 1), q(layout%q(i) + 2:layout%q(i) + 3))
+         w(at:at + 1) = part
       end do
    end subroutine fixed_rates
 
@@ -157,7 +161,8 @@ contains
          end if
          alpha = y(at + 2)
          mean = into_frame(y(at:at + 1), step%q(from + 2:from + 3))
-         step%new_b(at:at + 1) = 2*(mean - 0.5_wp*alpha*turn(mean))/step%h - step%b(at:at + 1)
+         mean = (mean - 0.5_wp*alpha*turn(mean))/step%h
+         step%new_b(at:at + 1) = 2*mean - step%b(at:at + 1)
          step%new_b(at + 2:at + 2 + layout%n(i)) = 2*y(at + 2:at + 2 + layout%n(i))/step%h - step%b(at + 2:at + 2 + layout%n(i))
          along_u = 1 - 0.25_wp*alpha**2
          across_u = alpha

@@ -70,7 +70,7 @@ contains
       real(wp), intent(in) :: lambda(:)
       real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
       call marker_stiffness(kinematics%markers(self%markers(1)), lambda, first)
-      call marker_stiffness(kinematics%markers(self%markers(2)), -lambda, second)
+      call marker_stiffness(kinematics%markers(self%markers(2)), -lambda(1:2), second)
       across = across
    end subroutine revolute_stiffness
 

@@ -96,6 +96,7 @@ contains
       self%q_before = q
       self%w_before = self%w
       self%increment = 0.0_wp
+      self%unknown = 0.0_wp
       self%curvature = 0.0_wp
       self%curvature_before = 0.0_wp
       slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%e/self%scale_w)**2))
@@ -130,7 +131,7 @@ contains
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          h = even_step(stop - self%t, self%h)
          if (h <= 4*spacing(max(abs(self%t), abs(stop)))) then
-            i = maxloc(abs(self%unknown(:system%layout%nw))/self%scale_x, dim=1)
+            i = max(1, maxloc(abs(self%unknown(:system%layout%nw))/self%scale_x, dim=1))
             call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return
          end if
@@ -139,6 +140,7 @@ contains
          call predict(self, system, .true.)
          call iterate(self, system, work, good)
          if (.not. good) then
+            self%h_factors = 0.0_wp
             call predict(self, system, .false.)
             call iterate(self, system, work, good)
          end if

@@ -17,8 +17,8 @@ program test_conserving
    use limber_system_dynamics, only: mechanical_energy, position_residual
    use limber_system_kinematics, only: place_frames
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_beam, add_beam_place, add_force, add_place, add_point_mass, add_rigid, add_spring, add_torque, &
-      & empty_model, join, slider_crank, wavy_law
+   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_place, add_point_mass, add_rigid, add_spring, &
+      & add_torque, empty_model, join, slider_crank, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: g = 9.81_wp, nil(2) = [0.0_wp, 0.0_wp]
@@ -56,6 +56,7 @@ program test_conserving
    call test_tolerance()
    call test_between()
    call test_standing()
+   call test_locking()
    call finish()
 
 contains
@@ -558,5 +559,32 @@ contains
       call check_no_error(error, 'bars that stand')
       call check_close(maxval(abs(integrator%w)), 0.0_wp, 1.0e-12_wp, 'it stays')
    end subroutine test_standing
+
+   !> A driven crank whose rod is too short to go round: an error that says so, not a stop.
+   subroutine test_locking()
+      type(model_type) :: model
+      type(conserving_type) :: integrator
+      type(system_type) :: system
+      type(workspace_type) :: work
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: q(:), v(:)
+      integer :: crank, rod
+      model = empty_model(1.0_wp)
+      crank = add_rigid(model, 'crank', 1.0_wp, 0.1_wp, nil, nil, 0.3_wp)
+      rod = add_rigid(model, 'rod', 1.0_wp, 0.1_wp, [0.4_wp, 0.0_wp], [1.0_wp, 0.3_wp], -0.4_wp)
+      call join(model, 'axle', joint_revolute, crank, nil, ground, nil)
+      call join(model, 'pin', joint_revolute, rod, nil, crank, [1.0_wp, 0.0_wp])
+      call join(model, 'slide', joint_point_on_line, rod, [0.8_wp, 0.0_wp], ground, nil, 0.0_wp)
+      call add_driver(model, 'motor', crank, wavy_law(0.3_wp, 1.0_wp, 0.0_wp, 1.0_wp))
+      call begin(model, 10.0_wp, 0.0_wp, system, work, integrator, q, v)
+      do while (integrator%t < 10.0_wp)
+         call integrator%step(system, work, 10.0_wp, error)
+         if (allocated(error)) exit
+      end do
+      call check(allocated(error), 'a crank that locks is an error')
+      if (.not. allocated(error)) return
+      print '(2a)', 'locking: ', error%message
+      call check(index(error%message, 'the step has shrunk to nothing at t = 0.62') == 1, 'it tells when: '//error%message)
+   end subroutine test_locking
 
 end program test_conserving

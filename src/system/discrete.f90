@@ -253,6 +253,7 @@ contains
       end do
       largest = position_residual(system, work)
       phi = work%phi
+      work%evaluations = work%evaluations + 1
 
    contains
 

@@ -40,8 +40,8 @@ module limber_system_discrete
       real(wp), allocatable :: q(:), b(:), p(:)
       !> The end that is tried: coordinates, rates, momenta
       real(wp), allocatable :: new_q(:), new_b(:), new_p(:)
-      !> Kinematics at the start, and of the mean
-      type(kinematics_type) :: start, mean
+      !> Kinematics at the start, and of the mean; allocatable, since gfortran 12 gives back the parts of the first only otherwise
+      type(kinematics_type), allocatable :: start, mean
       !> Jacobians of the mean (2, constraints)
       type(jacobian_type), allocatable :: jacobians(:, :)
       type(step_body_type), allocatable :: bodies(:)
@@ -58,8 +58,9 @@ contains
       associate (nq => system%layout%nq, nw => system%layout%nw)
          allocate (step%q(nq), step%new_q(nq), step%b(nw), step%new_b(nw), step%p(nw), step%new_p(nw))
       end associate
+      allocate (step%start, step%mean)
       step%start = new_kinematics(system%model, system%marker_points)
-      step%mean = new_kinematics(system%model, system%marker_points)
+      step%mean = step%start
       allocate (step%jacobians(2, size(system%constraints)), step%bodies(size(system%layout%q)))
       step%jacobians = work%jacobians
       do i = 1, size(step%bodies)

@@ -7,6 +7,7 @@ module limber_analysis_dynamics
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
+   use limber_integrator_conserving, only: conserving_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: break_times
@@ -53,6 +54,7 @@ contains
       class(integrator_type), allocatable, intent(out) :: integrator
       select case (dynamics%integrator)
       case ('ALPHA'); allocate (alpha_type :: integrator)
+      case ('CONSERVING'); allocate (conserving_type :: integrator)
       case ('RADAU'); allocate (radau_type :: integrator)
       case default; allocate (adams_type :: integrator)
       end select
@@ -107,14 +109,15 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: breaks(:)
-      real(wp) :: stop
+      !> Where the next step must end at the latest, and the next break
+      real(wp) :: stop, barrier
       integer :: next, passed
       allocate (breaks, source=break_times(scene%system%model))
       passed = 0
       sample%q = scene%q
       sample%v = scene%v
       call check_energy(scene, sample, outcome)
-      call record(scene, dynamics%start, recorder, sample, history, outcome, error)
+      call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       next = 1
       do while (next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
@@ -122,8 +125,10 @@ contains
                & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE')
             exit
          end if
-         stop = dynamics%end
-         if (passed < size(breaks)) stop = nearest(breaks(passed + 1), -1.0_wp)
+         barrier = dynamics%end
+         if (passed < size(breaks)) barrier = nearest(breaks(passed + 1), -1.0_wp)
+         stop = barrier
+         if (integrator%ends_on_samples) stop = min(barrier, sample_time(dynamics, next))
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
@@ -133,11 +138,11 @@ contains
          if (sample_time(dynamics, next) <= integrator%t) call check_energy(scene, sample, outcome)
          do while (next <= dynamics%outputs .and. sample_time(dynamics, next) <= integrator%t)
             call integrator%interpolate(sample_time(dynamics, next), sample%q, sample%v, sample%w)
-            call record(scene, sample_time(dynamics, next), recorder, sample, history, outcome, error)
+            call record(scene, sample_time(dynamics, next), integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
             next = next + 1
          end do
-         if (passed < size(breaks) .and. integrator%t >= stop .and. .not. allocated(error)) then
+         if (passed < size(breaks) .and. integrator%t >= barrier .and. .not. allocated(error)) then
             passed = passed + 1
             call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
          end if
@@ -234,10 +239,12 @@ contains
       if (index == dynamics%outputs) sample_time = dynamics%end
    end function sample_time
 
-   !> Projects a state onto the constraints, evaluates the channels there and hands them to the history.
-   subroutine record(scene, t, recorder, sample, history, outcome, error)
+   !> Projects a state onto the constraints, evaluates the channels there and hands them to the history. Velocities at the end of
+   !> a step that conserves energy are left as they are: projected, they would have another.
+   subroutine record(scene, t, integrator, recorder, sample, history, outcome, error)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
+      class(integrator_type), intent(in) :: integrator
       type(recorder_type), intent(inout) :: recorder
       type(sample_type), intent(inout) :: sample
       class(sink_type), intent(inout) :: history
@@ -245,7 +252,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before, residual
       associate (system => scene%system, work => scene%work)
-         if (recorder%needs_velocities) then
+         if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
          else
             call settle_position(system, work, t, sample%q, sample%change, before, residual, error)

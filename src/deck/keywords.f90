@@ -143,7 +143,7 @@ module limber_deck_keywords
       &    '', '100', 'equal intervals between samples of the output: one sample more than intervals'), &
       & option_spec_type('DYNAMICS', 'TOLERANCE', kind_positive, '', &
       &    '', '1e-6', 'bound of the local error of a step, relative and absolute'), &
-      & option_spec_type('DYNAMICS', 'INTEGRATOR', kind_word, 'AUTO|ADAMS|ALPHA|RADAU', &
+      & option_spec_type('DYNAMICS', 'INTEGRATOR', kind_word, 'AUTO|ADAMS|ALPHA|RADAU|CONSERVING', &
       &    '', 'AUTO', 'integration method; AUTO: chosen from the scene and the tolerance, and said in the report'), &
       & option_spec_type('DYNAMICS', 'SPECTRAL RADIUS', kind_nonnegative, '', &
       &    '', '0.8', 'ALPHA: 1 damps no vibration, 0 all that the step does not resolve'), &

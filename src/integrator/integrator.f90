@@ -28,6 +28,8 @@ module limber_integrator_integrator
       real(wp) :: t_before = 0.0_wp
       !> Work put in before the start
       real(wp) :: work_at_start = 0.0_wp
+      !> True if what it promises holds at the ends of its steps only: samples are then taken there, their velocities as they are
+      logical :: ends_on_samples = .false.
       type(step_statistics_type) :: statistics
    contains
       procedure(start_interface), deferred :: start

@@ -59,6 +59,8 @@ module limber_system_kinematics
    !> Frames of all bodies (index 0 is the ground), all markers in use, and what drivers prescribe, at a time
    type :: kinematics_type
       real(wp) :: time = -huge(1.0_wp)
+      !> Time over which they are means, velocities being increments over it; zero: those of an instant
+      real(wp) :: span = 0.0_wp
       type(drive_type), allocatable :: drives(:)
       type(frame_type), allocatable :: frames(:)
       type(marker_type), allocatable :: markers(:)

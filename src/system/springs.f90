@@ -93,7 +93,8 @@ contains
       tension = self%stiffness*(length - self%free_length) + self%damping*dot_product(gap, rate)/length
    end function spring_tension
 
-   !> Gap, its rate and the softened length.
+   !> Gap, its rate and the softened length. Over a step the length is the mean of those at both ends, with which the pull along
+   !> the mean gap is the discrete gradient of the energy: doc/theory, eq. (55).
    pure subroutine measure(self, kinematics, gap, rate, length)
       class(point_spring_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
@@ -102,8 +103,19 @@ contains
          gap = b%position - a%position
          rate = b%velocity - a%velocity
       end associate
-      length = sqrt(dot_product(gap, gap) + self%softening**2)
+      if (kinematics%span > 0.0_wp) then
+         length = 0.5_wp*(softened(self, gap + 0.5_wp*kinematics%span*rate) + softened(self, gap - 0.5_wp*kinematics%span*rate))
+      else
+         length = softened(self, gap)
+      end if
    end subroutine measure
+
+   !> Softened length of a gap.
+   pure real(wp) function softened(self, gap) result(length)
+      class(point_spring_type), intent(in) :: self
+      real(wp), intent(in) :: gap(2)
+      length = sqrt(dot_product(gap, gap) + self%softening**2)
+   end function softened
 
    !> The pull n = (k (1 - l0/l) + c g.g'/l^2) g and its derivatives by g and by g'.
    pure subroutine pull_derivatives(self, kinematics, pull, by_gap, by_rate)

@@ -19,6 +19,7 @@ module limber_system_tangent
    implicit none
    private
    public :: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, times_stiffness
+   public :: copy_rows
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
    type :: body_tangent_type

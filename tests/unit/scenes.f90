@@ -9,11 +9,12 @@ module scenes
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: axial_by_elements, point_shape, reduce_beam, reduction_type
    use limber_model_scene, only: body_flexible, body_point, body_rigid, body_type, driver_type, force_type, ground, &
-      & joint_point_on_line, joint_revolute, joint_type, model_type, point_type
+      & joint_point_on_line, joint_revolute, joint_type, model_type, point_type, spring_type, torque_type
    implicit none
    private
    public :: random, constant_law, wavy_law, ramp_law, gauss_point, gauss_weight, derivative, second_derivative
    public :: empty_model, add_rigid, add_point_mass, add_beam, add_place, add_beam_place, add_joint, join, add_driver, add_force
+   public :: add_spring, add_torque
    public :: slider_crank
 
    !> Five Gauss points on -1..1, exact to degree nine: places and weights
@@ -283,6 +284,36 @@ contains
       longer(n)%law = [x, y]
       call move_alloc(longer, model%forces)
    end subroutine add_force
+
+   !> Puts a spring between two points.
+   subroutine add_spring(model, first, second, stiffness, length, damping)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: first, second
+      real(wp), intent(in) :: stiffness, length, damping
+      type(spring_type) :: spring
+      spring%name = 'spring'
+      spring%points = [first, second]
+      spring%stiffness = stiffness
+      spring%length = length
+      spring%damping = damping
+      model%springs = [model%springs, spring]
+   end subroutine add_spring
+
+   !> Puts a torque on a body; appended by hand for the law's sake.
+   subroutine add_torque(model, body, law)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: body
+      type(expression_type), intent(in) :: law
+      type(torque_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%torques) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%torques
+      longer(n)%name = 'torque'
+      longer(n)%body = body
+      longer(n)%law = law
+      call move_alloc(longer, model%torques)
+   end subroutine add_torque
 
    !> A driven slider-crank under weight, its rod rigid or of a fidelity with two bending and two axial coordinates.
    subroutine slider_crank(fidelity, ea, model, error)

@@ -3,16 +3,15 @@
 program test_loads
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_deck_expression, only: expression_type
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, reduction_type
-   use limber_model_scene, only: ground, model_type, spring_type, torque_type
+   use limber_model_scene, only: ground, model_type
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy
    use limber_system_kinematics, only: advance, move_frames, place_frames, velocities_of
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, tangent_type, times_stiffness
-   use scenes, only: add_beam, add_beam_place, add_force, add_place, add_point_mass, add_rigid, derivative, empty_model, &
-      & random, wavy_law
+   use scenes, only: add_beam, add_beam_place, add_force, add_place, add_point_mass, add_rigid, add_spring, add_torque, &
+      & derivative, empty_model, random, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -72,36 +71,6 @@ contains
       call add_force(model, 'turn', d, wavy_law(3.0_wp, 0.0_wp, 0.0_wp, 1.0_wp), wavy_law(0.5_wp, 0.0_wp, 0.0_wp, 1.0_wp))
       call add_force(model, 'pull', e, wavy_law(1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp), wavy_law(2.5_wp, 0.0_wp, 0.0_wp, 1.0_wp))
    end function zoo
-
-   !> Puts a spring between two points.
-   subroutine add_spring(model, first, second, stiffness, length, damping)
-      type(model_type), intent(inout) :: model
-      integer, intent(in) :: first, second
-      real(wp), intent(in) :: stiffness, length, damping
-      type(spring_type) :: spring
-      spring%name = 'spring'
-      spring%points = [first, second]
-      spring%stiffness = stiffness
-      spring%length = length
-      spring%damping = damping
-      model%springs = [model%springs, spring]
-   end subroutine add_spring
-
-   !> Puts a torque on a body; appended by hand for the law's sake.
-   subroutine add_torque(model, body, law)
-      type(model_type), intent(inout) :: model
-      integer, intent(in) :: body
-      type(expression_type), intent(in) :: law
-      type(torque_type), allocatable :: longer(:)
-      integer :: n
-      n = size(model%torques) + 1
-      allocate (longer(n))
-      longer(:n - 1) = model%torques
-      longer(n)%name = 'torque'
-      longer(n)%body = body
-      longer(n)%law = law
-      call move_alloc(longer, model%torques)
-   end subroutine add_torque
 
    !> A system with a random state, deflections of a tenth of the length.
    subroutine prepare(model, system, work, q, w)

@@ -1,0 +1,381 @@
+!> CONSERVING: an energy-momentum scheme of order 2 by discrete gradients. Energy less work put in, and linear and angular
+!> momentum where the scene keeps them, are constant to round-off at any step; the position constraints hold at the end of every
+!> step, with one set of multipliers for a step (index 3). Its velocities meet the velocity constraints in the mean of a step only.
+!> Floor: integrator. Source: Simo and Tarnow, ZAMP 43 (1992) 757; Gonzalez, J. Nonlinear Sci. 6 (1996) 449; doc/theory, eqs.
+!> (49)-(57).
+module limber_integrator_conserving
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_integrator_integrator, only: integrator_type
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
+   use limber_system_algebra, only: turn, along
+   use limber_system_discrete, only: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, &
+      & linearise_step, step_work
+   use limber_system_dynamics, only: linearise, accelerations
+   use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
+   use limber_system_system, only: system_type, workspace_type
+   use limber_system_tangent, only: tangent_type, new_tangent, times_mass
+   implicit none
+   private
+   public :: conserving_type
+
+   integer, parameter :: most_iterations = 20
+   !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
+   !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off
+   real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
+      & no_progress = 0.5_wp
+
+   !> Memory of the method
+   type, extends(integrator_type) :: conserving_type
+      !> Coordinates and velocities at t (nq); rates in the axes of the frames (nw); increments of the step (nw); multipliers (nc)
+      real(wp), allocatable :: q(:), v(:), b(:), y(:), lambda(:)
+      !> Coordinates (nq) and rates (nw) at the beginning of the last step, its increment (nw), and rates at its end (nw), all in
+      !> the fixed axes
+      real(wp), allocatable :: q_before(:), w_before(:), increment(:), w(:)
+      !> Mean rates in the axes of the frames and multipliers of the last two steps, the latest first, their times and lengths
+      real(wp), allocatable :: mean(:, :), mean_lambda(:, :)
+      real(wp) :: mean_time(2) = 0.0_wp, mean_step(2) = 0.0_wp
+      !> Second derivatives of the rates at the last two steps, and whether there are two (nw)
+      real(wp), allocatable :: curvature_before(:), curvature(:)
+      logical :: has_curvature = .false.
+      !> Work put in at the beginning and the end of the last step
+      real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp
+      !> Scratch
+      real(wp), allocatable :: motion(:), phi(:), unknown(:), e(:), change(:)
+      type(step_type) :: trial
+      type(tangent_type) :: tangent
+      type(layout_type) :: layout
+      type(scales_type) :: scales
+      !> Scales of coordinates and rates in the layout of the rates (nw)
+      real(wp), allocatable :: scale_x(:), scale_w(:)
+      !> Impulses of the multipliers that change the momenta much (nc)
+      real(wp), allocatable :: scale_lambda(:)
+      !> Largest coordinate of a place, or the length of the scene [length]
+      real(wp) :: reach = 0.0_wp
+      !> Next step, step of the factors at hand, what t is above the sum of all steps
+      real(wp) :: h = 0.0_wp, h_factors = 0.0_wp, rounding = 0.0_wp
+   contains
+      procedure :: start => conserving_start
+      procedure :: step => conserving_step
+      procedure :: interpolate => conserving_interpolate
+   end type conserving_type
+
+contains
+
+   subroutine conserving_start(self, system, work, t, duration, q, v, error)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t, duration
+      real(wp), intent(in) :: q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: slope
+      integer :: nq, nw, nc, i, at
+      nq = system%layout%nq
+      nw = system%layout%nw
+      nc = system%nc
+      if (.not. allocated(self%q)) then
+         allocate (self%q(nq), self%v(nq), self%b(nw), self%y(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
+            & self%increment(nw), self%w(nw), self%mean(nw, 2), self%mean_lambda(nc, 2), self%curvature_before(nw), &
+            & self%curvature(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
+            & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc))
+         call new_tangent(system, self%tangent)
+         call new_step(system, work, self%trial)
+         self%scales = new_scales(system, duration, .true.)
+      end if
+      self%work_done = self%work_at_start
+      self%work_before = self%work_at_start
+      self%has_curvature = .false.
+      self%h_factors = 0.0_wp
+      self%rounding = 0.0_wp
+      self%q = q
+      self%v = v
+      self%t = t
+      self%t_before = t
+      self%ends_on_samples = .true.
+      self%layout = system%layout
+      call find_scales(self, system)
+      call linearise(system, work, t, q, error)
+      if (allocated(error)) return
+      call accelerations(system, work, q, v, self%change)
+      call rates_of(system%layout, q, v, self%w)
+      call rates_of(system%layout, q, self%change, self%e)
+      self%q_before = q
+      self%w_before = self%w
+      self%increment = 0.0_wp
+      self%unknown = 0.0_wp
+      self%curvature = 0.0_wp
+      self%curvature_before = 0.0_wp
+      slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%e/self%scale_w)**2))
+      self%h = duration
+      if (slope*self%h > 0.1_wp*self%tolerance**(1.0_wp/3)) self%h = 0.1_wp*self%tolerance**(1.0_wp/3)/slope
+      if (self%initial_step > 0.0_wp) self%h = self%initial_step
+      ! A past that the first prediction follows from
+      call frame_rates(system%layout, q, self%w, self%b)
+      call frame_rates(system%layout, q, self%e, self%motion)
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         at = system%layout%w(i)
+         self%motion(at:at + 1) = self%motion(at:at + 1) - self%b(at + 2)*turn(self%b(at:at + 1))
+      end do
+      self%mean_time = [t, t - self%h]
+      self%mean(:, 1) = self%b
+      self%mean(:, 2) = self%b - self%h*self%motion
+      self%mean_lambda = spread(work%lambda, 2, 2)
+   end subroutine conserving_start
+
+   subroutine conserving_step(self, system, work, stop, error)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: h, err, factor
+      logical :: good, repeated
+      integer :: i
+      repeated = .false.
+      do
+         if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+         h = even_step(stop - self%t, self%h)
+         if (h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+            i = max(1, maxloc(abs(self%unknown(:system%layout%nw))/self%scale_x, dim=1))
+            call self%step_too_small(system, work, count(system%layout%w <= i), error)
+            return
+         end if
+         call begin_step(system, self%trial, self%t, h, merge(stop, self%t + (h - self%rounding), h >= stop - self%t), self%q, &
+            & self%b)
+         call predict(self, system, .true.)
+         call iterate(self, system, work, good)
+         if (.not. good) then
+            self%h_factors = 0.0_wp
+            call predict(self, system, .false.)
+            call iterate(self, system, work, good)
+         end if
+         if (good) then
+            call estimate_error(self, system, err)
+            good = err <= self%tolerance
+            factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
+         else
+            factor = 0.5_wp
+         end if
+         if (good) exit
+         self%statistics%rejected = self%statistics%rejected + 1
+         self%h = h*min(factor, 0.9_wp)
+         repeated = .true.
+      end do
+      call accept(self, system, work, stop)
+      call self%count_step(h, 2)
+      if (repeated) factor = min(factor, 1.0_wp)
+      ! A step that would hardly change is kept; one that was cut short by a sample does not count
+      if (factor < 0.95_wp) then
+         self%h = h*factor
+      else if (factor > 1.2_wp) then
+         self%h = max(self%h, h*factor)
+      end if
+      call find_scales(self, system)
+   end subroutine conserving_step
+
+   !> Scales at the present state.
+   subroutine find_scales(self, system)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp) :: momentum
+      integer :: i
+      call update_scales(system, self%q, self%v, self%scales)
+      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+      momentum = 0.0_wp
+      self%reach = system%model%length
+      do i = 1, size(system%model%bodies)
+         self%reach = max(self%reach, abs(self%q(system%layout%q(i))), abs(self%q(system%layout%q(i) + 1)))
+         momentum = momentum + system%model%bodies(i)%reduced%mass*self%scales%speed
+      end do
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            self%scale_lambda(item%first:item%first + item%rows - 1) = momentum*system%model%length/item%scale
+         end associate
+      end do
+   end subroutine find_scales
+
+   !> The step that divides the way to the next stop evenly and is not above the one wanted.
+   pure real(wp) function even_step(way, wanted) result(h)
+      real(wp), intent(in) :: way, wanted
+      !> Part of the step that round-off may take
+      real(wp), parameter :: slack = 1.0e-6_wp
+      h = wanted
+      if (way > 1.0e6_wp*wanted) return
+      h = way/max(1, ceiling(way/wanted - slack))
+      if (way > 1.5_wp*wanted .and. abs(h - wanted) <= slack*wanted) h = wanted
+   end function even_step
+
+   !> Increments and multipliers from the mean rates of the last two steps; or from the last step, with deflections that rest,
+   !> which is the better guess where vibrations are not resolved.
+   subroutine predict(self, system, smooth)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      logical, intent(in) :: smooth
+      real(wp) :: part, h, alpha, v(2)
+      integer :: i, at
+      h = self%trial%h
+      part = 0.0_wp
+      if (smooth) part = (self%t + 0.5_wp*h - self%mean_time(1))/(self%mean_time(1) - self%mean_time(2))
+      self%y = h*(self%mean(:, 1) + part*(self%mean(:, 1) - self%mean(:, 2)))
+      self%lambda = self%mean_lambda(:, 1) + part*(self%mean_lambda(:, 1) - self%mean_lambda(:, 2))
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         at = system%layout%w(i)
+         if (.not. smooth) self%y(at + 3:at + 2 + system%layout%n(i)) = 0.0_wp
+         alpha = self%y(at + 2)
+         v = along(self%y(at:at + 1), self%q(system%layout%q(i) + 2:system%layout%q(i) + 3))
+         v = (v + 0.5_wp*alpha*turn(v))/(1 + 0.25_wp*alpha**2)
+         self%y(at:at + 1) = v
+      end do
+   end subroutine predict
+
+   !> Newton iteration, down to round-off. The factors at hand serve as long as it is quick.
+   subroutine iterate(self, system, work, converged)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      logical, intent(out) :: converged
+      real(wp) :: size_now, size_last, ratio, noise
+      integer :: round, nw
+      logical :: fresh
+      nw = system%layout%nw
+      converged = .false.
+      fresh = .false.
+      if (abs(self%trial%h - self%h_factors) > same_step*self%trial%h) self%h_factors = 0.0_wp
+      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*self%scales%speed))
+      size_last = 0.0_wp
+      do round = 1, most_iterations
+         call step_residual(system, work, self%trial, self%y, self%lambda, self%motion, self%phi)
+         if (converged) return
+         if (.not. self%h_factors > 0.0_wp) then
+            call refresh(self, system, work)
+            fresh = .true.
+            if (.not. self%h_factors > 0.0_wp) return
+         end if
+         self%unknown(:nw) = -self%motion
+         self%unknown(nw + 1:) = -self%phi
+         call self%tangent%matrix%solve(self%unknown)
+         size_now = sqrt(sum((self%unknown(:nw)/(self%trial%h*self%scale_w))**2) + sum((self%trial%h*self%unknown(nw + 1:)/ &
+            & self%scale_lambda)**2))
+         if (.not. size_now <= 1.0e10_wp) return
+         self%y = self%y + self%unknown(:nw)
+         self%lambda = self%lambda + self%unknown(nw + 1:)
+         if (round > 1) then
+            ratio = size_now/max(size_last, tiny(size_last))
+            converged = ratio*size_now <= negligible .or. size_last <= noise
+            if (.not. converged .and. ratio > slow .and. size_now > noise) then
+               converged = fresh .and. ratio > no_progress .and. size_now <= small_correction
+               self%h_factors = 0.0_wp
+            end if
+         end if
+         size_last = size_now
+      end do
+      converged = .false.
+   end subroutine iterate
+
+   !> Derivatives and factors at the state of the last residual.
+   subroutine refresh(self, system, work)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      logical :: singular
+      call linearise_step(system, work, self%trial, self%tangent, self%y, self%lambda)
+      call self%tangent%matrix%factor(singular)
+      self%statistics%jacobians = self%statistics%jacobians + 1
+      if (.not. singular) self%h_factors = self%trial%h
+   end subroutine refresh
+
+   !> Local error in units of the scales, eq. (57): from the mean rates of three steps, through the Newton matrix, which lets pass
+   !> what the step resolves.
+   subroutine estimate_error(self, system, err)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(out) :: err
+      real(wp) :: first, last, both, widths
+      first = self%t + 0.5_wp*self%trial%h - self%mean_time(1)
+      last = self%mean_time(1) - self%mean_time(2)
+      both = first + last
+      widths = ((self%trial%h**2 - self%mean_step(1)**2)/first - (self%mean_step(1)**2 - self%mean_step(2)**2)/last)/both
+      self%e = 0.5_wp*(self%b + self%trial%new_b) - self%mean(:, 1)
+      self%curvature = (self%e/first - (self%mean(:, 1) - self%mean(:, 2))/last)/both/(0.5_wp + 0.125_wp*widths)
+      err = part_of_error(self, system, self%curvature, self%scale_x)
+      self%motion = (self%curvature - self%curvature_before)/first
+      if (self%has_curvature) err = err + part_of_error(self, system, self%motion, self%scale_w)
+      err = sqrt(err)
+      if (.not. err <= huge(err)) err = huge(err)
+   end subroutine estimate_error
+
+   !> Square of h^3/12 times a derivative of the rates, filtered, in units of scales.
+   real(wp) function part_of_error(self, system, derivative, scales) result(square)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: derivative(:), scales(:)
+      call fixed_rates(system%layout, self%trial%new_q, derivative, self%e)
+      self%e = self%trial%h**3/12*self%e
+      self%unknown = 0.0_wp
+      call times_mass(system, self%tangent, 1.0_wp, self%e, self%unknown(:system%layout%nw))
+      call self%tangent%matrix%solve(self%unknown)
+      square = sum((self%unknown(:system%layout%nw)/scales)**2)
+   end function part_of_error
+
+   !> Takes the step.
+   subroutine accept(self, system, work, stop)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      integer :: i, at
+      associate (trial => self%trial, statistics => self%statistics)
+         self%work_before = self%work_done
+         if (system%powered) self%work_done = self%work_done + step_work(system, work, trial, self%y, self%lambda)
+         self%increment = self%y
+         do i = 1, size(system%layout%q)
+            at = system%layout%w(i)
+            if (system%layout%framed(i)) self%increment(at + 2) = 2*atan(0.5_wp*self%y(at + 2))
+         end do
+         self%mean(:, 2) = self%mean(:, 1)
+         self%mean(:, 1) = 0.5_wp*(self%b + trial%new_b)
+         self%mean_lambda(:, 2) = self%mean_lambda(:, 1)
+         self%mean_lambda(:, 1) = self%lambda
+         self%mean_time = [self%t + 0.5_wp*trial%h, self%mean_time(1)]
+         self%mean_step = [trial%h, self%mean_step(1)]
+         self%curvature_before = self%curvature
+         self%has_curvature = statistics%steps > 0
+         self%q_before = self%q
+         self%w_before = self%w
+         self%t_before = self%t
+         self%t = trial%final
+         self%rounding = merge(0.0_wp, (self%t - self%t_before) - (trial%h - self%rounding), self%t >= stop)
+         self%q = trial%new_q
+         self%b = trial%new_b
+         if (system%nc > 0) statistics%position_residual = max(statistics%position_residual, &
+            & maxval(abs(self%phi))/system%model%length)
+      end associate
+      call fixed_rates(system%layout, self%q, self%b, self%w)
+      call velocities_of(system%layout, self%q, self%w, self%v)
+   end subroutine accept
+
+   !> Cubic through coordinates and rates at both ends of the step; its derivative for the rates. The work put in is taken as even.
+   subroutine conserving_interpolate(self, t, q, v, w)
+      class(conserving_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: q(:), v(:), w
+      real(wp) :: h, s
+      h = self%t - self%t_before
+      if (.not. h > 0.0_wp .or. t >= self%t) then
+         q = self%q
+         v = self%v
+         w = self%work_done
+         return
+      end if
+      s = (t - self%t_before)/h
+      self%motion = s**2*(3 - 2*s)*self%increment + h*(s*(1 - s)**2*self%w_before - s**2*(1 - s)*self%w)
+      self%e = 6*s*(1 - s)/h*self%increment + (1 - s)*(1 - 3*s)*self%w_before - s*(2 - 3*s)*self%w
+      call advance(self%layout, self%q_before, self%motion, q)
+      call velocities_of(self%layout, q, self%e, v)
+      w = self%work_before + (self%work_done - self%work_before)*s
+   end subroutine conserving_interpolate
+
+end module limber_integrator_conserving

@@ -1,0 +1,58 @@
+!> Whole runs by the conserving integrator: the energy less the work put in stays to round-off at every sample, whatever the
+!> tolerance. Usage, in tests/: test_energy RESULT_FILE
+program test_energy
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, channel
+   use testing, only: check, check_close, finish
+   implicit none
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_squeezer('1e-3', 1.0e-2_wp)
+   call check_squeezer('1e-6', 2.0e-3_wp)
+   call check_slider_crank()
+   call finish()
+
+contains
+
+   !> Spring and torque; the last angle against the published one.
+   subroutine check_squeezer(tolerance, allowed)
+      character(*), intent(in) :: tolerance
+      real(wp), intent(in) :: allowed
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: beta(:), energy(:)
+      call run_changed('../input/andrews_squeezer.inp', trim(results), [character(32) :: 'INTEGRATOR=ADAMS', 'TOLERANCE=1e-8'], &
+         & [character(32) :: 'INTEGRATOR=CONSERVING', 'TOLERANCE='//tolerance], reader)
+      allocate (beta, source=channel(reader, 'beta'))
+      allocate (energy, source=channel(reader, 'energy'))
+      print '(3a,2es10.2)', 'squeezer at ', tolerance, ': error of angle, change of energy', &
+         & abs(beta(size(beta))/15.810771195153707_wp - 1), maxval(abs(energy - energy(1)))
+      call check_close(beta(size(beta))/15.810771195153707_wp, 1.0_wp, allowed, 'squeezer: angle at the end')
+      call check_close(maxval(abs(energy - energy(1))), 0.0_wp, 1.0e-12_wp, 'squeezer: energy less work')
+      call reader%close()
+      deallocate (beta, energy)
+   end subroutine check_squeezer
+
+   !> A driver and a rod of the model FULL, with axial vibrations that are not resolved.
+   subroutine check_slider_crank()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: energy(:), kinetic(:), deflection(:)
+      call run_changed('../input/slider_crank_full.inp', trim(results), [character(128) :: 'TOLERANCE=1e-8', &
+         & 'slider_x = x(slider)'], [character(128) :: 'TOLERANCE=1e-4, INTEGRATOR=CONSERVING', &
+         & 'kinetic = kinetic_energy(system), energy = kinetic_energy(system) + potential_energy(system) - work(system)'], reader)
+      allocate (energy, source=channel(reader, 'energy'))
+      allocate (kinetic, source=channel(reader, 'kinetic'))
+      allocate (deflection, source=channel(reader, 'deflection_over_length'))
+      print '(a,3es10.2)', 'slider-crank: change of energy, largest kinetic energy, deflection', &
+         & maxval(abs(energy - energy(1))), maxval(kinetic), maxval(abs(deflection))
+      call check_close(maxval(abs(energy - energy(1)))/maxval(kinetic), 0.0_wp, 1.0e-11_wp, 'slider-crank: energy less work')
+      call check(maxval(kinetic) > 2*kinetic(1), 'slider-crank: there is work')
+      call check(maxval(abs(deflection)) > 0.01_wp .and. maxval(abs(deflection)) < 0.3_wp, 'slider-crank: deflection '// &
+         & as_text(maxval(abs(deflection)), 3))
+      call reader%close()
+      deallocate (energy, kinetic, deflection)
+   end subroutine check_slider_crank
+
+end program test_energy

@@ -109,11 +109,12 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: breaks(:)
-      !> Where the next step must end at the latest, and the next break
-      real(wp) :: stop, barrier
+      !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
+      real(wp) :: stop, barrier, near
       integer :: next, passed
       allocate (breaks, source=break_times(scene%system%model))
       passed = 0
+      near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
       sample%q = scene%q
       sample%v = scene%v
       call check_energy(scene, sample, outcome)
@@ -135,20 +136,32 @@ contains
          call check_deflections(scene%system, integrator%t, sample%q, sample%v, error)
          if (allocated(error)) exit
          call follow_angles(recorder, scene%system, sample%q)
-         if (sample_time(dynamics, next) <= integrator%t) call check_energy(scene, sample, outcome)
-         do while (next <= dynamics%outputs .and. sample_time(dynamics, next) <= integrator%t)
+         if (sample_time(dynamics, next) <= integrator%t + near) call check_energy(scene, sample, outcome)
+         if (passed < size(breaks) .and. integrator%t >= barrier - near) then
+            call record_before(barrier - near)
+            if (allocated(error)) exit
+            passed = passed + 1
+            call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
+            if (allocated(error)) exit
+         end if
+         call record_before(integrator%t + near)
+         call progress%update(integrator%t)
+      end do
+      outcome%reached = integrator%t
+
+   contains
+
+      !> Records the samples up to a time that the integrator has reached. At a break they are those that follow it.
+      subroutine record_before(t)
+         real(wp), intent(in) :: t
+         do while (next <= dynamics%outputs .and. sample_time(dynamics, next) <= t)
             call integrator%interpolate(sample_time(dynamics, next), sample%q, sample%v, sample%w)
             call record(scene, sample_time(dynamics, next), integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
             next = next + 1
          end do
-         if (passed < size(breaks) .and. integrator%t >= barrier .and. .not. allocated(error)) then
-            passed = passed + 1
-            call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
-         end if
-         call progress%update(integrator%t)
-      end do
-      outcome%reached = integrator%t
+      end subroutine record_before
+
    end subroutine advance
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as

@@ -10,6 +10,8 @@ module limber_model_breaks
 
    !> Equal parts of the time that are looked at: a formula that comes and goes within one of them is not seen
    integer, parameter :: parts = 500
+   !> Part of the whole time within which two breaks are one
+   real(wp), parameter :: apart = 1.0e-12_wp
    !> Most breaks of one model: beyond them a law is taken for noise, which no step can follow
    integer, parameter :: most = 1000
 
@@ -51,7 +53,7 @@ contains
          right = start + (end - start)*(real(part, wp)/parts)
          do while (law%branches(left) /= law%branches(right) .and. size(times) < most)
             found = first_change(law, left, right)
-            if (min(found - start, end - found) > 1.0e-12_wp*(end - start)) call insert(found, times)
+            if (min(found - start, end - found) > apart*(end - start)) call insert(found, apart*(end - start), times)
             left = found
             if (left >= right) exit
          end do
@@ -76,11 +78,11 @@ contains
       end do
    end function first_change
 
-   !> Puts a time into a list in order, unless it is there already to round-off.
-   subroutine insert(t, times)
-      real(wp), intent(in) :: t
+   !> Puts a time into a list in order, unless it is there already.
+   subroutine insert(t, width, times)
+      real(wp), intent(in) :: t, width
       real(wp), allocatable, intent(inout) :: times(:)
-      if (any(abs(times - t) <= 8*spacing(t))) return
+      if (any(abs(times - t) <= width)) return
       times = [pack(times, times < t), t, pack(times, times > t)]
    end subroutine insert
 

@@ -17,8 +17,10 @@ program test_events
    call check_rotor('RADAU', 1.0e-13_wp)
    call check_rotor('ADAMS', 1.0e-3_wp)
    call check_rotor('ALPHA', 1.0e-2_wp)
+   call check_rotor('CONSERVING', 1.0e-2_wp)
    call check_impact('ADAMS')
    call check_impact('RADAU')
+   call check_impact('CONSERVING')
    call check_refusal('verification/impact.inp', 'max(t - 1, 0)', 'step(t - 1)', [character(64) :: &
       & "driver 'motor' jumps by 0.841", 'at t = 1', 'smoothstep'])
    call check_refusal('../input/spin_up.inp', 'GEOMETRIC=FULL', 'GEOMETRIC=LINEAR', [character(64) :: "beam 'beam' deflects", &

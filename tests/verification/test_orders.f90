@@ -44,6 +44,9 @@ program test_orders
    call check_order(pendulum, 'ALPHA', [1.0e-2_wp, 5.0e-3_wp, 2.5e-3_wp], 0.1_wp, 0, 1.9_wp, 2.1_wp)
    call check_order(squeezer, 'ALPHA', [3.0e-5_wp, 1.5e-5_wp, 7.5e-6_wp], 0.1_wp, 0, 1.9_wp, 2.1_wp)
    call check_order(beam, 'ALPHA', [4.0e-2_wp, 2.0e-2_wp, 1.0e-2_wp], 0.1_wp, 0, 1.9_wp, 2.1_wp)
+   call check_order(pendulum, 'CONSERVING', [1.0e-2_wp, 5.0e-3_wp, 2.5e-3_wp], 0.1_wp, 0, 1.9_wp, 2.1_wp)
+   call check_order(squeezer, 'CONSERVING', [3.0e-5_wp, 1.5e-5_wp, 7.5e-6_wp], 0.1_wp, 0, 1.9_wp, 2.1_wp)
+   call check_order(beam, 'CONSERVING', [4.0e-2_wp, 2.0e-2_wp, 1.0e-2_wp], 0.1_wp, 0, 1.9_wp, 2.1_wp)
    call check_order(pendulum, 'RADAU', [8.0e-2_wp, 4.0e-2_wp, 2.0e-2_wp], 0.01_wp, 5, 4.8_wp, 5.2_wp)
    call check_order(squeezer, 'RADAU', [3.0e-5_wp, 1.5e-5_wp, 7.5e-6_wp], 1.0e-5_wp, 5, 4.7_wp, 5.5_wp)
    call check_order(beam, 'RADAU', [4.0e-2_wp, 2.0e-2_wp, 1.0e-2_wp], 1.0e-4_wp, 5, 4.7_wp, 6.5_wp)
@@ -51,6 +54,7 @@ program test_orders
    call check_drift('ADAMS')
    call check_drift('RADAU')
    call check_drift('ALPHA')
+   call check_drift('CONSERVING')
    deallocate (pendulum%values, squeezer%values, beam%values)
    call finish()
 

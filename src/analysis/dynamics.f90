@@ -16,8 +16,9 @@ module limber_analysis_dynamics
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_system_algebra, only: cross
-   use limber_system_dynamics, only: linearise, accelerations, settle, settle_position, position_residual, velocity_residual, &
-      & mechanical_energy, worst_constraint
+   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
+      & worst_constraint
+   use limber_system_projection, only: settle, settle_position
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private

@@ -2,7 +2,7 @@
 !> assignments of parameters, channels of the output. Floor: deck.
 module limber_deck_data_lines
    use limber_base_text, only: as_text, lowercase
-   use limber_deck_origin, only: origin_type, after
+   use limber_deck_origin, only: after
    use limber_deck_lexer, only: part_type, trimmed, collapsed, split_fields, find_outside, is_parameter_name
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_parameters, only: parameter_type, max_parameters

@@ -3,15 +3,13 @@
 module limber_deck_values
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase, nearest_name
-   use limber_deck_origin, only: origin_type
    use limber_deck_lexer, only: part_type, collapsed, is_name, is_point, unquoted
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_parameters, only: parameter_list_type, name_length
    use limber_deck_expression, only: expression_type
    use limber_deck_compile, only: compile
-   use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_real, kind_positive, &
-      & kind_nonnegative, kind_count, kind_counting, kind_word, kind_point, kind_yes, kind_time_expression, &
-      & is_number_kind, is_integer_kind
+   use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_positive, kind_nonnegative, kind_count, &
+      & kind_counting, kind_word, kind_point, kind_yes, kind_time_expression, is_number_kind, is_integer_kind
    use limber_deck_keywords, only: split_values, contains_value
    use limber_deck_content, only: option_type, field_type
    implicit none

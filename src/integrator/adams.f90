@@ -8,7 +8,8 @@ module limber_integrator_adams
    use limber_base_error, only: error_type
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales
-   use limber_system_dynamics, only: linearise, accelerations, project_position, project_velocity, input_power
+   use limber_system_dynamics, only: linearise, accelerations, input_power
+   use limber_system_projection, only: project_position, project_velocity
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private

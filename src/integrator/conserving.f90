@@ -6,13 +6,14 @@
 module limber_integrator_conserving
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
+   use limber_integrator_cubic, only: cubic_state
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_algebra, only: turn, along
    use limber_system_discrete, only: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, &
       & linearise_step, step_work
    use limber_system_dynamics, only: linearise, accelerations
-   use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
+   use limber_system_kinematics, only: layout_type, rates_of, velocities_of
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, times_mass
    implicit none
@@ -371,10 +372,7 @@ contains
          return
       end if
       s = (t - self%t_before)/h
-      self%motion = s**2*(3 - 2*s)*self%increment + h*(s*(1 - s)**2*self%w_before - s**2*(1 - s)*self%w)
-      self%e = 6*s*(1 - s)/h*self%increment + (1 - s)*(1 - 3*s)*self%w_before - s*(2 - 3*s)*self%w
-      call advance(self%layout, self%q_before, self%motion, q)
-      call velocities_of(self%layout, q, self%e, v)
+      call cubic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%e, q, v)
       w = self%work_before + (self%work_done - self%work_before)*s
    end subroutine conserving_interpolate
 

@@ -9,8 +9,9 @@ module limber_integrator_radau
    use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_algebra, only: cross
-   use limber_system_dynamics, only: linearise, accelerations, settle, input_power
+   use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
+   use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, &
       & times_stiffness

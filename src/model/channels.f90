@@ -4,9 +4,8 @@ module limber_model_channels
    use limber_base_text, only: as_text, nearest_name
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_deck_expression, only: expression_type, slot_type, is_binary
+   use limber_deck_expression, only: slot_type, is_binary
    use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide
-   use limber_deck_origin, only: origin_type
    use limber_model_points, only: find_point, find_body
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
       & of_system

@@ -16,7 +16,7 @@
 !> itself; so create the history when the run really starts, after the deck has been found good. While the run goes
 !> on the file is locked: look at a copy of it.
 module limber_output_history
-   use hdf5, only: hid_t, hsize_t, h5fflush_f, h5f_scope_global_f, h5dopen_f, h5dclose_f
+   use hdf5, only: hid_t, h5fflush_f, h5f_scope_global_f, h5dopen_f, h5dclose_f
    use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
    use limber_base_error, only: error_type, raise
    use limber_base_kinds, only: wp, long

@@ -18,7 +18,7 @@ module limber_system_discrete
    use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, combine, copy_rows
+   use limber_system_tangent, only: tangent_type, combine, copy_rows, add_reaction_stiffness
    implicit none
    private
    public :: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, linearise_step, step_work
@@ -457,7 +457,6 @@ contains
       integer, intent(in) :: i
       real(wp), intent(in) :: y(:), lambda(:)
       type(tangent_type), intent(inout) :: tangent
-      real(wp) :: none(0, 0)
       associate (item => system%constraints(i)%item, c => tangent%constraints(i))
          call copy_rows(step%jacobians(1, i)%z, step%jacobians(1, i)%eta, c%first)
          call copy_rows(step%jacobians(2, i)%z, step%jacobians(2, i)%eta, c%second)
@@ -467,17 +466,7 @@ contains
          call by_alpha(system%layout, item%bodies(2), y, c%second_drift)
          c%first_drift = c%first_drift - c%first
          c%second_drift = c%second_drift - c%second
-         c%across = 0.0_wp
-         associate (force => lambda(item%first:item%first + item%rows - 1))
-            if (item%bodies(1) == ground) then
-               call item%stiffness(work%kinematics, force, none, tangent%bodies(item%bodies(2))%stiffness, c%across)
-            else if (item%bodies(2) == ground) then
-               call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, none, c%across)
-            else
-               call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, &
-                  & tangent%bodies(item%bodies(2))%stiffness, c%across)
-            end if
-         end associate
+         call add_reaction_stiffness(system, work, i, lambda, tangent)
       end associate
    end subroutine linearise_constraint
 

@@ -1,20 +1,19 @@
-!> Right-hand side of the equations of motion, and the projections onto the constraints: what an explicit integrator
-!> needs of the system. No allocation, no finite elements. Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (32)-(35).
+!> Right-hand side of the equations of motion, residuals of the constraints, energy and power. No allocation, no finite elements.
+!> Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (32), (33).
 module limber_system_dynamics
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
    use limber_model_scene, only: body_flexible, ground
-   use limber_system_algebra, only: turn, cross
+   use limber_system_algebra, only: turn
    use limber_system_body, only: velocity_forces, gravity_forces, kinetic_energy, weight_potential
-   use limber_system_drivers, only: driven_angle_type
-   use limber_system_kinematics, only: place_drives, place_frames, move_frames, point_position
+   use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system, recover_multipliers
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: linearise, accelerations, accelerate, sum_forces, project_position, project_velocity, settle, settle_position
+   public :: linearise, accelerations, accelerate, sum_forces
    public :: position_residual, velocity_residual
    public :: input_power, mechanical_energy, worst_constraint
 
@@ -224,191 +223,6 @@ contains
          end associate
       end do
    end function velocity_residual
-
-   !> Moves q onto the constraints, least in the mass norm, by Newton steps with the factors at hand; the frames'
-   !> vectors are brought to unit length. Leaves the kinematics placed at the new q.
-   subroutine project_position(system, work, t, q, change, tolerance, before, residual)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates (nq)
-      real(wp), intent(inout) :: q(:)
-      !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
-      !> Residual relative to the constraints' scales that is small enough
-      real(wp), intent(in) :: tolerance
-      !> Residual at first, with all frames of the tree in their places, and residual reached
-      real(wp), intent(out) :: before, residual
-      call normalise_frames(system, q)
-      call place_tree(system, work, t, q)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call project_placed(system, work, t, q, change, tolerance, before, residual)
-   end subroutine project_position
-
-   !> The rounds of `project_position`; kinematics are placed, and what hangs or is driven is in its place.
-   subroutine project_placed(system, work, t, q, change, tolerance, before, residual)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: q(:), change(:)
-      real(wp), intent(in) :: tolerance
-      real(wp), intent(out) :: before, residual
-      integer, parameter :: most = 6
-      integer :: round, i
-      residual = position_residual(system, work)
-      before = residual
-      do round = 1, most
-         if (residual <= tolerance) return
-         call clear_forces(work)
-         work%phi = -work%phi
-         call solve_multiplier_system(system, work, work%phi, change)
-         do i = 1, size(work%bodies)
-            if (.not. system%layout%framed(i)) cycle
-            call spin_frame(system%layout%q(i) + 2, change(system%layout%q(i) + 2), work%kinematics%frames(i)%u, change)
-         end do
-         q = q + change
-         call normalise_frames(system, q)
-         call place_tree(system, work, t, q)
-         call place_frames(system%model, system%layout, t, q, work%kinematics)
-         residual = position_residual(system, work)
-      end do
-   end subroutine project_placed
-
-   !> Puts frames that hang on others, or are driven, where they belong.
-   pure subroutine place_tree(system, work, t, q)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates (nq)
-      real(wp), intent(inout) :: q(:)
-      real(wp) :: place(2)
-      integer :: i, k, first
-      call place_drives(system%model, t, work%kinematics)
-      associate (tree => system%tree)
-         do k = 1, size(tree%order)
-            i = tree%order(k)
-            first = system%layout%q(i)
-            if (tree%joint(i) > 0) then
-               place = point_position(system%layout, system%model%points(system%marker_points(tree%marker(i))), q)
-               q(first:first + 1) = place
-            end if
-            if (tree%driver(i) > 0) then
-               select type (item => system%constraints(tree%driver(i))%item)
-               type is (driven_angle_type)
-                  q(first + 2:first + 3) = work%kinematics%drives(item%drive)%heading
-               end select
-            end if
-         end do
-      end associate
-   end subroutine place_tree
-
-   !> Moves a state that is near the constraints onto them, at position and at velocity level.
-   subroutine settle(system, work, t, q, v, change, exact, residual, error)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates and velocities (nq)
-      real(wp), intent(inout) :: q(:), v(:)
-      !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
-      !> Whether the multiplier system is to be left linearised at the very state, as accelerations want it
-      logical, intent(in) :: exact
-      !> Residual of the position reached
-      real(wp), intent(out) :: residual
-      type(error_type), allocatable, intent(out) :: error
-      !> Residual before, below which the factors serve the new place too, and below which they do so to round-off
-      real(wp), parameter :: near = 1.0e-4_wp, nearest = 1.0e-9_wp
-      real(wp) :: before, left
-      call settle_position(system, work, t, q, change, before, residual, error)
-      if (allocated(error)) return
-      if (before > near .or. (exact .and. before > nearest)) then
-         call linearise(system, work, t, q, error)
-         if (allocated(error)) return
-         before = 0.0_wp
-      else if (before > 0.0_wp) then
-         call update_jacobians(system, work)
-      end if
-      call project_velocity(system, work, v, change, left)
-      if (before > nearest) call project_velocity(system, work, v, change, left)
-   end subroutine settle
-
-   !> Moves coordinates that are near the constraints onto them.
-   subroutine settle_position(system, work, t, q, change, before, residual, error)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates (nq)
-      real(wp), intent(inout) :: q(:)
-      !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
-      !> Residual before, zero if nothing had to be moved but what hangs or is driven; and residual reached
-      real(wp), intent(out) :: before, residual
-      type(error_type), allocatable, intent(out) :: error
-      real(wp), parameter :: aim = 1.0e-14_wp
-      call normalise_frames(system, q)
-      call place_tree(system, work, t, q)
-      call linearise(system, work, t, q, error)
-      if (allocated(error)) return
-      call project_placed(system, work, t, q, change, aim, before, residual)
-      if (before <= aim) before = 0.0_wp
-   end subroutine settle_position
-
-   !> Takes out of v what violates the velocity equations, least in the mass norm; `linearise` at q comes first.
-   subroutine project_velocity(system, work, v, change, residual)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      !> Velocities (nq)
-      real(wp), intent(inout) :: v(:)
-      !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
-      !> Residual before, relative to the constraints' scales
-      real(wp), intent(out) :: residual
-      integer :: i, first
-      real(wp) :: omega
-      call clear_forces(work)
-      residual = velocity_residual(system, work, v)
-      call solve_multiplier_system(system, work, work%gamma, change)
-      do i = 1, size(work%bodies)
-         if (.not. system%layout%framed(i)) cycle
-         first = system%layout%q(i) + 2
-         omega = cross(work%kinematics%frames(i)%u, v(first:first + 1)) + change(first)
-         call spin_frame(first, omega, work%kinematics%frames(i)%u, v)
-         change(first:first + 1) = 0.0_wp
-      end do
-      v = v + change
-   end subroutine project_velocity
-
-   !> Writes omega J u into the two places of a vector from `first` on.
-   pure subroutine spin_frame(first, omega, u, vector)
-      integer, intent(in) :: first
-      real(wp), value :: omega
-      real(wp), intent(in) :: u(2)
-      real(wp), intent(inout) :: vector(:)
-      vector(first) = -omega*u(2)
-      vector(first + 1) = omega*u(1)
-   end subroutine spin_frame
-
-   !> Brings every frame's u to unit length.
-   pure subroutine normalise_frames(system, q)
-      type(system_type), intent(in) :: system
-      real(wp), intent(inout) :: q(:)
-      integer :: i
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         associate (first => system%layout%q(i) + 2)
-            q(first:first + 1) = q(first:first + 1)/sqrt(q(first)**2 + q(first + 1)**2)
-         end associate
-      end do
-   end subroutine normalise_frames
-
-   subroutine clear_forces(work)
-      type(workspace_type), intent(inout) :: work
-      integer :: i
-      do i = 1, size(work%bodies)
-         work%bodies(i)%force = 0.0_wp
-         work%bodies(i)%eta_force = 0.0_wp
-      end do
-   end subroutine clear_forces
 
    !> Power that drivers and loads put in, less what the geometric force of the model k_g takes, at the state of the
    !> last `accelerations`.

@@ -19,7 +19,7 @@ module limber_system_tangent
    implicit none
    private
    public :: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, times_stiffness
-   public :: copy_rows
+   public :: copy_rows, add_reaction_stiffness
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
    type :: body_tangent_type
@@ -304,26 +304,40 @@ contains
       integer, intent(in) :: i
       real(wp), intent(in) :: lambda(:)
       type(tangent_type), intent(inout) :: tangent
-      real(wp) :: none(0, 0)
       associate (item => system%constraints(i)%item, c => tangent%constraints(i))
          call copy_rows(work%jacobians(1, i)%z, work%jacobians(1, i)%eta, c%first)
          call copy_rows(work%jacobians(2, i)%z, work%jacobians(2, i)%eta, c%second)
          c%first_drift = 0.0_wp
          c%second_drift = 0.0_wp
-         c%across = 0.0_wp
          call item%drift(work%kinematics, c%first_drift, c%second_drift)
+         call add_reaction_stiffness(system, work, i, lambda, tangent)
+      end associate
+   end subroutine linearise_constraint
+
+   !> Adds the derivatives of the forces of a constraint to the stiffness of its bodies, and sets those across them.
+   subroutine add_reaction_stiffness(system, work, i, lambda, tangent)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the constraint
+      integer, intent(in) :: i
+      !> Multipliers of all (nc)
+      real(wp), intent(in) :: lambda(:)
+      type(tangent_type), intent(inout) :: tangent
+      real(wp) :: none(0, 0)
+      associate (item => system%constraints(i)%item, across => tangent%constraints(i)%across)
+         across = 0.0_wp
          associate (force => lambda(item%first:item%first + item%rows - 1))
             if (item%bodies(1) == ground) then
-               call item%stiffness(work%kinematics, force, none, tangent%bodies(item%bodies(2))%stiffness, c%across)
+               call item%stiffness(work%kinematics, force, none, tangent%bodies(item%bodies(2))%stiffness, across)
             else if (item%bodies(2) == ground) then
-               call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, none, c%across)
+               call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, none, across)
             else
                call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, &
-                  & tangent%bodies(item%bodies(2))%stiffness, c%across)
+                  & tangent%bodies(item%bodies(2))%stiffness, across)
             end if
          end associate
       end associate
-   end subroutine linearise_constraint
+   end subroutine add_reaction_stiffness
 
    !> Rows of a Jacobian, frame and eta side by side.
    pure subroutine copy_rows(z, eta, rows)

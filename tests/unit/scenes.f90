@@ -3,7 +3,7 @@
 module scenes
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_deck_expression, only: expression_type, slot_type
+   use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: first_function, function_names, op_add, op_constant, op_multiply, op_slot
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduced, only: rigid_reduced

@@ -9,8 +9,8 @@ program test_constraints
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_body, only: body_mass
-   use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, position_residual, &
-      & project_position, project_velocity, velocity_residual
+   use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, position_residual, velocity_residual
+   use limber_system_projection, only: project_position, project_velocity
    use limber_system_kinematics, only: move_frames, place_frames, point_acceleration, point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type

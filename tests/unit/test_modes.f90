@@ -6,7 +6,7 @@ program test_modes
    use limber_base_lapack, only: dgetrf, dgetrs, dsyev
    use limber_flex_mesh, only: axial_modes, beam_type, bending_modes, count_axial_modes, count_bending_modes, field_type, &
       & mesh_beam, new_support, nodal_masses, support_type
-   use limber_flex_modes, only: count_modes, lowest_modes
+   use limber_flex_modes, only: count_modes
    use testing, only: check, check_close, check_no_error, check_text, finish
    implicit none
    real(wp), parameter :: pi = acos(-1.0_wp)

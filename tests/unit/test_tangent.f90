@@ -6,7 +6,6 @@ program test_tangent
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent
    use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduced, only: reduced_type
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, axial_static, fidelity_full, fidelity_kg, &
       & fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type

@@ -1,0 +1,344 @@
+!> Bodies and their named points from the deck: rigid bodies, point masses, and beams with their modes. Floor: model.
+module limber_model_bodies
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_origin, only: origin_type
+   use limber_flex_mesh, only: new_support
+   use limber_flex_reduced, only: rigid_reduced
+   use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, point_shape, fidelity_linear, fidelity_kg, &
+      & fidelity_full, axial_by_modes, axial_by_elements, axial_static
+   use limber_model_points, only: add_point, find_point, find_body
+   use limber_model_scene, only: model_type, body_type, body_point, body_rigid, body_flexible
+   implicit none
+   private
+   public :: add_rigid_body, add_point_mass, add_beam, add_points
+
+contains
+
+   !> The guess of a body's place and motion, common to all kinds.
+   function new_body(block, kind) result(body)
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: kind
+      type(body_type) :: body
+      body%name = block%name()
+      body%kind = kind
+      body%position = [block%real('X'), block%real('Y')]
+      body%velocity = [block%real('VX'), block%real('VY')]
+      body%angle = block%real('ANGLE')
+      body%spin = block%real('SPIN')
+   end function new_body
+
+   subroutine add_rigid_body(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(body_type) :: body
+      real(wp) :: centre(2)
+      integer :: index
+      body = new_body(block, body_rigid)
+      centre = [block%real('CENTRE X'), block%real('CENTRE Y')]
+      body%reduced = rigid_reduced(block%real('MASS'), block%real('INERTIA'), centre)
+      if (block%real('INERTIA') > 0.0_wp .and. .not. block%real('MASS') > 0.0_wp) call diagnostics%warn( &
+         & block%origin_of('INERTIA'), "body '"//body%name//"' has an inertia but no mass")
+      model%bodies = [model%bodies, body]
+      index = size(model%bodies)
+      call add_point(model%points, body%name//'.origin', index, [0.0_wp, 0.0_wp])
+      call add_point(model%points, body%name//'.centre', index, centre)
+      call add_points(block, body%name, index, model, diagnostics)
+      model%bodies(index)%size = extent(model, index)
+   end subroutine add_rigid_body
+
+   subroutine add_point_mass(block, model)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(body_type) :: body
+      body = new_body(block, body_point)
+      body%reduced = rigid_reduced(block%real('MASS'), 0.0_wp, [0.0_wp, 0.0_wp])
+      model%bodies = [model%bodies, body]
+      call add_point(model%points, body%name//'.origin', size(model%bodies), [0.0_wp, 0.0_wp])
+   end subroutine add_point_mass
+
+   !> Named points of the ground and of rigid bodies, `name, x, y` a line.
+   subroutine add_points(block, owner, index, model, diagnostics)
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: owner
+      integer, intent(in) :: index
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i))
+            if (.not. is_new_point(model, owner//'.'//line%text(1), line%origin_of(1), diagnostics)) cycle
+            call add_point(model%points, owner//'.'//line%text(1), index, [line%number(2), line%number(3)])
+         end associate
+      end do
+   end subroutine add_points
+
+   !> Complains of a point that has the name of one that every body of its kind has. (What the deck names twice, the reader
+   !> has complained of.)
+   logical function is_new_point(model, name, origin, diagnostics)
+      type(model_type), intent(in) :: model
+      character(*), intent(in) :: name
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(6), parameter :: own_names(5) = [character(6) :: 'origin', 'centre', 'start', 'middle', 'end']
+      integer :: i
+      is_new_point = .true.
+      do i = 1, size(model%points)
+         if (model%points(i)%name == name) is_new_point = .false.
+      end do
+      if (is_new_point) return
+      if (any(own_names == name(index(name, '.') + 1:))) call diagnostics%add(origin, &
+         & "point '"//name//"' is there without being defined", 'choose another name')
+   end function is_new_point
+
+   subroutine add_beam(deck, index, model, diagnostics)
+      type(deck_type), intent(inout) :: deck
+      !> Index of the block
+      integer, intent(in) :: index
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(body_type) :: body
+      type(error_type), allocatable :: error
+      logical :: usable
+      body = new_body(deck%blocks(index), body_flexible)
+      call read_beam(deck, index, body, diagnostics, usable)
+      if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
+         call reduce_beam(body%beam, body%choice, body%reduced, body%field, error)
+         if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "beam '"//body%name//"': "//error%message)
+         usable = .not. allocated(error)
+      else
+         usable = .false.
+      end if
+      if (.not. usable) then
+         body%kind = body_rigid
+         body%reduced = rigid_reduced(body%beam%rho_a*body%beam%length, body%beam%rho_a*body%beam%length**3/12, &
+            & [0.5_wp*body%beam%length - body%choice%origin, 0.0_wp])
+      else
+         call warn_of_basis(deck%blocks(index), body, diagnostics)
+         if (body%reduced%n > 0) body%largest_shape = max(maxval(abs(body%field%w)), maxval(abs(body%field%u)))
+      end if
+      body%size = body%beam%length
+      model%bodies = [model%bodies, body]
+      call add_beam_points(deck%blocks(index), model, diagnostics)
+   end subroutine add_beam
+
+   !> Rigidities, mesh and choices of a beam.
+   subroutine read_beam(deck, index, body, diagnostics, usable)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: index
+      type(body_type), intent(inout) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> False if it cannot be reduced
+      logical, intent(out) :: usable
+      real(wp) :: area, inertia
+      integer :: material, section, before
+      before = diagnostics%count
+      material = deck%find_named('MATERIAL', deck%blocks(index)%name('MATERIAL'))
+      section = deck%find_named('SECTION', deck%blocks(index)%name('SECTION'))
+      area = 1.0_wp
+      inertia = 1.0_wp
+      body%beam%rho_a = 1.0_wp
+      if (section > 0) call read_section(deck%blocks(section), area, inertia, diagnostics)
+      if (material > 0) then
+         body%beam%ea = area*deck%blocks(material)%real('YOUNG')
+         body%beam%ei = inertia*deck%blocks(material)%real('YOUNG')
+         body%beam%rho_a = area*deck%blocks(material)%real('DENSITY')
+      end if
+      body%beam%length = deck%blocks(index)%real('LENGTH')
+      body%beam%elements = deck%blocks(index)%integer('ELEMENTS')
+      if (deck%blocks(index)%word('AXIAL BASIS') == '') call deck%set_option(index, 'AXIAL BASIS', &
+         & merge('STATIC', 'MODES ', deck%blocks(index)%word('GEOMETRIC') == 'FULL'))
+      associate (block => deck%blocks(index))
+         body%choice = new_choice(block)
+         if (body%choice%origin < 0.0_wp .or. body%choice%origin > body%beam%length) call diagnostics%add( &
+            & block%origin_of('ORIGIN'), "the origin of the frame lies outside beam '"//body%name//"'", &
+            & 'give a coordinate from 0 to '//as_text(body%beam%length))
+         usable = section > 0 .and. material > 0 .and. diagnostics%count == before .and. body%beam%length > 0.0_wp &
+            & .and. body%beam%elements > 0 .and. body%choice%geometric_elements > 0
+         if (usable) call check_modes(block, body, diagnostics)
+         usable = usable .and. diagnostics%count == before
+      end associate
+   end subroutine read_beam
+
+   !> What the block says of the reduction.
+   function new_choice(block) result(choice)
+      type(block_type), intent(in) :: block
+      type(reduction_type) :: choice
+      choice%support = new_support(block%word('SUPPORT'))
+      if (block%given('BENDING MODES') .or. block%given('AXIAL MODES')) then
+         choice%bending = block%integer('BENDING MODES')
+         choice%axial = block%integer('AXIAL MODES')
+      else
+         choice%modes = block%integer('MODES')
+      end if
+      select case (block%word('GEOMETRIC'))
+      case ('LINEAR'); choice%fidelity = fidelity_linear
+      case ('K_G'); choice%fidelity = fidelity_kg
+      case ('FULL'); choice%fidelity = fidelity_full
+      end select
+      choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
+      choice%nodal = block%word('GEOMETRIC INTEGRAL') == 'NODAL'
+      select case (block%word('AXIAL BASIS'))
+      case ('MODES'); choice%axial_basis = axial_by_modes
+      case ('ELEMENTS'); choice%axial_basis = axial_by_elements
+      case ('STATIC'); choice%axial_basis = axial_static
+      end select
+      choice%end_force = block%yes('END FORCE')
+      choice%centrifugal = block%yes('CENTRIFUGAL')
+      choice%derivatives = block%integer('MODAL DERIVATIVES')
+      choice%origin = block%real('ORIGIN')
+   end function new_choice
+
+   !> More modes than the lumped mass gives.
+   subroutine check_modes(block, body, diagnostics)
+      type(block_type), intent(in) :: block
+      type(body_type), intent(in) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: available(2)
+      available = available_modes(body%beam, body%choice%support)
+      call check_count('MODES', body%choice%modes, sum(available), 'bending and axial')
+      call check_count('BENDING MODES', body%choice%bending, available(1), 'bending')
+      if (body%choice%axial_basis == axial_by_modes) &
+         & call check_count('AXIAL MODES', body%choice%axial, available(2), 'axial')
+
+   contains
+
+      subroutine check_count(option, wanted, most, kind)
+         character(*), intent(in) :: option, kind
+         integer, intent(in) :: wanted, most
+         if (wanted <= most) return
+         call diagnostics%add(block%origin_of(option), "beam '"//body%name//"': "//as_text(wanted)//' '//kind// &
+            & ' modes are asked for, but the lumped mass of '//as_text(body%beam%elements)//' elements, '// &
+            & block%word('SUPPORT')//', gives '//as_text(most), &
+            & 'at most '//as_text(most)//', or raise ELEMENTS')
+      end subroutine check_count
+
+   end subroutine check_modes
+
+   !> Choices that are known to give wrong answers.
+   subroutine warn_of_basis(block, body, diagnostics)
+      type(block_type), intent(in) :: block
+      type(body_type), intent(in) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (body%reduced%geometric .and. body%reduced%n == body%reduced%bending) call diagnostics%warn( &
+         & block%origin_of('GEOMETRIC'), "beam '"//body%name//"' has no axial coordinate: no tension, so that its "// &
+         & 'geometric stiffness is zero', 'ask for more MODES, or AXIAL MODES=1')
+      if (body%reduced%full .and. body%choice%axial_basis == axial_by_modes) call diagnostics%warn( &
+         & block%origin_of('AXIAL BASIS'), "beam '"//body%name//"' locks: FULL with vibration modes alone deflects too little", &
+         & 'use AXIAL BASIS=STATIC or ELEMENTS')
+   end subroutine warn_of_basis
+
+   !> Area and second moment of area of a section.
+   subroutine read_section(block, area, inertia, diagnostics)
+      type(block_type), intent(in) :: block
+      !> [length^2], [length^4]
+      real(wp), intent(out) :: area, inertia
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), parameter :: pi = acos(-1.0_wp)
+      real(wp) :: d, inner
+      area = 1.0_wp
+      inertia = 1.0_wp
+      d = block%real('DIAMETER')
+      select case (block%word('SHAPE'))
+      case ('CIRCLE')
+         if (.not. has_all(['DIAMETER'])) return
+         area = pi*d**2/4
+         inertia = pi*d**4/64
+      case ('RECTANGLE')
+         if (.not. has_all(['WIDTH ', 'HEIGHT'])) return
+         area = block%real('WIDTH')*block%real('HEIGHT')
+         inertia = block%real('WIDTH')*block%real('HEIGHT')**3/12
+      case ('TUBE')
+         if (.not. has_all(['DIAMETER ', 'THICKNESS'])) return
+         inner = d - 2*block%real('THICKNESS')
+         if (inner < 0.0_wp) then
+            call diagnostics%add(block%origin_of('THICKNESS'), "the wall of section '"//block%name()// &
+               & "' is thicker than its radius", 'at most '//as_text(0.5_wp*d))
+            return
+         end if
+         area = pi*(d**2 - inner**2)/4
+         inertia = pi*(d**4 - inner**4)/64
+      case ('GENERAL')
+         if (.not. has_all(['AREA   ', 'INERTIA'])) return
+         area = block%real('AREA')
+         inertia = block%real('INERTIA')
+      end select
+
+   contains
+
+      logical function has_all(options)
+         character(*), intent(in) :: options(:)
+         integer :: i
+         has_all = .true.
+         do i = 1, size(options)
+            if (block%has(trim(options(i)))) cycle
+            has_all = .false.
+            call diagnostics%add(block%origin, "section '"//block%name()//"' of SHAPE="//block%word('SHAPE')//' needs '// &
+               & trim(options(i)), 'add '//trim(options(i))//'=')
+         end do
+      end function has_all
+
+   end subroutine read_section
+
+   !> Points of the beam that was added last: start, middle, end, and the named ones, `name, coordinate` a line.
+   subroutine add_beam_points(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, index
+      real(wp) :: length
+      index = size(model%bodies)
+      length = model%bodies(index)%beam%length
+      call place('origin', model%bodies(index)%choice%origin)
+      call place('start', 0.0_wp)
+      model%bodies(index)%start_point = size(model%points)
+      call place('middle', 0.5_wp*length)
+      call place('end', length)
+      model%bodies(index)%end_point = size(model%points)
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i))
+            if (line%number(2) < 0.0_wp .or. line%number(2) > length) then
+               call diagnostics%add(line%origin_of(2), 'the point lies outside the beam', &
+                  & 'give a coordinate from 0 to '//as_text(length))
+               cycle
+            end if
+            if (is_new_point(model, model%bodies(index)%name//'.'//line%text(1), line%origin_of(1), diagnostics)) &
+               & call place(line%text(1), line%number(2))
+         end associate
+      end do
+
+   contains
+
+      subroutine place(name, s)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: s
+         character(:), allocatable :: whole
+         real(wp), allocatable :: phi(:, :), psi(:)
+         real(wp) :: p0(2)
+         whole = model%bodies(index)%name//'.'//name
+         p0 = [s - model%bodies(index)%choice%origin, 0.0_wp]
+         if (model%bodies(index)%kind == body_flexible) call point_shape(model%bodies(index)%field, s, phi, psi)
+         call add_point(model%points, whole, index, p0, phi, psi)
+      end subroutine place
+
+   end subroutine add_beam_points
+
+   !> Largest distance between two points of a body [length].
+   pure real(wp) function extent(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      integer :: i, j
+      extent = 0.0_wp
+      do i = 1, size(model%points)
+         if (model%points(i)%body /= body) cycle
+         do j = 1, i - 1
+            if (model%points(j)%body == body) extent = max(extent, norm2(model%points(i)%p0 - model%points(j)%p0))
+         end do
+      end do
+   end function extent
+
+end module limber_model_bodies

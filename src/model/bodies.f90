@@ -10,7 +10,7 @@ module limber_model_bodies
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, point_shape, fidelity_linear, fidelity_kg, &
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
-   use limber_model_points, only: add_point, find_point, find_body
+   use limber_model_points, only: add_point
    use limber_model_scene, only: model_type, body_type, body_point, body_rigid, body_flexible
    implicit none
    private

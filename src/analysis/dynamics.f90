@@ -66,6 +66,7 @@ contains
       integrator%tolerance = dynamics%tolerance
       integrator%initial_step = dynamics%initial_step
       integrator%maximum_step = dynamics%maximum_step
+      integrator%fixed_step = dynamics%fixed_step
    end subroutine new_integrator
 
    !> Runs from the start to the end.
@@ -82,6 +83,8 @@ contains
       type(sample_type) :: sample
       integer(long) :: tick
       real(wp) :: cpu
+      integer :: before(2)
+      before = [scene%work%evaluations, scene%work%matrix%factorisations]
       call system_clock(tick)
       call cpu_time(cpu)
       associate (nq => scene%system%layout%nq, dynamics => scene%system%model%dynamics)
@@ -94,8 +97,10 @@ contains
       end associate
       outcome%wall = seconds_since(tick)
       outcome%cpu = cpu_now() - cpu
-      integrator%statistics%evaluations = scene%work%evaluations
-      integrator%statistics%factorisations = scene%work%matrix%factorisations
+      associate (statistics => integrator%statistics)
+         statistics%evaluations = scene%work%evaluations - before(1)
+         statistics%factorisations = statistics%factorisations + scene%work%matrix%factorisations - before(2)
+      end associate
    end subroutine run_dynamics
 
    !> The time loop. Steps end at the breaks of the drivers and loads, where the integrator starts anew.

@@ -139,6 +139,7 @@ contains
       other%tolerance = factor*dynamics%tolerance
       other%initial_step = factor**(1.0_wp/3)*dynamics%initial_step
       other%maximum_step = factor**(1.0_wp/3)*dynamics%maximum_step
+      other%fixed_step = factor**(1.0_wp/3)*dynamics%fixed_step
       other%maximum_steps = 10*min(dynamics%maximum_steps, 200000000)
    end function varied
 

@@ -12,7 +12,7 @@ module limber_analysis_study_plan
    use limber_deck_schema, only: option_spec_type
    implicit none
    private
-   public :: plan_type, axis_type, setting_type, read_plan, variant, finest, levels, set_fine, all_integrators
+   public :: plan_type, axis_type, setting_type, read_plan, variant, finest, levels, set_fine, control, all_integrators
 
    !> What can be varied
    integer, parameter, public :: axes = 5, axis_integrator = 1, axis_tolerance = 2, axis_modes = 3, axis_elements = 4, &
@@ -33,9 +33,9 @@ module limber_analysis_study_plan
    type :: setting_type
       !> Index into the values of each axis; 0: as in the deck
       integer :: level(axes) = 0
-      !> Integrator and tolerance; those of the lists have their levels too
+      !> Integrator and tolerance, and fixed step if it is not zero; those of the lists have their levels too
       character(24) :: integrator = ''
-      real(wp) :: tolerance = 0.0_wp
+      real(wp) :: tolerance = 0.0_wp, step = 0.0_wp
    end type setting_type
 
    !> The whole study
@@ -46,6 +46,8 @@ module limber_analysis_study_plan
       !> Title of the deck, and unit of time
       character(:), allocatable :: heading, time_units
       type(axis_type) :: axis(axes)
+      !> Whether the axis of tolerances is one of fixed steps
+      logical :: has_steps = .false.
       !> Blocks of the beams that are varied, and whether none gets more than it has in the deck
       integer, allocatable :: beams(:)
       logical :: capped = .false.
@@ -122,7 +124,12 @@ contains
       integer, intent(in) :: block
       plan%capped = block == 0
       call define(plan%axis(axis_integrator), 'integrators', 'DYNAMICS', 'INTEGRATOR')
-      call define(plan%axis(axis_tolerance), 'tolerances', 'DYNAMICS', 'TOLERANCE')
+      plan%has_steps = place_of(plan%deck, block, 'steps') > 0
+      if (plan%has_steps) then
+         call define(plan%axis(axis_tolerance), 'steps', 'DYNAMICS', 'FIXED STEP')
+      else
+         call define(plan%axis(axis_tolerance), 'tolerances', 'DYNAMICS', 'TOLERANCE')
+      end if
       if (place_of(plan%deck, block, 'modes') > 0 .or. block == 0 .and. .not. by_kind(plan)) then
          call define(plan%axis(axis_modes), 'modes', 'BEAM', 'MODES')
       else
@@ -374,7 +381,15 @@ contains
       setting%level([axis_integrator, axis_tolerance]) = 0
       setting%integrator = integrator
       setting%tolerance = tolerance
+      setting%step = 0.0_wp
    end subroutine set_fine
+
+   !> What a setting is controlled by: its tolerance, or its fixed step.
+   elemental real(wp) function control(setting)
+      type(setting_type), intent(in) :: setting
+      control = setting%tolerance
+      if (setting%step > 0.0_wp) control = setting%step
+   end function control
 
    !> All integrators that a deck can ask for.
    function all_integrators(plan) result(names)
@@ -393,6 +408,7 @@ contains
       block = deck%find('DYNAMICS')
       call deck%set_option(block, 'INTEGRATOR', trim(setting%integrator))
       call deck%set_number(block, 'TOLERANCE', setting%tolerance)
+      if (setting%step > 0.0_wp) call deck%set_number(block, 'FIXED STEP', setting%step)
       do i = 1, size(plan%beams)
          block = plan%beams(i)
          level = setting%level(axis_fidelity)

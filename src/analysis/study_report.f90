@@ -3,7 +3,7 @@
 module limber_analysis_study_report
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_analysis_study_plan, only: plan_type, setting_type, axes, axis_integrator, axis_tolerance, axis_modes, &
+   use limber_analysis_study_plan, only: plan_type, setting_type, control, axes, axis_integrator, axis_tolerance, axis_modes, &
       & axis_elements, axis_fidelity, finest
    use limber_analysis_study_reference, only: reference_type
    use limber_analysis_study_runs, only: run_type, median, slope
@@ -55,11 +55,27 @@ contains
          & ' time is not repeated'
    end function grid_table
 
+   !> Name of what controls the steps.
+   pure function control_name(plan) result(name)
+      type(plan_type), intent(in) :: plan
+      character(:), allocatable :: name
+      name = 'tolerance'
+      if (plan%has_steps) name = 'step'
+   end function control_name
+
+   !> Word before it in the advice: tolerances need none.
+   pure function step_word(plan) result(word)
+      type(plan_type), intent(in) :: plan
+      character(:), allocatable :: word
+      word = ''
+      if (plan%has_steps) word = 'steps of '
+   end function step_word
+
    !> Names of the axes that are varied, and the integrator.
    function setting_header(plan) result(text)
       type(plan_type), intent(in) :: plan
       character(:), allocatable :: text
-      text = left('integrator')//right('tolerance')
+      text = left('integrator')//right(control_name(plan))
       if (size(plan%axis(axis_fidelity)%values) > 0) text = text//right('fidelity')
       if (size(plan%axis(axis_modes)%values) > 0) text = text//right('modes')
       if (size(plan%axis(axis_elements)%values) > 0) text = text//right('elements')
@@ -69,7 +85,7 @@ contains
       type(plan_type), intent(in) :: plan
       type(setting_type), intent(in) :: setting
       character(:), allocatable :: text
-      text = left(trim(setting%integrator))//right(as_text(setting%tolerance))//level_cell(plan, setting, axis_fidelity)// &
+      text = left(trim(setting%integrator))//right(as_text(control(setting)))//level_cell(plan, setting, axis_fidelity)// &
          & level_cell(plan, setting, axis_modes)//level_cell(plan, setting, axis_elements)
    end function setting_cells
 
@@ -92,20 +108,21 @@ contains
       logical :: of_model(size(runs))
       of_model = [(is_finest(plan, runs(i)%setting), i=1, size(runs))]
       text = 'Error of the time discretisation'//at_finest(plan, 0)//':'//newline//'  '//left('integrator')// &
-         & right('tolerance')//right('CPU ms')//channel_header(plan)
+         & right(control_name(plan))//right('CPU ms')//channel_header(plan)
       do i = 1, size(runs)
          if (.not. of_model(i)) cycle
-         text = text//newline//'  '//left(trim(runs(i)%setting%integrator))//right(as_text(runs(i)%setting%tolerance))// &
+         text = text//newline//'  '//left(trim(runs(i)%setting%integrator))//right(as_text(control(runs(i)%setting)))// &
             & error_cells(plan, runs(i))
       end do
       do k = 1, size(plan%axis(axis_integrator)%values)
-         text = text//newline//'  '//order_line(trim(plan%axis(axis_integrator)%texts(k)), reference, &
+         text = text//newline//'  '//order_line(plan, trim(plan%axis(axis_integrator)%texts(k)), reference, &
             & pack(runs, of_model .and. [(runs(i)%setting%level(axis_integrator) == k, i=1, size(runs))]))
       end do
    end function time_table
 
-   !> How the error follows the tolerance.
-   function order_line(name, reference, runs) result(text)
+   !> How the error follows the tolerance, or the step: then it is the order.
+   function order_line(plan, name, reference, runs) result(text)
+      type(plan_type), intent(in) :: plan
       character(*), intent(in) :: name
       type(reference_type), intent(in) :: reference
       type(run_type), intent(in) :: runs(:)
@@ -118,7 +135,7 @@ contains
       if (count(fits) < 2) then
          text = name//': no two runs to see an order from'
       else
-         text = name//': error ~ tolerance^'//as_text(slope(pack(log(runs%setting%tolerance), fits), &
+         text = name//': error ~ '//control_name(plan)//'^'//as_text(slope(pack(log(control(runs%setting)), fits), &
             & pack(log(max(runs%error, tiny(1.0_wp))), fits)), 2)//', from '//as_text(count(fits))//' runs'
       end if
    end function order_line
@@ -252,7 +269,7 @@ contains
          text = 'No run has finished.'
          return
       end if
-      text = text//trim(runs(chosen)%setting%integrator)//' at '//as_text(runs(chosen)%setting%tolerance)// &
+      text = text//trim(runs(chosen)%setting%integrator)//' at '//step_word(plan)//as_text(control(runs(chosen)%setting))// &
          & model_text(plan, runs(chosen)%setting)//': '//per_cent(runs(chosen)%error)//' in '// &
          & as_text(1.0e3_wp*median(runs(chosen)%cpu), 2)//' ms; '
       better = cheapest(runs, 0.1_wp*runs(chosen)%error)
@@ -260,7 +277,7 @@ contains
          text = text//'no run here has one more digit'
       else
          text = text//'one more digit costs '//as_text(median(runs(better)%cpu)/median(runs(chosen)%cpu), 2)//' times: '// &
-            & trim(runs(better)%setting%integrator)//' at '//as_text(runs(better)%setting%tolerance)// &
+            & trim(runs(better)%setting%integrator)//' at '//step_word(plan)//as_text(control(runs(better)%setting))// &
             & model_text(plan, runs(better)%setting)
       end if
    end function advice

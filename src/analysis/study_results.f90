@@ -13,7 +13,7 @@ module limber_analysis_study_results
    public :: open_results, add_runs
 
    !> Columns besides those of the channels: name and meaning
-   character(*), parameter :: columns(2, 17) = reshape([character(96) :: &
+   character(*), parameter :: columns(2, 18) = reshape([character(96) :: &
       & 'table', '0: the grid; 1, 2, 3: modes, geometric elements, fidelity alone, against their finest value', &
       & 'integrator', 'place in /run/integrators', &
       & 'tolerance', 'TOLERANCE of *DYNAMICS', &
@@ -30,7 +30,8 @@ module limber_analysis_study_results
       & 'constraint_drift', 'largest residual of the constraints after a step, relative to their scales', &
       & 'energy_drift', 'largest imbalance of energy at a sample, relative to the largest energy', &
       & 'error', 'largest error of a channel, not below what is known of the reference', &
-      & 'error_at_end', 'the same at the last sample'], [2, 17])
+      & 'error_at_end', 'the same at the last sample', &
+      & 'fixed_step', 'FIXED STEP of *DYNAMICS; 0: chosen by the error'], [2, 18])
 
 contains
 
@@ -89,6 +90,7 @@ contains
             & number(plan%axis(axis_elements), runs(i)%setting%level(axis_elements)), &
             & real(runs(i)%setting%level(axis_fidelity), wp)]
          row(7:8) = [merge(1.0_wp, 0.0_wp, runs(i)%reason /= ''), merge(1.0_wp, 0.0_wp, runs(i)%on_front)]
+         row(n) = runs(i)%setting%step
          if (runs(i)%reason == '') then
             row(9:11) = [real(size(runs(i)%cpu), wp), median(runs(i)%cpu), median(runs(i)%whole)]
             row(12:13) = real([runs(i)%steps, runs(i)%evaluations], wp)

@@ -101,8 +101,15 @@ contains
       do i = 1, size(setting%level)
          setting%level(i) = finest(plan, i)
       end do
-      call set_fine(setting, plan%axis(axis_integrator)%texts(1), minval(plan%axis(axis_tolerance)%values))
+      call set_fine(setting, plan%axis(axis_integrator)%texts(1), least_tolerance(plan))
    end function finest_setting
+
+   !> Smallest tolerance of a study; of one with fixed steps a usual one.
+   pure real(wp) function least_tolerance(plan)
+      type(plan_type), intent(in) :: plan
+      least_tolerance = 1.0e-6_wp
+      if (.not. plan%has_steps) least_tolerance = minval(plan%axis(axis_tolerance)%values)
+   end function least_tolerance
 
    !> Makes a reference of the finest model: every integrator at tolerances that are refined by ten until the two that agree
    !> best differ by less than a hundredth of the smallest tolerance of the study, or agree no better.
@@ -143,7 +150,7 @@ contains
             enough = max(1.0_wp, 4*min(runs(pair(1))%cpu(1), runs(pair(2))%cpu(1)))
             call set_fine(fine, names(merge(pair(2), pair(1), runs(pair(2))%cpu(1) < runs(pair(1))%cpu(1))), tolerance)
          end if
-         if (reference%uncertainty <= 0.01_wp*minval(plan%axis(axis_tolerance)%values) .or. tolerance <= 1.0e-13_wp) exit
+         if (reference%uncertainty <= 0.01_wp*least_tolerance(plan) .or. tolerance <= 1.0e-13_wp) exit
          ! RADAU, of order 5, takes less than twice the steps at a tenth of the tolerance; methods of lower order more
          if (4*max(runs(pair(1))%cpu(1), runs(pair(2))%cpu(1)) > plan%limit) exit
       end do
@@ -265,15 +272,20 @@ contains
    function grid_of(plan) result(settings)
       type(plan_type), intent(in) :: plan
       type(setting_type), allocatable :: settings(:)
+      real(wp) :: tolerance
       integer :: order(4), i, k, rest
       order = [axis_elements, axis_modes, axis_fidelity, axis_integrator]
-      associate (tolerances => plan%axis(axis_tolerance)%values)
-         allocate (settings(size(tolerances)*product([(levels(plan%axis(order(k))), k=1, 4)])))
+      tolerance = plan%deck%blocks(plan%deck%find('DYNAMICS'))%real('TOLERANCE')
+      associate (controls => plan%axis(axis_tolerance)%values)
+         allocate (settings(size(controls)*product([(levels(plan%axis(order(k))), k=1, 4)])))
          do i = 1, size(settings)
             rest = i - 1
-            settings(i)%level(axis_tolerance) = 1 + mod(rest, size(tolerances))
-            settings(i)%tolerance = tolerances(settings(i)%level(axis_tolerance))
-            rest = rest/size(tolerances)
+            settings(i)%level(axis_tolerance) = 1 + mod(rest, size(controls))
+            associate (value => controls(settings(i)%level(axis_tolerance)))
+               settings(i)%tolerance = merge(tolerance, value, plan%has_steps)
+               settings(i)%step = merge(value, 0.0_wp, plan%has_steps)
+            end associate
+            rest = rest/size(controls)
             do k = 1, 4
                if (size(plan%axis(order(k))%values) > 0) settings(i)%level(order(k)) = 1 + mod(rest, levels(plan%axis(order(k))))
                rest = rest/levels(plan%axis(order(k)))
@@ -294,7 +306,7 @@ contains
       fine = finest_setting(plan)
       least = huge(least)
       do i = 1, size(runs)
-         if (runs(i)%reason /= '' .or. runs(i)%setting%tolerance > fine%tolerance) cycle
+         if (runs(i)%reason /= '' .or. runs(i)%setting%level(axis_tolerance) /= finest(plan, axis_tolerance)) cycle
          if (any(runs(i)%setting%level(axis_modes:) /= fine%level(axis_modes:)) .or. runs(i)%cpu(1) >= least) cycle
          least = runs(i)%cpu(1)
          fine%integrator = runs(i)%setting%integrator

@@ -151,6 +151,8 @@ module limber_deck_keywords
       &    's', '', 'first step; if not given, chosen by the integrator'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEP', kind_positive, '', &
       &    's', '', 'longest step; if not given, not limited'), &
+      & option_spec_type('DYNAMICS', 'FIXED STEP', kind_positive, '', &
+      &    's', '', 'length of every step, whatever its error; TOLERANCE then ends iterations only'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEPS', kind_counting, '', &
       &    '', '100000000', 'number of steps after which the run gives up'), &
       & option_spec_type('ACCURACY', 'ESTIMATE', kind_yes, '', &
@@ -187,6 +189,7 @@ module limber_deck_keywords
    type(list_spec_type), parameter :: list_table(*) = [ &
       & list_spec_type('STUDY', 'integrators', 'DYNAMICS', 'INTEGRATOR', 'integration methods; default all'), &
       & list_spec_type('STUDY', 'tolerances', 'DYNAMICS', 'TOLERANCE', 'tolerances; default 1e-2, 1e-3, ... 1e-6'), &
+      & list_spec_type('STUDY', 'steps', 'DYNAMICS', 'FIXED STEP', 'fixed steps, in place of tolerances'), &
       & list_spec_type('STUDY', 'modes', 'BEAM', 'MODES', 'numbers of modes'), &
       & list_spec_type('STUDY', 'bending modes', 'BEAM', 'BENDING MODES', 'numbers of bending modes'), &
       & list_spec_type('STUDY', 'geometric elements', 'BEAM', 'GEOMETRIC ELEMENTS', 'numbers of elements of the geometric part'), &

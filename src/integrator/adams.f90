@@ -114,7 +114,6 @@ contains
       call accelerations(system, work, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq))
       yp(:nq) = y(nq + 1:2*nq)
       if (system%powered) yp(self%ny) = input_power(system, work, y(:nq), y(nq + 1:2*nq))
-      self%statistics%evaluations = self%statistics%evaluations + 1
    end subroutine differentiate
 
    !> Norm of a vector of the length of y in units of the scales; the work put in does not count.
@@ -143,6 +142,7 @@ contains
       failures = 0
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+         if (self%fixed_step > 0.0_wp .and. failures == 0) self%h = self%fixed_step
          if (self%t + self%h > stop) self%h = stop - self%t
          if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
             i = maxloc(abs((self%yp(:2*self%nq) - self%phi(:2*self%nq, 1))/self%scales%value), dim=1)
@@ -156,7 +156,7 @@ contains
          call evaluate(self, system, work, t, self%p, self%yp, error)
          if (allocated(error)) return
          call estimate_errors(self, estimate, err, k_next)
-         accepted = err <= self%tolerance
+         accepted = err <= self%tolerance .or. self%fixed_step > 0.0_wp
          if (accepted) then
             call correct(self, system, work, t, accepted, error)
             if (allocated(error)) return

@@ -123,6 +123,7 @@ contains
       repeated = .false.
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+         if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
          if (self%t + 1.0001_wp*self%h > stop) self%h = stop - self%t
          if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
             i = maxloc(abs(self%e)/self%scale_w, dim=1)
@@ -135,7 +136,7 @@ contains
          call iterate(self, system, work, min(self%t + self%h, stop), good)
          if (good) then
             call estimate_error(self, system, err)
-            good = err <= self%tolerance
+            good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
             if (.not. good) factor = min(factor, 0.9_wp)
          else

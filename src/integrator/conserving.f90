@@ -137,6 +137,7 @@ contains
       repeated = .false.
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+         if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
          h = even_step(stop - self%t, self%h)
          if (h <= 4*spacing(max(abs(self%t), abs(stop)))) then
             i = max(1, maxloc(abs(self%unknown(:system%layout%nw))/self%scale_x, dim=1))
@@ -154,7 +155,7 @@ contains
          end if
          if (good) then
             call estimate_error(self, system, err)
-            good = err <= self%tolerance
+            good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
          else
             factor = 0.5_wp
@@ -285,6 +286,7 @@ contains
       call linearise_step(system, work, self%trial, self%tangent, self%y, self%lambda)
       call self%tangent%matrix%factor(singular)
       self%statistics%jacobians = self%statistics%jacobians + 1
+      self%statistics%factorisations = self%statistics%factorisations + 1
       if (.not. singular) self%h_factors = self%trial%h
    end subroutine refresh
 

@@ -22,6 +22,8 @@ module limber_integrator_integrator
       real(wp) :: tolerance = 1.0e-6_wp
       !> First step, and largest step; zero: chosen, unbounded
       real(wp) :: initial_step = 0.0_wp, maximum_step = 0.0_wp
+      !> The length of every step, whatever its error: the tolerance is then that of iterations only; zero: chosen by the error
+      real(wp) :: fixed_step = 0.0_wp
       !> Time reached
       real(wp) :: t = 0.0_wp
       !> Time of the step before: `interpolate` serves from there to t

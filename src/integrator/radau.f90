@@ -144,6 +144,7 @@ contains
       repeated = .false.
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
+         if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
          if (self%t + 1.0001_wp*self%h > stop) self%h = stop - self%t
          if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
             i = maxloc(abs(self%real_part(:system%layout%nw))/self%scale_w, dim=1)
@@ -166,7 +167,7 @@ contains
             cycle
          end if
          call estimate_error(self, system, err)
-         accepted = err <= bound(self)
+         accepted = err <= bound(self) .or. self%fixed_step > 0.0_wp
          factor = next_factor(self, err, repeated .or. .not. accepted)
          if (.not. accepted) then
             self%statistics%rejected = self%statistics%rejected + 1
@@ -291,7 +292,6 @@ contains
             self%stage_power(i) = input_power(system, work, self%stage_q, self%stage_v) + dot_product(self%e, self%motion(:, i)) &
                & - dot_product(self%multipliers(:, i), self%rate(:, i))
          end if
-         self%statistics%evaluations = self%statistics%evaluations + 1
       end do
    end subroutine stage_residuals
 

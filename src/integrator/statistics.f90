@@ -9,7 +9,7 @@ module limber_integrator_statistics
    type :: step_statistics_type
       !> Steps accepted, steps rejected by the error test, and by the projection
       integer(long) :: steps = 0, rejected = 0, failed_projections = 0
-      !> Evaluations of the right-hand side, of Jacobians and factorisations of the multiplier system
+      !> Evaluations of the equations of motion, of their derivatives, and factorisations of matrices
       integer(long) :: evaluations = 0, jacobians = 0, factorisations = 0
       !> Smallest and largest accepted step [time]
       real(wp) :: smallest_step = huge(1.0_wp), largest_step = 0.0_wp

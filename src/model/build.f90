@@ -195,6 +195,7 @@ contains
          dynamics%spectral_radius = block%real('SPECTRAL RADIUS')
          dynamics%initial_step = block%real('INITIAL STEP')
          dynamics%maximum_step = block%real('MAXIMUM STEP')
+         dynamics%fixed_step = block%real('FIXED STEP')
          dynamics%maximum_steps = block%integer('MAXIMUM STEPS')
          if (dynamics%end <= dynamics%start) call diagnostics%add(block%origin_of('END'), &
             & 'END='//as_text(dynamics%end)//' is not later than START='//as_text(dynamics%start), 'give a later time')

@@ -133,6 +133,8 @@ module limber_model_scene
       real(wp) :: spectral_radius = 0.8_wp
       !> First and largest step; zero: chosen, unbounded
       real(wp) :: initial_step = 0.0_wp, maximum_step = 0.0_wp
+      !> Length of every step; zero: chosen by the error
+      real(wp) :: fixed_step = 0.0_wp
       !> Largest number of steps
       integer :: maximum_steps = 100000000
    end type dynamics_type

@@ -194,6 +194,7 @@ contains
       call update_jacobians(system, work)
       call update_masses(system, work, q)
       call sum_forces(system, work, q, v)
+      work%evaluations = work%evaluations + 1
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i))
             first = system%layout%w(i)

@@ -35,22 +35,24 @@ contains
       character(:), allocatable, intent(out) :: integrator, reason
       type(indicators_type) :: found
       call look(system, work, q, v, found)
-      call decide(found, system%powered, system%model%dynamics, integrator, reason)
+      call decide(found, system%powered, system%model%dynamics, system%model%units%time, integrator, reason)
    end subroutine choose_integrator
 
    !> Decides from the indicators.
-   subroutine decide(found, powered, dynamics, integrator, reason)
+   pure subroutine decide(found, powered, dynamics, unit, integrator, reason)
       type(indicators_type), intent(in) :: found
       !> True if something puts energy in or takes it out
       logical, intent(in) :: powered
       type(dynamics_type), intent(in) :: dynamics
+      !> Name of the unit of time
+      character(*), intent(in) :: unit
       character(:), allocatable, intent(out) :: integrator, reason
       !> Turns of the motion beyond which the energy of a conservative scene counts more than its phase
       real(wp), parameter :: long = 1.0e3_wp
       real(wp) :: limit, resolved
       character(:), allocatable :: ratio
-      ratio = 'the fastest vibration ('//as_text(found%fastest, 2)//' rad per time) is '//as_text(found%fastest/found%motion, 2)// &
-         & ' times as fast as the motion'
+      ratio = 'the fastest vibration ('//as_text(found%fastest, 2)//' rad/'//unit//') is '// &
+         & as_text(found%fastest/found%motion, 2)//' times as fast as the motion'
       ! A step of RADAU costs as much as ten of ADAMS; those of ADAMS are bound to the fastest vibration
       limit = 10*dynamics%tolerance**(-0.125_wp)
       ! Ringing that is ten thousand times what RADAU lets pass in a step it must follow all too closely: ADAMS does so for less

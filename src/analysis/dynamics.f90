@@ -5,6 +5,7 @@ module limber_analysis_dynamics
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
    use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_analysis_watch, only: check_deflections
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -15,7 +16,6 @@ module limber_analysis_dynamics
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
-   use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
       & worst_constraint
    use limber_system_projection, only: settle, settle_position
@@ -219,36 +219,6 @@ contains
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//'warning: '//text//newline
    end subroutine warn
-
-   !> An error if a beam deflects by more than its length: no frame can follow that, and mostly the motion diverges.
-   subroutine check_deflections(system, t, q, v, error)
-      type(system_type), intent(in) :: system
-      real(wp), intent(in) :: t, q(:), v(:)
-      type(error_type), allocatable, intent(out) :: error
-      integer :: i, first, n
-      real(wp) :: spin, first_frequency
-      do i = 1, size(system%layout%n)
-         n = system%layout%n(i)
-         if (n == 0) cycle
-         first = system%layout%q(i) + 4
-         associate (body => system%model%bodies(i))
-            if (maxval(abs(q(first:first + n - 1)))*body%largest_shape <= body%size) cycle
-            spin = abs(cross(q(first - 2:first - 1), v(first - 2:first - 1)))
-            first_frequency = sqrt(minval(body%reduced%omega2))
-            if (.not. body%reduced%geometric .and. spin > first_frequency) then
-               call raise(error, "beam '"//body%name//"' deflects by more than its length at t = "//as_text(t, 8)// &
-                  & ': it diverges, for it rotates at '//as_text(spin, 3)//' rad per time, above its first frequency '// &
-                  & as_text(first_frequency, 3)//', and a LINEAR beam is not stiffened by the tension that rotation makes.'// &
-                  & ' Use GEOMETRIC=K_G or FULL')
-            else
-               call raise(error, "beam '"//body%name//"' deflects by more than its length at t = "//as_text(t, 8)// &
-                  & ': that is outside what one floating frame can describe, or the motion diverges. Look at the history up to'// &
-                  & ' there, use GEOMETRIC=FULL, or divide the beam')
-            end if
-            return
-         end associate
-      end do
-   end subroutine check_deflections
 
    !> Time of a sample; the last is the end, to the bit.
    pure real(wp) function sample_time(dynamics, index)

@@ -47,14 +47,15 @@ contains
       class(point_spring_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
-      real(wp) :: by_gap(2, 2), by_rate(2, 2), pull(2), column(2), change(2), push(2)
+      real(wp) :: by_gap(2, 2), by_rate(2, 2), pull(2), column(2), drift(2), change(2), push(2)
       integer :: i, j, first
       first = self%rates(1)
       call pull_derivatives(self, kinematics, pull, by_gap, by_rate)
       do j = 1, sum(self%rates)
          column = gap_column(self, kinematics, j)
-         change = matmul(by_gap, column) + matmul(by_rate, gap_drift(self, kinematics, j))
-         push = matmul(by_rate, column)
+         drift = gap_drift(self, kinematics, j)
+         change = by_gap(:, 1)*column(1) + by_gap(:, 2)*column(2) + by_rate(:, 1)*drift(1) + by_rate(:, 2)*drift(2)
+         push = by_rate(:, 1)*column(1) + by_rate(:, 2)*column(2)
          do i = 1, sum(self%rates)
             column = gap_column(self, kinematics, i)
             stiffness(i, j) = stiffness(i, j) + dot_product(column, change)

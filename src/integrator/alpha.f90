@@ -272,7 +272,7 @@ contains
       real(wp) :: residual, t
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
-      call settle(system, work, t, self%new_q, self%new_v, self%change, .true., residual, error)
+      call settle(system, work, t, self%new_q, self%new_v, self%change, .false., residual, error)
       if (allocated(error)) return
       good = residual <= constraint_limit
       if (.not. good) return

@@ -407,7 +407,7 @@ contains
       if (system%powered) call stage_residuals(self, system, work)
       call place_stage(self, system, 3)
       self%q_stage_end = self%stage_q
-      call settle(system, work, t, self%stage_q, self%stage_v, self%change, .true., residual, error)
+      call settle(system, work, t, self%stage_q, self%stage_v, self%change, .false., residual, error)
       if (allocated(error)) return
       accepted = residual <= constraint_limit
       if (.not. accepted) return

@@ -18,7 +18,7 @@ module limber_system_discrete
    use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, combine, copy_rows, add_reaction_stiffness
+   use limber_system_tangent, only: tangent_type, gather, combine, copy_rows, add_reaction_stiffness
    implicit none
    private
    public :: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, linearise_step, step_work
@@ -369,6 +369,7 @@ contains
          tangent%loads(i)%damping = 0.0_wp
          call system%loads(i)%item%add_tangent(step%mean, tangent%loads(i)%stiffness, tangent%loads(i)%damping)
       end do
+      call gather(tangent)
       call combine(tangent, (1.0_wp, 0.0_wp), cmplx(1/step%h, 0.0_wp, wp), (0.5_wp, 0.0_wp), (1.0_wp, 0.0_wp), .false.)
    end subroutine linearise_step
 

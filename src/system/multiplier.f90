@@ -15,7 +15,8 @@ module limber_system_multiplier
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: update_jacobians, update_masses, factor_multiplier_system, solve_multiplier_system, recover_multipliers
+   public :: update_jacobians, update_masses, factor_multiplier_system, solve_multiplier_system, solve_gaps, &
+      & recover_multipliers
 
 contains
 
@@ -229,11 +230,40 @@ contains
       real(wp), intent(in) :: gamma(:)
       !> Frame accelerations, alpha and eta'' (nq)
       real(wp), intent(out) :: a(:)
-      integer :: i, j, k, first
-      real(wp) :: value
       call set_bias(system, work, gamma)
       call set_right_side(system, work, gamma)
       call work%matrix%solve(work%solution)
+      call expand(system, work, a)
+   end subroutine solve_multiplier_system
+
+   !> The same without forces, and with all frames of the tree in their places: only the other constraints have a right-hand side.
+   subroutine solve_gaps(system, work, gaps, a)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Right-hand sides (nc); those of the tree are not looked at
+      real(wp), intent(in) :: gaps(:)
+      !> As in `solve_multiplier_system`
+      real(wp), intent(out) :: a(:)
+      integer :: i
+      do i = 1, size(work%bodies)
+         work%bodies(i)%bias = 0.0_wp
+         work%bodies(i)%eta_force = 0.0_wp
+      end do
+      work%solution(:system%tree%free) = 0.0_wp
+      do i = 1, size(gaps)
+         if (system%tree%row(i) > 0) work%solution(system%tree%row(i)) = gaps(i)
+      end do
+      call work%matrix%solve(work%solution)
+      call expand(system, work, a)
+   end subroutine solve_gaps
+
+   !> Accelerations of all frames and coordinates from the unknowns.
+   subroutine expand(system, work, a)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(out) :: a(:)
+      integer :: i, j, k, first
+      real(wp) :: value
       do i = 1, size(work%bodies)
          first = system%layout%q(i)
          associate (body => work%bodies(i))
@@ -253,7 +283,7 @@ contains
             end do
          end associate
       end do
-   end subroutine solve_multiplier_system
+   end subroutine expand
 
    !> What the joints and drivers of the tree give their frames beside the unknowns, eq. (32a).
    subroutine set_bias(system, work, gamma)

@@ -8,7 +8,7 @@ module limber_system_projection
    use limber_system_drivers, only: driven_angle_type
    use limber_system_dynamics, only: linearise, position_residual, velocity_residual
    use limber_system_kinematics, only: place_drives, place_frames, point_position
-   use limber_system_multiplier, only: update_jacobians, solve_multiplier_system
+   use limber_system_multiplier, only: update_jacobians, solve_multiplier_system, solve_gaps
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -50,9 +50,8 @@ contains
       before = residual
       do round = 1, most
          if (residual <= tolerance) return
-         call clear_forces(work)
          work%phi = -work%phi
-         call solve_multiplier_system(system, work, work%phi, change)
+         call solve_gaps(system, work, work%phi, change)
          do i = 1, size(work%bodies)
             if (.not. system%layout%framed(i)) cycle
             call spin_frame(system%layout%q(i) + 2, change(system%layout%q(i) + 2), work%kinematics%frames(i)%u, change)

@@ -11,8 +11,9 @@ module limber_system_sparse
    private
    public :: sparse_type
 
-   !> Reciprocal pivot growth below which new pivots are sought
-   real(wp), parameter :: least_growth = 1.0e-5_wp
+   !> Reciprocal pivot growth below which new pivots are sought; above the other it is looked at after so many factorisations only
+   real(wp), parameter :: least_growth = 1.0e-5_wp, good_growth = 1.0e-3_wp
+   integer, parameter :: seldom = 8
 
    !> A square matrix by columns. `mark` all entries, `analyse`, then fill `values` through `place` and factor.
    type :: sparse_type
@@ -30,6 +31,8 @@ module limber_system_sparse
       !> First entry of each column (n + 1) and row of each entry, from zero
       integer(c_int), allocatable, private :: first(:), row(:)
       type(klu_common_type), private :: common
+      !> Factorisations until the growth of the pivots is looked at again: real and complex ones
+      integer, private :: unseen(2) = 0
       type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr, complex_numeric = c_null_ptr
    contains
       procedure :: mark, analyse, place, factor, solve, factor_complex, solve_complex
@@ -139,8 +142,13 @@ contains
       if (self%n == 0) return
       if (c_associated(self%numeric)) then
          ok = klu_refactor(self%first, self%row, self%values, self%symbolic, self%numeric, self%common)
-         if (ok == 1) ok = klu_rgrowth(self%first, self%row, self%values, self%symbolic, self%numeric, self%common)
-         if (ok == 1 .and. self%common%status == 0 .and. self%common%rgrowth > least_growth) return
+         if (ok == 1 .and. self%common%status == 0) then
+            self%unseen(1) = self%unseen(1) - 1
+            if (self%unseen(1) > 0) return
+            ok = klu_rgrowth(self%first, self%row, self%values, self%symbolic, self%numeric, self%common)
+            if (ok == 1) self%unseen(1) = looks(self%common%rgrowth)
+            if (ok == 1 .and. self%common%rgrowth > least_growth) return
+         end if
          ok = klu_free_numeric(self%numeric, self%common)
       end if
       call order(self)
@@ -148,6 +156,12 @@ contains
       self%numeric = klu_factor(self%first, self%row, self%values, self%symbolic, self%common)
       singular = .not. c_associated(self%numeric) .or. self%common%status /= 0
    end subroutine factor
+
+   !> Factorisations until the next look at the growth of the pivots.
+   pure integer function looks(growth)
+      real(wp), intent(in) :: growth
+      looks = merge(seldom, 1, growth > good_growth)
+   end function looks
 
    !> Ordering of the unknowns, once for a pattern.
    subroutine order(self)
@@ -172,9 +186,13 @@ contains
       if (self%n == 0) return
       if (c_associated(self%complex_numeric)) then
          ok = klu_z_refactor(self%first, self%row, self%complex_values, self%symbolic, self%complex_numeric, self%common)
-         if (ok == 1) ok = klu_z_rgrowth(self%first, self%row, self%complex_values, self%symbolic, self%complex_numeric, &
-            & self%common)
-         if (ok == 1 .and. self%common%status == 0 .and. self%common%rgrowth > least_growth) return
+         if (ok == 1 .and. self%common%status == 0) then
+            self%unseen(2) = self%unseen(2) - 1
+            if (self%unseen(2) > 0) return
+            ok = klu_z_rgrowth(self%first, self%row, self%complex_values, self%symbolic, self%complex_numeric, self%common)
+            if (ok == 1) self%unseen(2) = looks(self%common%rgrowth)
+            if (ok == 1 .and. self%common%rgrowth > least_growth) return
+         end if
          ok = klu_z_free_numeric(self%complex_numeric, self%common)
       end if
       call order(self)

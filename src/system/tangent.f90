@@ -19,7 +19,7 @@ module limber_system_tangent
    implicit none
    private
    public :: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, times_stiffness
-   public :: copy_rows, add_reaction_stiffness
+   public :: copy_rows, add_reaction_stiffness, gather
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
    type :: body_tangent_type
@@ -54,6 +54,8 @@ module limber_system_tangent
       type(body_tangent_type), allocatable :: bodies(:)
       type(constraint_tangent_type), allocatable :: constraints(:)
       type(load_tangent_type), allocatable :: loads(:)
+      !> The same gathered in the pattern of the matrix: M, D, K, G with its transpose, drift of G (entries, 5)
+      real(wp), allocatable :: parts(:, :)
    end type tangent_type
 
 contains
@@ -95,7 +97,7 @@ contains
          end associate
       end do
       call tangent%matrix%analyse(system%layout%nw + system%nc)
-      allocate (tangent%matrix%complex_values(size(tangent%matrix%values)))
+      allocate (tangent%matrix%complex_values(size(tangent%matrix%values)), tangent%parts(size(tangent%matrix%values), 5))
       call find_places(system, tangent)
    end subroutine new_tangent
 
@@ -267,6 +269,7 @@ contains
          tangent%loads(i)%damping = 0.0_wp
          call system%loads(i)%item%add_tangent(work%kinematics, tangent%loads(i)%stiffness, tangent%loads(i)%damping)
       end do
+      call gather(tangent)
    end subroutine linearise_motion
 
    subroutine linearise_body(system, work, i, q, v, a, body)
@@ -350,66 +353,71 @@ contains
       rows(:, m + 1:) = eta
    end subroutine copy_rows
 
-   !> Fills the matrix with real or complex factors: the real part always, the complex values too if `whole` is complex.
+   !> Gathers all derivatives in the pattern of the matrix.
+   subroutine gather(tangent)
+      type(tangent_type), intent(inout) :: tangent
+      integer :: i
+      tangent%parts = 0.0_wp
+      associate (mass => tangent%parts(:, 1), damping => tangent%parts(:, 2), stiffness => tangent%parts(:, 3), &
+            & rows => tangent%parts(:, 4), drift => tangent%parts(:, 5))
+         do i = 1, size(tangent%bodies)
+            associate (body => tangent%bodies(i))
+               call add(body%place, body%mass, mass)
+               call add(body%place, body%damping, damping)
+               call add(body%place, body%stiffness, stiffness)
+            end associate
+         end do
+         do i = 1, size(tangent%constraints)
+            associate (c => tangent%constraints(i), a => tangent%constraints(i)%first_range(1), &
+                  & b => tangent%constraints(i)%first_range(2), d => tangent%constraints(i)%second_range(1), &
+                  & e => tangent%constraints(i)%second_range(2))
+               call add(c%first_place, c%first(:, a:b), rows)
+               call add(c%second_place, c%second(:, d:e), rows)
+               call add(c%first_transposed, c%first(:, a:b), rows)
+               call add(c%second_transposed, c%second(:, d:e), rows)
+               call add(c%first_place, c%first_drift(:, a:b), drift)
+               call add(c%second_place, c%second_drift(:, d:e), drift)
+               if (size(c%across) == 0) cycle
+               call add(c%across_place, c%across, stiffness)
+               call add(c%across_transposed, c%across, stiffness)
+            end associate
+         end do
+         do i = 1, size(tangent%loads)
+            call add(tangent%loads(i)%place, tangent%loads(i)%damping, damping)
+            call add(tangent%loads(i)%place, tangent%loads(i)%stiffness, stiffness)
+         end do
+      end associate
+   end subroutine gather
+
+   !> Adds a block to entries of the matrix.
+   pure subroutine add(place, block, entries)
+      integer, intent(in) :: place(:, :)
+      real(wp), intent(in) :: block(:, :)
+      real(wp), intent(inout) :: entries(:)
+      integer :: row, column
+      do column = 1, size(block, 2)
+         do row = 1, size(block, 1)
+            entries(place(row, column)) = entries(place(row, column)) + block(row, column)
+         end do
+      end do
+   end subroutine add
+
+   !> Fills the matrix with real or complex factors: the real values, or the complex ones; `gather` comes first.
    subroutine combine(tangent, mass, damping, stiffness, drift, is_complex)
       type(tangent_type), intent(inout) :: tangent
       !> Factors of M, D, K and of the drift of G; their real parts serve where the matrix is real
       complex(wp), intent(in) :: mass, damping, stiffness, drift
       !> Which values are filled
       logical, intent(in) :: is_complex
-      integer :: i
-      if (is_complex) then
-         tangent%matrix%complex_values = (0.0_wp, 0.0_wp)
-      else
-         tangent%matrix%values = 0.0_wp
-      end if
-      do i = 1, size(tangent%bodies)
-         associate (body => tangent%bodies(i))
-            call add(body%place, body%mass, mass)
-            call add(body%place, body%damping, damping)
-            call add(body%place, body%stiffness, stiffness)
-         end associate
-      end do
-      do i = 1, size(tangent%constraints)
-         associate (c => tangent%constraints(i), a => tangent%constraints(i)%first_range(1), &
-               & b => tangent%constraints(i)%first_range(2), d => tangent%constraints(i)%second_range(1), &
-               & e => tangent%constraints(i)%second_range(2))
-            call add(c%first_place, c%first(:, a:b), (1.0_wp, 0.0_wp))
-            call add(c%second_place, c%second(:, d:e), (1.0_wp, 0.0_wp))
-            call add(c%first_transposed, c%first(:, a:b), (1.0_wp, 0.0_wp))
-            call add(c%second_transposed, c%second(:, d:e), (1.0_wp, 0.0_wp))
-            call add(c%first_place, c%first_drift(:, a:b), drift)
-            call add(c%second_place, c%second_drift(:, d:e), drift)
-            if (size(c%across) == 0) cycle
-            call add(c%across_place, c%across, stiffness)
-            call add(c%across_transposed, c%across, stiffness)
-         end associate
-      end do
-      do i = 1, size(tangent%loads)
-         call add(tangent%loads(i)%place, tangent%loads(i)%damping, damping)
-         call add(tangent%loads(i)%place, tangent%loads(i)%stiffness, stiffness)
-      end do
-
-   contains
-
-      subroutine add(place, block, factor)
-         integer, intent(in) :: place(:, :)
-         real(wp), intent(in) :: block(:, :)
-         complex(wp), intent(in) :: factor
-         integer :: row, column
-         do column = 1, size(block, 2)
-            do row = 1, size(block, 1)
-               associate (at => place(row, column))
-                  if (is_complex) then
-                     tangent%matrix%complex_values(at) = tangent%matrix%complex_values(at) + factor*block(row, column)
-                  else
-                     tangent%matrix%values(at) = tangent%matrix%values(at) + real(factor, wp)*block(row, column)
-                  end if
-               end associate
-            end do
-         end do
-      end subroutine add
-
+      associate (parts => tangent%parts)
+         if (is_complex) then
+            tangent%matrix%complex_values = mass*parts(:, 1) + damping*parts(:, 2) + stiffness*parts(:, 3) + parts(:, 4) &
+               & + drift*parts(:, 5)
+         else
+            tangent%matrix%values = real(mass, wp)*parts(:, 1) + real(damping, wp)*parts(:, 2) + real(stiffness, wp)*parts(:, 3) &
+               & + parts(:, 4) + real(drift, wp)*parts(:, 5)
+         end if
+      end associate
    end subroutine combine
 
    !> product = product + factor M vector, in the layout of the rates.

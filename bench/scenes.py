@@ -41,12 +41,16 @@ class Scene:
                 if not quick or s.get("quick")]
 
 
-def tolerances(first, last):
-    """Tolerances 10^-first to 10^-last, with 5 and 2 times the next one between."""
+def tolerances(first, last, between=(5, 2)):
+    """Tolerances 10^-first to 10^-last, with some multiples of the next one between."""
     values = []
     for exponent in range(first, last):
-        values += [f"1e-{exponent}", f"5e-{exponent + 1}", f"2e-{exponent + 1}"]
+        values += [f"1e-{exponent}"] + [f"{factor}e-{exponent + 1}" for factor in between]
     return values + [f"1e-{last}"]
+
+
+#: multiples between the powers of ten where the targets of a scene lie
+FINE = (8, 6, 5, 4, 3, 2)
 
 
 def integration(setting):
@@ -99,7 +103,7 @@ def input_deck(name, channels, scene_models):
 
 def slider_crank():
     models = dict([static(1, 1, 12, centrifugal=False, quick=True), static(1, 2, 12), static(2, 3, 12), static(3, 2, 12),
-                   static(3, 3, 12, quick=True), static(3, 6, 12), static(5, 10, 24),
+                   static(3, 3, 12, quick=True), static(3, 6, 12), static(4, 3, 12), static(5, 3, 12), static(5, 10, 24),
                    static(6, 10, 24, quick=True), static(8, 10, 24), static(10, 16, 40)])
     peer = [dict(elements=e, steps=838*n, rho=1.0, newton="modified", tolerance=t, matrices=m, quick=q)
             for e, n, t, m, q in [
@@ -110,7 +114,7 @@ def slider_crank():
     return Scene("S1", "slider-crank of Han and Lee, rod of 6 mm: deflection of its middle", "tests/reference/slider_crank_6mm.csv",
                  {"deflection_over_length": "w_mid_over_L"}, False, [1e-2, 1e-3, 1e-4],
                  input_deck("slider_crank_full.inp", ["deflection_over_length = deflection(rod.middle)/length(rod)"], models),
-                 models, tolerances(2, 6), peer, [])
+                 models, tolerances(2, 3, FINE)[:-1] + tolerances(3, 6), peer, [])
 
 
 def spin_up():
@@ -133,7 +137,7 @@ def squeezer():
                 "delta = angle(k5), omega = angle(k6) - angle(k7), epsilon = angle(k7)"]
     columns = {name: name.capitalize() if name in ("theta", "phi", "omega") else name for name in ANGLES}
     return Scene("S3", "Andrews' squeezer: the worst of seven angles, absolute", "tests/reference/andrews_squeezer.csv", columns, True,
-                 [1e-4, 1e-6], input_deck("andrews_squeezer.inp", channels, {}), {"": {"quick": True}}, tolerances(2, 11), peer,
+                 [1e-4, 1e-6], input_deck("andrews_squeezer.inp", channels, {}), {"": {"quick": True}}, tolerances(2, 5)[:-1] + tolerances(5, 6, FINE)[:-1] + tolerances(6, 7)[:-1] + tolerances(7, 8, FINE)[:-1] + tolerances(8, 11), peer,
                  tolerances(2, 9))
 
 

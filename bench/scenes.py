@@ -137,8 +137,9 @@ def squeezer():
                 "delta = angle(k5), omega = angle(k6) - angle(k7), epsilon = angle(k7)"]
     columns = {name: name.capitalize() if name in ("theta", "phi", "omega") else name for name in ANGLES}
     return Scene("S3", "Andrews' squeezer: the worst of seven angles, absolute", "tests/reference/andrews_squeezer.csv", columns, True,
-                 [1e-4, 1e-6], input_deck("andrews_squeezer.inp", channels, {}), {"": {"quick": True}}, tolerances(2, 5)[:-1] + tolerances(5, 6, FINE)[:-1] + tolerances(6, 7)[:-1] + tolerances(7, 8, FINE)[:-1] + tolerances(8, 11), peer,
-                 tolerances(2, 9))
+                 [1e-4, 1e-6], input_deck("andrews_squeezer.inp", channels, {}), {"": {"quick": True}},
+                 tolerances(2, 5)[:-1] + tolerances(5, 6, FINE)[:-1] + tolerances(6, 7)[:-1] + tolerances(7, 8, FINE)[:-1]
+                 + tolerances(8, 11), peer, tolerances(2, 9))
 
 
 def four_bars():

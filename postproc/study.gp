@@ -8,8 +8,12 @@ set linetype 1 linewidth 1 pointtype 7 pointsize 0.6
 set linetype 2 linewidth 1 pointtype 4 pointsize 0.8 dashtype solid
 set linetype 4 linewidth 1 pointtype 9 pointsize 0.8 dashtype solid
 type_of(i) = i < 3 ? i : i + 1
-do for [i = 1:words(names)] { eval key_point(0.6 + 3.0*(i - 1), type_of(i), word(names, i)) }
-eval key_line(1.2 + 3.0*words(names), 3, 'Pareto front')
+at = 0.2
+do for [i = 1:words(names)] {
+   eval key_point(at, type_of(i), word(names, i))
+   at = at + 1.2 + 0.23*strlen(word(names, i))
+}
+eval key_line(at + 0.6, 3, 'Pareto front')
 eval x_label(8.6, 'CPU time of the time loop [s]')
 eval y_label(4.6, 'error of the worst channel, relative')
 eval panel(2.0, 15.6, 1.6, 8.0)

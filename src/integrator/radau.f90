@@ -1,7 +1,8 @@
 !> RADAU: Radau IIA of order 5, three stages, on the equations of index 2: motion and velocity constraints at every stage, the
 !> position constraints restored by projection after the step. In each Newton step one real and one complex sparse system of
 !> the exact derivatives are solved. Dense output of order 5 from coordinates, rates and accelerations at both ends.
-!> Floor: integrator. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8 and VII; doc/theory, eqs. (42)-(45).
+!> Floor: integrator. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8 and VII; doc/theory,
+!> eqs. (42)-(45).
 module limber_integrator_radau
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -71,9 +72,8 @@ module limber_integrator_radau
       real(wp), allocatable :: scale_x(:), scale_w(:)
       !> Next step, last step, step of the factors; error and step of the last accepted step, for the prediction
       real(wp) :: h = 0.0_wp, h_last = 0.0_wp, h_factors = 0.0_wp, error_last = 0.0_wp, h_accepted = 0.0_wp
-      !> Whether the derivatives are those of the present state; rate of convergence of the last Newton iteration
+      !> Whether the derivatives are those of the present state; rounds of the last Newton iteration
       logical :: fresh = .false.
-      real(wp) :: contraction = 1.0_wp
       integer :: iterations = 0
    contains
       procedure :: start => radau_start
@@ -251,30 +251,28 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       logical, intent(out) :: converged
-      real(wp) :: size_now, size_last, goal
+      real(wp) :: size_now, size_last, contraction, goal
       integer :: round
       converged = .false.
       goal = max(1.0e-14_wp, bound(self)*min(0.03_wp, sqrt(bound(self))))
       size_last = 0.0_wp
-      self%contraction = 1.0_wp
       do round = 1, most_iterations
          self%iterations = round
          call stage_residuals(self, system, work)
          call newton_change(self, system, size_now)
          if (.not. size_now <= huge(size_now)) return
          if (round > 1) then
-            self%contraction = size_now/max(size_last, tiny(size_last))
-            if (round > 2 .and. self%contraction >= 0.99_wp .and. size_now > goal) return
-            if (self%contraction < 1.0_wp) then
-               if (round > 2 .and. size_now*self%contraction**(most_iterations - round)/(1 - self%contraction) > goal) return
-               converged = size_now*self%contraction/(1 - self%contraction) <= goal
+            contraction = size_now/max(size_last, tiny(size_last))
+            if (round > 2 .and. contraction >= 0.99_wp .and. size_now > goal) return
+            if (contraction < 1.0_wp) then
+               if (round > 2 .and. size_now*contraction**(most_iterations - round)/(1 - contraction) > goal) return
+               converged = size_now*contraction/(1 - contraction) <= goal
             end if
          end if
          converged = converged .or. size_now <= 1.0e-2_wp*goal
          if (converged) exit
          size_last = size_now
       end do
-      if (self%iterations == 1) self%contraction = 1.0e-3_wp
    end subroutine iterate
 
    !> Residuals at the stages.

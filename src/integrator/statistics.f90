@@ -15,9 +15,8 @@ module limber_integrator_statistics
       real(wp) :: smallest_step = huge(1.0_wp), largest_step = 0.0_wp
       !> Largest order used
       integer :: highest_order = 0
-      !> Largest constraint residuals of an accepted state, relative to their scales: position, and velocity times the
-      !> time scale
-      real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
+      !> Largest residual of the position constraints of an accepted state, relative to their scales
+      real(wp) :: position_residual = 0.0_wp
    end type step_statistics_type
 
 end module limber_integrator_statistics

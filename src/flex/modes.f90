@@ -113,10 +113,13 @@ contains
       op%width = size(stiffness, 1) - 1
       op%n = size(mass)
       op%shift = shift
+      op%massive = count(mass > 0.0_wp)
+      ! Allocated by statements: at an assignment gfortran 12 reads bounds that were never set, which the sanitizer sees
+      allocate (op%place(op%massive), op%root(op%massive))
+      allocate (op%factor, source=stiffness)
+      allocate (op%motion, source=rigid)
       op%place = pack([(i, i=1, op%n)], mass > 0.0_wp)
       op%root = sqrt(mass(op%place))
-      op%massive = size(op%place)
-      op%factor = stiffness
       op%factor(1, :) = op%factor(1, :) - shift*mass
       allocate (op%full(op%n), op%rigid(op%massive, size(rigid, 2)))
       call dpbtrf('L', op%n, op%width, op%factor, op%width + 1, info)
@@ -124,7 +127,6 @@ contains
          call raise(error, 'the stiffness matrix under these supports is not positive definite (row '//as_text(info)//')')
          return
       end if
-      op%motion = rigid
       do j = 1, size(rigid, 2)
          do i = 1, j - 1
             op%motion(:, j) = op%motion(:, j) - op%motion(:, i)*sum(mass*op%motion(:, i)*op%motion(:, j))

@@ -374,6 +374,7 @@ contains
       nq = self%nq
       back = t - self%t
       order = self%k_last + 1
+      if (.not. abs(back) > 0.0_wp) order = 0
       do i = 1, order
          weight(i) = 1.0_wp/i
       end do
@@ -388,11 +389,10 @@ contains
          g(j) = weight(1)
          term = self%psi(j - 1)
       end do
-      self%p = 0.0_wp
+      self%p = self%y
       do j = order, 1, -1
-         self%p = self%p + g(j)*self%phi(:, j)
+         self%p = self%p + (back*g(j))*self%phi(:, j)
       end do
-      self%p = self%y + back*self%p
       q = self%p(:nq)
       v = self%p(nq + 1:2*nq)
       w = 0.0_wp

@@ -61,16 +61,14 @@ contains
       call h5sclose_f(space, ignored)
    end subroutine create_series
 
-   !> Appends rows to a series straight from a part of a buffer, without a copy.
-   subroutine append_rows(series, buffer, first, rows, error)
+   !> Appends rows to a series.
+   subroutine append_rows(series, rows, values, error)
       !> Series to extend
       type(series_type), intent(inout) :: series
-      !> One sample in each column
-      real(wp), contiguous, intent(in), target :: buffer(:, :)
-      !> Row of `buffer` that holds the series' first number
-      integer, intent(in) :: first
-      !> Number of samples: columns 1 to `rows` of `buffer`
+      !> Number of samples
       integer, intent(in) :: rows
+      !> The samples one after another (width*rows)
+      real(wp), intent(in), target :: values(series%width*rows)
       !> Allocated if they cannot be written; the series is then damaged
       type(error_type), allocatable, intent(out) :: error
       integer(hsize_t) :: offset(2), extent(2)
@@ -84,14 +82,12 @@ contains
          call hdf5_error(error, series%id, 'cannot extend a series')
          return
       end if
-      call h5screate_simple_f(2, shape(buffer, hsize_t), memory_space, ignored)
-      call h5dget_space_f(series%id, file_space, ignored)
       extent(2) = rows
-      offset = [first - 1, 0]
-      call h5sselect_hyperslab_f(memory_space, h5s_select_set_f, offset, extent, ignored)
       offset = [0_hsize_t, series%rows]
+      call h5screate_simple_f(2 - skip, extent(1 + skip:), memory_space, ignored)
+      call h5dget_space_f(series%id, file_space, ignored)
       call h5sselect_hyperslab_f(file_space, h5s_select_set_f, offset(1 + skip:), extent(1 + skip:), ignored)
-      call h5dwrite_f(series%id, h5t_native_double, c_loc(buffer(1, 1)), status, memory_space, file_space)
+      call h5dwrite_f(series%id, h5t_native_double, c_loc(values), status, memory_space, file_space)
       if (status < 0) call hdf5_error(error, series%id, 'cannot write samples')
       series%rows = series%rows + rows
       call h5sclose_f(file_space, ignored)

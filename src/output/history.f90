@@ -50,8 +50,9 @@ module limber_output_history
       integer(hid_t), private :: file = no_id
       type(series_type), private :: time
       type(series_type), allocatable, private :: channels(:)
-      !> Samples not yet written, one in each column; allocated with the first of them
-      real(wp), allocatable, private :: times(:, :), buffer(:, :)
+      !> Times not yet written (capacity), and the samples, channel by channel as the file has them (width*capacity); allocated
+      !> with the first of them
+      real(wp), allocatable, private :: times(:), buffer(:)
       integer, private :: waiting = 0
       !> Clock at the last write [ticks]
       integer(long), private :: last_write = 0
@@ -226,16 +227,34 @@ contains
          return
       end if
       if (.not. allocated(self%buffer)) then
-         allocate (self%times(1, chunk_rows(self%width)), self%buffer(self%width, chunk_rows(self%width)))
+         allocate (self%times(chunk_rows(self%width)), self%buffer(self%width*chunk_rows(self%width)))
       end if
+      call put_sample(self%channels%width, size(self%times), self%waiting, values, self%buffer)
       self%waiting = self%waiting + 1
       self%samples = self%samples + 1
-      self%times(1, self%waiting) = t
-      self%buffer(:, self%waiting) = values
+      self%times(self%waiting) = t
       call system_clock(clock, ticks_per_second)
-      if (self%waiting == size(self%times, 2) .or. &
+      if (self%waiting == size(self%times) .or. &
          & real(clock - self%last_write, wp) >= self%flush_interval*real(ticks_per_second, wp)) call self%flush(error)
    end subroutine append
+
+   !> Puts a sample behind those that wait.
+   pure subroutine put_sample(widths, capacity, waiting, values, buffer)
+      !> Numbers of each channel in a sample; samples that the buffer holds, and those in it
+      integer, intent(in) :: widths(:), capacity, waiting
+      !> All channels one after another
+      real(wp), intent(in) :: values(:)
+      !> Channel by channel
+      real(wp), intent(inout) :: buffer(:)
+      integer :: i, k, first
+      first = 0
+      do i = 1, size(widths)
+         do k = 1, widths(i)
+            buffer(first*capacity + widths(i)*waiting + k) = values(first + k)
+         end do
+         first = first + widths(i)
+      end do
+   end subroutine put_sample
 
    !> Writes the samples that wait and hands everything to the system.
    subroutine flush_samples(self, error)
@@ -248,11 +267,11 @@ contains
       first = 1
       if (self%waiting > 0) then
          do i = 1, size(self%channels)
-            call append_rows(self%channels(i), self%buffer, first, self%waiting, error)
+            call append_rows(self%channels(i), self%waiting, self%buffer(first:), error)
             if (allocated(error)) exit
-            first = first + self%channels(i)%width
+            first = first + self%channels(i)%width*size(self%times)
          end do
-         if (.not. allocated(error)) call append_rows(self%time, self%times, 1, self%waiting, error)
+         if (.not. allocated(error)) call append_rows(self%time, self%waiting, self%times, error)
       end if
       if (.not. allocated(error)) then
          call h5fflush_f(self%file, h5f_scope_global_f, status)
@@ -323,7 +342,7 @@ contains
       if (.not. allocated(error)) &
          & call create_series(self%file, path, size(values, 1), chunk_rows(size(values, 1)), series, error)
       if (allocated(error)) return
-      call append_rows(series, values, 1, size(values, 2), error)
+      call append_rows(series, size(values, 2), values, error)
       if (.not. allocated(error)) call self%attach_scales(series, path, error)
       if (.not. allocated(error)) call write_attribute(self%file, path, 'units', units, error)
       if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)

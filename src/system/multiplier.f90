@@ -79,7 +79,8 @@ contains
             if (system%tree%plain(i)) then
                call add_frame(body%frame_place, body%mass, work%matrix%values)
             else
-               call add_hanging_frame(body%frame_place, body%mass, body%hanging, work%matrix%values)
+               call add_hanging_frame(system%layout%rates(i), system%tree%count(i), body%frame_place, body%mass, body%hanging, &
+                  & work%matrix%values)
             end if
          end associate
       end do
@@ -156,23 +157,21 @@ contains
    end subroutine add_frame
 
    !> Adds the mass of a frame that hangs or is driven: hanging^T mass hanging.
-   pure subroutine add_hanging_frame(place, mass, hanging, values)
-      integer, intent(in) :: place(:, :)
-      real(wp), intent(in) :: mass(3, 3), hanging(:, :)
+   pure subroutine add_hanging_frame(rates, count, place, mass, hanging, values)
+      integer, intent(in) :: rates, count
+      integer, intent(in) :: place(count, count)
+      real(wp), intent(in) :: mass(3, 3), hanging(rates, count)
       real(wp), contiguous, intent(inout) :: values(:)
       real(wp) :: product(3), part
-      integer :: i, j, k, m
-      m = size(hanging, 1)
-      do j = 1, size(place, 2)
-         do i = 1, m
-            product(i) = 0.0_wp
-            do k = 1, m
-               product(i) = product(i) + mass(i, k)*hanging(k, j)
-            end do
+      integer :: i, j, k
+      do j = 1, count
+         product = 0.0_wp
+         do k = 1, rates
+            product = product + mass(:, k)*hanging(k, j)
          end do
-         do i = 1, size(place, 1)
-            part = 0.0_wp
-            do k = 1, m
+         do i = 1, count
+            part = hanging(1, i)*product(1)
+            do k = 2, rates
                part = part + hanging(k, i)*product(k)
             end do
             values(place(i, j)) = values(place(i, j)) + part
@@ -184,42 +183,75 @@ contains
    subroutine add_constraint_rows(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      integer :: i, side, body, row, j, k
-      real(wp) :: value
+      integer :: i, side, body
       do i = 1, size(system%constraints)
          if (system%tree%row(system%constraints(i)%item%first) == 0) cycle
          do side = 1, 2
             body = system%constraints(i)%item%bodies(side)
             if (body == ground) cycle
-            associate (jacobian => work%jacobians(side, i), coupling => work%bodies(body)%coupling, &
-                  & hanging => work%bodies(body)%hanging, values => work%matrix%values)
-               do j = 1, system%layout%rates(body)
-                  do row = 1, size(jacobian%z, 1)
-                     value = jacobian%z(row, j)
-                     do k = 1, size(jacobian%eta, 2)
-                        value = value - jacobian%eta(row, k)*coupling(k, j)
-                     end do
-                     jacobian%condensed(row, j) = value
-                  end do
-               end do
-               do j = 1, size(jacobian%place, 2)
-                  do row = 1, size(jacobian%place, 1)
-                     if (system%tree%plain(body)) then
-                        value = jacobian%condensed(row, j)
-                     else
-                        value = 0.0_wp
-                        do k = 1, size(hanging, 1)
-                           value = value + jacobian%condensed(row, k)*hanging(k, j)
-                        end do
-                     end if
-                     values(jacobian%place(row, j)) = values(jacobian%place(row, j)) + value
-                     values(jacobian%transposed(row, j)) = values(jacobian%transposed(row, j)) + value
-                  end do
-               end do
+            associate (jacobian => work%jacobians(side, i), scratch => work%bodies(body), rates => system%layout%rates(body))
+               call condense_rows(size(jacobian%z, 1), system%layout%n(body), rates, jacobian%z, jacobian%eta, scratch%coupling, &
+                  & jacobian%condensed)
+               if (system%tree%plain(body)) then
+                  call add_rows(size(jacobian%z, 1), rates, jacobian%condensed, jacobian%place, jacobian%transposed, &
+                     & work%matrix%values)
+               else
+                  call add_hanging_rows(size(jacobian%z, 1), rates, system%tree%count(body), jacobian%condensed, &
+                     & scratch%hanging, jacobian%place, jacobian%transposed, work%matrix%values)
+               end if
             end associate
          end do
       end do
    end subroutine add_constraint_rows
+
+   !> Rows of a Jacobian after the condensation of eta.
+   pure subroutine condense_rows(rows, n, rates, z, eta, coupling, condensed)
+      integer, intent(in) :: rows, n, rates
+      real(wp), intent(in) :: z(rows, 3), eta(rows, n), coupling(n, 3)
+      real(wp), intent(inout) :: condensed(rows, 3)
+      integer :: j, k
+      do j = 1, rates
+         condensed(:, j) = z(:, j)
+         do k = 1, n
+            condensed(:, j) = condensed(:, j) - eta(:, k)*coupling(k, j)
+         end do
+      end do
+   end subroutine condense_rows
+
+   !> Adds rows on a free frame.
+   pure subroutine add_rows(rows, rates, condensed, place, transposed, values)
+      integer, intent(in) :: rows, rates
+      real(wp), intent(in) :: condensed(rows, 3)
+      integer, intent(in) :: place(rows, rates), transposed(rows, rates)
+      real(wp), contiguous, intent(inout) :: values(:)
+      integer :: row, j
+      do j = 1, rates
+         do row = 1, rows
+            values(place(row, j)) = values(place(row, j)) + condensed(row, j)
+            values(transposed(row, j)) = values(transposed(row, j)) + condensed(row, j)
+         end do
+      end do
+   end subroutine add_rows
+
+   !> Adds rows on a frame that hangs or is driven.
+   pure subroutine add_hanging_rows(rows, rates, count, condensed, hanging, place, transposed, values)
+      integer, intent(in) :: rows, rates, count
+      real(wp), intent(in) :: condensed(rows, 3), hanging(rates, count)
+      integer, intent(in) :: place(rows, count), transposed(rows, count)
+      real(wp), contiguous, intent(inout) :: values(:)
+      real(wp) :: value
+      integer :: row, j, k
+      do j = 1, count
+         do row = 1, rows
+            value = condensed(row, 1)*hanging(1, j)
+            do k = 2, rates
+               value = value + condensed(row, k)*hanging(k, j)
+            end do
+            values(place(row, j)) = values(place(row, j)) + value
+            values(transposed(row, j)) = values(transposed(row, j)) + value
+         end do
+      end do
+   end subroutine add_hanging_rows
 
    !> Solves with the factors. In: `force` and `eta_force` of each body in the workspace, `gamma` of the constraints.
    !> Out: a (nq layout; the places of u hold [alpha, 0]), and the multipliers of the unknowns in work%solution.
@@ -267,7 +299,14 @@ contains
       do i = 1, size(work%bodies)
          first = system%layout%q(i)
          associate (body => work%bodies(i))
-            call frame_acceleration(system, i, work%solution, body%hanging, body%bias, body%acceleration)
+            if (system%tree%plain(i)) then
+               do j = 1, system%layout%rates(i)
+                  body%acceleration(j) = work%solution(system%tree%columns(j, i))
+               end do
+            else
+               call hang_frame(system%layout%rates(i), system%tree%count(i), system%tree%columns(:, i), body%hanging, body%bias, &
+                  & work%solution, body%acceleration)
+            end if
             a(first:first + 1) = body%acceleration(1:2)
             if (.not. system%layout%framed(i)) cycle
             a(first + 2:first + 3) = [body%acceleration(3), 0.0_wp]
@@ -319,7 +358,6 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: gamma(:)
       integer :: i, j, k, rates, column
-      real(wp) :: force(3)
       associate (tree => system%tree, solution => work%solution)
          solution(:tree%free) = 0.0_wp
          do k = 1, size(gamma)
@@ -344,18 +382,8 @@ contains
                   end do
                   cycle
                end if
-               force = body%condensed
-               do j = 1, rates
-                  do k = 1, rates
-                     force(k) = force(k) - body%mass(k, j)*body%bias(j)
-                  end do
-               end do
-               do j = 1, tree%count(i)
-                  column = tree%columns(j, i)
-                  do k = 1, rates
-                     solution(column) = solution(column) + body%hanging(k, j)*force(k)
-                  end do
-               end do
+               call add_hanging_force(rates, tree%count(i), tree%columns(:, i), body%hanging, body%bias, body%mass, &
+                  & body%condensed, solution)
                do j = 1, size(body%rows)
                   associate (condensed => work%jacobians(body%sources(2, j), body%sources(1, j))%condensed)
                      do k = 1, rates
@@ -368,28 +396,37 @@ contains
       end associate
    end subroutine set_right_side
 
-   !> Accelerations of a frame from the unknowns.
-   pure subroutine frame_acceleration(system, i, solution, hanging, bias, acceleration)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: i
-      real(wp), intent(in) :: solution(:), hanging(:, :), bias(3)
+   !> Accelerations of a frame that hangs or is driven, from the unknowns.
+   pure subroutine hang_frame(rates, count, columns, hanging, bias, solution, acceleration)
+      integer, intent(in) :: rates, count
+      integer, intent(in) :: columns(count)
+      real(wp), intent(in) :: hanging(rates, count), bias(3), solution(:)
       real(wp), intent(inout) :: acceleration(3)
+      integer :: j
+      acceleration = bias
+      do j = 1, count
+         acceleration(:rates) = acceleration(:rates) + hanging(:, j)*solution(columns(j))
+      end do
+   end subroutine hang_frame
+
+   !> Force of such a frame, less that of its bias, on the unknowns.
+   pure subroutine add_hanging_force(rates, count, columns, hanging, bias, mass, force, solution)
+      integer, intent(in) :: rates, count
+      integer, intent(in) :: columns(count)
+      real(wp), intent(in) :: hanging(rates, count), bias(3), mass(3, 3), force(3)
+      real(wp), intent(inout) :: solution(:)
+      real(wp) :: left(3)
       integer :: j, k
-      associate (columns => system%tree%columns(:, i))
-         if (system%tree%plain(i)) then
-            do j = 1, system%layout%rates(i)
-               acceleration(j) = solution(columns(j))
-            end do
-         else
-            acceleration = bias
-            do j = 1, size(hanging, 2)
-               do k = 1, size(hanging, 1)
-                  acceleration(k) = acceleration(k) + hanging(k, j)*solution(columns(j))
-               end do
-            end do
-         end if
-      end associate
-   end subroutine frame_acceleration
+      left = force
+      do j = 1, rates
+         left = left - mass(:, j)*bias(j)
+      end do
+      do j = 1, count
+         do k = 1, rates
+            solution(columns(j)) = solution(columns(j)) + hanging(k, j)*left(k)
+         end do
+      end do
+   end subroutine add_hanging_force
 
    !> All multipliers after `solve_multiplier_system`, into work%lambda: those of the unknowns as they are, those of the tree from
    !> what the equations of their body leave, the last in the tree first, eq. (32c).

@@ -14,7 +14,7 @@ module limber_integrator_alpha
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass
+   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, times_mass
    implicit none
    private
    public :: alpha_type
@@ -165,7 +165,7 @@ contains
       class(alpha_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      call motion_residual(system, work, self%t, self%q, self%v, self%a, self%lambda, self%motion, self%rate)
+      call place_motion(system, work, self%t, self%q, self%v)
       call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
       self%statistics%jacobians = self%statistics%jacobians + 1
       self%fresh = .true.

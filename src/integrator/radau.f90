@@ -14,8 +14,8 @@ module limber_integrator_radau
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, &
-      & times_stiffness
+   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, &
+      & times_mass, times_stiffness
    implicit none
    private
    public :: radau_type
@@ -205,7 +205,7 @@ contains
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      call motion_residual(system, work, self%t, self%q, self%v, self%a, self%lambda, self%motion(:, 1), self%rate(:, 1))
+      call place_motion(system, work, self%t, self%q, self%v)
       call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
       self%statistics%jacobians = self%statistics%jacobians + 1
       self%fresh = .true.
@@ -252,13 +252,15 @@ contains
       type(workspace_type), intent(inout) :: work
       logical, intent(out) :: converged
       real(wp) :: size_now, size_last, contraction, goal
-      integer :: round
+      integer :: round, i
       converged = .false.
       goal = max(1.0e-14_wp, bound(self)*min(0.03_wp, sqrt(bound(self))))
       size_last = 0.0_wp
       do round = 1, most_iterations
          self%iterations = round
-         call stage_residuals(self, system, work)
+         do i = 1, 3
+            call find_residual(self, system, work, i)
+         end do
          call newton_change(self, system, size_now)
          if (.not. size_now <= huge(size_now)) return
          if (round > 1) then
@@ -275,23 +277,31 @@ contains
       end do
    end subroutine iterate
 
-   !> Residuals at the stages.
-   subroutine stage_residuals(self, system, work)
+   !> Places a stage; its residuals.
+   subroutine find_residual(self, system, work, i)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Which stage
+      integer, intent(in) :: i
+      call place_stage(self, system, i)
+      call motion_residual(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v, self%stage_a, &
+         & self%multipliers(:, i), self%motion(:, i), self%rate(:, i))
+   end subroutine find_residual
+
+   !> Power put in at the stages, less what their residuals take: with them it is as exact as the stages will ever be.
+   subroutine find_stage_power(self, system, work)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       integer :: i
       do i = 1, 3
-         call place_stage(self, system, i)
-         call motion_residual(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v, self%stage_a, &
-            & self%multipliers(:, i), self%motion(:, i), self%rate(:, i))
-         if (system%powered) then
-            work%lambda = self%multipliers(:, i)
-            self%stage_power(i) = input_power(system, work, self%stage_q, self%stage_v) + dot_product(self%e, self%motion(:, i)) &
-               & - dot_product(self%multipliers(:, i), self%rate(:, i))
-         end if
+         call find_residual(self, system, work, i)
+         work%lambda = self%multipliers(:, i)
+         self%stage_power(i) = input_power(system, work, self%stage_q, self%stage_v) + dot_product(self%e, self%motion(:, i)) &
+            & - dot_product(self%multipliers(:, i), self%rate(:, i))
       end do
-   end subroutine stage_residuals
+   end subroutine find_stage_power
 
    !> Coordinates, velocities and accelerations of a stage from the increments of its rates.
    subroutine place_stage(self, system, i)
@@ -401,8 +411,7 @@ contains
       integer :: i
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
-      ! The power put in is that of the stages as they are now
-      if (system%powered) call stage_residuals(self, system, work)
+      if (system%powered) call find_stage_power(self, system, work)
       call place_stage(self, system, 3)
       self%q_stage_end = self%stage_q
       call settle(system, work, t, self%stage_q, self%stage_v, self%change, .false., residual, error)

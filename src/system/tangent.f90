@@ -18,7 +18,8 @@ module limber_system_tangent
    use limber_system_system, only: system_type, workspace_type, mark_block, block_place
    implicit none
    private
-   public :: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, times_stiffness
+   public :: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, times_mass, &
+      & times_stiffness
    public :: copy_rows, add_reaction_stiffness, gather
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
@@ -182,6 +183,18 @@ contains
       list = [(system%layout%nw + system%constraints(constraint)%item%first + k - 1, k=1, size(list))]
    end function rows_of
 
+   !> Places kinematics, Jacobians and masses at a state: what `linearise_motion` needs.
+   subroutine place_motion(system, work, t, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates and velocities (nq)
+      real(wp), intent(in) :: t, q(:), v(:)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call move_frames(system%model, system%layout, q, v, work%kinematics)
+      call update_jacobians(system, work)
+      call update_masses(system, work, q)
+   end subroutine place_motion
+
    !> Residual of the equations of motion, M a - forces + G^T lambda (nw), and of the velocity equations, G w - rate (nc), at a
    !> state. Leaves the kinematics and Jacobians there.
    subroutine motion_residual(system, work, t, q, v, a, lambda, motion, rates)
@@ -191,10 +204,7 @@ contains
       real(wp), intent(in) :: t, q(:), v(:), a(:), lambda(:)
       real(wp), intent(inout) :: motion(:), rates(:)
       integer :: i, first, last, n, j, k, m, row
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call move_frames(system%model, system%layout, q, v, work%kinematics)
-      call update_jacobians(system, work)
-      call update_masses(system, work, q)
+      call place_motion(system, work, t, q, v)
       call sum_forces(system, work, q, v)
       work%evaluations = work%evaluations + 1
       do i = 1, size(work%bodies)
@@ -250,7 +260,7 @@ contains
       end do
    end subroutine motion_residual
 
-   !> Derivatives at the state of the last `motion_residual`.
+   !> Derivatives at the state of the last `place_motion` or `motion_residual`.
    subroutine linearise_motion(system, work, tangent, q, v, a, lambda)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

@@ -103,7 +103,8 @@ def input_deck(name, channels, scene_models):
 
 def slider_crank():
     models = dict([static(1, 1, 12, centrifugal=False, quick=True), static(1, 2, 12), static(2, 3, 12), static(3, 2, 12),
-                   static(3, 3, 12, quick=True), static(3, 6, 12), static(4, 3, 12), static(5, 3, 12), static(5, 10, 24),
+                   static(3, 3, 12, quick=True), static(3, 6, 12), static(4, 3, 12), static(5, 3, 12),
+                   static(5, 6, 12), static(5, 6, 12, centrifugal=False), static(5, 10, 24),
                    static(6, 10, 24, quick=True), static(8, 10, 24), static(10, 16, 40)])
     peer = [dict(elements=e, steps=838*n, rho=1.0, newton="modified", tolerance=t, matrices=m, quick=q)
             for e, n, t, m, q in [

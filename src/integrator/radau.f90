@@ -15,7 +15,7 @@ module limber_integrator_radau
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, times_mass, &
-      & times_stiffness
+      & times_stiffness, give_way
    implicit none
    private
    public :: radau_type
@@ -219,6 +219,7 @@ contains
       complex(wp) :: mu
       logical :: singular
       mu = cmplx(gamma, 0.0_wp, wp)/self%h
+      self%tangent%softness = self%h/gamma
       call combine(self%tangent, mu, (1.0_wp, 0.0_wp), 1/mu, 1/mu, .false.)
       call self%tangent%matrix%factor(singular)
       done = .not. singular
@@ -290,6 +291,7 @@ contains
             self%stage_power(i) = input_power(system, work, self%stage_q, self%stage_v) + dot_product(self%e, self%motion(:, i)) &
                & - dot_product(self%multipliers(:, i), self%rate(:, i))
          end if
+         if (system%redundant) call give_way(self%tangent, self%multipliers(:, i), self%rate(:, i))
       end do
    end subroutine stage_residuals
 

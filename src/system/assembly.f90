@@ -10,7 +10,7 @@ module limber_system_assembly
    use limber_system_algebra, only: turn, cross
    use limber_system_closure, only: close_positions, close_velocities, approach, change_between
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
-   use limber_system_dynamics, only: velocity_residual, worst_constraint
+   use limber_system_dynamics, only: position_residual, velocity_residual
    use limber_system_kinematics, only: place_frames
    use limber_system_rank, only: assembly_type, check_rank, check_branch
    use limber_system_redundancy, only: constraint_names
@@ -52,7 +52,8 @@ contains
          if (present(found)) found = result
          return
       end if
-      allocate (start, source=q)
+      allocate (start(max(size(q), size(v))))
+      start = q
       call new_constraint_matrix(system, .false., frames, dense)
       call new_constraint_matrix(system, .true., bodies, dense)
       call close_positions(system, work, frames, t, q, done)
@@ -70,9 +71,16 @@ contains
       call turn_rates(system, start, q, v)
       call check_rank(system, work, bodies, t, q, result, error, culprit)
       if (allocated(error)) return
+      frames%truncation = bodies%truncation
+      start = v
       call close_velocities(system, work, frames, q, v, done)
-      if (.not. done) call close_velocities(system, work, bodies, q, v, done)
       if (.not. done) then
+         v = start
+         call close_velocities(system, work, bodies, q, v, done)
+      end if
+      if (.not. done) then
+         v = start
+         call close_velocities(system, work, frames, q, v, done)
          call report_rates(system, work, t, v, error, culprit)
       else if (result%singular%count > 0) then
          call check_branch(system, work, bodies, q, v, result, error, culprit)
@@ -147,20 +155,12 @@ contains
       real(wp), intent(in) :: t, v(:)
       type(error_type), allocatable, intent(out) :: error
       integer, intent(out) :: culprit
-      real(wp) :: worst, residual
-      integer :: i
-      worst = velocity_residual(system, work, v)
-      worst = -1.0_wp
-      culprit = 1
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            residual = norm2(work%gamma(item%first:item%first + item%rows - 1))/item%scale
-            if (residual > worst) culprit = i
-            worst = max(worst, residual)
-         end associate
-      end do
+      character(:), allocatable :: others
+      real(wp) :: residual
+      residual = velocity_residual(system, work, v)
+      call find_parties(system, work%gamma, culprit, residual, others)
       call raise(error, system%constraints(culprit)%item%label//': no velocities satisfy the constraints at t = '// &
-         & as_text(t, 6)//'; the mechanism is at a dead centre or driven against a joint')
+         & as_text(t, 6)//others//'; the mechanism is at a dead centre or driven against a joint')
    end subroutine report_rates
 
    !> Error that names the constraint that is left open, and those that it contradicts.
@@ -171,22 +171,41 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, intent(out) :: culprit
       character(:), allocatable :: others
-      logical :: part(size(system%constraints))
-      real(wp) :: residual, worst
-      integer :: i
-      call worst_constraint(system, work, culprit, residual)
-      worst = residual/system%constraints(culprit)%item%scale
-      do i = 1, size(part)
-         associate (item => system%constraints(i)%item)
-            part(i) = norm2(work%phi(item%first:item%first + item%rows - 1))/item%scale > takes_part*worst
-         end associate
-      end do
-      part(culprit) = .false.
-      others = ''
-      if (any(part)) others = ', for it contradicts '//constraint_names(system, part)
-      call raise(error, system%constraints(culprit)%item%label//': the initial position cannot be assembled; '// &
-         & as_text(residual, 3)//' is left open at t = '//as_text(t, 6)//others// &
+      real(wp) :: residual
+      residual = position_residual(system, work)
+      call find_parties(system, work%phi, culprit, residual, others)
+      call raise(error, system%constraints(culprit)%item%label//': the initial position cannot be assembled'//others//'; '// &
+         & as_text(residual, 3)//' is left open at t = '//as_text(t, 6)// &
          & '. Check the lengths, or give a better first guess (X=, Y=, ANGLE=) for its bodies')
    end subroutine report
+
+   !> Who takes part in a contradiction: the constraint that is farthest from satisfied, the first one if several are, and others.
+   subroutine find_parties(system, residuals, culprit, residual, others)
+      type(system_type), intent(in) :: system
+      !> Of all equations (nc)
+      real(wp), intent(in) :: residuals(:)
+      integer, intent(out) :: culprit
+      !> Norm of its residual
+      real(wp), intent(out) :: residual
+      !> Text with the names of the others; empty if there are none
+      character(:), allocatable, intent(out) :: others
+      real(wp) :: part(size(system%constraints))
+      logical :: other(size(part))
+      integer :: i
+      do i = 1, size(part)
+         associate (item => system%constraints(i)%item)
+            part(i) = norm2(residuals(item%first:item%first + item%rows - 1))/item%scale
+         end associate
+      end do
+      do culprit = 1, size(part)
+         if (part(culprit) > (1 - 1.0e-4_wp)*maxval(part)) exit
+      end do
+      culprit = min(culprit, size(part))
+      residual = part(culprit)*system%constraints(culprit)%item%scale
+      other = part > takes_part*part(culprit)
+      other(culprit) = .false.
+      others = ''
+      if (any(other)) others = ': it contradicts '//constraint_names(system, other)
+   end subroutine find_parties
 
 end module limber_system_assembly

@@ -115,7 +115,7 @@ contains
       call update_jacobians(system, work)
    end subroutine approach
 
-   !> Least-norm change of the rates that satisfies the velocity equations, refined.
+   !> Least-norm change of the rates that satisfies the velocity equations, or comes nearest to that; refined.
    subroutine close_velocities(system, work, matrix, q, v, done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -123,11 +123,10 @@ contains
       real(wp), intent(in) :: q(:)
       real(wp), intent(inout) :: v(:)
       logical, intent(out) :: done
-      real(wp), allocatable :: step(:), start(:)
+      real(wp), allocatable :: step(:)
       real(wp) :: residual, speed
       integer :: round, i
       allocate (step(size(v)))
-      allocate (start, source=v)
       call fill(system, work, matrix)
       do round = 1, 3
          residual = velocity_residual(system, work, v)
@@ -143,7 +142,6 @@ contains
       residual = velocity_residual(system, work, v)
       speed = max(1.0_wp, maxval(abs(v))/system%model%length)
       done = residual <= enough(system, q)*speed
-      if (.not. done) v = start
       call move_frames(system%model, system%layout, q, v, work%kinematics)
    end subroutine close_velocities
 

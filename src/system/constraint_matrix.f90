@@ -19,9 +19,8 @@ module limber_system_constraint_matrix
 
    !> Constraint equations up to which a scene is small
    integer, parameter, public :: small_scene = 120
-   !> Damping e of the least step by factors, relative to the square of the largest row, and relative size of the singular values
-   !> that it does without
-   real(wp), parameter :: small_square = 1.0e-13_wp, truncation = 1.0e-11_wp
+   !> Damping e of the least step by factors, relative to the square of the largest row
+   real(wp), parameter :: small_square = 1.0e-13_wp
 
    !> The scaled matrix by its entries
    type :: constraint_matrix_type
@@ -34,6 +33,11 @@ module limber_system_constraint_matrix
       !> Row, column and value of each entry
       integer, allocatable :: row(:), column(:)
       real(wp), allocatable :: value(:)
+      !> Relative size below which a combination of equations says nothing. It is far above round-off, for at a singular position
+      !> that is met to round-off, 1e-16, combinations are of the order of its root
+      real(wp) :: nothing = 1.0e-7_wp
+      !> Relative size of singular values that a least step does without
+      real(wp) :: truncation = 1.0e-11_wp
       !> Largest norm of a row
       real(wp) :: norm = 0.0_wp
       !> The system above, with the places of the entries in it, as they are and transposed, and of the diagonal
@@ -244,7 +248,7 @@ contains
       allocate (unknown(max(m, n), 1), values(min(m, n)), buffer(20*(m + n)**2 + 2000), integers(100*(m + n) + 100))
       unknown = 0.0_wp
       unknown(:m, 1) = gaps/self%row_scale
-      call dgelsd(m, n, 1, matrix, m, unknown, max(m, n), values, truncation, rank, buffer, size(buffer), integers, info)
+      call dgelsd(m, n, 1, matrix, m, unknown, max(m, n), values, self%truncation, rank, buffer, size(buffer), integers, info)
       step = 0.0_wp
       if (info /= 0) return
       step(self%place(:n)) = unknown(:n, 1)*self%scale(:n)

@@ -39,7 +39,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, intent(inout) :: culprit
       type(redundancy_type) :: here
-      logical :: moved, follows
+      logical :: moved
+      integer :: stuck
       call fill(system, work, matrix)
       call find_redundancy(system, matrix, here)
       found%rank = system%nc - here%count
@@ -48,46 +49,57 @@ contains
          found%singular = here
          return
       end if
-      call look_aside(system, work, matrix, t, q, moved, follows, found%redundancy)
-      if (.not. moved) then
+      matrix%truncation = matrix%nothing
+      call look_aside(system, work, matrix, t, q, here, moved, stuck, found%redundancy)
+      if (stuck > 0) then
+         culprit = here%last(stuck)
+         call raise(error, system%constraints(culprit)%item%label//': the mechanism is at a dead centre: '// &
+            & constraint_names(system, here%group == stuck)//' let it move by an infinitely small way only. Remove one of them,'// &
+            & ' or change a length')
+      else if (.not. moved) then
          found%redundancy = here
-         found%singular%count = 0
          allocate (found%singular%group(size(here%group)), source=0)
       else if (found%redundancy%count < here%count) then
          found%singular = here
          found%singular%count = here%count - found%redundancy%count
-      else if (follows) then
-         found%singular%count = 0
-         allocate (found%singular%group(size(here%group)), source=0)
       else
-         culprit = maxval(here%last)
-         call raise(error, system%constraints(culprit)%item%label//': the mechanism is at a dead centre: '// &
-            & constraint_names(system, here%group > 0)//' let it move by an infinitely small way only. Remove one of them, or'// &
-            & ' change a length')
+         allocate (found%singular%group(size(here%group)), source=0)
       end if
    end subroutine check_rank
 
-   !> Redundant equations at a position aside.
-   subroutine look_aside(system, work, matrix, t, q, moved, follows, aside)
+   !> Redundant equations at a position aside, where the constraints that have some have moved their bodies to.
+   subroutine look_aside(system, work, matrix, t, q, here, moved, stuck, aside)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Filled at q; filled there again at the end
       type(constraint_matrix_type), intent(inout) :: matrix
       real(wp), intent(in) :: t, q(:)
-      !> Whether something is free to move; whether the scene follows the direction that its equations leave free
-      logical, intent(out) :: moved, follows
+      !> What is redundant at q
+      type(redundancy_type), intent(in) :: here
+      !> Whether something is free to move; a group of constraints that stands still although its equations let it; 0: none
+      logical, intent(out) :: moved
+      integer, intent(out) :: stuck
       type(redundancy_type), intent(out) :: aside
       !> How far: rotations [rad] and ways relative to the scene
       real(wp), parameter :: far = 0.02_wp
       real(wp), allocatable :: direction(:), step(:), other(:), change(:)
-      integer :: k
+      integer :: k, owner(system%nc)
       logical :: done
+      do k = 1, size(here%group)
+         associate (item => system%constraints(k)%item)
+            owner(item%first:item%first + item%rows - 1) = k
+         end associate
+      end do
+      stuck = 0
       allocate (direction(matrix%columns), step(size(q)), change(size(q)))
-      direction = [(modulo(0.618034_wp*k, 1.0_wp) - 0.5_wp, k=1, matrix%columns)]
+      direction = 0.0_wp
+      do k = 1, size(matrix%row)
+         if (here%group(owner(matrix%row(k))) == 0) cycle
+         direction(matrix%column(k)) = modulo(0.618034_wp*matrix%column(k), 1.0_wp) - 0.5_wp
+      end do
       call least_step(matrix, times(matrix, direction)*matrix%row_scale, step)
       direction = direction - step(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)
       moved = maxval(abs(direction)) > 1.0e-4_wp
-      follows = .false.
       if (.not. moved) return
       direction = direction*(far/maxval(abs(direction)))
       step = 0.0_wp
@@ -95,18 +107,37 @@ contains
       allocate (other, source=q)
       call move(system, step, other)
       call close_positions(system, work, matrix, t, other, done)
-      if (done) then
-         call fill(system, work, matrix)
-         call find_redundancy(system, matrix, aside)
-         call change_between(system, q, other, change)
-         follows = norm2((change(matrix%place(:matrix%columns)))/matrix%scale(:matrix%columns) - direction) &
-            & < 0.3_wp*norm2(direction)
-      else
-         aside%count = huge(aside%count)
-      end if
+      call fill(system, work, matrix)
+      call find_redundancy(system, matrix, aside)
+      if (.not. done) aside%count = here%count
+      call change_between(system, q, other, change)
+      stuck = stuck_group(change(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns))
       call place_frames(system%model, system%layout, t, q, work%kinematics)
       call update_jacobians(system, work)
       call fill(system, work, matrix)
+
+   contains
+
+      !> The first group that was to move and has not.
+      integer function stuck_group(way)
+         !> Way that was made, scaled (columns)
+         real(wp), intent(in) :: way(:)
+         real(wp) :: wanted(size(here%excess)), made(size(here%excess))
+         wanted = 0.0_wp
+         made = 0.0_wp
+         do k = 1, size(matrix%row)
+            associate (group => here%group(owner(matrix%row(k))), column => matrix%column(k))
+               if (group == 0) cycle
+               wanted(group) = max(wanted(group), abs(direction(column)))
+               made(group) = max(made(group), abs(way(column)))
+            end associate
+         end do
+         do stuck_group = 1, size(wanted)
+            if (wanted(stuck_group) > 0.1_wp*far .and. made(stuck_group) < 0.05_wp*wanted(stuck_group)) return
+         end do
+         stuck_group = 0
+      end function stuck_group
+
    end subroutine look_aside
 
    !> At a singular position the velocities must be those of one of the branches that meet there: else no accelerations exist.

@@ -10,9 +10,6 @@ module limber_system_redundancy
    private
    public :: redundancy_type, find_null_space, find_redundancy, group_names, constraint_names
 
-   !> Size relative to the largest row below which a combination of equations says nothing. It is far above round-off, for at a
-   !> singular position that is met to round-off, 1e-16, combinations are of the order of its root.
-   real(wp), parameter :: nothing = 1.0e-7_wp
    !> Share in a combination below which an equation is no part of it
    real(wp), parameter :: no_share = 1.0e-5_wp
 
@@ -158,7 +155,7 @@ contains
       allocate (values(max(m, n)), left(m, m), right(1, 1), buffer(10*(m + n) + 64*(m + n)))
       values = 0.0_wp
       call dgesvd('A', 'N', m, n, full, m, values, left, m, right, 1, buffer, size(buffer), info)
-      rank = count(values(:min(m, n)) > nothing*matrix%norm)
+      rank = count(values(:min(m, n)) > matrix%nothing*matrix%norm)
       if (info /= 0) rank = m
       allocate (null(m, m - rank))
       null = left(:, rank + 1:)
@@ -193,7 +190,7 @@ contains
          values = 0.0_wp
          call dgesvd('N', 'A', matrix%columns, wide, image, matrix%columns, values, left, 1, right, wide, buffer, size(buffer), &
             & info)
-         found = count(values <= nothing*matrix%norm)
+         found = count(values <= matrix%nothing*matrix%norm)
          if (found < wide .or. wide == matrix%rows) exit
          wide = min(4*wide, matrix%rows)
          deallocate (block, image, values, left, right, buffer)

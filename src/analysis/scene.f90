@@ -3,7 +3,7 @@
 module limber_analysis_scene
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_text, only: newline
+   use limber_base_text, only: as_text, newline
    use limber_analysis_choice, only: choose_integrator
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -12,6 +12,9 @@ module limber_analysis_scene
    use limber_model_build, only: build_model
    use limber_model_scene, only: model_type
    use limber_system_assembly, only: first_guess, assemble
+   use limber_system_rank, only: assembly_type
+   use limber_system_redundancy, only: group_names, constraint_names
+   use limber_system_softening, only: soften_constraints
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
@@ -24,6 +27,8 @@ module limber_analysis_scene
       type(workspace_type) :: work
       !> Assembled coordinates and velocities at the first time (nq)
       real(wp), allocatable :: q(:), v(:)
+      !> Rank of the constraints, what is redundant, and the way from the guess
+      type(assembly_type) :: assembly
       !> Rendered warnings, one after another; empty if there are none
       character(:), allocatable :: warnings
       !> Wall seconds for reading the deck, for building model and modes, and for the assembly
@@ -84,29 +89,73 @@ contains
       scene%system%model%dynamics%reason = reason
    end subroutine settle_integrator
 
-   !> First state; what cannot be assembled is shown at the joint or driver in the deck.
+   !> First state; what cannot be assembled, or is redundant, is shown at the joint or driver in the deck.
    subroutine assemble_scene(scene, diagnostics)
       type(scene_type), intent(inout) :: scene
       type(diagnostics_type), intent(inout) :: diagnostics
       type(error_type), allocatable :: error
-      integer :: culprit, block
+      integer :: culprit
       allocate (scene%q(scene%system%layout%nq), scene%v(scene%system%layout%nq))
       associate (model => scene%system%model)
          call first_guess(scene%system, model%dynamics%start, scene%q, scene%v)
-         call assemble(scene%system, scene%work, model%dynamics%start, scene%q, scene%v, error, culprit)
-         if (.not. allocated(error)) return
-         if (culprit <= size(model%joints)) then
-            block = scene%deck%find_named('JOINT', model%joints(culprit)%name)
+         call assemble(scene%system, scene%work, model%dynamics%start, scene%q, scene%v, error, culprit, scene%assembly)
+      end associate
+      if (allocated(error)) then
+         call diagnostics%add(place_of(scene, culprit), error%message)
+         return
+      end if
+      call warn_of_redundancy(scene, diagnostics)
+      if (scene%assembly%rank == scene%assembly%equations) return
+      call soften_constraints(scene%system)
+      call new_workspace(scene%system, scene%work)
+   end subroutine assemble_scene
+
+   !> Where a joint or driver stands in the deck.
+   pure function place_of(scene, constraint) result(origin)
+      type(scene_type), intent(in) :: scene
+      !> Its index among the constraints
+      integer, intent(in) :: constraint
+      type(origin_type) :: origin
+      integer :: block
+      associate (model => scene%system%model)
+         if (constraint <= size(model%joints)) then
+            block = scene%deck%find_named('JOINT', model%joints(constraint)%name)
          else
-            block = scene%deck%find_named('DRIVER', model%drivers(culprit - size(model%joints))%name)
-         end if
-         if (block > 0) then
-            call diagnostics%add(scene%deck%blocks(block)%origin_of('NAME'), error%message)
-         else
-            call diagnostics%add(origin_type(file=1), error%message)
+            block = scene%deck%find_named('DRIVER', model%drivers(constraint - size(model%joints))%name)
          end if
       end associate
-   end subroutine assemble_scene
+      origin = origin_type(file=1)
+      if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
+   end function place_of
+
+   !> Names the constraints that share redundant equations, group by group, and those that do so at the first position only.
+   subroutine warn_of_redundancy(scene, diagnostics)
+      type(scene_type), intent(in) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer, parameter :: most = 5
+      integer :: k, groups
+      associate (system => scene%system, redundancy => scene%assembly%redundancy, singular => scene%assembly%singular)
+         groups = 0
+         if (redundancy%count > 0) groups = size(redundancy%excess)
+         do k = 1, min(groups, most)
+            call diagnostics%warn(place_of(scene, redundancy%last(k)), equations_are(redundancy%excess(k))//' redundant among '// &
+               & group_names(system, redundancy, k)//'; the motion is not changed by that, and of the reactions that balance'// &
+               & ' those of least norm are reported')
+         end do
+         if (groups > most) call diagnostics%warn(place_of(scene, redundancy%last(most + 1)), as_text(groups - most)// &
+            & ' more groups of joints have redundant equations, '//as_text(redundancy%count)//' in all')
+         if (singular%count > 0) call diagnostics%warn(place_of(scene, maxval(singular%last)), 'the mechanism starts at a'// &
+            & ' singular position, where '//constraint_names(system, singular%group > 0)//' let branches of its motion meet: it'// &
+            & ' goes on along the one that the guessed velocities are nearest to')
+      end associate
+   end subroutine warn_of_redundancy
+
+   pure function equations_are(count) result(text)
+      integer, intent(in) :: count
+      character(:), allocatable :: text
+      text = as_text(count)//' equations are'
+      if (count == 1) text = '1 equation is'
+   end function equations_are
 
    !> Wall seconds since a reading of `system_clock`.
    real(wp) function seconds_since(tick) result(seconds)

@@ -4,7 +4,7 @@ module limber_base_lapack
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: dgetrf, dgetrs, dpbtrf, dpbtrs, dsyev, dgelsd, dsaupd, dseupd
+   public :: dgetrf, dgetrs, dpbtrf, dpbtrs, dsyev, dgelsd, dgesvd, dsaupd, dseupd
 
    interface
 
@@ -64,6 +64,16 @@ module limber_base_lapack
          real(wp), intent(out) :: s(*), work(*)
          integer, intent(out) :: rank, iwork(*), info
       end subroutine dgelsd
+
+      !> Singular values and vectors
+      subroutine dgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, info)
+         import :: wp
+         character(1), intent(in) :: jobu, jobvt
+         integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
+         real(wp), intent(inout) :: a(lda, *)
+         real(wp), intent(out) :: s(*), u(ldu, *), vt(ldvt, *), work(*)
+         integer, intent(out) :: info
+      end subroutine dgesvd
 
       !> Reverse communication of the implicitly restarted Lanczos iteration (ARPACK)
       subroutine dsaupd(ido, bmat, n, which, nev, tol, resid, ncv, v, ldv, iparam, ipntr, workd, workl, lworkl, info)

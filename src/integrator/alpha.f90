@@ -14,7 +14,8 @@ module limber_integrator_alpha
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, times_mass
+   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, &
+      & times_mass, give_way
    implicit none
    private
    public :: alpha_type
@@ -177,6 +178,7 @@ contains
       class(alpha_type), intent(inout) :: self
       type(error_type), allocatable, intent(out) :: error
       logical :: singular
+      self%tangent%softness = 1/mass_factor(self)
       call combine(self%tangent, cmplx(mass_factor(self), 0.0_wp, wp), (1.0_wp, 0.0_wp), &
          & cmplx(self%h*self%beta/self%gamma, 0.0_wp, wp), cmplx(self%h*self%beta/self%gamma, 0.0_wp, wp), .false.)
       call self%tangent%matrix%factor(singular)
@@ -218,6 +220,7 @@ contains
          call velocities_of(system%layout, self%new_q, self%new_w, self%new_v)
          if (converged) return
          call motion_residual(system, work, t, self%new_q, self%new_v, self%new_a, self%new_lambda, self%motion, self%rate)
+         if (system%redundant) call give_way(self%tangent, self%new_lambda, self%rate)
          self%unknown(:nw) = -self%motion
          self%unknown(nw + 1:) = -self%rate
          call self%tangent%matrix%solve(self%unknown)

@@ -15,7 +15,7 @@ module limber_integrator_conserving
    use limber_system_dynamics, only: linearise, accelerations
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, times_mass
+   use limber_system_tangent, only: tangent_type, new_tangent, times_mass, give_way
    implicit none
    private
    public :: conserving_type
@@ -196,6 +196,8 @@ contains
             self%scale_lambda(item%first:item%first + item%rows - 1) = momentum*system%model%length/item%scale
          end associate
       end do
+      ! Of redundant constraints the multipliers are known to round-off of the constraints only; the motion does not feel it
+      if (system%redundant) self%scale_lambda = huge(1.0_wp)
    end subroutine find_scales
 
    !> The step that divides the way to the next stop evenly and is not above the one wanted.
@@ -256,6 +258,7 @@ contains
             fresh = .true.
             if (.not. self%h_factors > 0.0_wp) return
          end if
+         if (system%redundant) call give_way(self%tangent, self%lambda, self%phi)
          self%unknown(:nw) = -self%motion
          self%unknown(nw + 1:) = -self%phi
          call self%tangent%matrix%solve(self%unknown)

@@ -15,7 +15,7 @@ module limber_integrator_radau
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, &
-      & times_mass, times_stiffness
+      & times_mass, times_stiffness, give_way
    implicit none
    private
    public :: radau_type
@@ -219,6 +219,7 @@ contains
       complex(wp) :: mu
       logical :: singular
       mu = cmplx(gamma, 0.0_wp, wp)/self%h
+      self%tangent%softness = self%h/gamma
       call combine(self%tangent, mu, (1.0_wp, 0.0_wp), 1/mu, 1/mu, .false.)
       call self%tangent%matrix%factor(singular)
       done = .not. singular
@@ -260,6 +261,7 @@ contains
          self%iterations = round
          do i = 1, 3
             call find_residual(self, system, work, i)
+            if (system%redundant) call give_way(self%tangent, self%multipliers(:, i), self%rate(:, i))
          end do
          call newton_change(self, system, size_now)
          if (.not. size_now <= huge(size_now)) return

@@ -1,31 +1,31 @@
 !> Assembly: first place and motion. Starts from the guesses of the deck and satisfies every constraint to round-off, at
 !> position and at velocity level, with the least change of the frames; deflections and their rates stay as given
-!> unless the frames alone cannot satisfy the constraints. Floor: system.
-!> Source: least-norm Gauss-Newton; Nikravesh 1988, chapter 5.
+!> unless the frames alone cannot satisfy the constraints. Says which equations are redundant. Floor: system.
+!> Source: least-norm Gauss-Newton; Nikravesh 1988, chapter 5; doc/theory, eqs. (R1)-(R4).
 module limber_system_assembly
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_base_lapack, only: dgelsd
    use limber_base_text, only: as_text
    use limber_deck_operations, only: jet_type
    use limber_system_algebra, only: turn, cross
-   use limber_system_dynamics, only: position_residual, velocity_residual, worst_constraint
-   use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_multiplier, only: update_jacobians
+   use limber_system_closure, only: close_positions, close_velocities, approach, change_between
+   use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
+   use limber_system_dynamics, only: position_residual, velocity_residual
+   use limber_system_kinematics, only: place_frames
+   use limber_system_rank, only: assembly_type, check_rank, check_branch
+   use limber_system_redundancy, only: constraint_names
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: assemble, first_guess, constraint_rank
+   public :: assemble, first_guess, assembly_type
 
-   !> Relative residual that counts as satisfied, and the one that is aimed at
-   real(wp), parameter :: satisfied = 1.0e-12_wp, aim = 2.0e-16_wp
-   !> Deflection relative to the body's size beyond which an assembly by bending bodies is none
-   real(wp), parameter :: most_deflection = 0.1_wp
+   !> Part of the largest residual above which a constraint that is left open takes part in a contradiction
+   real(wp), parameter :: takes_part = 0.1_wp
 
 contains
 
    !> State at the time t that satisfies all constraints.
-   subroutine assemble(system, work, t, q, v, error, culprit)
+   subroutine assemble(system, work, t, q, v, error, culprit, found, dense)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
@@ -35,35 +35,57 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Index of the constraint that the error is about
       integer, intent(out) :: culprit
+      !> Rank, redundant equations, the way from the guess
+      type(assembly_type), intent(out), optional :: found
+      !> Whether to use singular values; if not given, in small scenes
+      logical, intent(in), optional :: dense
+      type(constraint_matrix_type) :: frames, bodies
+      type(assembly_type) :: result
       real(wp), allocatable :: start(:)
       logical :: done
       culprit = 0
+      result%rates = system%layout%nw
+      result%equations = system%nc
       if (system%nc == 0) then
+         allocate (result%redundancy%group(0), result%singular%group(0))
          call place_frames(system%model, system%layout, t, q, work%kinematics)
+         if (present(found)) found = result
          return
       end if
+      allocate (start(max(size(q), size(v))))
       start = q
-      call assemble_position(system, work, t, q, .false., done)
+      call new_constraint_matrix(system, .false., frames, dense)
+      call new_constraint_matrix(system, .true., bodies, dense)
+      call close_positions(system, work, frames, t, q, done)
       if (.not. done) then
          q = start
-         call assemble_position(system, work, t, q, .true., done)
+         call close_positions(system, work, bodies, t, q, done)
       end if
       if (.not. done) then
          q = start
-         call assemble_position(system, work, t, q, .false., done)
+         call approach(system, work, frames, t, q)
          call report(system, work, t, error, culprit)
          return
       end if
-      call check_rank(system, work, error, culprit)
-      if (allocated(error)) return
+      call find_turn(system, start, q, result)
       call turn_rates(system, start, q, v)
-      call assemble_velocity(system, work, q, v, .false., done)
-      if (.not. done) call assemble_velocity(system, work, q, v, .true., done)
+      call check_rank(system, work, bodies, t, q, result, error, culprit)
+      if (allocated(error)) return
+      frames%truncation = bodies%truncation
+      start = v
+      call close_velocities(system, work, frames, q, v, done)
       if (.not. done) then
-         call worst_rate(system, work, v, culprit)
-         call raise(error, system%constraints(culprit)%item%label//': no velocities satisfy the constraints at t = '// &
-            & as_text(t, 6)//'; the mechanism is at a dead centre or driven against a joint')
+         v = start
+         call close_velocities(system, work, bodies, q, v, done)
       end if
+      if (.not. done) then
+         v = start
+         call close_velocities(system, work, frames, q, v, done)
+         call report_rates(system, work, t, v, error, culprit)
+      else if (result%singular%count > 0) then
+         call check_branch(system, work, bodies, q, v, result, error, culprit)
+      end if
+      if (present(found)) found = result
    end subroutine assemble
 
    !> Turns the rates of the frames' vectors along with the frames: the guessed angular velocities stay.
@@ -110,268 +132,80 @@ contains
       end do
    end subroutine first_guess
 
-   !> Gauss-Newton on the position constraints; steps are limited so that the nearest branch is found.
-   subroutine assemble_position(system, work, t, q, flexible, done)
+   !> The body that has turned most from its guess.
+   pure subroutine find_turn(system, start, q, found)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: start(:), q(:)
+      type(assembly_type), intent(inout) :: found
+      real(wp) :: change(size(q))
+      integer :: i
+      call change_between(system, start, q, change)
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         if (abs(change(system%layout%q(i) + 2)) <= found%turned) cycle
+         found%turned = abs(change(system%layout%q(i) + 2))
+         found%body = i
+      end do
+   end subroutine find_turn
+
+   !> Error of rates that do not exist.
+   subroutine report_rates(system, work, t, v, error, culprit)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: q(:)
-      !> True if the deflections may change too
-      logical, intent(in) :: flexible
-      logical, intent(out) :: done
-      integer, parameter :: most = 200
-      real(wp), allocatable :: step(:), best(:)
-      real(wp) :: residual, least
-      integer :: round, rank
-      allocate (step(size(q)))
-      least = huge(least)
-      best = q
-      do round = 1, most
-         call place_frames(system%model, system%layout, t, q, work%kinematics)
-         call update_jacobians(system, work)
-         residual = position_residual(system, work)
-         if (.not. residual <= huge(residual)) exit
-         if (residual < least) then
-            least = residual
-            best = q
-         else if (least <= satisfied) then
-            exit
-         end if
-         if (residual <= aim) exit
-         call least_norm_step(system, work, -work%phi, flexible, step, rank)
-         step = step*min(1.0_wp, 0.5_wp/max(tiny(1.0_wp), largest_turn(system, step)))
-         call move(system, step, q)
-      end do
-      q = best
-      done = least <= satisfied
-      if (flexible) done = done .and. largest_deflection(system, q) <= most_deflection
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
-   end subroutine assemble_position
-
-   !> Least-norm change of the rates that satisfies the velocity equations, refined once.
-   subroutine assemble_velocity(system, work, q, v, flexible, done)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: q(:)
-      real(wp), intent(inout) :: v(:)
-      logical, intent(in) :: flexible
-      logical, intent(out) :: done
-      real(wp), allocatable :: step(:), start(:)
-      real(wp) :: residual, speed
-      integer :: round, rank, i
-      allocate (step(size(v)))
-      start = v
-      do round = 1, 3
-         residual = velocity_residual(system, work, v)
-         call least_norm_step(system, work, work%gamma, flexible, step, rank)
-         do i = 1, size(system%layout%q)
-            if (.not. system%layout%framed(i)) cycle
-            associate (first => system%layout%q(i) + 2)
-               step(first:first + 1) = step(first)*turn(q(first:first + 1))
-            end associate
-         end do
-         v = v + step
-      end do
-      residual = velocity_residual(system, work, v)
-      speed = max(1.0_wp, maxval(abs(v))/system%model%length)
-      done = residual <= satisfied*speed
-      if (.not. done) v = start
-      call move_frames(system%model, system%layout, q, v, work%kinematics)
-   end subroutine assemble_velocity
-
-   !> Solves Jacobian step = rhs in the least norm of scaled changes: lengths relative to the scene, angles, deflections.
-   subroutine least_norm_step(system, work, rhs, flexible, step, rank)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      !> Right-hand sides (nc)
-      real(wp), intent(in) :: rhs(:)
-      logical, intent(in) :: flexible
-      !> Changes in the layout of q, alpha in the first place of u (nq)
-      real(wp), intent(out) :: step(:)
-      !> Rank of the Jacobian
-      integer, intent(out) :: rank
-      real(wp), allocatable :: matrix(:, :), unknown(:, :), values(:), scale(:), row_scale(:), buffer(:)
-      integer, allocatable :: integers(:), place(:)
-      integer :: m, n, i, info
-      call dense_jacobian(system, work, flexible, matrix, place, scale, row_scale)
-      m = size(matrix, 1)
-      n = size(matrix, 2)
-      allocate (unknown(max(m, n), 1), values(min(m, n)), buffer(20*(m + n)**2 + 2000), integers(100*(m + n) + 100))
-      unknown = 0.0_wp
-      unknown(:m, 1) = rhs/row_scale
-      call dgelsd(m, n, 1, matrix, m, unknown, max(m, n), values, 1.0e-11_wp, rank, buffer, size(buffer), integers, info)
-      step = 0.0_wp
-      if (info /= 0) return
-      do i = 1, n
-         step(place(i)) = unknown(i, 1)*scale(i)
-      end do
-   end subroutine least_norm_step
-
-   !> The Jacobian as one matrix with scaled rows and columns.
-   subroutine dense_jacobian(system, work, flexible, matrix, place, scale, row_scale)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      logical, intent(in) :: flexible
-      !> (nc, columns)
-      real(wp), allocatable, intent(out) :: matrix(:, :)
-      !> Place of each column in the layout of q, and its scale; scale of each row
-      integer, allocatable, intent(out) :: place(:)
-      real(wp), allocatable, intent(out) :: scale(:), row_scale(:)
-      integer, allocatable :: first(:)
-      integer :: body, i, side, k, row, columns
-      allocate (first(size(system%layout%q)), place(system%layout%nq), scale(system%layout%nq), row_scale(system%nc))
-      columns = 0
-      do body = 1, size(first)
-         first(body) = columns + 1
-         do k = 1, system%layout%rates(body)
-            columns = columns + 1
-            place(columns) = system%layout%q(body) + k - 1
-            scale(columns) = merge(1.0_wp, system%model%length, k == 3)
-         end do
-         if (.not. flexible) cycle
-         do k = 1, system%layout%n(body)
-            columns = columns + 1
-            place(columns) = system%layout%q(body) + 3 + k
-            scale(columns) = system%model%length/system%model%bodies(body)%largest_shape
-         end do
-      end do
-      allocate (matrix(system%nc, columns))
-      matrix = 0.0_wp
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            row = item%first
-            row_scale(row:row + item%rows - 1) = item%scale
-            do side = 1, 2
-               body = item%bodies(side)
-               if (body == 0) cycle
-               k = system%layout%rates(body)
-               matrix(row:row + item%rows - 1, first(body):first(body) + k - 1) = work%jacobians(side, i)%z(:, :k)
-               if (flexible) matrix(row:row + item%rows - 1, first(body) + k:first(body) + k + system%layout%n(body) - 1) = &
-                  & work%jacobians(side, i)%eta
-            end do
-         end associate
-      end do
-      place = place(:columns)
-      scale = scale(:columns)
-      do k = 1, columns
-         matrix(:, k) = matrix(:, k)*scale(k)/row_scale
-      end do
-   end subroutine dense_jacobian
-
-   !> Rank of the Jacobian of the first `rows` constraint equations, deflections included.
-   integer function constraint_rank(system, work, rows) result(rank)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      integer, intent(in) :: rows
-      real(wp), allocatable :: matrix(:, :), unknown(:, :), values(:), scale(:), row_scale(:), buffer(:)
-      integer, allocatable :: integers(:), place(:)
-      integer :: n, info
-      call dense_jacobian(system, work, .true., matrix, place, scale, row_scale)
-      matrix = matrix(:rows, :)
-      n = size(matrix, 2)
-      allocate (unknown(max(rows, n), 1), values(min(rows, n)), buffer(20*(rows + n)**2 + 2000), integers(100*(rows + n) + 100))
-      unknown = 0.0_wp
-      call dgelsd(rows, n, 1, matrix, rows, unknown, max(rows, n), values, 1.0e-11_wp, rank, buffer, size(buffer), integers, info)
-   end function constraint_rank
-
-   !> An error if a constraint repeats what those before it demand.
-   subroutine check_rank(system, work, error, culprit)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
+      real(wp), intent(in) :: t, v(:)
       type(error_type), allocatable, intent(out) :: error
       integer, intent(out) :: culprit
-      integer :: rows
-      culprit = 0
-      if (constraint_rank(system, work, system%nc) == system%nc) return
-      do culprit = 1, size(system%constraints)
-         associate (item => system%constraints(culprit)%item)
-            rows = item%first + item%rows - 1
-            if (constraint_rank(system, work, rows) < rows) then
-               call raise(error, item%label//': it repeats, wholly or in part, what the joints and drivers before it demand'// &
-                  & ' (or the mechanism starts at a singular position); remove it or start elsewhere')
-               return
-            end if
-         end associate
-      end do
-   end subroutine check_rank
+      character(:), allocatable :: others
+      real(wp) :: residual
+      residual = velocity_residual(system, work, v)
+      call find_parties(system, work%gamma, culprit, residual, others)
+      call raise(error, system%constraints(culprit)%item%label//': no velocities satisfy the constraints at t = '// &
+         & as_text(t, 6)//others//'; the mechanism is at a dead centre or driven against a joint')
+   end subroutine report_rates
 
-   !> Largest rotation in a step [rad].
-   pure real(wp) function largest_turn(system, step) result(largest)
-      type(system_type), intent(in) :: system
-      real(wp), intent(in) :: step(:)
-      integer :: i, first
-      largest = 0.0_wp
-      do i = 1, size(system%layout%q)
-         first = system%layout%q(i)
-         if (system%layout%framed(i)) largest = max(largest, abs(step(first + 2)))
-      end do
-   end function largest_turn
-
-   !> Bound of the largest deflection relative to the size of its body.
-   pure real(wp) function largest_deflection(system, q) result(largest)
-      type(system_type), intent(in) :: system
-      real(wp), intent(in) :: q(:)
-      integer :: i, first
-      largest = 0.0_wp
-      do i = 1, size(system%layout%q)
-         first = system%layout%q(i) + 4
-         if (system%layout%n(i) > 0) largest = max(largest, maxval(abs(q(first:first + system%layout%n(i) - 1)))* &
-            & system%model%bodies(i)%largest_shape/system%model%bodies(i)%size)
-      end do
-   end function largest_deflection
-
-   !> Moves q by a step that has alpha in the first place of u; rotates u exactly.
-   pure subroutine move(system, step, q)
-      type(system_type), intent(in) :: system
-      real(wp), intent(in) :: step(:)
-      real(wp), intent(inout) :: q(:)
-      integer :: i, first, last
-      do i = 1, size(system%layout%q)
-         first = system%layout%q(i)
-         q(first:first + 1) = q(first:first + 1) + step(first:first + 1)
-         if (.not. system%layout%framed(i)) cycle
-         associate (u => q(first + 2:first + 3))
-            u = cos(step(first + 2))*u + sin(step(first + 2))*turn(u)
-            u = u/norm2(u)
-         end associate
-         last = first + 3 + system%layout%n(i)
-         q(first + 4:last) = q(first + 4:last) + step(first + 4:last)
-      end do
-   end subroutine move
-
-   !> The constraint whose velocity equation is farthest from satisfied.
-   subroutine worst_rate(system, work, v, culprit)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: v(:)
-      integer, intent(out) :: culprit
-      real(wp) :: worst, residual
-      integer :: i
-      worst = velocity_residual(system, work, v)
-      worst = -1.0_wp
-      culprit = 1
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            residual = norm2(work%gamma(item%first:item%first + item%rows - 1))/item%scale
-            if (residual > worst) culprit = i
-            worst = max(worst, residual)
-         end associate
-      end do
-   end subroutine worst_rate
-
-   !> Error that names the constraint that is left open.
+   !> Error that names the constraint that is left open, and those that it contradicts.
    subroutine report(system, work, t, error, culprit)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       type(error_type), allocatable, intent(out) :: error
       integer, intent(out) :: culprit
+      character(:), allocatable :: others
       real(wp) :: residual
-      call worst_constraint(system, work, culprit, residual)
-      call raise(error, system%constraints(culprit)%item%label//': the initial position cannot be assembled; '// &
+      residual = position_residual(system, work)
+      call find_parties(system, work%phi, culprit, residual, others)
+      call raise(error, system%constraints(culprit)%item%label//': the initial position cannot be assembled'//others//'; '// &
          & as_text(residual, 3)//' is left open at t = '//as_text(t, 6)// &
          & '. Check the lengths, or give a better first guess (X=, Y=, ANGLE=) for its bodies')
    end subroutine report
+
+   !> Who takes part in a contradiction: the constraint that is farthest from satisfied, the first one if several are, and others.
+   subroutine find_parties(system, residuals, culprit, residual, others)
+      type(system_type), intent(in) :: system
+      !> Of all equations (nc)
+      real(wp), intent(in) :: residuals(:)
+      integer, intent(out) :: culprit
+      !> Norm of its residual
+      real(wp), intent(out) :: residual
+      !> Text with the names of the others; empty if there are none
+      character(:), allocatable, intent(out) :: others
+      real(wp) :: part(size(system%constraints))
+      logical :: other(size(part))
+      integer :: i
+      do i = 1, size(part)
+         associate (item => system%constraints(i)%item)
+            part(i) = norm2(residuals(item%first:item%first + item%rows - 1))/item%scale
+         end associate
+      end do
+      do culprit = 1, size(part)
+         if (part(culprit) > (1 - 1.0e-4_wp)*maxval(part)) exit
+      end do
+      culprit = min(culprit, size(part))
+      residual = part(culprit)*system%constraints(culprit)%item%scale
+      other = part > takes_part*part(culprit)
+      other(culprit) = .false.
+      others = ''
+      if (any(other)) others = ': it contradicts '//constraint_names(system, other)
+   end subroutine find_parties
 
 end module limber_system_assembly

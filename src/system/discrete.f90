@@ -370,6 +370,7 @@ contains
          call system%loads(i)%item%add_tangent(step%mean, tangent%loads(i)%stiffness, tangent%loads(i)%damping)
       end do
       call gather(tangent)
+      tangent%softness = 0.5_wp*step%h**2
       call combine(tangent, (1.0_wp, 0.0_wp), cmplx(1/step%h, 0.0_wp, wp), (0.5_wp, 0.0_wp), (1.0_wp, 0.0_wp), .false.)
    end subroutine linearise_step
 

@@ -85,6 +85,7 @@ contains
          end associate
       end do
       call add_constraint_rows(system, work)
+      if (system%redundant) work%matrix%values(work%slack_place) = work%matrix%values(work%slack_place) - system%slack
       call work%matrix%factor(singular)
    end subroutine factor_multiplier_system
 
@@ -265,8 +266,26 @@ contains
       call set_bias(system, work, gamma)
       call set_right_side(system, work, gamma)
       call work%matrix%solve(work%solution)
+      if (system%redundant) call refine(system, work)
       call expand(system, work, a)
    end subroutine solve_multiplier_system
+
+   !> Takes out of the accelerations what constraints that give way have let pass, eq. (R6).
+   subroutine refine(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, parameter :: rounds = 2
+      integer :: round, i
+      work%correction(system%tree%free + 1:) = work%solution(system%tree%free + 1:)
+      do round = 1, rounds
+         work%correction(:system%tree%free) = 0.0_wp
+         do i = 1, system%nc
+            work%correction(system%tree%free + i) = -system%slack(i)*work%correction(system%tree%free + i)
+         end do
+         call work%matrix%solve(work%correction)
+         work%solution = work%solution + work%correction
+      end do
+   end subroutine refine
 
    !> The same without forces, and with all frames of the tree in their places: only the other constraints have a right-hand side.
    subroutine solve_gaps(system, work, gaps, a)

@@ -36,6 +36,9 @@ module limber_system_system
       type(tree_type) :: tree
       !> True if something puts energy in or takes it out: a driver, a load, or the force of the model k_g
       logical :: powered = .false.
+      !> True if some constraint equations repeat others: then each may give way by `slack` times its multiplier (nc)
+      logical :: redundant = .false.
+      real(wp), allocatable :: slack(:)
    end type system_type
 
    !> Scratch of one body in the multiplier system
@@ -77,6 +80,9 @@ module limber_system_system
       !> Multiplier matrix of the unknowns [free accelerations of frames; multipliers], and a vector of them
       type(sparse_type) :: matrix
       real(wp), allocatable :: solution(:)
+      !> Of redundant constraints: places of the diagonal (nc), and a correction of the solution
+      integer, allocatable :: slack_place(:)
+      real(wp), allocatable :: correction(:)
       !> Multipliers of the last solution (nc): the constraints act on the bodies with -Jacobian^T lambda
       real(wp), allocatable :: lambda(:)
       !> Count of evaluations of the right-hand side
@@ -325,6 +331,12 @@ contains
          end do
       end do
       call work%matrix%analyse(system%tree%unknowns)
+      if (system%redundant) then
+         allocate (work%slack_place(system%nc), work%correction(system%tree%unknowns))
+         do i = 1, system%nc
+            work%slack_place(i) = work%matrix%place(system%tree%row(i), system%tree%row(i))
+         end do
+      end if
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i))
             body%frame_place = block_place(work%matrix, columns_of(system, i), columns_of(system, i))

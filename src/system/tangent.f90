@@ -19,8 +19,7 @@ module limber_system_tangent
    implicit none
    private
    public :: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, times_mass, &
-      & times_stiffness
-   public :: copy_rows, add_reaction_stiffness, gather
+      & times_stiffness, copy_rows, add_reaction_stiffness, gather, give_way
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
    type :: body_tangent_type
@@ -57,6 +56,11 @@ module limber_system_tangent
       type(load_tangent_type), allocatable :: loads(:)
       !> The same gathered in the pattern of the matrix: M, D, K, G with its transpose, drift of G (entries, 5)
       real(wp), allocatable :: parts(:, :)
+      !> Of redundant constraints: how much each gives way for a unit of `softness`, and places of the diagonal (nc; else of no
+      !> size); how soft they are, as the step asks for it
+      real(wp), allocatable :: slack(:)
+      integer, allocatable :: slack_place(:)
+      real(wp) :: softness = 0.0_wp
    end type tangent_type
 
 contains
@@ -100,6 +104,15 @@ contains
       call tangent%matrix%analyse(system%layout%nw + system%nc)
       allocate (tangent%matrix%complex_values(size(tangent%matrix%values)), tangent%parts(size(tangent%matrix%values), 5))
       call find_places(system, tangent)
+      if (system%redundant) then
+         allocate (tangent%slack, source=system%slack)
+         allocate (tangent%slack_place(system%nc))
+         do i = 1, system%nc
+            tangent%slack_place(i) = tangent%matrix%place(system%layout%nw + i, system%layout%nw + i)
+         end do
+      else
+         allocate (tangent%slack(0), tangent%slack_place(0))
+      end if
    end subroutine new_tangent
 
    !> Room for the rows of a constraint, and the columns that they have: a joint that places a frame has only the frame's origin
@@ -428,7 +441,26 @@ contains
                & + parts(:, 4) + real(drift, wp)*parts(:, 5)
          end if
       end associate
+      if (size(tangent%slack) == 0) return
+      if (is_complex) then
+         tangent%matrix%complex_values(tangent%slack_place) = tangent%matrix%complex_values(tangent%slack_place) &
+            & - tangent%softness*tangent%slack
+      else
+         tangent%matrix%values(tangent%slack_place) = tangent%matrix%values(tangent%slack_place) - tangent%softness*tangent%slack
+      end if
    end subroutine combine
+
+   !> Takes from the residual of the constraints what redundant ones give way under their multipliers, eq. (R7).
+   pure subroutine give_way(tangent, lambda, residual)
+      type(tangent_type), intent(in) :: tangent
+      !> Multipliers and residuals (nc)
+      real(wp), intent(in) :: lambda(:)
+      real(wp), intent(inout) :: residual(:)
+      integer :: i
+      do i = 1, size(tangent%slack)
+         residual(i) = residual(i) - tangent%softness*tangent%slack(i)*lambda(i)
+      end do
+   end subroutine give_way
 
    !> product = product + factor M vector, in the layout of the rates.
    subroutine times_mass(system, tangent, factor, vector, product)

@@ -6,10 +6,11 @@ program test_assembly
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduction, only: axial_by_elements, fidelity_full, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
-   use limber_system_assembly, only: assemble, constraint_rank, first_guess
+   use limber_system_assembly, only: assemble, assembly_type, first_guess
    use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
    use limber_system_kinematics, only: move_frames, place_frames, point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians
+   use limber_system_redundancy, only: constraint_names
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_driver, add_joint, add_point_mass, add_rigid, constant_law, empty_model, join, wavy_law
    use testing, only: check, check_close, check_no_error, check_text, finish
@@ -305,34 +306,55 @@ contains
       call join(model, 'slide', joint_point_on_line, rod, [0.5_wp, 0.0_wp], ground, [0.0_wp, 1.0_wp], 0.0_wp)
    end subroutine add_short_rod
 
-   !> Whoever repeats what stands before is named: a joint, or a driver.
+   !> Consistent repetitions are no errors; they are counted, and who shares them is known: the same by singular values and by
+   !> sparse factors.
    subroutine test_redundant()
-      type(system_type) :: system
-      type(workspace_type) :: work
-      type(error_type), allocatable :: error
       type(model_type) :: model
-      real(wp), allocatable :: q(:), v(:)
-      integer :: culprit
+      ! The same pin twice: two equations of two joints
       model = four_bar([0.2_wp, 0.1_wp, -0.1_wp], 3.0_wp)
       call add_joint(model, 'twin', joint_revolute, model%joints(3)%points(2), model%joints(3)%points(1))
-      call put_together(model, 0.0_wp, system, work, q, v, error, culprit)
-      call check(allocated(error) .and. culprit == 5, 'a joint that repeats another is an error')
-      if (allocated(error)) call check(index(error%message, "joint 'twin': it repeats") == 1, 'the error names it')
-      call check(constraint_rank(system, work, system%nc) == 8 .and. constraint_rank(system, work, 8) == 8, 'the rank is eight')
-
+      call check_redundancy(model, 'twin', 8, 2, "joint 'rocker-pin' and joint 'twin'")
+      ! One angle driven twice
       model = four_bar([0.0_wp, 0.0_wp, 0.0_wp], 3.0_wp)
       call add_driver(model, 'first', 1, constant_law(acos(0.5_wp)))
       call add_driver(model, 'second', 1, constant_law(acos(0.5_wp)))
-      call put_together(model, 0.0_wp, system, work, q, v, error, culprit)
-      call check(allocated(error) .and. culprit == 6, 'a driver that repeats another is an error')
-      if (allocated(error)) call check(index(error%message, "driver 'second': it repeats") == 1, 'the error names it too')
-
+      call check_redundancy(model, 'drivers', 9, 1, "driver 'first' and driver 'second'")
       ! Part of a joint: a slide through the point that a pin holds
       model = four_bar([0.0_wp, 0.0_wp, 0.0_wp], 3.0_wp)
       call add_joint(model, 'part', joint_point_on_line, model%joints(1)%points(1), model%joints(1)%points(2), 0.4_wp)
-      call put_together(model, 0.0_wp, system, work, q, v, error, culprit)
-      call check(allocated(error) .and. culprit == 5, 'a joint that repeats a part is an error')
+      call check_redundancy(model, 'part', 8, 1, "joint 'left' and joint 'part'")
+      model = four_bar([0.0_wp, 0.0_wp, 0.0_wp], 3.0_wp)
+      call check_redundancy(model, 'regular', 8, 0, '')
    end subroutine test_redundant
+
+   !> Rank, number of redundant equations and their owners, dense and sparse; the same state from both.
+   subroutine check_redundancy(model, name, rank, redundant, owners)
+      type(model_type), intent(in) :: model
+      character(*), intent(in) :: name, owners
+      integer, intent(in) :: rank, redundant
+      type(system_type) :: system
+      type(workspace_type) :: work
+      type(error_type), allocatable :: error
+      type(assembly_type) :: found
+      real(wp), allocatable :: q(:), v(:), first(:)
+      integer :: culprit, round
+      system = new_system(model)
+      do round = 1, 2
+         call new_workspace(system, work)
+         allocate (q(system%layout%nq), v(system%layout%nq))
+         call first_guess(system, 0.0_wp, q, v)
+         call assemble(system, work, 0.0_wp, q, v, error, culprit, found, round == 1)
+         call check_no_error(error, name)
+         call check(found%rank == rank, name//': rank')
+         call check(found%redundancy%count == redundant .and. found%singular%count == 0, name//': redundant equations')
+         call check_text(constraint_names(system, found%redundancy%group > 0), owners, name//': who shares them')
+         if (redundant > 0) call check(found%redundancy%excess(1) == redundant, name//': they are one group')
+         call check_state(system, work, 0.0_wp, q, v, name)
+         if (round == 1) allocate (first, source=q)
+         call check_close(maxval(abs(q - first)), 0.0_wp, satisfied, name//': the same state')
+         deallocate (q, v)
+      end do
+   end subroutine check_redundancy
 
    !> Two drivers that fit in position but not in speed.
    subroutine test_dead_centre()

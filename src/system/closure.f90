@@ -1,0 +1,208 @@
+!> What brings a scene onto its constraints from afar: Newton's method with the least change of the coordinates, in steps that
+!> find the nearest branch, and the least change of the velocities. Floor: system.
+!> Source: least-norm Gauss-Newton; Nikravesh 1988, chapter 5; doc/theory, eq. (R1).
+module limber_system_closure
+   use limber_base_kinds, only: wp
+   use limber_system_algebra, only: turn, cross
+   use limber_system_constraint_matrix, only: constraint_matrix_type, fill, least_step, damped_step
+   use limber_system_dynamics, only: position_residual, velocity_residual
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_multiplier, only: update_jacobians
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: close_positions, close_velocities, approach, move, change_between
+
+   !> Relative residual that counts as satisfied, and the one that is aimed at
+   real(wp), parameter :: satisfied = 1.0e-12_wp, aim = 2.0e-16_wp
+   !> Deflection relative to the body's size beyond which an assembly by bending bodies is none
+   real(wp), parameter :: most_deflection = 0.1_wp
+
+contains
+
+   !> Gauss-Newton on the position constraints; steps are limited so that the nearest branch is found.
+   subroutine close_positions(system, work, matrix, t, q, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Of the frames, or of the deflections too
+      type(constraint_matrix_type), intent(inout) :: matrix
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: q(:)
+      logical, intent(out) :: done
+      integer, parameter :: most = 200
+      real(wp), allocatable :: step(:), best(:)
+      real(wp) :: residual, least
+      integer :: round
+      allocate (step(size(q)))
+      least = huge(least)
+      allocate (best, source=q)
+      do round = 1, most
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         call update_jacobians(system, work)
+         residual = position_residual(system, work)
+         if (.not. residual <= huge(residual)) exit
+         if (residual < least) then
+            least = residual
+            best = q
+         else if (least <= enough(system, q)) then
+            exit
+         end if
+         if (residual <= aim) exit
+         call fill(system, work, matrix)
+         work%gamma = -work%phi
+         call least_step(matrix, work%gamma, step)
+         step = step*min(1.0_wp, 0.5_wp/max(tiny(1.0_wp), largest_turn(system, step)))
+         call move(system, step, q)
+      end do
+      q = best
+      done = least <= enough(system, q)
+      if (matrix%flexible) done = done .and. largest_deflection(system, q) <= most_deflection
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+   end subroutine close_positions
+
+   !> Relative residual that counts as satisfied: round-off of the farthest place sets a bound.
+   pure real(wp) function enough(system, q)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: q(:)
+      integer :: i
+      enough = satisfied*system%model%length
+      do i = 1, size(system%layout%q)
+         enough = max(enough, 4*epsilon(enough)*maxval(abs(q(system%layout%q(i):system%layout%q(i) + 1))))
+      end do
+      enough = enough/system%model%length
+   end function enough
+
+   !> Comes as near to all constraints as can be: the least sum of squares of their residuals. What is open there is open because
+   !> constraints contradict each other.
+   subroutine approach(system, work, matrix, t, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(constraint_matrix_type), intent(inout) :: matrix
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: q(:)
+      integer, parameter :: most = 300
+      real(wp), allocatable :: step(:), best(:)
+      real(wp) :: open, least, damping
+      integer :: round
+      allocate (step(size(q)))
+      allocate (best, source=q)
+      least = huge(least)
+      damping = 1.0e-2_wp
+      do round = 1, most
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         open = position_residual(system, work)
+         open = norm2(work%phi/matrix%row_scale)
+         if (open < least) then
+            if (least - open < 1.0e-10_wp*least) exit
+            least = open
+            best = q
+            damping = max(0.2_wp*damping, 1.0e-10_wp)
+            call update_jacobians(system, work)
+            call fill(system, work, matrix)
+            work%gamma = -work%phi
+         else
+            q = best
+            damping = 10*damping
+            if (damping > 1.0e8_wp) exit
+         end if
+         call damped_step(matrix, work%gamma, damping*matrix%norm**2, step)
+         step = step*min(1.0_wp, 0.5_wp/max(tiny(1.0_wp), largest_turn(system, step)))
+         call move(system, step, q)
+      end do
+      q = best
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+   end subroutine approach
+
+   !> Least-norm change of the rates that satisfies the velocity equations, or comes nearest to that; refined.
+   subroutine close_velocities(system, work, matrix, q, v, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(constraint_matrix_type), intent(inout) :: matrix
+      real(wp), intent(in) :: q(:)
+      real(wp), intent(inout) :: v(:)
+      logical, intent(out) :: done
+      real(wp), allocatable :: step(:)
+      real(wp) :: residual, speed
+      integer :: round, i
+      allocate (step(size(v)))
+      call fill(system, work, matrix)
+      do round = 1, 3
+         residual = velocity_residual(system, work, v)
+         call least_step(matrix, work%gamma, step)
+         do i = 1, size(system%layout%q)
+            if (.not. system%layout%framed(i)) cycle
+            associate (first => system%layout%q(i) + 2)
+               step(first:first + 1) = step(first)*turn(q(first:first + 1))
+            end associate
+         end do
+         v = v + step
+      end do
+      residual = velocity_residual(system, work, v)
+      speed = max(1.0_wp, maxval(abs(v))/system%model%length)
+      done = residual <= enough(system, q)*speed
+      call move_frames(system%model, system%layout, q, v, work%kinematics)
+   end subroutine close_velocities
+
+   !> Largest rotation in a step [rad].
+   pure real(wp) function largest_turn(system, step) result(largest)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: step(:)
+      integer :: i, first
+      largest = 0.0_wp
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i)
+         if (system%layout%framed(i)) largest = max(largest, abs(step(first + 2)))
+      end do
+   end function largest_turn
+
+   !> Bound of the largest deflection relative to the size of its body.
+   pure real(wp) function largest_deflection(system, q) result(largest)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: q(:)
+      integer :: i, first
+      largest = 0.0_wp
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i) + 4
+         if (system%layout%n(i) > 0) largest = max(largest, maxval(abs(q(first:first + system%layout%n(i) - 1)))* &
+            & system%model%bodies(i)%largest_shape/system%model%bodies(i)%size)
+      end do
+   end function largest_deflection
+
+   !> Moves q by a step that has alpha in the first place of u; rotates u exactly.
+   pure subroutine move(system, step, q)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: step(:)
+      real(wp), intent(inout) :: q(:)
+      integer :: i, first, last
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i)
+         q(first:first + 1) = q(first:first + 1) + step(first:first + 1)
+         if (.not. system%layout%framed(i)) cycle
+         associate (u => q(first + 2:first + 3))
+            u = cos(step(first + 2))*u + sin(step(first + 2))*turn(u)
+            u = u/norm2(u)
+         end associate
+         last = first + 3 + system%layout%n(i)
+         q(first + 4:last) = q(first + 4:last) + step(first + 4:last)
+      end do
+   end subroutine move
+
+   !> Change from one position to another in the layout of q, the rotation in the first place of u.
+   pure subroutine change_between(system, from, to, change)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: from(:), to(:)
+      real(wp), intent(out) :: change(:)
+      integer :: i, first
+      change = to - from
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         first = system%layout%q(i) + 2
+         change(first) = atan2(cross(from(first:first + 1), to(first:first + 1)), &
+            & dot_product(from(first:first + 1), to(first:first + 1)))
+         change(first + 1) = 0.0_wp
+      end do
+   end subroutine change_between
+
+end module limber_system_closure

@@ -1,0 +1,173 @@
+!> Rank of the constraints at the first position: what is redundant in every position, what is so there only, and what stands
+!> still although its equations let it move. Floor: system. Source: doc/theory, eqs. (R2)-(R4).
+module limber_system_rank
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_system_closure, only: close_positions, move, change_between
+   use limber_system_constraint_matrix, only: constraint_matrix_type, fill, least_step, times
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_multiplier, only: update_jacobians
+   use limber_system_redundancy, only: redundancy_type, find_redundancy, constraint_names
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: assembly_type, check_rank, check_branch
+
+   !> What the assembly has found
+   type :: assembly_type
+      !> Independent rates, constraint equations, and how many of these are independent at the first position
+      integer :: rates = 0, equations = 0, rank = 0
+      !> Equations that repeat others in every position, and those that do so at the first position only
+      type(redundancy_type) :: redundancy, singular
+      !> Largest rotation from the guess to the first position [rad], and the body that has it; 0: none has turned
+      real(wp) :: turned = 0.0_wp
+      integer :: body = 0
+   end type assembly_type
+
+contains
+
+   !> Finds the rank, and whether the equations that say nothing new do so in every position. To see that, the scene is moved a
+   !> little along what is left free. A scene that does not move although its equations let it is at a dead centre: an error.
+   subroutine check_rank(system, work, matrix, t, q, found, error, culprit)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(constraint_matrix_type), intent(inout) :: matrix
+      real(wp), intent(in) :: t
+      !> Assembled coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      type(assembly_type), intent(inout) :: found
+      type(error_type), allocatable, intent(out) :: error
+      integer, intent(inout) :: culprit
+      type(redundancy_type) :: here
+      logical :: moved
+      integer :: stuck
+      call fill(system, work, matrix)
+      call find_redundancy(system, matrix, here)
+      found%rank = system%nc - here%count
+      if (here%count == 0) then
+         found%redundancy = here
+         found%singular = here
+         return
+      end if
+      matrix%truncation = matrix%nothing
+      call look_aside(system, work, matrix, t, q, here, moved, stuck, found%redundancy)
+      if (stuck > 0) then
+         culprit = here%last(stuck)
+         call raise(error, system%constraints(culprit)%item%label//': the mechanism is at a dead centre: '// &
+            & constraint_names(system, here%group == stuck)//' let it move by an infinitely small way only. Remove one of them,'// &
+            & ' or change a length')
+      else if (.not. moved) then
+         found%redundancy = here
+         allocate (found%singular%group(size(here%group)), source=0)
+      else if (found%redundancy%count < here%count) then
+         found%singular = here
+         found%singular%count = here%count - found%redundancy%count
+      else
+         allocate (found%singular%group(size(here%group)), source=0)
+      end if
+   end subroutine check_rank
+
+   !> Redundant equations at a position aside, where the constraints that have some have moved their bodies to.
+   subroutine look_aside(system, work, matrix, t, q, here, moved, stuck, aside)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Filled at q; filled there again at the end
+      type(constraint_matrix_type), intent(inout) :: matrix
+      real(wp), intent(in) :: t, q(:)
+      !> What is redundant at q
+      type(redundancy_type), intent(in) :: here
+      !> Whether something is free to move; a group of constraints that stands still although its equations let it; 0: none
+      logical, intent(out) :: moved
+      integer, intent(out) :: stuck
+      type(redundancy_type), intent(out) :: aside
+      !> How far: rotations [rad] and ways relative to the scene
+      real(wp), parameter :: far = 0.02_wp
+      real(wp), allocatable :: direction(:), step(:), other(:), change(:)
+      integer :: k, owner(system%nc)
+      logical :: done
+      do k = 1, size(here%group)
+         associate (item => system%constraints(k)%item)
+            owner(item%first:item%first + item%rows - 1) = k
+         end associate
+      end do
+      stuck = 0
+      allocate (direction(matrix%columns), step(size(q)), change(size(q)))
+      direction = 0.0_wp
+      do k = 1, size(matrix%row)
+         if (here%group(owner(matrix%row(k))) == 0) cycle
+         direction(matrix%column(k)) = modulo(0.618034_wp*matrix%column(k), 1.0_wp) - 0.5_wp
+      end do
+      call least_step(matrix, times(matrix, direction)*matrix%row_scale, step)
+      direction = direction - step(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)
+      moved = maxval(abs(direction)) > 1.0e-4_wp
+      if (.not. moved) return
+      direction = direction*(far/maxval(abs(direction)))
+      step = 0.0_wp
+      step(matrix%place(:matrix%columns)) = direction*matrix%scale(:matrix%columns)
+      allocate (other, source=q)
+      call move(system, step, other)
+      call close_positions(system, work, matrix, t, other, done)
+      call fill(system, work, matrix)
+      call find_redundancy(system, matrix, aside)
+      if (.not. done) aside%count = here%count
+      call change_between(system, q, other, change)
+      stuck = stuck_group(change(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns))
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+      call fill(system, work, matrix)
+
+   contains
+
+      !> The first group that was to move and has not.
+      integer function stuck_group(way)
+         !> Way that was made, scaled (columns)
+         real(wp), intent(in) :: way(:)
+         real(wp) :: wanted(size(here%excess)), made(size(here%excess))
+         wanted = 0.0_wp
+         made = 0.0_wp
+         do k = 1, size(matrix%row)
+            associate (group => here%group(owner(matrix%row(k))), column => matrix%column(k))
+               if (group == 0) cycle
+               wanted(group) = max(wanted(group), abs(direction(column)))
+               made(group) = max(made(group), abs(way(column)))
+            end associate
+         end do
+         do stuck_group = 1, size(wanted)
+            if (wanted(stuck_group) > 0.1_wp*far .and. made(stuck_group) < 0.05_wp*wanted(stuck_group)) return
+         end do
+         stuck_group = 0
+      end function stuck_group
+
+   end subroutine look_aside
+
+   !> At a singular position the velocities must be those of one of the branches that meet there: else no accelerations exist.
+   subroutine check_branch(system, work, matrix, q, v, found, error, culprit)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(constraint_matrix_type), intent(inout) :: matrix
+      real(wp), intent(in) :: q(:), v(:)
+      type(assembly_type), intent(in) :: found
+      type(error_type), allocatable, intent(out) :: error
+      integer, intent(inout) :: culprit
+      real(wp), allocatable :: step(:), left(:)
+      real(wp) :: speed
+      integer :: i
+      call move_frames(system%model, system%layout, q, v, work%kinematics)
+      call fill(system, work, matrix)
+      allocate (step(size(q)), left(system%nc))
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
+         end associate
+      end do
+      call least_step(matrix, work%gamma, step)
+      left = times(matrix, step(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)) - work%gamma/matrix%row_scale
+      speed = maxval(abs(work%gamma/matrix%row_scale))
+      if (maxval(abs(left)) <= 1.0e-6_wp*speed) return
+      culprit = maxval(found%singular%last)
+      call raise(error, system%constraints(culprit)%item%label//': the mechanism starts at a singular position, where branches'// &
+         & ' of its motion meet, with velocities of none of them. Give SPIN=, VX=, VY= of the branch that is meant, or start'// &
+         & ' elsewhere')
+   end subroutine check_branch
+
+end module limber_system_rank

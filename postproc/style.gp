@@ -1,16 +1,22 @@
-# What all figures share. The caller sets `format` (png or svg), `output_file`, `width` and `height` in cm;
-# fonts and lines have the sizes of a page on which the figure is as wide as that.
-dots_per_inch = format eq 'png' ? 200.0 : 96.0
-size_x = int(width/2.54*dots_per_inch + 0.5)
-size_y = int(height/2.54*dots_per_inch + 0.5)
+# What all figures share. The caller sets `format` (png, svg, gif or webm), `output_file`, `width` and `height` in cm;
+# fonts and lines have the sizes of a page on which the figure is as wide as that. An animation gets 25 frames a second,
+# which are written as PNG for WebM.
+dots_per_inch = format eq 'png' ? 200.0 : format eq 'svg' ? 96.0 : 144.0
+# Even numbers, as films need them
+size_x = 2*int(width/2.54*dots_per_inch/2 + 0.5)
+size_y = 2*int(height/2.54*dots_per_inch/2 + 0.5)
 magnified = dots_per_inch/96
 set encoding utf8
-if (format eq 'png') {
+if (format eq 'gif') {
+   set terminal gif animate delay 4 loop 0 size size_x,size_y font 'sans-serif,11' fontscale magnified linewidth magnified enhanced background 'white'
+}
+if (format eq 'png' || format eq 'webm') {
    set terminal pngcairo size size_x,size_y font 'sans-serif,11' fontscale magnified linewidth magnified pointscale magnified background 'white'
-} else {
+}
+if (format eq 'svg') {
    set terminal svg size size_x,size_y font 'sans-serif,14.7' enhanced background 'white'
 }
-set output output_file
+if (format ne 'webm') { set output output_file }
 set minussign
 set border 3 linewidth 0.8
 set tics nomirror out scale 0.7,0.4

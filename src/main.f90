@@ -9,6 +9,7 @@ program limber
    use limber_base_error, only: error_type
    use limber_analysis_command, only: command_type, read_command, usage
    use limber_analysis_diff, only: compare_histories
+   use limber_analysis_drawing, only: export_motion
    use limber_analysis_export, only: export_history
    use limber_analysis_help, only: help_on, version_text
    use limber_analysis_run, only: run_deck, check_deck
@@ -27,7 +28,12 @@ program limber
       case ('run'); call run_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
       case ('study'); call study_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
       case ('check'); call check_deck(trim(command%words(1)), report, error)
-      case ('export'); call export_history(trim(command%words(1)), command%words(2:), output_unit, error)
+      case ('export')
+         if (command%motion) then
+            call export_motion(trim(command%words(1)), command%drawing, output_unit, error)
+         else
+            call export_history(trim(command%words(1)), command%words(2:), output_unit, error)
+         end if
       case ('diff'); call compare_histories(trim(command%words(1)), trim(command%words(2)), command%tolerance, report, same, error)
       case ('help'); call help_on(command%words, command%manual, report, error)
       case ('--version'); report = version_text()

@@ -4,6 +4,7 @@ module limber_analysis_command
    use limber_base_text, only: nearest_name, newline
    use limber_base_kinds, only: wp
    use limber_analysis_diff, only: tolerance_type
+   use limber_analysis_drawing, only: choice_type
    implicit none
    private
    public :: command_type, read_command, usage
@@ -24,6 +25,9 @@ module limber_analysis_command
       logical :: force = .false., quiet = .false., manual = .false.
       !> Tolerances of `diff`
       type(tolerance_type) :: tolerance
+      !> Whether `export` is to print what can be drawn, and of that what
+      logical :: motion = .false.
+      type(choice_type) :: drawing
    end type command_type
 
 contains
@@ -31,7 +35,7 @@ contains
    !> How limber is called.
    pure function usage() result(text)
       character(:), allocatable :: text
-      text = join([character(100) :: &
+      text = join([character(110) :: &
          & 'limber: dynamics of planar flexible multibody systems', &
          & '', &
          & '   limber run DECK [-o FILE] [--force] [--quiet]', &
@@ -42,6 +46,9 @@ contains
          & '                       the table of the runs in FILE (else study.h5)', &
          & '   limber export FILE [CHANNEL ...]', &
          & '                       print channels of a result as plain columns', &
+         & '   limber export FILE --motion [--sample K | --time T | --samples N] [--deflection F] [--path POINT]', &
+         & '                       print lines to draw the mechanism with: at sample K from 0, the one nearest to T,', &
+         & '                       or N of all; deflections times F; paths of points (postproc/draw draws them)', &
          & '   limber diff A B [--rtol R] [--range R] [--atol A]', &
          & '                       compare result A with reference B, channel by channel: relative, as part of', &
          & '                       the reference''s range, absolute', &
@@ -99,13 +106,14 @@ contains
       character(*), intent(in) :: word
       type(error_type), allocatable, intent(out) :: error
       character(longest) :: value
-      character(*), parameter :: options(*) = [character(8) :: '-o', '--force', '--quiet', '--rtol', '--range', '--atol', &
-         & '--manual']
+      character(*), parameter :: options(*) = [character(12) :: '-o', '--force', '--quiet', '--rtol', '--range', '--atol', &
+         & '--manual', '--motion', '--sample', '--time', '--samples', '--deflection', '--path']
       select case (word)
       case ('--force'); command%force = .true.
       case ('--quiet'); command%quiet = .true.
       case ('--manual'); command%manual = .true.
-      case ('-o', '--rtol', '--range', '--atol')
+      case ('--motion'); command%motion = .true.
+      case ('-o', '--rtol', '--range', '--atol', '--sample', '--time', '--samples', '--deflection', '--path')
          if (i == command_argument_count()) then
             call raise(error, 'a value is missing behind '//trim(word), status_deck)
             return
@@ -116,6 +124,7 @@ contains
          if (word == '--rtol') call read_real(value, command%tolerance%relative, error)
          if (word == '--range') call read_real(value, command%tolerance%of_range, error)
          if (word == '--atol') call read_real(value, command%tolerance%absolute, error)
+         call take_drawing(command%drawing, word, value, error)
       case default
          if (word(1:1) == '-' .and. len_trim(word) > 1) then
             call complain('option', word, error, options)
@@ -124,6 +133,24 @@ contains
          end if
       end select
    end subroutine take
+
+   !> An option with a value of `export --motion`.
+   subroutine take_drawing(drawing, word, value, error)
+      type(choice_type), intent(inout) :: drawing
+      character(*), intent(in) :: word, value
+      type(error_type), allocatable, intent(inout) :: error
+      select case (word)
+      case ('--sample'); call read_count(value, drawing%sample, error)
+      case ('--samples'); call read_count(value, drawing%samples, error)
+      case ('--deflection'); call read_real(value, drawing%deflection, error)
+      case ('--time')
+         drawing%at_time = .true.
+         call read_real(value, drawing%time, error)
+      case ('--path')
+         if (.not. allocated(drawing%paths)) allocate (drawing%paths(0))
+         drawing%paths = [character(len(drawing%paths)) :: drawing%paths, value]
+      end select
+   end subroutine take_drawing
 
    !> Too few or too many files.
    subroutine check_count(command, error)
@@ -136,7 +163,9 @@ contains
       case ('run', 'check', 'study')
          least = 1
          most = 1
-      case ('export'); least = 1
+      case ('export')
+         least = 1
+         if (command%motion) most = 1
       case ('diff')
          least = 2
          most = 2
@@ -172,5 +201,15 @@ contains
       read (text, *, iostat=status) value
       if (status /= 0) call raise(error, "'"//trim(text)//"' is not a number", status_deck)
    end subroutine read_real
+
+   subroutine read_count(text, value, error)
+      character(*), intent(in) :: text
+      integer, intent(out) :: value
+      type(error_type), allocatable, intent(out) :: error
+      integer :: status
+      read (text, *, iostat=status) value
+      if (status /= 0 .or. verify(trim(text), '0123456789') > 0) call raise(error, "'"//trim(text)//"' is not a whole number", &
+         & status_deck)
+   end subroutine read_count
 
 end module limber_analysis_command

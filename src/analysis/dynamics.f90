@@ -13,7 +13,7 @@ module limber_analysis_dynamics
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: break_times
    use limber_model_scene, only: dynamics_type
-   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values
+   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
@@ -88,7 +88,7 @@ contains
       call system_clock(tick)
       call cpu_time(cpu)
       associate (nq => scene%system%layout%nq, dynamics => scene%system%model%dynamics)
-         allocate (sample%q(nq), sample%v(nq), sample%a(nq), sample%change(nq), sample%values(size(scene%system%model%channels)))
+         allocate (sample%q(nq), sample%v(nq), sample%a(nq), sample%change(nq), sample%values(sample_width(scene%system)))
          sample%a = 0.0_wp
          recorder = new_recorder(scene%system, scene%q)
          outcome%reached = dynamics%start

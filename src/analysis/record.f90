@@ -12,13 +12,15 @@ module limber_analysis_record
    use limber_model_channels, only: unit_text
    use limber_model_scene, only: body_type, units_type, body_point, body_flexible
    use limber_output_history, only: history_type
+   use limber_output_motion, only: define_motion
+   use limber_output_outline, only: geometry_of
    implicit none
    private
    public :: open_history, record_bodies, record_provenance, record_outcome
 
 contains
 
-   !> Creates the history with its time axis and channels.
+   !> Creates the history with its time axis, its channels and, if it is asked for, the motion.
    subroutine open_history(scene, path, overwrite, history, error)
       type(scene_type), intent(in) :: scene
       character(*), intent(in) :: path
@@ -33,6 +35,8 @@ contains
             if (allocated(error)) return
             call history%define_channel(model%channels(i)%name, 1, model%channels(i)%units, model%channels(i)%long_name, error)
          end do
+         if (model%motion .and. .not. allocated(error)) &
+            & call define_motion(geometry_of(model, scene%system%layout), model%units%length, history, error)
       end associate
       if (.not. allocated(error)) call record_provenance(scene, history, error)
       if (.not. allocated(error)) call record_bodies(scene, history, error)

@@ -38,7 +38,7 @@ module limber_deck_keywords
       & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
       & keyword_type('ACCURACY', 1, form_none, 0, 0, 'What is to be known of the error of the results of limber run'), &
       & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
-      & keyword_type('OUTPUT', many, form_channels, 1, many, &
+      & keyword_type('OUTPUT', many, form_channels, 0, many, &
       &    'Channels of the results, several in a line: quantity(object) or name = expression of quantities')]
    !> Options: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: setting_options(*) = [ &
@@ -164,7 +164,9 @@ module limber_deck_keywords
       & option_spec_type('STUDY', 'BEAM', kind_reference, 'BEAM', '', '', 'the beam that is varied; if not given, all'), &
       & option_spec_type('STUDY', 'ERROR', kind_positive, '', '', '0.01', 'relative error that the advice aims at'), &
       & option_spec_type('STUDY', 'LIMIT', kind_positive, '', &
-      &    's', '30', 'CPU time of this machine after which a run is given up')]
+      &    's', '30', 'CPU time of this machine after which a run is given up'), &
+      & option_spec_type('OUTPUT', 'MOTION', kind_yes, '', &
+      &    '', 'NO', 'the coordinates of all bodies at each sample, and their outlines: what postproc/draw draws')]
    !> All options in the order of their keywords: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, other_options]
    !> The fields of data lines of the form `form_fields`

@@ -19,13 +19,16 @@ module limber_model_channels
 
 contains
 
-   !> Adds the channels of an *OUTPUT block.
+   !> Adds the channels of an *OUTPUT block, and what its options ask for.
    subroutine add_channels(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i, j, before
       type(channel_type) :: channel
+      model%motion = model%motion .or. block%yes('MOTION')
+      if (size(block%lines) == 0 .and. .not. block%yes('MOTION')) call diagnostics%add(block%origin, &
+         & '*OUTPUT asks for nothing', 'add lines of channels below it, or MOTION=YES')
       do i = 1, size(block%lines)
          do j = 1, size(block%lines(i)%fields)
             before = diagnostics%count

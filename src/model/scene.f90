@@ -165,6 +165,8 @@ module limber_model_scene
       type(torque_type), allocatable :: torques(:)
       type(spring_type), allocatable :: springs(:)
       type(channel_type), allocatable :: channels(:)
+      !> True if the coordinates of all bodies are to be sampled, to be drawn
+      logical :: motion = .false.
       type(dynamics_type) :: dynamics
       type(accuracy_type) :: accuracy
       !> Characteristic length: the largest size of a body or distance between guessed places [length]

@@ -10,7 +10,7 @@ module limber_output_channels
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: recorder_type, new_recorder, follow_angles, channel_values
+   public :: recorder_type, new_recorder, follow_angles, channel_values, sample_width
 
    !> What is remembered between samples: the angle of every frame, accumulated over turns
    type :: recorder_type
@@ -85,7 +85,14 @@ contains
       angle = angle + turn_once*anint((before - angle)/turn_once)
    end function angle_near
 
-   !> Values of all channels, in their order.
+   !> Numbers in a sample: the channels, and behind them the coordinates, if the motion is asked for.
+   pure integer function sample_width(system) result(width)
+      type(system_type), intent(in) :: system
+      width = size(system%model%channels)
+      if (system%model%motion) width = width + system%layout%nq
+   end function sample_width
+
+   !> A sample: values of all channels, in their order, and the coordinates, if the motion is asked for.
    subroutine channel_values(recorder, system, work, t, q, v, a, values)
       type(recorder_type), intent(inout) :: recorder
       type(system_type), intent(in) :: system
@@ -93,10 +100,11 @@ contains
       type(workspace_type), intent(inout) :: work
       !> Time; coordinates, velocities, accelerations (nq)
       real(wp), intent(in) :: t, q(:), v(:), a(:)
+      !> (sample_width)
       real(wp), intent(inout) :: values(:)
       integer :: i, j
       if (recorder%needs_energy) call mechanical_energy(system, work, q, v, recorder%kinetic, recorder%potential)
-      do i = 1, size(values)
+      do i = 1, size(system%model%channels)
          associate (channel => system%model%channels(i))
             do j = 1, size(channel%quantities)
                recorder%slots(j) = quantity_value(recorder, channel%quantities(j), system, work, t, q, v, a)
@@ -104,6 +112,7 @@ contains
             values(i) = channel%expression%evaluate(recorder%slots(:size(channel%quantities)))
          end associate
       end do
+      if (system%model%motion) values(size(system%model%channels) + 1:) = q
    end subroutine channel_values
 
    !> Value of one quantity.

@@ -7,6 +7,7 @@
 !>     /component_<k>     1..k: scale of the second dimension of channels of width k, one for each width in use
 !>     /channels/<name>   (time) or (time, k); attributes units, long_name; members in order of definition
 !>     /<group>/<name>    of the same shape, with the same scales: more about a channel, whose attribute <group> is the path
+!>     /motion            what `limber_output_motion` describes, if the deck asks for it
 !>     /bodies/<name>/... small datasets and attributes
 !>     /run               texts (deck, ...), statistics; attributes complete (0, then 1) and status
 !>
@@ -41,7 +42,7 @@ module limber_output_history
    type, extends(sink_type) :: history_type
       !> Name of the file
       character(:), allocatable :: path
-      !> Numbers in a sample: the widths of all channels added up
+      !> Numbers in a sample: the widths of all channels, and of what else is sampled, added up
       integer :: width = 0
       !> Samples taken so far, written or not
       integer(long) :: samples = 0
@@ -59,7 +60,8 @@ module limber_output_history
       !> Set by a write that failed; no sample is taken any more
       logical, private :: failed = .false.
    contains
-      procedure :: create, define_time, define_channel, append, flush => flush_samples, finish, put_group, put_beside, put_text
+      procedure :: create, define_time, define_channel, define_series, append, flush => flush_samples, finish
+      procedure :: put_group, put_beside, put_text
       !> `put_real(path, value, units, long_name, error)`: value (:) or (:, :), which h5py sees transposed
       generic :: put_real => put_reals, put_table
       !> `put_attribute(path, name, value, error)`: value a text, integer, long, real or real (:)
@@ -140,17 +142,31 @@ contains
       character(*), intent(in) :: long_name
       !> Allocated if the name is bad or taken, or the file cannot be written
       type(error_type), allocatable, intent(out) :: error
-      type(series_type) :: channel
       call check_definition(self, name, width, error)
-      if (allocated(error)) return
-      call create_series(self%file, '/channels/'//name, width, chunk_rows(width), channel, error)
-      if (allocated(error)) return
-      self%channels = [self%channels, channel]
-      self%width = self%width + width
-      call write_attribute(self%file, '/channels/'//name, 'units', units, error)
-      if (.not. allocated(error)) call write_attribute(self%file, '/channels/'//name, 'long_name', long_name, error)
-      if (.not. allocated(error)) call self%attach_scales(channel, '/channels/'//name, error)
+      if (.not. allocated(error)) call self%define_series('/channels/'//name, width, units, long_name, error)
    end subroutine define_channel
+
+   !> Adds a series that is no channel, with the same scales; its numbers stand in a sample in the order of definition too.
+   subroutine define_series(self, path, width, units, long_name, error)
+      !> Open history
+      class(history_type), intent(inout) :: self
+      !> Absolute path in a group that is there, not taken
+      character(*), intent(in) :: path
+      !> Numbers in each sample, at least 1
+      integer, intent(in) :: width
+      !> Unit, and one line for people
+      character(*), intent(in) :: units, long_name
+      !> Allocated if the file cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      type(series_type) :: series
+      call create_series(self%file, path, width, chunk_rows(width), series, error)
+      if (allocated(error)) return
+      self%channels = [self%channels, series]
+      self%width = self%width + width
+      call write_attribute(self%file, path, 'units', units, error)
+      if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
+      if (.not. allocated(error)) call self%attach_scales(series, path, error)
+   end subroutine define_series
 
    !> Gives a series the time and, if it is wide, the components as scales of its dimensions.
    subroutine attach_scales(self, series, path, error)
@@ -213,7 +229,7 @@ contains
       class(history_type), intent(inout) :: self
       !> Time, in the unit of `define_time`
       real(wp), intent(in) :: t
-      !> All channels one after another in the order of definition, (width)
+      !> All channels and other series one after another in the order of definition, (width)
       real(wp), intent(in) :: values(:)
       !> Allocated if the file cannot be written
       type(error_type), allocatable, intent(out) :: error

@@ -49,7 +49,7 @@ module limber_output_history_reader
       integer(hid_t), private :: file = no_id
    contains
       procedure :: open => open_history, close => close_history, read_time, read_channel, read_text, read_statistic, &
-         & find_channel
+         & find_channel, has, read_list, read_table, read_label
    end type history_reader_type
 
 contains
@@ -241,6 +241,54 @@ contains
          call raise(error, self%path//' has no '//path, status_deck)
       end if
    end subroutine read_text
+
+   !> Whether the file has a group or dataset.
+   logical function has(self, path)
+      !> Open reader
+      class(history_reader_type), intent(in) :: self
+      !> Absolute path
+      character(*), intent(in) :: path
+      has = object_exists(self%file, path)
+   end function has
+
+   !> Reads a dataset of one dimension, such as '/bodies/rod/nodes'.
+   subroutine read_list(self, path, values, error)
+      !> Open reader
+      class(history_reader_type), intent(in) :: self
+      !> Absolute path
+      character(*), intent(in) :: path
+      !> Numbers
+      real(wp), allocatable, intent(out) :: values(:)
+      !> Allocated if there is no such dataset
+      type(error_type), allocatable, intent(out) :: error
+      call read_dataset(self%file, path, values, error)
+   end subroutine read_list
+
+   !> Reads a dataset of two dimensions, such as '/motion/places'.
+   subroutine read_table(self, path, values, error)
+      !> Open reader
+      class(history_reader_type), intent(in) :: self
+      !> Absolute path
+      character(*), intent(in) :: path
+      !> Numbers, in Fortran order
+      real(wp), allocatable, intent(out) :: values(:, :)
+      !> Allocated if there is no such dataset
+      type(error_type), allocatable, intent(out) :: error
+      call read_dataset(self%file, path, values, error)
+   end subroutine read_table
+
+   !> Reads a text that is an attribute, such as 'heading' of '/run'.
+   subroutine read_label(self, path, name, text, error)
+      !> Open reader
+      class(history_reader_type), intent(in) :: self
+      !> Absolute path of the group or dataset, and name of its attribute
+      character(*), intent(in) :: path, name
+      !> Text as it was put
+      character(:), allocatable, intent(out) :: text
+      !> Allocated if there is no such text
+      type(error_type), allocatable, intent(out) :: error
+      call read_attribute(self%file, path, name, text, error)
+   end subroutine read_label
 
    !> Reads a number that the run left among its statistics, an attribute of /run or of another group.
    subroutine read_statistic(self, name, value, error, group)

@@ -20,7 +20,7 @@ module limber_output_sink
          class(sink_type), intent(inout) :: self
          !> Time
          real(wp), intent(in) :: t
-         !> All channels one after another in the order of definition, (width)
+         !> All channels one after another in the order of definition; behind them the coordinates, if they are sampled
          real(wp), intent(in) :: values(:)
          !> Allocated if no more samples can be taken: the run is to end
          type(error_type), allocatable, intent(out) :: error
@@ -31,7 +31,7 @@ module limber_output_sink
    type, extends(sink_type) :: memory_type
       !> Samples taken
       integer :: samples = 0
-      !> Times (samples), and channels (width, samples); longer than that if a run ends early
+      !> Times (samples), and the first `width` numbers (width, samples); longer than that if a run ends early
       real(wp), allocatable :: times(:), values(:, :)
       !> CPU time of a run, and CPU clock at its start [s]
       real(wp) :: limit = huge(1.0_wp)
@@ -45,7 +45,7 @@ contains
    !> Empties the memory for a run that begins now.
    subroutine start_memory(self, width, samples, limit)
       class(memory_type), intent(inout) :: self
-      !> Numbers in a sample, and greatest number of samples
+      !> Numbers of a sample that are kept, and greatest number of samples
       integer, intent(in) :: width, samples
       !> CPU time after which the run is given up at its next sample [s]
       real(wp), intent(in) :: limit
@@ -70,7 +70,7 @@ contains
       end if
       self%samples = self%samples + 1
       self%times(self%samples) = t
-      self%values(:, self%samples) = values
+      self%values(:, self%samples) = values(:size(self%values, 1))
    end subroutine append_memory
 
 end module limber_output_sink

@@ -1,0 +1,32 @@
+# What `limber export --motion` prints -> work/paths.txt and work/0.txt, work/1.txt, ..., a file for each sample; on standard output
+# what draw.gp must know: the layers that there are, the box of all points, heading, unit and times
+function quoted(text) { gsub(/'/, "''", text); return "'" text "'" }
+BEGIN { frames = 0; file = work "/paths.txt"; layer = "" }
+# As many letters as a line has
+/^# heading / {
+  heading = substr($0, 11)
+  if (length(heading) > 76) { heading = substr(heading, 1, 75); sub(/ [^ ]*$/, " …", heading) }
+  next
+}
+/^# unit / { unit = substr($0, 8); next }
+/^# sample / {
+  if (frames > 0) close(file)
+  file = work "/" frames ".txt"
+  time[++frames] = substr($0, index($0, ",") + 2)
+  next
+}
+/^# / { layer = $2; if (!(layer in known)) { known[layer] = 1; layers = layers " " layer } }
+NF >= 3 && layer != "" && !/^#/ {
+  r = NF > 3 ? $4 : 0
+  if (!boxed) { left = right = $1; bottom = top = $2; boxed = 1 }
+  if ($1 - r < left) left = $1 - r
+  if ($1 + r > right) right = $1 + r
+  if ($2 - r < bottom) bottom = $2 - r
+  if ($2 + r > top) top = $2 + r
+}
+{ print > file }
+END {
+  printf "frames = %d\nlayers = '%s'\nheading = %s\nunit = %s\narray time[%d]\n", frames, layers, quoted(heading), quoted(unit), frames
+  printf "left = %.9e; right = %.9e; bottom = %.9e; top = %.9e\n", left, right, bottom, top
+  for (i = 1; i <= frames; i++) printf "time[%d] = %s\n", i, quoted(time[i])
+}

@@ -1,0 +1,303 @@
+!> What is drawn of a model: its named points, an outline of each body, and what its joints and springs connect.
+!> Floor: output; model -> geometry of `limber_output_motion`.
+module limber_output_outline
+   use limber_base_kinds, only: wp
+   use limber_flex_reduction, only: point_shape
+   use limber_model_scene, only: model_type, body_point, body_flexible, joint_revolute, joint_point_on_line
+   use limber_output_motion, only: geometry_type, prepare
+   use limber_system_algebra, only: cross
+   use limber_system_kinematics, only: layout_type
+   implicit none
+   private
+   public :: geometry_of, hull
+
+   !> Least number of stretches of a beam's outline, and stretches for each bending coordinate
+   integer, parameter :: least_stretches = 24, stretches_per_mode = 6
+   !> Points that every body has without the deck's naming them
+   character(*), parameter :: own_points = ' origin centre start middle end '
+
+contains
+
+   !> Geometry of a model. Its places are the points of the model, in their order, and behind them those along beams.
+   function geometry_of(model, layout) result(geometry)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      type(geometry_type) :: geometry
+      integer, allocatable :: order(:), first(:)
+      logical, allocatable :: drawn(:)
+      integer :: i, body, place, shape, stroke
+      call size_geometry(model, layout, geometry)
+      place = 0
+      shape = 0
+      do i = 1, size(model%points)
+         geometry%place_names(i) = model%points(i)%name
+         call add_place(model%points(i)%body, model%points(i)%p0, model%points(i)%phi, geometry, place, shape)
+      end do
+      call take_connections(model, geometry)
+      call sort_points(model, order, first)
+      call find_drawn(model, geometry, drawn)
+      stroke = 0
+      do body = 1, size(model%bodies)
+         geometry%bodies(body) = model%bodies(body)%name
+         if (model%bodies(body)%kind == body_point) cycle
+         if (is_bent_beam(model, body)) then
+            call add_stroke(geometry, stroke, [(i, i=place + 1, place + stretches(model, body) + 1)], .false.)
+            call add_stations(model, body, geometry, place, shape)
+         else
+            call add_outline(order(first(body):first(body + 1) - 1), drawn, geometry, stroke)
+         end if
+      end do
+      geometry%stroke_places = geometry%stroke_places(:sum(geometry%stroke_widths))
+      call prepare(geometry)
+   end function geometry_of
+
+   !> Allocates the lists; that of the places in strokes longer than needed.
+   subroutine size_geometry(model, layout, geometry)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      type(geometry_type), intent(inout) :: geometry
+      integer :: body, places, shapes, strokes, i
+      places = size(model%points)
+      shapes = 0
+      do i = 1, places
+         shapes = shapes + size(model%points(i)%phi)
+      end do
+      allocate (geometry%bodies(size(model%bodies)), geometry%widths(size(model%bodies)))
+      do body = 1, size(model%bodies)
+         geometry%widths(body) = merge(4, 2, layout%framed(body)) + layout%n(body)
+         if (.not. is_bent_beam(model, body)) cycle
+         places = places + stretches(model, body) + 1
+         shapes = shapes + 2*layout%n(body)*(stretches(model, body) + 1)
+      end do
+      strokes = count(model%bodies%kind /= body_point)
+      allocate (geometry%places(2, places), geometry%place_bodies(places), geometry%place_names(places), geometry%shapes(shapes))
+      allocate (geometry%stroke_widths(strokes), geometry%stroke_closed(strokes), geometry%stroke_places(places))
+      geometry%place_names = ''
+      geometry%stroke_widths = 0
+   end subroutine size_geometry
+
+   !> Whether a body is a beam that bends.
+   pure logical function is_bent_beam(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      is_bent_beam = model%bodies(body)%kind == body_flexible .and. model%bodies(body)%end_point > 0
+   end function is_bent_beam
+
+   !> Number of stretches of a beam's outline.
+   pure integer function stretches(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      stretches = max(least_stretches, stretches_per_mode*model%bodies(body)%reduced%bending)
+   end function stretches
+
+   !> Adds a place.
+   pure subroutine add_place(body, p0, phi, geometry, place, shape)
+      integer, intent(in) :: body
+      !> Undeformed place (2) and displacement for each coordinate (2,n)
+      real(wp), intent(in) :: p0(2), phi(:, :)
+      type(geometry_type), intent(inout) :: geometry
+      !> Places and entries of shapes so far
+      integer, intent(inout) :: place, shape
+      integer :: k
+      place = place + 1
+      geometry%places(:, place) = p0
+      geometry%place_bodies(place) = body
+      do k = 1, size(phi, 2)
+         geometry%shapes(shape + 1:shape + 2) = phi(:, k)
+         shape = shape + 2
+      end do
+   end subroutine add_place
+
+   !> Adds the places along a beam.
+   subroutine add_stations(model, body, geometry, place, shape)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      type(geometry_type), intent(inout) :: geometry
+      integer, intent(inout) :: place, shape
+      real(wp), allocatable :: phi(:, :), psi(:)
+      real(wp) :: s
+      integer :: i
+      associate (beam => model%bodies(body))
+         do i = 0, stretches(model, body)
+            s = beam%beam%length*i/stretches(model, body)
+            call point_shape(beam%field, s, phi, psi)
+            call add_place(body, [s - beam%choice%origin, 0.0_wp], phi, geometry, place, shape)
+         end do
+      end associate
+   end subroutine add_stations
+
+   !> What joints and springs connect.
+   subroutine take_connections(model, geometry)
+      type(model_type), intent(in) :: model
+      type(geometry_type), intent(inout) :: geometry
+      integer :: i, joints, n
+      joints = size(model%joints)
+      n = joints + size(model%springs)
+      allocate (geometry%connections(n), geometry%connection_types(n), geometry%connection_places(2, n), &
+         & geometry%connection_angles(n))
+      geometry%connection_angles = 0.0_wp
+      do i = 1, joints
+         geometry%connections(i) = model%joints(i)%name
+         geometry%connection_places(:, i) = model%joints(i)%points
+         geometry%connection_angles(i) = model%joints(i)%angle
+         select case (model%joints(i)%kind)
+         case (joint_revolute); geometry%connection_types(i) = 'REVOLUTE'
+         case (joint_point_on_line); geometry%connection_types(i) = 'POINT ON LINE'
+         case default; geometry%connection_types(i) = 'JOINT'
+         end select
+      end do
+      do i = 1, size(model%springs)
+         geometry%connections(joints + i) = model%springs(i)%name
+         geometry%connection_places(:, joints + i) = model%springs(i)%points
+         geometry%connection_types(joints + i) = 'SPRING'
+      end do
+   end subroutine take_connections
+
+   !> Numbers of the points of each body in their order: order(first(body):first(body + 1) - 1).
+   pure subroutine sort_points(model, order, first)
+      type(model_type), intent(in) :: model
+      integer, allocatable, intent(out) :: order(:), first(:)
+      integer, allocatable :: next(:)
+      integer :: i, body
+      allocate (first(size(model%bodies) + 1), next(size(model%bodies)), order(size(model%points)))
+      next = 0
+      do i = 1, size(model%points)
+         if (model%points(i)%body > 0) next(model%points(i)%body) = next(model%points(i)%body) + 1
+      end do
+      first(1) = 1
+      do body = 1, size(next)
+         first(body + 1) = first(body) + next(body)
+      end do
+      next = first(:size(next))
+      do i = 1, size(model%points)
+         body = model%points(i)%body
+         if (body == 0) cycle
+         order(next(body)) = i
+         next(body) = next(body) + 1
+      end do
+   end subroutine sort_points
+
+   !> Which points outlines go through: those that are connected, or that the deck names; of a rigid beam also its ends.
+   subroutine find_drawn(model, geometry, drawn)
+      type(model_type), intent(in) :: model
+      type(geometry_type), intent(in) :: geometry
+      logical, allocatable, intent(out) :: drawn(:)
+      integer :: i
+      allocate (drawn(size(model%points)))
+      do i = 1, size(drawn)
+         associate (name => model%points(i)%name)
+            drawn(i) = index(own_points, ' '//name(index(name, '.') + 1:)//' ') == 0
+         end associate
+      end do
+      do i = 1, size(geometry%connection_places, 2)
+         drawn(geometry%connection_places(:, i)) = .true.
+      end do
+      do i = 1, size(model%bodies)
+         if (model%bodies(i)%end_point == 0) cycle
+         drawn(model%bodies(i)%start_point) = .true.
+         drawn(model%bodies(i)%end_point) = .true.
+      end do
+   end subroutine find_drawn
+
+   !> Adds the outline of a rigid body: the convex hull of its drawn points; with the centre of mass and the origin of the frame
+   !> among them if they are no more than one without.
+   subroutine add_outline(points, drawn, geometry, stroke)
+      !> Numbers of its points: first its origin, then, if it has one, its centre of mass
+      integer, intent(in) :: points(:)
+      logical, intent(in) :: drawn(:)
+      type(geometry_type), intent(inout) :: geometry
+      integer, intent(inout) :: stroke
+      integer, allocatable :: chosen(:), corners(:)
+      integer :: i
+      allocate (chosen, source=pack(points, drawn(points)))
+      do i = min(2, size(points)), 1, -1
+         call hull(geometry%places, chosen, corners)
+         if (size(corners) > 1) exit
+         chosen = [chosen, points(i)]
+      end do
+      call hull(geometry%places, chosen, corners)
+      call add_stroke(geometry, stroke, corners, size(corners) > 2)
+   end subroutine add_outline
+
+   !> Adds a stroke.
+   subroutine add_stroke(geometry, stroke, places, closed)
+      type(geometry_type), intent(inout) :: geometry
+      !> Strokes so far
+      integer, intent(inout) :: stroke
+      integer, intent(in) :: places(:)
+      logical, intent(in) :: closed
+      integer :: before
+      before = sum(geometry%stroke_widths(:stroke))
+      geometry%stroke_places(before + 1:before + size(places)) = places
+      stroke = stroke + 1
+      geometry%stroke_widths(stroke) = size(places)
+      geometry%stroke_closed(stroke) = merge(1, 0, closed)
+   end subroutine add_stroke
+
+   !> Corners of the convex hull, against the clock; two if all points are in a line, one if they are in one place.
+   !> Source: Andrew 1979, monotone chain.
+   subroutine hull(places, points, corners)
+      real(wp), intent(in) :: places(:, :)
+      !> Columns of `places`, in any order
+      integer, intent(in) :: points(:)
+      integer, allocatable, intent(out) :: corners(:)
+      integer :: sorted(size(points)), chain(2*size(points) + 1)
+      integer :: i, top, bottom
+      sorted = points
+      call sort_places(places, sorted)
+      top = 0
+      do i = 1, size(sorted)
+         call push(sorted(i), 1)
+      end do
+      bottom = top
+      do i = size(sorted) - 1, 1, -1
+         call push(sorted(i), bottom)
+      end do
+      ! The last corner is the first one again
+      allocate (corners, source=chain(:max(min(1, size(points)), top - 1)))
+
+   contains
+
+      !> Adds a point, and drops those before it, down to the end `base` of the chain, that then lie inside.
+      subroutine push(point, base)
+         integer, intent(in) :: point, base
+         if (top > 0) then
+            if (all(.not. abs(places(:, point) - places(:, chain(top))) > 0.0_wp)) return
+         end if
+         do while (top > base)
+            if (cross(places(:, chain(top)) - places(:, chain(top - 1)), places(:, point) - places(:, chain(top))) > 0.0_wp) exit
+            top = top - 1
+         end do
+         top = top + 1
+         chain(top) = point
+      end subroutine push
+
+   end subroutine hull
+
+   !> Sorts points by x, then y, by insertion.
+   pure subroutine sort_places(places, points)
+      real(wp), intent(in) :: places(:, :)
+      integer, intent(inout) :: points(:)
+      integer :: i, j, point
+      do i = 2, size(points)
+         point = points(i)
+         j = i - 1
+         do while (j >= 1)
+            if (.not. is_before(places(:, point), places(:, points(j)))) exit
+            points(j + 1) = points(j)
+            j = j - 1
+         end do
+         points(j + 1) = point
+      end do
+
+   contains
+
+      pure logical function is_before(a, b)
+         real(wp), intent(in) :: a(2), b(2)
+         is_before = a(1) < b(1)
+         if (.not. abs(a(1) - b(1)) > 0.0_wp) is_before = a(2) < b(2)
+      end function is_before
+
+   end subroutine sort_places
+
+end module limber_output_outline

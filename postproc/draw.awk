@@ -2,10 +2,15 @@
 # what draw.gp must know: the layers that there are, the box of all points, heading, unit and times
 function quoted(text) { gsub(/'/, "''", text); return "'" text "'" }
 BEGIN { frames = 0; file = work "/paths.txt"; layer = "" }
-# As many letters as a line has
+# A heading longer than a line ends at a mark, or else at a blank
 /^# heading / {
   heading = substr($0, 11)
-  if (length(heading) > 76) { heading = substr(heading, 1, 75); sub(/ [^ ]*$/, " …", heading) }
+  if (length(heading) > 76) {
+    heading = substr(heading, 1, 75)
+    if (match(heading, /.*[,;:(]/) && RLENGTH > 30) heading = substr(heading, 1, RLENGTH - 1)
+    else sub(/ [^ ]*$/, " …", heading)
+    sub(/ +$/, "", heading)
+  }
   next
 }
 /^# unit / { unit = substr($0, 8); next }
@@ -26,7 +31,8 @@ NF >= 3 && layer != "" && !/^#/ {
 }
 { print > file }
 END {
-  printf "frames = %d\nlayers = '%s'\nheading = %s\nunit = %s\narray time[%d]\n", frames, layers, quoted(heading), quoted(unit), frames
+  printf "frames = %d\nlayers = '%s'\nheading = %s\nunit = %s\nfactor = '%s'\narray time[%d]\n", \
+    frames, layers, quoted(heading), quoted(unit), factor, frames
   printf "left = %.9e; right = %.9e; bottom = %.9e; top = %.9e\n", left, right, bottom, top
   for (i = 1; i <= frames; i++) printf "time[%d] = %s\n", i, quoted(time[i])
 }

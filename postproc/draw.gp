@@ -2,6 +2,7 @@
 # gnuplot -c draw.gp png|svg|gif|webm FOLDER OUTPUT_FILE
 format = ARG1; folder = ARG2; output_file = ARG3
 load folder.'/scene.gp'
+has(layer) = strstrt(layers.' ', ' '.layer.' ') > 0
 # The box with a margin, and not too slender; equal axes
 margin = 0.05*(right - left > top - bottom ? right - left : top - bottom)
 left = left - margin; right = right + margin; bottom = bottom - margin; top = top + margin
@@ -26,6 +27,7 @@ power = 10**floor(log10(rough))
 step = rough > 5*power ? 10*power : rough > 2*power ? 5*power : rough > power ? 2*power : power
 set xtics step
 set ytics step
+magnified_by = factor + 0 == 1 || !has('beams') ? '' : ', deflections × '.factor
 time_label = sprintf('noenhanced at screen %f,%f right', (from + plot_width)/width, 1 - 1.05/height)
 
 # Colour of a body, whitened by a part of the way
@@ -33,7 +35,6 @@ colours = '0x0072B2 0xD55E00 0x009E73 0xCC79A7 0xE69F00 0x56B4E9 0x8C6D31'
 whiter(c, part) = int(c + part*(255 - c))
 mixed(rgb, part) = 65536*whiter(rgb/65536, part) + 256*whiter(rgb/256%256, part) + whiter(rgb%256, part)
 colour(body, part) = body < 1 ? mixed(0x404040, part) : mixed(int(word(colours, 1 + int(body - 1)%7)), part)
-has(layer) = strstrt(layers.' ', ' '.layer.' ') > 0
 
 # Commands of the layers of frame `frame`, whitened by `part`
 file(frame) = sprintf("'%s/%d.txt'", folder, frame)
@@ -60,7 +61,7 @@ paths = has('paths') ? sprintf("'%s/paths.txt' index 'paths' using 1:2:(colour($
 if (format eq 'gif' || format eq 'webm') {
    do for [i = 0:frames - 1] {
       if (format eq 'webm') { set output sprintf('%s/%d.png', folder, i) }
-      eval 'set label 100 time[i + 1] '.time_label
+      eval 'set label 100 time[i + 1].magnified_by '.time_label
       commands = drawn(i, 0.0).paths
       eval 'plot '.commands[:strlen(commands) - 2]
    }
@@ -70,7 +71,7 @@ if (format eq 'gif' || format eq 'webm') {
       commands = commands.drawn(i, frames > 1 ? 0.8*(frames - 1 - i)/(frames - 1) : 0.0)
    }
    span = frames > 1 ? sprintf('%d instants, %s to %s', frames, time[1], substr(time[frames], 5, 99)) : time[1]
-   eval 'set label 100 span '.time_label
+   eval 'set label 100 span.magnified_by '.time_label
    commands = commands.paths
    eval 'plot '.commands[:strlen(commands) - 2]
 }

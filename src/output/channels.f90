@@ -112,7 +112,7 @@ contains
             values(i) = channel%expression%evaluate(recorder%slots(:size(channel%quantities)))
          end associate
       end do
-      if (system%model%motion) values(size(system%model%channels) + 1:) = q
+      if (size(values) > size(system%model%channels)) values(size(system%model%channels) + 1:) = q
    end subroutine channel_values
 
    !> Value of one quantity.

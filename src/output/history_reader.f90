@@ -48,8 +48,9 @@ module limber_output_history_reader
       type(channel_type), allocatable :: estimates(:)
       integer(hid_t), private :: file = no_id
    contains
-      procedure :: open => open_history, close => close_history, read_time, read_channel, read_text, read_statistic, &
-         & find_channel, has, read_list, read_table, read_label
+      procedure :: open => open_history, close => close_history, read_time, read_channel, read_numbers, read_text, read_statistic, &
+         & find_channel
+      procedure :: has, read_table, read_label
    end type history_reader_type
 
 contains
@@ -225,6 +226,23 @@ contains
       if (size(values, 2) > self%samples) values = values(:, :self%samples)
    end subroutine read_channel
 
+   !> Reads a dataset of one dimension that is no channel, such as '/modes/<name>/frequency'.
+   subroutine read_numbers(self, path, values, error)
+      !> Open reader
+      class(history_reader_type), intent(in) :: self
+      !> Absolute path
+      character(*), intent(in) :: path
+      !> Numbers as they were put
+      real(wp), allocatable, intent(out) :: values(:)
+      !> Allocated if there are none
+      type(error_type), allocatable, intent(out) :: error
+      if (object_exists(self%file, path)) then
+         call read_dataset(self%file, path, values, error)
+      else
+         call raise(error, self%path//' has no '//path, status_deck)
+      end if
+   end subroutine read_numbers
+
    !> Reads a text, such as '/run/deck'.
    subroutine read_text(self, path, text, error)
       !> Open reader
@@ -250,19 +268,6 @@ contains
       character(*), intent(in) :: path
       has = object_exists(self%file, path)
    end function has
-
-   !> Reads a dataset of one dimension, such as '/bodies/rod/nodes'.
-   subroutine read_list(self, path, values, error)
-      !> Open reader
-      class(history_reader_type), intent(in) :: self
-      !> Absolute path
-      character(*), intent(in) :: path
-      !> Numbers
-      real(wp), allocatable, intent(out) :: values(:)
-      !> Allocated if there is no such dataset
-      type(error_type), allocatable, intent(out) :: error
-      call read_dataset(self%file, path, values, error)
-   end subroutine read_list
 
    !> Reads a dataset of two dimensions, such as '/motion/places'.
    subroutine read_table(self, path, values, error)

@@ -205,7 +205,7 @@ contains
          real(wp), allocatable, intent(out) :: values(:)
          if (allocated(error)) return
          if (reader%has('/motion/'//name)) then
-            call reader%read_list('/motion/'//name, values, error)
+            call reader%read_numbers('/motion/'//name, values, error)
          else
             allocate (values(0))
          end if

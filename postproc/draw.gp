@@ -19,7 +19,8 @@ load 'style.gp'
 set xrange [left:right]
 set yrange [bottom:top]
 eval panel(from, from + plot_width, room_bottom, room_bottom + plot_height)
-eval x_label(from + 0.5*plot_width, 'x ['.unit.']').y_label(room_bottom + 0.5*plot_height, 'y ['.unit.']')
+eval x_label(from + 0.5*plot_width, 'x ['.unit.']')
+set label 'y ['.unit.']' at screen (from - 1.45)/width,(room_bottom + 0.5*plot_height)/height center rotate
 set label heading noenhanced at screen 0.5,1 - 0.45/height center
 # The same tics along both axes, at most eight
 rough = (right - left > top - bottom ? right - left : top - bottom)/8

@@ -232,7 +232,7 @@ contains
 
    end subroutine read_motion
 
-   !> Where all places are.
+   !> Where all places are: eq. (D2).
    pure subroutine place_all(geometry, coordinates, factor, positions)
       type(geometry_type), intent(in) :: geometry
       !> Coordinates at an instant (k)
@@ -279,7 +279,7 @@ contains
       end do
    end function bent
 
-   !> A place on the undeformed body that is moved, turned and stretched so that its anchors are where `ends` says (2).
+   !> A place on the undeformed body that is moved, turned and stretched so that its anchors are where `ends` says (2): eq. (D1).
    pure function undeformed(geometry, anchors, ends, place) result(p)
       type(geometry_type), intent(in) :: geometry
       integer, intent(in) :: anchors(2)

@@ -13,8 +13,8 @@ module limber_output_outline
 
    !> Least number of stretches of a beam's outline, and stretches for each bending coordinate
    integer, parameter :: least_stretches = 24, stretches_per_mode = 6
-   !> Points that every body has without the deck's naming them
-   character(*), parameter :: own_points = ' origin centre start middle end '
+   !> Points that bodies have, and those that beams have, without the deck's naming them
+   character(*), parameter :: points_of_bodies = ' origin centre ', points_of_beams = ' origin start middle end '
 
 contains
 
@@ -76,11 +76,19 @@ contains
       geometry%stroke_widths = 0
    end subroutine size_geometry
 
+   !> Whether a body, or the ground, is a beam, rigid or not.
+   pure logical function is_beam(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      is_beam = .false.
+      if (body > 0) is_beam = model%bodies(body)%end_point > 0
+   end function is_beam
+
    !> Whether a body is a beam that bends.
    pure logical function is_bent_beam(model, body)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
-      is_bent_beam = model%bodies(body)%kind == body_flexible .and. model%bodies(body)%end_point > 0
+      is_bent_beam = is_beam(model, body) .and. model%bodies(body)%kind == body_flexible
    end function is_bent_beam
 
    !> Number of stretches of a beam's outline.
@@ -186,14 +194,18 @@ contains
       allocate (drawn(size(model%points)))
       do i = 1, size(drawn)
          associate (name => model%points(i)%name)
-            drawn(i) = index(own_points, ' '//name(index(name, '.') + 1:)//' ') == 0
+            if (is_beam(model, model%points(i)%body)) then
+               drawn(i) = index(points_of_beams, ' '//name(index(name, '.') + 1:)//' ') == 0
+            else
+               drawn(i) = index(points_of_bodies, ' '//name(index(name, '.') + 1:)//' ') == 0
+            end if
          end associate
       end do
       do i = 1, size(geometry%connection_places, 2)
          drawn(geometry%connection_places(:, i)) = .true.
       end do
       do i = 1, size(model%bodies)
-         if (model%bodies(i)%end_point == 0) cycle
+         if (.not. is_beam(model, i)) cycle
          drawn(model%bodies(i)%start_point) = .true.
          drawn(model%bodies(i)%end_point) = .true.
       end do

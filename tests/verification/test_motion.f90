@@ -21,6 +21,7 @@ program test_motion
    call test_slider_crank(trim(results))
    call test_squeezer(trim(results))
    call test_pendulum(trim(results))
+   call test_quick_return(trim(results))
    call finish()
 
 contains
@@ -200,6 +201,44 @@ contains
       call check(index(layer_of(text, 'joints'), ' 0.00000000E+000  0.00000000E+000 0 ') == 1, 'a pin')
       call check_counts(path, choice_type(sample=0), [0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1], 'pendulum')
    end subroutine test_pendulum
+
+   !> A line that moves reaches as far as its point travels; an end that the deck names belongs to the bar.
+   subroutine test_quick_return(path)
+      character(*), intent(in) :: path
+      type(history_reader_type) :: reader
+      type(motion_type) :: motion
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text
+      character(4) :: none(0)
+      real(wp) :: ends(3, 2), symbol(4), shortest, longest
+      integer :: i
+      call run_changed('verification/quick_return.inp', path, none, none, reader)
+      call read_motion(reader, motion, error)
+      call check_no_error(error, 'quick return: motion')
+      if (allocated(error)) return
+      call check_places(reader, motion, 'arm.end', 'x_arm_end', 'y_arm_end')
+      call check_places(reader, motion, 'bob', 'x_bob', 'y_bob')
+      call reader%close()
+      call check_counts(path, choice_type(sample=7), [0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 5], 'quick return')
+      call drawn(path, choice_type(sample=7), text, error)
+      text = layer_of(text, 'bars')
+      read (text(index(text, nl) + 1:), *) ends(:, 2)
+      call check_close(norm2(ends(:2, 2)), 1.0_wp, 1.0e-7_wp, 'the end of the arm')
+      call drawn(path, choice_type(sample=7), text, error)
+      read (text(index(text, '# masses'//nl) + 9:), *) symbol
+      text = layer_of(text, 'guides')
+      read (text, *) ends(:, 1)
+      read (text(index(text, nl) + 1:), *) ends(:, 2)
+      shortest = huge(1.0_wp)
+      longest = 0.0_wp
+      do i = 0, 20
+         shortest = min(shortest, norm2([0.2_wp*cos(i*acos(-1.0_wp)/20), 0.5_wp + 0.2_wp*sin(i*acos(-1.0_wp)/20)]))
+         longest = max(longest, norm2([0.2_wp*cos(i*acos(-1.0_wp)/20), 0.5_wp + 0.2_wp*sin(i*acos(-1.0_wp)/20)]))
+      end do
+      ! A disc's radius is 0.8 of the size of symbols
+      call check_close(norm2(ends(:2, 1)), shortest - 2*symbol(4)/0.8_wp, 1.0e-7_wp, 'where the line begins')
+      call check_close(norm2(ends(:2, 2)), longest + 2*symbol(4)/0.8_wp, 1.0e-7_wp, 'where the line ends')
+   end subroutine test_quick_return
 
    !> Counts strokes, or circles, in each layer but the ground.
    subroutine check_counts(path, choice, expected, title)

@@ -14,6 +14,7 @@ BEGIN { frames = 0; file = work "/paths.txt"; layer = "" }
   next
 }
 /^# unit / { unit = substr($0, 8); next }
+/^# symbol / { symbol = $3; next }
 /^# sample / {
   if (frames > 0) close(file)
   file = work "/" frames ".txt"
@@ -31,8 +32,8 @@ NF >= 3 && layer != "" && !/^#/ {
 }
 { print > file }
 END {
-  printf "frames = %d\nlayers = '%s'\nheading = %s\nunit = %s\nfactor = '%s'\narray time[%d]\n", \
-    frames, layers, quoted(heading), quoted(unit), factor, frames
+  printf "frames = %d\nlayers = '%s'\nheading = %s\nunit = %s\nsymbol = %s\nfactor = '%s'\narray time[%d]\n", \
+    frames, layers, quoted(heading), quoted(unit), symbol, factor, frames
   printf "left = %.9e; right = %.9e; bottom = %.9e; top = %.9e\n", left, right, bottom, top
   for (i = 1; i <= frames; i++) printf "time[%d] = %s\n", i, quoted(time[i])
 }

@@ -37,6 +37,11 @@ whiter(c, part) = int(c + part*(255 - c))
 mixed(rgb, part) = 65536*whiter(rgb/65536, part) + 256*whiter(rgb/256%256, part) + whiter(rgb%256, part)
 colour(body, part) = body < 1 ? mixed(0x404040, part) : mixed(int(word(colours, 1 + int(body - 1)%7)), part)
 
+# Lines are thinner where symbols, which are smaller than bodies, are less than 1.2 mm
+thin = symbol*plot_width/(right - left)/0.12
+thin = thin > 1 ? 1 : thin < 0.4 ? 0.4 : thin
+wide(points) = sprintf('linewidth %g', points*thin)
+
 # Commands of the layers of frame `frame`, whitened by `part`
 file(frame) = sprintf("'%s/%d.txt'", folder, frame)
 layer(frame, name, how) = has(name) ? sprintf("%s index '%s' %s, ", file(frame), name, how) : ''
@@ -47,14 +52,14 @@ sum_fills(frame, name, part, i) = i > 6 ? '' : layer(frame, name, sprintf( \
    colour(i + 1, part + 0.75*(1 - part)))).sum_fills(frame, name, part, i + 1)
 disc(rgb, size) = sprintf('using 1:2:(%g*$4) with circles fillstyle solid 1 noborder fillcolor rgb %d', size, rgb)
 drawn(frame, part) = fills(frame, 'areas', part) \
-   .layer(frame, 'ground', stroke(part, 'linewidth 0.9')) \
-   .layer(frame, 'guides', stroke(part, 'linewidth 1.2')) \
-   .layer(frame, 'areas', stroke(part, 'linewidth 2')) \
-   .layer(frame, 'bars', stroke(part, 'linewidth 3.6')) \
-   .layer(frame, 'undeformed', sprintf('with lines linewidth 0.8 dashtype (6,5) linecolor rgb %d', mixed(0x808080, part))) \
-   .layer(frame, 'springs', stroke(part, 'linewidth 1.2')) \
-   .layer(frame, 'beams', stroke(part, 'linewidth 2.6')) \
-   .fills(frame, 'blocks', part).layer(frame, 'blocks', stroke(part, 'linewidth 1.6')) \
+   .layer(frame, 'ground', stroke(part, wide(0.9))) \
+   .layer(frame, 'guides', stroke(part, wide(1.2))) \
+   .layer(frame, 'areas', stroke(part, wide(2))) \
+   .layer(frame, 'bars', stroke(part, wide(3.6))) \
+   .layer(frame, 'undeformed', sprintf('with lines %s dashtype (6,5) linecolor rgb %d', wide(0.8), mixed(0x808080, part))) \
+   .layer(frame, 'springs', stroke(part, wide(1.2))) \
+   .layer(frame, 'beams', stroke(part, wide(2.6))) \
+   .fills(frame, 'blocks', part).layer(frame, 'blocks', stroke(part, wide(1.6))) \
    .layer(frame, 'masses', sprintf('using 1:2:4:(colour($3, %g)) with circles fillstyle solid 1 noborder linecolor rgb variable', part)) \
    .layer(frame, 'joints', disc(mixed(0x202020, part), 1.0)).layer(frame, 'joints', disc(0xFFFFFF, 0.66))
 paths = has('paths') ? sprintf("'%s/paths.txt' index 'paths' using 1:2:(colour($3, 0.2)) with lines linewidth 1.2 dashtype (2,3) linecolor rgb variable, ", folder) : ''

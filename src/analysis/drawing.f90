@@ -3,6 +3,7 @@
 !>
 !>     # heading TEXT
 !>     # unit m              of length
+!>     # symbol S            size of symbols
 !>     # paths               a layer: its name, then its strokes with a blank line between; two blank lines behind it
 !>     x y body              body: its number from 1, 0 for the ground
 !>     # sample K, t = T     from 0; then its layers
@@ -92,6 +93,7 @@ contains
       pen%unit = unit
       call pen%remark('heading '//motion%heading)
       call pen%remark('unit '//motion%length_units)
+      call pen%remark('symbol '//as_text(plan%symbol, 4))
       call draw_paths(motion, factor, plan%followed, pen)
       do i = 1, size(plan%samples)
          call pen%remark('sample '//as_text(plan%samples(i) - 1)//', t = '//time_text(motion%time, plan%samples(i))//' '// &

@@ -195,7 +195,8 @@ contains
       call drawn(path, choice_type(sample=0), text, error)
       call check_no_error(error, 'pendulum')
       call check(index(text, nl//'# heading Pendulum of mass and length 1, let go from the horizontal'//nl//nl//nl// &
-         & '# unit m'//nl//nl//nl//'# sample 0, t = 0.0 s'//nl//'# ground'//nl) == 2, 'head of the text'//nl//text)
+         & '# unit m'//nl//nl//nl//'# symbol 0.01602'//nl//nl//nl//'# sample 0, t = 0.0 s'//nl//'# ground'//nl) == 2, &
+         & 'head of the text'//nl//text)
       call check_text(layer_of(text, 'bars'), ' 0.00000000E+000  0.00000000E+000 1'//nl// &
          & ' 1.00000000E+000  0.00000000E+000 1'//nl, 'a bar')
       call check(index(layer_of(text, 'joints'), ' 0.00000000E+000  0.00000000E+000 0 ') == 1, 'a pin')

@@ -25,7 +25,7 @@ contains
       type(geometry_type) :: geometry
       integer, allocatable :: order(:), first(:)
       logical, allocatable :: drawn(:)
-      integer :: i, body, place, shape, stroke
+      integer :: i, body, place, shape, filled(2)
       call size_geometry(model, layout, geometry)
       place = 0
       shape = 0
@@ -36,18 +36,18 @@ contains
       call take_connections(model, geometry)
       call sort_points(model, order, first)
       call find_drawn(model, geometry, drawn)
-      stroke = 0
+      filled = 0
       do body = 1, size(model%bodies)
          geometry%bodies(body) = model%bodies(body)%name
          if (model%bodies(body)%kind == body_point) cycle
          if (is_bent_beam(model, body)) then
-            call add_stroke(geometry, stroke, [(i, i=place + 1, place + stretches(model, body) + 1)], .false.)
+            call add_stroke(geometry, filled, [(i, i=place + 1, place + stretches(model, body) + 1)], .false.)
             call add_stations(model, body, geometry, place, shape)
          else
-            call add_outline(order(first(body):first(body + 1) - 1), drawn, geometry, stroke)
+            call add_outline(order(first(body):first(body + 1) - 1), drawn, geometry, filled)
          end if
       end do
-      geometry%stroke_places = geometry%stroke_places(:sum(geometry%stroke_widths))
+      geometry%stroke_places = geometry%stroke_places(:filled(2))
       call prepare(geometry)
    end function geometry_of
 
@@ -213,12 +213,12 @@ contains
 
    !> Adds the outline of a rigid body: the convex hull of its drawn points; with the centre of mass and the origin of the frame
    !> among them if they are no more than one without.
-   subroutine add_outline(points, drawn, geometry, stroke)
+   subroutine add_outline(points, drawn, geometry, filled)
       !> Numbers of its points: first its origin, then, if it has one, its centre of mass
       integer, intent(in) :: points(:)
       logical, intent(in) :: drawn(:)
       type(geometry_type), intent(inout) :: geometry
-      integer, intent(inout) :: stroke
+      integer, intent(inout) :: filled(2)
       integer, allocatable :: chosen(:), corners(:)
       integer :: i
       allocate (chosen, source=pack(points, drawn(points)))
@@ -228,22 +228,20 @@ contains
          chosen = [chosen, points(i)]
       end do
       call hull(geometry%places, chosen, corners)
-      call add_stroke(geometry, stroke, corners, size(corners) > 2)
+      call add_stroke(geometry, filled, corners, size(corners) > 2)
    end subroutine add_outline
 
    !> Adds a stroke.
-   subroutine add_stroke(geometry, stroke, places, closed)
+   subroutine add_stroke(geometry, filled, places, closed)
       type(geometry_type), intent(inout) :: geometry
-      !> Strokes so far
-      integer, intent(inout) :: stroke
+      !> Strokes, and places in them, so far
+      integer, intent(inout) :: filled(2)
       integer, intent(in) :: places(:)
       logical, intent(in) :: closed
-      integer :: before
-      before = sum(geometry%stroke_widths(:stroke))
-      geometry%stroke_places(before + 1:before + size(places)) = places
-      stroke = stroke + 1
-      geometry%stroke_widths(stroke) = size(places)
-      geometry%stroke_closed(stroke) = merge(1, 0, closed)
+      geometry%stroke_places(filled(2) + 1:filled(2) + size(places)) = places
+      filled = filled + [1, size(places)]
+      geometry%stroke_widths(filled(1)) = size(places)
+      geometry%stroke_closed(filled(1)) = merge(1, 0, closed)
    end subroutine add_stroke
 
    !> Corners of the convex hull, against the clock; two if all points are in a line, one if they are in one place.

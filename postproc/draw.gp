@@ -47,9 +47,10 @@ file(frame) = sprintf("'%s/%d.txt'", folder, frame)
 layer(frame, name, how) = has(name) ? sprintf("%s index '%s' %s, ", file(frame), name, how) : ''
 stroke(part, line) = sprintf('using 1:2:(colour($3, %g)) with lines %s dashtype solid linecolor rgb variable', part, line)
 fills(frame, name, part) = has(name) ? sum_fills(frame, name, part, 0) : ''
-sum_fills(frame, name, part, i) = i > 6 ? '' : layer(frame, name, sprintf( \
-   "using 1:(int($3 + 6)%%7 == %d ? $2 : NaN) with filledcurves closed fillstyle solid 1 noborder fillcolor rgb %d", i, \
-   colour(i + 1, part + 0.75*(1 - part)))).sum_fills(frame, name, part, i + 1)
+sum_fills(frame, name, part, i) = i > 7 ? '' : layer(frame, name, sprintf( \
+   "using 1:(%s ? $2 : NaN) with filledcurves closed fillstyle solid 1 noborder fillcolor rgb %d", \
+   i == 0 ? '$3 < 1' : sprintf('$3 > 0 && int($3 + 6)%%7 == %d', i - 1), \
+   colour(i, part + 0.75*(1 - part)))).sum_fills(frame, name, part, i + 1)
 disc(rgb, size) = sprintf('using 1:2:(%g*$4) with circles fillstyle solid 1 noborder fillcolor rgb %d', size, rgb)
 drawn(frame, part) = fills(frame, 'areas', part) \
    .layer(frame, 'ground', stroke(part, wide(0.9))) \

@@ -22,7 +22,7 @@ endfunction()
 function(draw)
   execute_process(COMMAND ${DRAW} ${ARGN} WORKING_DIRECTORY ${WORK} OUTPUT_VARIABLE path ERROR_VARIABLE complaint
     COMMAND_ERROR_IS_FATAL ANY)
-  if(complaint MATCHES "warning|line")
+  if(complaint MATCHES "gp. line|plot. line")
     message(FATAL_ERROR "draw ${ARGN}: gnuplot complains:\n${complaint}")
   endif()
 endfunction()

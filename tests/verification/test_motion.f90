@@ -251,7 +251,7 @@ contains
       integer :: i, found
       call drawn(path, choice, text, error)
       call check_no_error(error, title)
-      do i = 1, size(layers)
+      do i = 1, size(expected)
          if (layers(i) == 'ground') cycle
          found = strokes_of(layer_of(text, trim(layers(i))), layers(i) == 'masses' .or. layers(i) == 'joints')
          call check_close(real(found, wp), real(expected(i), wp), 0.0_wp, title//': strokes in '//trim(layers(i)))

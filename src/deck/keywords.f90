@@ -35,6 +35,8 @@ module limber_deck_keywords
       & keyword_type('FORCE', many, form_fields, 1, 1, 'A force on a point'), &
       & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body'), &
       & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring and a damper between two points, along the line through them'), &
+      & keyword_type('ASSEMBLY', 1, form_fields, 0, many, &
+      &    'How the first position is found from the guesses; data lines: given deflections'), &
       & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
       & keyword_type('ACCURACY', 1, form_none, 0, 0, 'What is to be known of the error of the results of limber run'), &
       & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
@@ -137,6 +139,10 @@ module limber_deck_keywords
       &    'm', '0', 'free length: the distance of the points without tension'), &
       & option_spec_type('SPRING', 'DAMPING', kind_nonnegative, '', &
       &    'N s/m', '0', 'tension of the damper for each unit of the speed at which the points part'), &
+      & option_spec_type('ASSEMBLY', 'LARGEST TURN', kind_positive, '', &
+      &    'rad', '0.5', 'rotation of a body from its guess beyond which there is a warning: another branch may be meant'), &
+      & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN', &
+      &    '', 'ZERO', 'GIVEN: coordinates of beams start as the data lines say, all others at zero'), &
       & option_spec_type('DYNAMICS', 'START', kind_real, '', 's', '0', 'first instant'), &
       & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
       & option_spec_type('DYNAMICS', 'OUTPUTS', kind_counting, '', &
@@ -179,6 +185,10 @@ module limber_deck_keywords
       & field_spec_type('RIGID BODY', 'y', kind_real, 'm', 'position in the body frame'), &
       & field_spec_type('BEAM', 'point', kind_name, '', 'name of the point, used as beam.point'), &
       & field_spec_type('BEAM', 'coordinate', kind_real, 'm', 'coordinate along the undeformed beam from its start'), &
+      & field_spec_type('ASSEMBLY', 'beam', kind_name, '', 'name of the beam'), &
+      & field_spec_type('ASSEMBLY', 'coordinate', kind_counting, '', 'its number: bending first, then axial, by frequency'), &
+      & field_spec_type('ASSEMBLY', 'value', kind_real, 'm kg^0.5', 'deflection in units of the mass-normalised shape'), &
+      & field_spec_type('ASSEMBLY', 'rate', kind_real, '', 'its rate'), &
       & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
       & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &
       & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad', 'expression of the time t'), &

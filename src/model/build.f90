@@ -8,6 +8,7 @@ module limber_model_build
    use limber_deck_origin, only: origin_type
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_beam, add_points
    use limber_model_channels, only: add_channels
+   use limber_model_first_state, only: read_assembly
    use limber_model_points, only: add_point, find_point, find_body
    use limber_model_scene, only: model_type, joint_type, driver_type, force_type, torque_type, spring_type, &
       & body_rigid, ground, joint_revolute, joint_point_on_line
@@ -25,7 +26,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
-      allocate (model%torques(0), model%springs(0))
+      allocate (model%torques(0), model%springs(0), model%assembly%deflections(0))
       call read_labels(deck, model)
       call add_point(model%points, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -42,6 +43,7 @@ contains
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
+         case ('ASSEMBLY'); call read_assembly(deck%blocks(i), model, diagnostics)
          case ('JOINT'); call add_joint(deck%blocks(i), model, diagnostics)
          case ('DRIVER'); call add_driver(deck%blocks(i), model)
          case ('FORCE'); call add_force(deck%blocks(i), model, diagnostics)

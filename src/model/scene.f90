@@ -9,6 +9,7 @@ module limber_model_scene
    implicit none
    private
    public :: model_type, body_type, point_type, joint_type, driver_type, force_type, torque_type, spring_type
+   public :: assembly_choice_type, deflection_type
    public :: dynamics_type, accuracy_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
@@ -139,6 +140,22 @@ module limber_model_scene
       integer :: maximum_steps = 100000000
    end type dynamics_type
 
+   !> A coordinate of a beam that is given at the start
+   type :: deflection_type
+      !> Index of the body, and of its coordinate
+      integer :: body = 0, coordinate = 0
+      !> Its value [length sqrt(mass)] and rate
+      real(wp) :: value = 0.0_wp, rate = 0.0_wp
+   end type deflection_type
+
+   !> What the assembly is asked for
+   type :: assembly_choice_type
+      !> Rotation from the guess to the first position above which there is a warning [rad]
+      real(wp) :: largest_turn = 0.5_wp
+      !> Deflections that are given; all others start at zero
+      type(deflection_type), allocatable :: deflections(:)
+   end type assembly_choice_type
+
    !> What is to be known of the error of the results
    type :: accuracy_type
       !> True if the error of each channel is to be estimated
@@ -167,6 +184,7 @@ module limber_model_scene
       type(channel_type), allocatable :: channels(:)
       !> True if the coordinates of all bodies are to be sampled, to be drawn
       logical :: motion = .false.
+      type(assembly_choice_type) :: assembly
       type(dynamics_type) :: dynamics
       type(accuracy_type) :: accuracy
       !> Characteristic length: the largest size of a body or distance between guessed places [length]

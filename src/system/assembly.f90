@@ -124,6 +124,15 @@ contains
             v(first + 2:first + 3) = body%spin*[-sin(body%angle), cos(body%angle)]
          end associate
       end do
+      if (allocated(system%model%assembly%deflections)) then
+         do i = 1, size(system%model%assembly%deflections)
+            associate (deflection => system%model%assembly%deflections(i))
+               first = system%layout%q(deflection%body) + 3 + deflection%coordinate
+               q(first) = deflection%value
+               v(first) = deflection%rate
+            end associate
+         end do
+      end if
       do i = 1, size(system%model%drivers)
          theta = system%model%drivers(i)%law%evaluate_jet(t)
          first = system%layout%q(system%model%drivers(i)%body) + 2

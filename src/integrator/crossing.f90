@@ -11,7 +11,7 @@ module limber_integrator_crossing
    use limber_system_dynamics, only: linearise, accelerations, input_power, velocity_residual
    use limber_system_kinematics, only: place_frames, advance
    use limber_system_multiplier, only: solve_gaps, update_jacobians
-   use limber_system_projection, only: settle
+   use limber_system_projection, only: settle, project_velocity
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -148,11 +148,12 @@ contains
       real(wp), intent(in) :: q(:), v(:), work_done
       !> Scales of [q; v] (2 nq)
       real(wp), intent(in) :: scale(:)
-      !> Local error in units of the scales; huge if there is no such step
+      !> Local error along the motion in units of the scales; huge if there is no such step
       real(wp), intent(out) :: err
       !> Residual of the position constraints reached
       real(wp), intent(out) :: residual
       type(error_type), allocatable :: error
+      real(wp) :: raw
       integer :: nq, i, j
       nq = size(q)
       err = huge(err)
@@ -174,18 +175,32 @@ contains
          self%slope(2*nq + 1, i) = 0.0_wp
          if (system%powered) self%slope(2*nq + 1, i) = input_power(system, work, self%y(:nq), self%place)
       end do
-      err = 0.0_wp
+      ! The error estimate takes the place of the start, the state before it is settled that of the first derivatives
       do i = 1, 2*nq
-         err = err + (h*dot_product(e, self%slope(i, :))/scale(i))**2
+         self%start(i) = h*dot_product(e, self%slope(i, :))
       end do
-      err = sqrt(err)
-      if (.not. err <= huge(err)) err = huge(err)
-      if (.not. err < 1.0_wp) return
-      self%start = self%y
+      raw = norm2(self%start(:2*nq)/scale)
+      if (.not. raw < 1.0_wp) return
+      self%slope(:, 1) = self%y
       call settle(system, work, t + h, self%y(:nq), self%y(nq + 1:2*nq), self%change, .true., residual, error)
+      if (allocated(error)) return
       ! A projection that is more than a correction may have found another branch
-      if (allocated(error)) err = huge(err)
-      if (any(abs(self%y(:2*nq) - self%start(:2*nq)) > max(100*err, 1.0e-10_wp)*scale)) err = huge(err)
+      if (any(abs(self%y(:2*nq) - self%slope(:2*nq, 1)) > max(100*raw, 1.0e-10_wp)*scale)) return
+      err = sqrt(error_along(0)**2 + error_along(nq)**2)
+      if (.not. err <= huge(err)) err = huge(err)
+
+   contains
+
+      !> Size of what the error of coordinates (from 0) or velocities (from nq) is along the motion that the constraints allow: the
+      !> rest has been taken out when the state was settled.
+      real(wp) function error_along(from)
+         integer, intent(in) :: from
+         real(wp) :: left
+         self%place = self%y(nq + 1:2*nq) + self%start(from + 1:from + nq)
+         call project_velocity(system, work, self%place, self%change, left)
+         error_along = norm2((self%place - self%y(nq + 1:2*nq))/scale(from + 1:from + nq))
+      end function error_along
+
    end subroutine step_across
 
    !> Increments of the coordinates in the layout of the rates from one position to another near it.

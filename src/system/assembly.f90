@@ -36,20 +36,37 @@ contains
       !> Index of the constraint that the error is about
       integer, intent(out) :: culprit
       !> Rank, redundant equations, the way from the guess
-      type(assembly_type), intent(out), optional :: found
+      type(assembly_type), intent(inout), optional :: found
       !> Whether to use singular values; if not given, in small scenes
       logical, intent(in), optional :: dense
+      type(assembly_type) :: unasked
+      if (present(found)) then
+         call put_together(system, work, t, q, v, error, culprit, found, dense)
+      else
+         call put_together(system, work, t, q, v, error, culprit, unasked, dense)
+      end if
+   end subroutine assemble
+
+   !> The same, and what is found is wanted.
+   subroutine put_together(system, work, t, q, v, error, culprit, result, dense)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer, intent(out) :: culprit
+      type(assembly_type), intent(out) :: result
+      logical, intent(in), optional :: dense
       type(constraint_matrix_type) :: frames, bodies
-      type(assembly_type) :: result
       real(wp), allocatable :: start(:)
       logical :: done
       culprit = 0
+      allocate (result%redundancy, result%singular)
       result%rates = system%layout%nw
       result%equations = system%nc
       if (system%nc == 0) then
          allocate (result%redundancy%group(0), result%singular%group(0))
          call place_frames(system%model, system%layout, t, q, work%kinematics)
-         if (present(found)) found = result
          return
       end if
       allocate (start(max(size(q), size(v))))
@@ -85,8 +102,7 @@ contains
       else if (result%singular%count > 0) then
          call check_branch(system, work, bodies, q, v, result, error, culprit)
       end if
-      if (present(found)) found = result
-   end subroutine assemble
+   end subroutine put_together
 
    !> Turns the rates of the frames' vectors along with the frames: the guessed angular velocities stay.
    pure subroutine turn_rates(system, before, q, v)

@@ -104,8 +104,11 @@ contains
       if (grip < 0.5_wp) then
          ! It has lost more than half of its strength: just behind the step
          away = h/(1 - grip)
-      else if (grip > 2.0_wp .and. strength < weak) then
-         ! It gains strength: the state is at a fold
+      else if (grip < 0.9_wp .and. strength < weak) then
+         ! It is weak and loses strength
+         away = min(4.0_wp, 1/(1 - grip))*h
+      else if (grip > 1.2_wp .and. strength < weak) then
+         ! It is weak and gains strength: the state is at a fold
          away = 0.5_wp*h
       end if
 

@@ -10,15 +10,17 @@ module limber_integrator_crossing
    use limber_system_algebra, only: turn, cross
    use limber_system_dynamics, only: linearise, accelerations, input_power, velocity_residual
    use limber_system_kinematics, only: place_frames, advance
-   use limber_system_multiplier, only: solve_gaps, update_jacobians
+   use limber_system_multiplier, only: solve_gaps, recover_multipliers, update_jacobians
    use limber_system_projection, only: settle, project_velocity
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
+   !> Strength of a combination of constraints below which a fold is near
+   real(wp), parameter, public :: weak = 1.0e-2_wp
    !> Error of the step across, in units of the tolerance, that is allowed: the nearer to the fold a step begins, the worse it gets
    real(wp), parameter, public :: across_allowed = 30.0_wp
 
-   public :: crossing_type, new_crossing, find_fold, step_across, increments_between
+   public :: crossing_type, new_crossing, find_weakest, find_fold, step_across, increments_between
 
    !> Coefficients of the method: stages, the fifth order result is the last stage; weights of the error estimate
    real(wp), parameter :: c(7) = [0.0_wp, 0.2_wp, 0.3_wp, 0.8_wp, 8.0_wp/9, 1.0_wp, 1.0_wp]
@@ -53,6 +55,41 @@ contains
       end associate
    end subroutine new_crossing
 
+   !> The combination of constraints that binds least, by inverse iteration, into `weakest`; `linearise` comes first. The motion
+   !> that it hardly binds is left in `change`, alpha in the first place of u.
+   subroutine find_weakest(self, system, work, strength)
+      type(crossing_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> How much it binds, relative to the inverse of the mean mass; below `weak` a fold is near
+      real(wp), intent(out) :: strength
+      integer, parameter :: rounds = 3
+      integer :: round, i
+      do i = 1, size(self%weakest)
+         self%weakest(i) = merge(1.0_wp + 0.5_wp*modulo(0.618034_wp*i, 1.0_wp), 0.0_wp, system%tree%row(i) > 0)
+      end do
+      do round = 1, rounds + 1
+         if (round > 1) self%weakest = self%weakest/norm2(self%weakest)
+         call solve_gaps(system, work, self%weakest, self%change)
+         if (round > rounds) exit
+         do i = 1, size(self%weakest)
+            if (system%tree%row(i) > 0) self%weakest(i) = work%solution(system%tree%row(i))
+         end do
+      end do
+      strength = 0.0_wp
+      do i = 1, size(self%weakest)
+         if (system%tree%row(i) > 0) strength = strength + work%solution(system%tree%row(i))**2
+      end do
+      strength = sqrt(strength)
+      ! The joints of the tree take part with what they bear then
+      do i = 1, size(work%bodies)
+         work%bodies(i)%condensed = 0.0_wp
+      end do
+      call recover_multipliers(system, work)
+      self%weakest = work%lambda/strength
+      strength = sum(system%model%bodies%reduced%mass)/size(system%layout%q)/strength
+   end subroutine find_weakest
+
    !> Looks for a fold ahead: the combination of constraints that binds least, found by inverse iteration at the present state, is
    !> followed along the motion, eq. (R8).
    subroutine find_fold(self, system, work, t, h, q, w, acceleration, away)
@@ -65,36 +102,21 @@ contains
       real(wp), intent(in) :: q(:), w(:), acceleration(:)
       !> Time to the fold, or half a step if the state is at one; negative: there is none within about two steps
       real(wp), intent(out) :: away
-      integer, parameter :: rounds = 3, looks = 4
-      !> Strength of the combination relative to the inverse of a mass, below which a fold is near
-      real(wp), parameter :: weak = 1.0e-2_wp
+      integer, parameter :: looks = 4
       type(error_type), allocatable :: error
-      real(wp) :: grip, before, s, strength
-      integer :: round, i
+      real(wp) :: grip, now, before, s, strength
+      integer :: i
       away = -1.0_wp
-      if (maxval(system%tree%row) == 0) return
+      ! What is redundant everywhere has no grip anywhere; and softened constraints let Newton's method pass
+      if (maxval(system%tree%row) == 0 .or. system%redundant) return
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
-      do i = 1, size(self%weakest)
-         self%weakest(i) = merge(1.0_wp + 0.5_wp*modulo(0.618034_wp*i, 1.0_wp), 0.0_wp, system%tree%row(i) > 0)
-      end do
-      do round = 1, rounds
-         call solve_gaps(system, work, self%weakest, self%change)
-         do i = 1, size(self%weakest)
-            if (system%tree%row(i) > 0) self%weakest(i) = work%solution(system%tree%row(i))
-         end do
-         self%weakest = self%weakest/norm2(self%weakest)
-      end do
-      call solve_gaps(system, work, self%weakest, self%change)
-      strength = 0.0_wp
-      do i = 1, size(self%weakest)
-         if (system%tree%row(i) > 0) strength = strength + work%solution(system%tree%row(i))**2
-      end do
-      strength = sum(system%model%bodies%reduced%mass)/size(system%layout%q)/sqrt(strength)
+      call find_weakest(self, system, work, strength)
+      now = grip_after(0.0_wp)
       before = 1.0_wp
       do i = 1, looks
          s = h*i/looks
-         grip = grip_after(s)
+         grip = grip_after(s)/now
          if (grip <= 0.0_wp) then
             away = s - h/looks*(-grip)/(before - grip)
             return
@@ -114,7 +136,7 @@ contains
 
    contains
 
-      !> What the combination does at a later place to the motion that it feels now: 1 now.
+      !> What the combination does at a later place to the motion that it feels now.
       real(wp) function grip_after(s)
          real(wp), intent(in) :: s
          real(wp) :: largest

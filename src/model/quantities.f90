@@ -44,8 +44,10 @@ module limber_model_quantities
       & quantity_spec_type('deflection', of_beam_point, [1, 0, 0], .false., &
       &    'signed distance of a beam''s point from the chord through its ends, positive to the left'), &
       & quantity_spec_type('length', of_beam, [1, 0, 0], .false., 'undeformed length of a beam'), &
-      & quantity_spec_type('force_x', of_joint, [1, -2, 1], .false., 'force along x of a joint on its first body'), &
-      & quantity_spec_type('force_y', of_joint, [1, -2, 1], .false., 'force along y of a joint on its first body'), &
+      & quantity_spec_type('force_x', of_joint, [1, -2, 1], .false., &
+      &    'force along x of a joint on its first body; with redundant joints that of least norm'), &
+      & quantity_spec_type('force_y', of_joint, [1, -2, 1], .false., &
+      &    'force along y of a joint on its first body; with redundant joints that of least norm'), &
       & quantity_spec_type('torque', of_driver, [2, -2, 1], .false., 'torque of a driver on its body'), &
       & quantity_spec_type('kinetic_energy', of_system, [2, -2, 1], .false., &
       &    'kinetic energy of the whole: kinetic_energy(system)'), &

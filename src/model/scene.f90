@@ -50,6 +50,9 @@ module limber_model_scene
       real(wp) :: p0(2) = 0.0_wp
       !> Displacement (2,n) and rotation of the section (n) for each coordinate of the body
       real(wp), allocatable :: phi(:, :), psi(:)
+      !> True for a direction of the section, which does not move with the origin of the frame: p0 a unit vector, phi what psi
+      !> makes of it; the system makes these of points
+      logical :: direction = .false.
    end type point_type
 
    !> A joint between two points

@@ -15,6 +15,7 @@ module limber_system_discrete
    use limber_system_constraint, only: jacobian_type
    use limber_system_dynamics, only: position_residual
    use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames
+   use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type, workspace_type
@@ -59,7 +60,7 @@ contains
          allocate (step%q(nq), step%new_q(nq), step%b(nw), step%new_b(nw), step%p(nw), step%new_p(nw))
       end associate
       allocate (step%start, step%mean)
-      step%start = new_kinematics(system%model, system%marker_points)
+      step%start = new_kinematics(system%model, system%marker_points, system%angles)
       step%mean = step%start
       allocate (step%jacobians(2, size(system%constraints)), step%bodies(size(system%layout%q)))
       step%jacobians = work%jacobians
@@ -204,13 +205,17 @@ contains
             associate (frame => step%mean%frames(marker%body))
                marker%position = 0.5_wp*(a%position + b%position)
                marker%lever = 0.5_wp*(a%lever + b%lever)
-               marker%velocity = frame%velocity + frame%omega*marker%lever
+               marker%velocity = frame%omega*marker%lever
+               if (.not. marker%direction) marker%velocity = frame%velocity + marker%velocity
                do k = 1, size(marker%shape, 2)
                   marker%shape(:, k) = 0.5_wp*(1 + 0.25_wp*(frame%omega*step%h)**2)*(a%shape(:, k) + b%shape(:, k))
                   marker%velocity = marker%velocity + marker%shape(:, k)*(y(layout%w(marker%body) + 2 + k)/step%h)
                end do
             end associate
          end associate
+      end do
+      do m = 1, size(step%mean%angles)
+         step%mean%angles(m)%value = final%angles(m)%value - 0.5_wp*angle_change(step%mean, m)
       end do
    end subroutine find_mean
 

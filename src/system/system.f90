@@ -3,12 +3,13 @@
 module limber_system_system
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type
-   use limber_model_scene, only: model_type, joint_type, driver_type, force_type, torque_type, spring_type, joint_revolute, &
-      & joint_point_on_line, ground
+   use limber_model_scene, only: model_type, point_type, joint_type, driver_type, force_type, torque_type, spring_type, &
+      & joint_revolute, joint_point_on_line, ground
    use limber_system_constraint, only: constraint_type, constraint_item_type, jacobian_type, new_jacobian
    use limber_system_drivers, only: driven_angle_type
    use limber_system_joints, only: revolute_type, point_on_line_type
-   use limber_system_kinematics, only: layout_type, new_layout, kinematics_type, new_kinematics
+   use limber_system_kinematics, only: layout_type, new_layout, angle_type, kinematics_type, new_kinematics
+   use limber_system_algebra, only: along
    use limber_system_loads, only: load_type, load_item_type, dead_force_type, body_torque_type
    use limber_system_sparse, only: sparse_type
    use limber_system_springs, only: point_spring_type
@@ -16,6 +17,7 @@ module limber_system_system
    implicit none
    private
    public :: system_type, new_system, workspace_type, new_workspace, body_workspace_type, mark_block, block_place
+   public :: direction_of, angle_of
 
    !> Distance below which a spring's direction fades, relative to the characteristic length
    real(wp), parameter :: softening = 1.0e-10_wp
@@ -30,6 +32,8 @@ module limber_system_system
       type(load_item_type), allocatable :: loads(:)
       !> Points that joints and loads use
       integer, allocatable :: marker_points(:)
+      !> Angles that they use, with their values in the first guess
+      type(angle_type), allocatable :: angles(:)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
@@ -98,7 +102,7 @@ contains
       integer :: i, count
       system%model = model
       system%layout = new_layout(model)
-      allocate (system%marker_points(0))
+      allocate (system%marker_points(0), system%angles(0))
       allocate (system%constraints(size(model%joints) + size(model%drivers)))
       count = 0
       do i = 1, size(model%joints)
@@ -135,6 +139,104 @@ contains
       end do
       system%marker_points = [system%marker_points, point]
    end function marker_of
+
+   !> Index of the marker that is the direction at an angle in the section at a point; a new one if there is none yet. A point
+   !> mass does not turn: its directions are those of the ground.
+   integer function direction_of(system, point, angle) result(marker)
+      type(system_type), intent(inout) :: system
+      integer, intent(in) :: point
+      !> From the frame's first axis, in the undeformed body [rad]
+      real(wp), intent(in) :: angle
+      type(point_type), allocatable :: longer(:)
+      type(point_type) :: wanted
+      integer :: index
+      associate (section => system%model%points(point))
+         wanted%name = section%name
+         wanted%direction = .true.
+         if (section%body /= ground) then
+            if (system%layout%framed(section%body)) wanted%body = section%body
+         end if
+         wanted%p0 = [cos(angle), sin(angle)]
+         allocate (wanted%psi(size(section%psi)), source=section%psi)
+         allocate (wanted%phi(2, size(section%psi)))
+         wanted%phi(1, :) = -sin(angle)*section%psi
+         wanted%phi(2, :) = cos(angle)*section%psi
+      end associate
+      do index = size(system%model%points), 1, -1
+         if (same_direction(system%model%points(index), wanted)) exit
+      end do
+      if (index == 0) then
+         index = size(system%model%points) + 1
+         allocate (longer(index))
+         longer(:index - 1) = system%model%points
+         longer(index) = wanted
+         call move_alloc(longer, system%model%points)
+      end if
+      marker = marker_of(system, index)
+   end function direction_of
+
+   !> Whether two are one direction.
+   pure logical function same_direction(a, b)
+      type(point_type), intent(in) :: a, b
+      same_direction = a%direction .and. b%direction .and. a%body == b%body .and. size(a%psi) == size(b%psi)
+      if (same_direction) same_direction = .not. (any(abs(a%p0 - b%p0) > 0.0_wp) .or. any(abs(a%psi - b%psi) > 0.0_wp))
+   end function same_direction
+
+   !> Index of the followed angle of the vector from one marker to another, or of a direction (first marker 0).
+   integer function angle_of(system, first, second) result(angle)
+      type(system_type), intent(inout) :: system
+      integer, intent(in) :: first, second
+      type(angle_type), allocatable :: longer(:)
+      do angle = 1, size(system%angles)
+         if (all(system%angles(angle)%markers == [first, second])) return
+      end do
+      allocate (longer(angle))
+      longer(:angle - 1) = system%angles
+      longer(angle)%markers = [first, second]
+      longer(angle)%value = guessed_angle(system, first, second)
+      call move_alloc(longer, system%angles)
+   end function angle_of
+
+   !> The angle of a vector in the first guess of the model; that of a direction with the turns that the deck gives its body.
+   real(wp) function guessed_angle(system, first, second) result(angle)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: first, second
+      real(wp) :: vector(2)
+      associate (to => system%model%points(system%marker_points(second)))
+         if (first > 0) then
+            vector = guessed_position(system, to) - guessed_position(system, system%model%points(system%marker_points(first)))
+            angle = atan2(vector(2), vector(1))
+         else
+            angle = atan2(to%p0(2), to%p0(1))
+            if (to%body /= ground) angle = angle + guessed_turn(system, to%body)
+         end if
+      end associate
+   end function guessed_angle
+
+   !> Angle of a body's frame in the first guess: as it is driven, or as the deck says.
+   real(wp) function guessed_turn(system, body) result(angle)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      integer :: i
+      angle = system%model%bodies(body)%angle
+      do i = 1, size(system%model%drivers)
+         if (system%model%drivers(i)%body == body) &
+            & angle = system%model%drivers(i)%law%evaluate([system%model%dynamics%start])
+      end do
+   end function guessed_turn
+
+   !> Place of a point in the first guess of the model, undeformed (2).
+   function guessed_position(system, point) result(position)
+      type(system_type), intent(in) :: system
+      type(point_type), intent(in) :: point
+      real(wp) :: position(2), angle
+      position = point%p0
+      if (point%body == ground) return
+      position = system%model%bodies(point%body)%position
+      if (.not. system%layout%framed(point%body)) return
+      angle = guessed_turn(system, point%body)
+      position = position + along(point%p0, [cos(angle), sin(angle)])
+   end function guessed_position
 
    subroutine add_joint(system, joint, item)
       type(system_type), intent(inout) :: system
@@ -246,7 +348,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(out) :: work
       integer :: i, side, row, body, old
-      work%kinematics = new_kinematics(system%model, system%marker_points)
+      work%kinematics = new_kinematics(system%model, system%marker_points, system%angles)
       allocate (work%bodies(size(system%model%bodies)), work%jacobians(2, size(system%constraints)))
       allocate (work%phi(system%nc), work%gamma(system%nc), work%lambda(system%nc))
       allocate (work%solution(system%tree%unknowns))

@@ -60,7 +60,7 @@ contains
          allocate (step%q(nq), step%new_q(nq), step%b(nw), step%new_b(nw), step%p(nw), step%new_p(nw))
       end associate
       allocate (step%start, step%mean)
-      step%start = new_kinematics(system%model, system%marker_points, system%angles)
+      step%start = new_kinematics(system%model, system%marker_points, system%angles, system%bends)
       step%mean = step%start
       allocate (step%jacobians(2, size(system%constraints)), step%bodies(size(system%layout%q)))
       step%jacobians = work%jacobians
@@ -216,6 +216,13 @@ contains
       end do
       do m = 1, size(step%mean%angles)
          step%mean%angles(m)%value = final%angles(m)%value - 0.5_wp*angle_change(step%mean, m)
+      end do
+      do m = 1, size(step%mean%bends)
+         associate (bend => step%mean%bends(m))
+            bend%eta = 0.5_wp*(step%start%bends(m)%eta + final%bends(m)%eta)
+            at = layout%w(bend%body) + 3
+            bend%rate = y(at:at + size(bend%rate) - 1)/step%h
+         end associate
       end do
    end subroutine find_mean
 

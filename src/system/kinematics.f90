@@ -64,9 +64,19 @@ module limber_system_kinematics
       real(wp) :: value = 0.0_wp
    end type angle_type
 
-   !> What a driver prescribes at a time: the unit vector of the angle, and the angle's two derivatives
+   !> Deflections of a body that joints ask for themselves, not for those of its points
+   type :: bend_type
+      !> Index of the body
+      integer :: body = ground
+      !> Coordinates and their rates (n)
+      real(wp), allocatable :: eta(:), rate(:)
+      !> What a unit of them is in lengths: the largest of its shapes
+      real(wp) :: size = 1.0_wp
+   end type bend_type
+
+   !> What a driver prescribes at a time: the value and its two derivatives; of an angle also its unit vector
    type :: drive_type
-      real(wp) :: heading(2) = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
+      real(wp) :: heading(2) = 0.0_wp, value = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
    end type drive_type
 
    !> Frames of all bodies (index 0 is the ground), all markers in use, and what drivers prescribe, at a time
@@ -83,6 +93,8 @@ module limber_system_kinematics
       integer, allocatable :: directions(:)
       !> Angles that joints and loads ask for
       type(angle_type), allocatable :: angles(:)
+      !> Deflections that joints ask for
+      type(bend_type), allocatable :: bends(:)
    end type kinematics_type
 
 contains
@@ -106,12 +118,14 @@ contains
    end function new_layout
 
    !> Room for frames and for the given points as markers.
-   pure function new_kinematics(model, points, angles) result(kinematics)
+   pure function new_kinematics(model, points, angles, bends) result(kinematics)
       type(model_type), intent(in) :: model
       !> Indices of the points that become markers
       integer, intent(in) :: points(:)
       !> Angles that are followed, with values near those of the first place
       type(angle_type), intent(in) :: angles(:)
+      !> Bodies whose deflections are wanted
+      integer, intent(in) :: bends(:)
       type(kinematics_type) :: kinematics
       integer :: m
       allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)), kinematics%drives(size(model%drivers)))
@@ -126,7 +140,16 @@ contains
       end do
       allocate (kinematics%directions(count(kinematics%markers%direction .and. kinematics%markers%body /= ground)))
       kinematics%directions = pack([(m, m=1, size(points))], kinematics%markers%direction .and. kinematics%markers%body /= ground)
-      kinematics%turns = size(kinematics%directions) + size(angles) > 0
+      kinematics%turns = size(kinematics%directions) + size(angles) + size(bends) > 0
+      allocate (kinematics%bends(size(bends)))
+      do m = 1, size(bends)
+         kinematics%bends(m)%body = bends(m)
+         allocate (kinematics%bends(m)%eta(model%bodies(bends(m))%reduced%n), &
+            & kinematics%bends(m)%rate(model%bodies(bends(m))%reduced%n))
+         kinematics%bends(m)%eta = 0.0_wp
+         kinematics%bends(m)%rate = 0.0_wp
+         if (model%bodies(bends(m))%largest_shape > 0.0_wp) kinematics%bends(m)%size = model%bodies(bends(m))%largest_shape
+      end do
       allocate (kinematics%angles(size(angles)))
       do m = 1, size(angles)
          kinematics%angles(m) = angles(m)
@@ -145,6 +168,7 @@ contains
       do i = 1, size(model%drivers)
          theta = model%drivers(i)%law%evaluate_jet(t)
          kinematics%drives(i)%heading = [cos(theta%value), sin(theta%value)]
+         kinematics%drives(i)%value = theta%value
          kinematics%drives(i)%rate = theta%first
          kinematics%drives(i)%acceleration = theta%second
       end do
@@ -179,7 +203,7 @@ contains
       if (kinematics%turns) call place_directions(model, layout, q, kinematics)
    end subroutine place_frames
 
-   !> Directions, and the angles that are followed; all else is placed.
+   !> Directions, angles that are followed, and deflections; all else is placed.
    pure subroutine place_directions(model, layout, q, kinematics)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
@@ -195,6 +219,10 @@ contains
       end do
       do m = 1, size(kinematics%angles)
          call follow_angle(kinematics%markers, kinematics%angles(m))
+      end do
+      do i = 1, size(kinematics%bends)
+         first = layout%q(kinematics%bends(i)%body) + 4
+         kinematics%bends(i)%eta = q(first:first + size(kinematics%bends(i)%eta) - 1)
       end do
    end subroutine place_directions
 
@@ -266,6 +294,10 @@ contains
             call move_marker(model%points(marker%point), without_origin(kinematics%frames(marker%body)), q(first:last), &
                & v(first:last), marker)
          end associate
+      end do
+      do i = 1, size(kinematics%bends)
+         first = layout%q(kinematics%bends(i)%body) + 4
+         kinematics%bends(i)%rate = v(first:first + size(kinematics%bends(i)%rate) - 1)
       end do
    end subroutine move_directions
 

@@ -9,7 +9,7 @@ module limber_system_markers
    implicit none
    private
    public :: add_marker, marker_drift, marker_stiffness, marker_column, drift_column
-   public :: angle_vector, angle_gradient, angle_hessian, angle_change
+   public :: angle_vector, angle_gradient, angle_hessian, angle_change, vector_angle_gradient, vector_angle_hessian
 
 contains
 
@@ -131,13 +131,21 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       !> Index of the angle
       integer, intent(in) :: angle
-      real(wp) :: gradient(2), vector(2), rate(2), half(2), sine, cosine, ratio
+      real(wp) :: gradient(2), vector(2), rate(2)
       call angle_vector(kinematics, angle, vector, rate)
-      if (.not. kinematics%span > 0.0_wp) then
+      gradient = vector_angle_gradient(vector, rate, kinematics%span)
+   end function angle_gradient
+
+   !> The same of the angle of any vector.
+   pure function vector_angle_gradient(vector, rate, span) result(gradient)
+      !> The vector and its rate; over a step of length `span` their mean and increment over it
+      real(wp), intent(in) :: vector(2), rate(2), span
+      real(wp) :: gradient(2), half(2), sine, cosine, ratio
+      if (.not. span > 0.0_wp) then
          gradient = turn(vector)/dot_product(vector, vector)
          return
       end if
-      half = 0.5_wp*kinematics%span*rate
+      half = 0.5_wp*span*rate
       sine = cross(vector - half, vector + half)
       cosine = dot_product(vector - half, vector + half)
       ratio = sine/cosine
@@ -147,23 +155,30 @@ contains
          ratio = atan2(sine, cosine)/sine
       end if
       gradient = ratio*turn(vector)
-   end function angle_gradient
+   end function vector_angle_gradient
 
    !> Second derivatives of an angle by its vector, -(w (J w)^T + J w w^T)/(w.w)^2.
    pure function angle_hessian(kinematics, angle) result(hessian)
       type(kinematics_type), intent(in) :: kinematics
       !> Index of the angle
       integer, intent(in) :: angle
-      real(wp) :: hessian(2, 2), w(2), rate(2), across(2)
+      real(wp) :: hessian(2, 2), vector(2), rate(2)
+      call angle_vector(kinematics, angle, vector, rate)
+      hessian = vector_angle_hessian(vector)
+   end function angle_hessian
+
+   !> The same of the angle of any vector.
+   pure function vector_angle_hessian(vector) result(hessian)
+      real(wp), intent(in) :: vector(2)
+      real(wp) :: hessian(2, 2), along(2), across(2)
       integer :: i, j
-      call angle_vector(kinematics, angle, w, rate)
-      across = turn(w)/dot_product(w, w)
-      w = w/dot_product(w, w)
+      along = vector/dot_product(vector, vector)
+      across = turn(along)
       do j = 1, 2
          do i = 1, 2
-            hessian(i, j) = -(w(i)*across(j) + across(i)*w(j))
+            hessian(i, j) = -(along(i)*across(j) + across(i)*along(j))
          end do
       end do
-   end function angle_hessian
+   end function vector_angle_hessian
 
 end module limber_system_markers

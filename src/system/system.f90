@@ -34,6 +34,8 @@ module limber_system_system
       integer, allocatable :: marker_points(:)
       !> Angles that they use, with their values in the first guess
       type(angle_type), allocatable :: angles(:)
+      !> Bodies whose deflections they use
+      integer, allocatable :: bends(:)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
@@ -102,7 +104,7 @@ contains
       integer :: i, count
       system%model = model
       system%layout = new_layout(model)
-      allocate (system%marker_points(0), system%angles(0))
+      allocate (system%marker_points(0), system%angles(0), system%bends(0))
       allocate (system%constraints(size(model%joints) + size(model%drivers)))
       count = 0
       do i = 1, size(model%joints)
@@ -348,7 +350,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(out) :: work
       integer :: i, side, row, body, old
-      work%kinematics = new_kinematics(system%model, system%marker_points, system%angles)
+      work%kinematics = new_kinematics(system%model, system%marker_points, system%angles, system%bends)
       allocate (work%bodies(size(system%model%bodies)), work%jacobians(2, size(system%constraints)))
       allocate (work%phi(system%nc), work%gamma(system%nc), work%lambda(system%nc))
       allocate (work%solution(system%tree%unknowns))

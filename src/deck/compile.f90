@@ -29,7 +29,7 @@ contains
 
    !> Compiles an expression; the first error in it is added to the diagnostics. An overflow of a constant is
    !> such an error: it neither halts nor leaves a floating-point flag.
-   subroutine compile(text, origin, parameters, expression, ok, diagnostics, time, quantities)
+   subroutine compile(text, origin, parameters, expression, ok, diagnostics, time, quantities, variables)
       !> Text without blanks around, and where it stands
       character(*), intent(in) :: text
       type(origin_type), intent(in) :: origin
@@ -41,12 +41,20 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       !> Whether the time `t` and quantities such as x(slider) may occur (default: no)
       logical, intent(in), optional :: time, quantities
+      !> Names that may occur as slots, before parameters of the same name (default: none)
+      character(*), intent(in), optional :: variables(:)
       type(emitter_type) :: c
       type(ieee_status_type) :: floating
       c%text = lowercase(text)
       c%origin = origin
       if (present(time)) c%time = time
       if (present(quantities)) c%quantities = quantities
+      if (present(variables)) then
+         allocate (c%variables(size(variables)))
+         c%variables = variables
+      else
+         allocate (c%variables(0))
+      end if
       allocate (c%codes(len(text) + 1), c%operands(len(text) + 1), c%values(len(text) + 1), c%slots(0))
       call ieee_get_status(floating)
       call ieee_set_halting_mode(ieee_all, .false.)
@@ -234,6 +242,8 @@ contains
          call complain_call(c, word, at, last, found > 0 .or. word == 't' .or. word == 'pi')
       else if (word == 'pi') then
          call push_constant(c, pi, at)
+      else if (any(c%variables == word)) then
+         call push_slot(c, word, '', at, at)
       else if (word == 't' .and. c%time) then
          call push_slot(c, word, '', at, at)
       else if (word == 't') then

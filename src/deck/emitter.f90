@@ -21,6 +21,8 @@ module limber_deck_emitter
       type(origin_type) :: origin
       !> What may occur beside numbers and parameters
       logical :: time = .false., quantities = .false.
+      !> Names that stand for themselves, such as x and v of a spring
+      character(8), allocatable :: variables(:)
       !> Program so far; `count` operations, `constants` constants, `slots` slots
       integer, allocatable :: codes(:), operands(:)
       real(wp), allocatable :: values(:)

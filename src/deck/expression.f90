@@ -35,6 +35,7 @@ module limber_deck_expression
    contains
       procedure :: evaluate
       procedure :: evaluate_jet
+      procedure :: evaluate_along
       procedure :: branches
       procedure :: is_constant
       procedure :: constant_value
@@ -76,8 +77,18 @@ contains
       real(wp), intent(in) :: t
       type(jet_type) :: jet
       integer(long) :: taken
-      call walk(self, t, jet, taken)
+      call walk(self, [jet_type(t, 1.0_wp, 0.0_wp)], jet, taken)
    end function evaluate_jet
+
+   !> The value and its first and second derivative along a line in the space of the slots.
+   pure function evaluate_along(self, line) result(jet)
+      class(expression_type), intent(in) :: self
+      !> Value of each slot and its derivatives along the line, in the order of `slots`
+      type(jet_type), intent(in) :: line(:)
+      type(jet_type) :: jet
+      integer(long) :: taken
+      call walk(self, line, jet, taken)
+   end function evaluate_along
 
    !> A number for the branches that min, max, abs, step and smoothstep take at a time, right after it where it is a bend: while
    !> it does not change the expression is smooth. -1 if there is nothing to choose.
@@ -86,13 +97,13 @@ contains
       !> Time [s]
       real(wp), intent(in) :: t
       type(jet_type) :: jet
-      call walk(self, t, jet, branches)
+      call walk(self, [jet_type(t, 1.0_wp, 0.0_wp)], jet, branches)
    end function branches
 
-   !> Both of these.
-   pure subroutine walk(self, t, jet, branches)
+   !> All of these.
+   pure subroutine walk(self, line, jet, branches)
       class(expression_type), intent(in) :: self
-      real(wp), intent(in) :: t
+      type(jet_type), intent(in) :: line(:)
       type(jet_type), intent(out) :: jet
       integer(long), intent(out) :: branches
       integer(long), parameter :: most = 2_long**48
@@ -107,7 +118,7 @@ contains
             stack(top) = jet_type(self%constants(self%operands(i)), 0.0_wp, 0.0_wp)
          else if (self%codes(i) == op_slot) then
             top = top + 1
-            stack(top) = jet_type(t, 1.0_wp, 0.0_wp)
+            stack(top) = line(self%operands(i))
          else if (is_binary(self%codes(i))) then
             top = top - 1
             branch = branch_of(self%codes(i), stack(top), stack(top + 1))

@@ -174,6 +174,7 @@ contains
       character(:), allocatable :: text
       text = trim(spec%meaning)
       if (len_trim(spec%unit) > 0) text = text//' ['//trim(spec%unit)//']'
+      if (spec%optional) text = text//'; may be left out'
    end function field_sentence
 
    !> The reference chapter of the manual in Markdown; ends with a line feed.

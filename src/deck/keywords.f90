@@ -4,8 +4,8 @@ module limber_deck_keywords
    use limber_deck_lexer, only: collapsed
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
-      & kind_path, kind_point, kind_yes, kind_time_expression, form_none, form_text, form_fields, form_assignments, &
-      & form_channels, form_lists
+      & kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, &
+      & form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    implicit none
    private
    public :: keyword_table, option_table, field_table, list_table, find_keyword, keyword_options, keyword_fields, &
@@ -33,8 +33,15 @@ module limber_deck_keywords
       & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
       & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
       & keyword_type('FORCE', many, form_fields, 1, 1, 'A force on a point'), &
-      & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body'), &
-      & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring and a damper between two points, along the line through them'), &
+      & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body, or between two'), &
+      & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring, damper and actuator between two points or two sections'), &
+      & keyword_type('BUSHING', many, form_fields, 1, 1, &
+      &    'Springs and dampers that hold a point near another one, and two sections near one direction'), &
+      & keyword_type('DISTRIBUTED LOAD', many, form_fields, 1, many, &
+      &    'A load along a beam; several data lines are added'), &
+      & keyword_type('DAMPING', many, form_fields, 0, many, &
+      &    'Damping of the coordinates of a beam; data lines: modes with a ratio of their own'), &
+      & keyword_type('FRICTION', many, form_none, 0, 0, 'Viscous friction in a joint'), &
       & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
       & keyword_type('ACCURACY', 1, form_none, 0, 0, 'What is to be known of the error of the results of limber run'), &
       & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
@@ -128,15 +135,56 @@ module limber_deck_keywords
       & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM', '', needed, 'body that is driven'), &
       & option_spec_type('FORCE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the force'), &
       & option_spec_type('FORCE', 'POINT', kind_point, '', '', needed, 'point that it acts on: body.point'), &
+      & option_spec_type('FORCE', 'FOLLOWER', kind_yes, '', &
+      &    '', 'NO', 'components along the axes of the body''s frame, of a beam: of its section at the point'), &
       & option_spec_type('TORQUE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the torque'), &
       & option_spec_type('TORQUE', 'BODY', kind_reference, 'RIGID BODY|BEAM', &
-      &    '', needed, 'body that it acts on; of a beam: its floating frame'), &
+      &    '', '', 'body that it acts on; of a beam: its floating frame; this or POINT'), &
+      & option_spec_type('TORQUE', 'POINT', kind_point, '', '', '', 'section of a beam that it acts on; this or BODY'), &
+      & option_spec_type('TORQUE', 'REACTION', kind_point, '', &
+      &    '', '', 'body, or section of a beam, on which the opposite torque acts; if not given, the ground'), &
       & option_spec_type('SPRING', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the spring'), &
-      & option_spec_type('SPRING', 'STIFFNESS', kind_nonnegative, '', 'N/m', needed, 'tension for each unit of extension'), &
+      & option_spec_type('SPRING', 'TYPE', kind_word, 'TRANSLATIONAL|ROTATIONAL', &
+      &    '', 'TRANSLATIONAL', 'along the line through the points, or by the angle from the first section to the second'), &
+      & option_spec_type('SPRING', 'STIFFNESS', kind_nonnegative, '', &
+      &    'N/m, N m/rad', '0', 'tension for each unit of extension, torque for each unit of angle'), &
       & option_spec_type('SPRING', 'LENGTH', kind_nonnegative, '', &
-      &    'm', '0', 'free length: the distance of the points without tension'), &
+      &    'm', '0', 'TRANSLATIONAL: free length, the distance of the points without tension'), &
+      & option_spec_type('SPRING', 'ANGLE', kind_real, '', &
+      &    'rad', '0', 'ROTATIONAL: free angle of the second body less that of the first, turns included'), &
       & option_spec_type('SPRING', 'DAMPING', kind_nonnegative, '', &
-      &    'N s/m', '0', 'tension of the damper for each unit of the speed at which the points part'), &
+      &    'N s/m, N m s', '0', 'tension for each unit of the speed at which the points part, torque for each unit of spin'), &
+      & option_spec_type('BUSHING', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the bushing'), &
+      & option_spec_type('BUSHING', 'AXES', kind_real, '', &
+      &    'rad', '0', 'angle of its axes in the second body''s frame or section'), &
+      & option_spec_type('BUSHING', 'STIFFNESS X', kind_nonnegative, '', &
+      &    'N/m', '0', 'force along its first axis for each unit of displacement'), &
+      & option_spec_type('BUSHING', 'STIFFNESS Y', kind_nonnegative, '', 'N/m', '0', 'the same along its second axis'), &
+      & option_spec_type('BUSHING', 'STIFFNESS ROTATION', kind_nonnegative, '', &
+      &    'N m/rad', '0', 'torque for each unit of the angle between the sections'), &
+      & option_spec_type('BUSHING', 'DAMPING X', kind_nonnegative, '', 'N s/m', '0', 'force for each unit of speed'), &
+      & option_spec_type('BUSHING', 'DAMPING Y', kind_nonnegative, '', 'N s/m', '0', 'force for each unit of speed'), &
+      & option_spec_type('BUSHING', 'DAMPING ROTATION', kind_nonnegative, '', 'N m s', '0', 'torque for each unit of spin'), &
+      & option_spec_type('BUSHING', 'ANGLE', kind_real, '', &
+      &    'rad', '0', 'angle of the first section less that of the second without torque'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the load'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'BODY', kind_reference, 'BEAM', '', needed, 'beam that it acts on'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'FOLLOWER', kind_yes, '', &
+      &    '', 'NO', 'components along and across the beam''s floating frame instead of the axes of space'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'START', kind_nonnegative, '', 'm', '0', 'coordinate s where it begins'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'END', kind_positive, '', &
+      &    'm', '', 'coordinate s where it ends; if not given, the end of the beam'), &
+      & option_spec_type('DAMPING', 'BODY', kind_reference, 'BEAM', '', needed, 'beam that is damped'), &
+      & option_spec_type('DAMPING', 'RAYLEIGH ALPHA', kind_nonnegative, '', &
+      &    '1/s', '0', 'damping for each unit of modal mass'), &
+      & option_spec_type('DAMPING', 'RAYLEIGH BETA', kind_nonnegative, '', &
+      &    's', '0', 'damping for each unit of modal stiffness'), &
+      & option_spec_type('DAMPING', 'RATIO', kind_nonnegative, '', &
+      &    '', '0', 'part of the critical damping of every mode, beside that of RAYLEIGH'), &
+      & option_spec_type('FRICTION', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the friction'), &
+      & option_spec_type('FRICTION', 'JOINT', kind_reference, 'JOINT', '', needed, 'joint that it is in'), &
+      & option_spec_type('FRICTION', 'COEFFICIENT', kind_nonnegative, '', &
+      &    'N m s, N s/m', needed, 'torque for each unit of relative spin, force for each unit of sliding speed'), &
       & option_spec_type('DYNAMICS', 'START', kind_real, '', 's', '0', 'first instant'), &
       & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
       & option_spec_type('DYNAMICS', 'OUTPUTS', kind_counting, '', &
@@ -182,11 +230,23 @@ module limber_deck_keywords
       & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
       & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &
       & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad', 'expression of the time t'), &
-      & field_spec_type('FORCE', 'fx', kind_time_expression, 'N', 'component along x of space, expression of the time t'), &
-      & field_spec_type('FORCE', 'fy', kind_time_expression, 'N', 'component along y of space, expression of the time t'), &
-      & field_spec_type('TORQUE', 'value', kind_time_expression, 'N m', 'positive from x to y, expression of the time t'), &
+      & field_spec_type('FORCE', 'fx', kind_law, 'N', &
+      &    'component along the first axis, expression of the time t and of quantities'), &
+      & field_spec_type('FORCE', 'fy', kind_law, 'N', 'component along the second axis, likewise'), &
+      & field_spec_type('TORQUE', 'value', kind_law, 'N m', &
+      &    'positive from x to y, expression of the time t and of quantities'), &
       & field_spec_type('SPRING', 'first point', kind_point, '', 'body.point'), &
-      & field_spec_type('SPRING', 'second point', kind_point, '', 'body.point')]
+      & field_spec_type('SPRING', 'second point', kind_point, '', 'body.point'), &
+      & field_spec_type('SPRING', 'tension', kind_spring_law, 'N, N m', &
+      &    'added: expression of the elongation x, its rate v, the time t, quantities', .true.), &
+      & field_spec_type('BUSHING', 'first point', kind_point, '', 'body.point'), &
+      & field_spec_type('BUSHING', 'second point', kind_point, '', 'body.point: its section carries the axes'), &
+      & field_spec_type('DISTRIBUTED LOAD', 'qx', kind_shape, 'N/m', 'along the first axis, expression of s along the beam'), &
+      & field_spec_type('DISTRIBUTED LOAD', 'qy', kind_shape, 'N/m', 'along the second axis, expression of s'), &
+      & field_spec_type('DISTRIBUTED LOAD', 'factor', kind_law, '', &
+      &    'expression of the time t and of quantities', .true.), &
+      & field_spec_type('DAMPING', 'mode', kind_counting, '', 'bending modes first, then axial ones'), &
+      & field_spec_type('DAMPING', 'ratio', kind_nonnegative, '', 'part of the critical damping, in place of RATIO')]
    !> The lists of data lines of the form `form_lists`
    type(list_spec_type), parameter :: list_table(*) = [ &
       & list_spec_type('STUDY', 'integrators', 'DYNAMICS', 'INTEGRATOR', 'integration methods; default all'), &

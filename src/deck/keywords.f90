@@ -4,7 +4,7 @@ module limber_deck_keywords
    use limber_deck_lexer, only: collapsed
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
-      & kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, &
+      & kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, kind_curve, &
       & form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    implicit none
    private
@@ -31,6 +31,12 @@ module limber_deck_keywords
       & keyword_type('BEAM', many, form_fields, 0, many, &
       &    'A flexible beam in a floating frame of reference; data lines: its named points'), &
       & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
+      & keyword_type('TABLE', many, form_fields, 0, many, &
+      &    'A function of one argument for expressions behind it, name(x): its points; beyond them it keeps its last value'), &
+      & keyword_type('CURVE', many, form_fields, 0, many, &
+      &    'A curve in the frame of a body, for joints: points, or one line with y as an expression of x'), &
+      & keyword_type('COUPLER', many, form_fields, 1, many, &
+      &    'A linear coupling: the sum of coefficient times joint coordinate, a term each line, stays as it is or is given'), &
       & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
       & keyword_type('FORCE', many, form_fields, 1, 1, 'A force on a point'), &
       & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body, or between two'), &
@@ -126,13 +132,44 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess')]
    type(option_spec_type), parameter :: other_options(*) = [ &
       & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the joint'), &
-      & option_spec_type('JOINT', 'TYPE', kind_word, 'REVOLUTE|POINT ON LINE', &
-      &    '', needed, 'POINT ON LINE: the first point moves on a line through the second one'), &
+      & option_spec_type('JOINT', 'TYPE', kind_word, &
+      &    'REVOLUTE|POINT ON LINE|TRANSLATIONAL|WELD|ROD|POINT ON CURVE|SLIDING|GEAR|RACK|BELT', &
+      &    '', needed, 'what the joint is: see the list below'), &
       & option_spec_type('JOINT', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'POINT ON LINE: direction of the line in the frame of the second body'), &
+      &    'rad', '0', 'POINT ON LINE, TRANSLATIONAL, RACK, POINT ON CURVE: direction of the (x) axis in the second section'), &
+      & option_spec_type('JOINT', 'TURN', kind_real, '', &
+      &    'rad', '', 'TRANSLATIONAL, WELD: angle of the first section from the second; if not given, as guessed'), &
+      & option_spec_type('JOINT', 'LENGTH', kind_positive, '', 'm', '', 'ROD: its length; if not given, as guessed'), &
+      & option_spec_type('JOINT', 'RADIUS', kind_positive, '', 'm', '', 'RACK: radius of the pinion'), &
+      & option_spec_type('JOINT', 'FIRST RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the first body'), &
+      & option_spec_type('JOINT', 'SECOND RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the second body'), &
+      & option_spec_type('JOINT', 'INTERNAL', kind_yes, '', '', '', 'GEAR: one gear runs inside the other'), &
+      & option_spec_type('JOINT', 'CROSSED', kind_yes, '', '', '', 'BELT: crossed, so that the wheels turn against each other'), &
+      & option_spec_type('JOINT', 'CURVE', kind_reference, 'CURVE', '', '', 'POINT ON CURVE: the curve, around the second point'), &
+      & option_spec_type('TABLE', 'NAME', kind_name, 'tables', '', needed, 'name of the function'), &
+      & option_spec_type('TABLE', 'INTERPOLATION', kind_word, 'LINEAR|SPLINE', &
+      &    '', 'LINEAR', 'straight between the points, or the cubic spline without curvature at its ends'), &
+      & option_spec_type('TABLE', 'FILE', kind_path, '', &
+      &    '', '', 'file of data lines, relative to the folder of this one; a line that begins with a letter is skipped'), &
+      & option_spec_type('CURVE', 'NAME', kind_name, 'curves', '', needed, 'name of the curve'), &
+      & option_spec_type('CURVE', 'CLOSED', kind_yes, '', '', 'NO', 'the spline through the points ends where it begins'), &
+      & option_spec_type('CURVE', 'FILE', kind_path, '', &
+      &    '', '', 'file of data lines, relative to the folder of this one; a line that begins with a letter is skipped'), &
+      & option_spec_type('COUPLER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the coupler'), &
       & option_spec_type('DRIVER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the driver'), &
-      & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE', '', needed, 'ANGLE: the angle of the frame of a body'), &
-      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM', '', needed, 'body that is driven'), &
+      & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE|DISTANCE|DISPLACEMENT|X|Y', &
+      &    '', needed, 'angle of BODY or JOINT, distance of POINT and TO, displacement of JOINT, x or y of POINT'), &
+      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM', '', '', 'ANGLE: body that is driven'), &
+      & option_spec_type('DRIVER', 'JOINT', kind_reference, 'JOINT', &
+      &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven'), &
+      & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven'), &
+      & option_spec_type('DRIVER', 'TO', kind_point, '', '', '', 'DISTANCE: point that the distance is counted from'), &
+      & option_spec_type('DRIVER', 'LEVEL', kind_word, 'POSITION|VELOCITY|ACCELERATION', &
+      &    '', 'POSITION', 'what the expression gives: the coordinate, its rate, or its second rate'), &
+      & option_spec_type('DRIVER', 'INITIAL', kind_real, '', &
+      &    'rad, m', '', 'VELOCITY, ACCELERATION: the coordinate at first; if not given, as guessed'), &
+      & option_spec_type('DRIVER', 'INITIAL VELOCITY', kind_real, '', &
+      &    'rad/s, m/s', '', 'ACCELERATION: the rate at first; if not given, 0'), &
       & option_spec_type('FORCE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the force'), &
       & option_spec_type('FORCE', 'POINT', kind_point, '', '', needed, 'point that it acts on: body.point'), &
       & option_spec_type('FORCE', 'FOLLOWER', kind_yes, '', &
@@ -229,7 +266,15 @@ module limber_deck_keywords
       & field_spec_type('BEAM', 'coordinate', kind_real, 'm', 'coordinate along the undeformed beam from its start'), &
       & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
       & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &
-      & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad', 'expression of the time t'), &
+      & field_spec_type('TABLE', 'x', kind_real, '', 'argument, greater than the one before'), &
+      & field_spec_type('TABLE', 'value', kind_real, '', 'value there'), &
+      & field_spec_type('CURVE', 'x', kind_curve, 'm', 'of a point; or y of the curve as an expression of x, in one line'), &
+      & field_spec_type('CURVE', 'y', kind_real, 'm', 'of a point', .true.), &
+      & field_spec_type('COUPLER', 'coefficient', kind_time_expression, '', &
+      &    'of the term; of value: what the sum is, expression of the time t'), &
+      & field_spec_type('COUPLER', 'coordinate', kind_name, '', 'angle, joint_angle, displacement or value'), &
+      & field_spec_type('COUPLER', 'object', kind_name, '', 'body of angle, joint of the others', .true.), &
+      & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', 'expression of the time t'), &
       & field_spec_type('FORCE', 'fx', kind_law, 'N', &
       &    'component along the first axis, expression of the time t and of quantities'), &
       & field_spec_type('FORCE', 'fy', kind_law, 'N', 'component along the second axis, likewise'), &

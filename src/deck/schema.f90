@@ -4,7 +4,8 @@ module limber_deck_schema
    private
    public :: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed
    public :: kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, &
-      & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape
+      & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, &
+      & kind_curve
    public :: form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    public :: is_number_kind, is_integer_kind, is_expression_kind
 
@@ -24,6 +25,8 @@ module limber_deck_schema
    integer, parameter :: kind_point = 11, kind_yes = 12, kind_time_expression = 13
    !> An expression of t and of quantities of the motion; the same, of x and v too; an expression of s alone
    integer, parameter :: kind_law = 14, kind_spring_law = 15, kind_shape = 16
+   !> An expression of x alone
+   integer, parameter :: kind_curve = 17
 
    !> Forms of data lines: none, free text, one row of fields in each line, name = expression,
    !> channels of the output, named lists of values
@@ -103,7 +106,8 @@ contains
    !> Whether they are expressions of more than constants.
    elemental logical function is_expression_kind(kind)
       integer, intent(in) :: kind
-      is_expression_kind = kind == kind_time_expression .or. kind == kind_law .or. kind == kind_spring_law .or. kind == kind_shape
+      is_expression_kind = kind == kind_time_expression .or. kind == kind_law .or. kind == kind_spring_law .or. kind == kind_shape &
+         & .or. kind == kind_curve
    end function is_expression_kind
 
 end module limber_deck_schema

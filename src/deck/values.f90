@@ -9,7 +9,7 @@ module limber_deck_values
    use limber_deck_expression, only: expression_type
    use limber_deck_compile, only: compile
    use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_positive, kind_nonnegative, kind_count, &
-      & kind_counting, kind_word, kind_point, kind_yes, kind_law, kind_spring_law, kind_shape, &
+      & kind_counting, kind_word, kind_point, kind_yes, kind_law, kind_spring_law, kind_shape, kind_curve, &
       & is_number_kind, is_integer_kind, is_expression_kind
    use limber_deck_keywords, only: split_values, contains_value
    use limber_deck_content, only: option_type, field_type
@@ -105,6 +105,8 @@ contains
             & variables=['x', 'v'])
       case (kind_shape)
          call compile(part%text, part%origin, parameters, expression, ok, diagnostics, variables=['s'])
+      case (kind_curve)
+         call compile(part%text, part%origin, parameters, expression, ok, diagnostics, variables=['x'])
       case default
          call compile(part%text, part%origin, parameters, expression, ok, diagnostics, time=.true.)
       end select

@@ -480,7 +480,7 @@ contains
          call by_alpha(system%layout, item%bodies(2), y, c%second_drift)
          c%first_drift = c%first_drift - c%first
          c%second_drift = c%second_drift - c%second
-         call add_reaction_stiffness(system, work, i, lambda, tangent)
+         call add_reaction_stiffness(system, step%mean, i, lambda, tangent)
       end associate
    end subroutine linearise_constraint
 
@@ -507,12 +507,9 @@ contains
          call system%loads(i)%item%add_power(step%mean, power)
       end do
       done = step%h*power
-      do i = size(system%model%joints) + 1, size(system%constraints)
+      do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
-            at = system%layout%w(item%bodies(1)) - 1
-            do k = 1, 3
-               done = done - y(at + k)*dot_product(step%jacobians(1, i)%z(:, k), lambda(item%first:item%first + item%rows - 1))
-            end do
+            if (item%driven) done = done + driver_work(system, step, i, y, lambda(item%first:item%first + item%rows - 1))
          end associate
       end do
       do i = 1, size(work%bodies)
@@ -527,5 +524,30 @@ contains
          end associate
       end do
    end function step_work
+
+   !> Work of what moves a constraint in time: force times increment on both bodies.
+   pure real(wp) function driver_work(system, step, i, y, lambda) result(done)
+      type(system_type), intent(in) :: system
+      type(step_type), intent(in) :: step
+      !> Index of the constraint
+      integer, intent(in) :: i
+      !> Increments (nw), its multipliers
+      real(wp), intent(in) :: y(:), lambda(:)
+      integer :: side, k, at, rates
+      done = 0.0_wp
+      do side = 1, 2
+         associate (body => system%constraints(i)%item%bodies(side), jacobian => step%jacobians(side, i))
+            if (body == ground) cycle
+            at = system%layout%w(body) - 1
+            rates = system%layout%rates(body)
+            do k = 1, rates
+               done = done - y(at + k)*dot_product(jacobian%z(:, k), lambda)
+            end do
+            do k = 1, system%layout%n(body)
+               done = done - y(at + rates + k)*dot_product(jacobian%eta(:, k), lambda)
+            end do
+         end associate
+      end do
+   end function driver_work
 
 end module limber_system_discrete

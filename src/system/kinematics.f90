@@ -4,6 +4,7 @@
 module limber_system_kinematics
    use limber_base_kinds, only: wp
    use limber_deck_operations, only: jet_type
+   use limber_model_laws, only: driven_motion
    use limber_model_scene, only: model_type, point_type, body_point, ground
    use limber_system_algebra, only: turn, along, cross
    implicit none
@@ -77,6 +78,8 @@ module limber_system_kinematics
    !> What a driver prescribes at a time: the value and its two derivatives; of an angle also its unit vector
    type :: drive_type
       real(wp) :: heading(2) = 0.0_wp, value = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
+      !> Behind those of the drivers: the joint whose law it is
+      integer :: joint = 0
    end type drive_type
 
    !> Frames of all bodies (index 0 is the ground), all markers in use, and what drivers prescribe, at a time
@@ -128,7 +131,9 @@ contains
       integer, intent(in) :: bends(:)
       type(kinematics_type) :: kinematics
       integer :: m
-      allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)), kinematics%drives(size(model%drivers)))
+      allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)))
+      allocate (kinematics%drives(size(model%drivers) + count(model%joints%has_law)))
+      kinematics%drives(size(model%drivers) + 1:)%joint = pack([(m, m=1, size(model%joints))], model%joints%has_law)
       do m = 1, size(points)
          kinematics%markers(m)%point = points(m)
          kinematics%markers(m)%body = model%points(points(m))%body
@@ -166,8 +171,14 @@ contains
       if (.not. abs(t - kinematics%time) > 0.0_wp) return
       kinematics%time = t
       do i = 1, size(model%drivers)
-         theta = model%drivers(i)%law%evaluate_jet(t)
+         theta = driven_motion(model%drivers(i), t)
          kinematics%drives(i)%heading = [cos(theta%value), sin(theta%value)]
+         kinematics%drives(i)%value = theta%value
+         kinematics%drives(i)%rate = theta%first
+         kinematics%drives(i)%acceleration = theta%second
+      end do
+      do i = size(model%drivers) + 1, size(kinematics%drives)
+         theta = model%joints(kinematics%drives(i)%joint)%law%evaluate_jet(t)
          kinematics%drives(i)%value = theta%value
          kinematics%drives(i)%rate = theta%first
          kinematics%drives(i)%acceleration = theta%second

@@ -3,39 +3,28 @@
 module limber_system_system
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type
-   use limber_model_scene, only: model_type, point_type, joint_type, driver_type, force_type, torque_type, spring_type, &
-      & joint_revolute, joint_point_on_line, ground
-   use limber_system_constraint, only: constraint_type, constraint_item_type, jacobian_type, new_jacobian
-   use limber_system_drivers, only: driven_angle_type
-   use limber_system_joints, only: revolute_type, point_on_line_type
-   use limber_system_kinematics, only: layout_type, new_layout, angle_type, kinematics_type, new_kinematics
-   use limber_system_algebra, only: along
+   use limber_model_scene, only: model_type, force_type, torque_type, spring_type, ground
+   use limber_system_constraint, only: constraint_item_type, jacobian_type, new_jacobian
+   use limber_system_couplings, only: new_joint, new_driver
+   use limber_system_kinematics, only: kinematics_type, new_kinematics
    use limber_system_loads, only: load_type, load_item_type, dead_force_type, body_torque_type
+   use limber_system_registry, only: registry_type, start_registry, marker_of, direction_of, angle_of
    use limber_system_sparse, only: sparse_type
    use limber_system_springs, only: point_spring_type
    use limber_system_tree, only: tree_type, new_tree
    implicit none
    private
    public :: system_type, new_system, workspace_type, new_workspace, body_workspace_type, mark_block, block_place
-   public :: direction_of, angle_of
 
    !> Distance below which a spring's direction fades, relative to the characteristic length
    real(wp), parameter :: softening = 1.0e-10_wp
 
    !> The equations; constant once it is built
-   type :: system_type
-      type(model_type) :: model
-      type(layout_type) :: layout
+   type, extends(registry_type) :: system_type
       !> Joints first, then drivers, in the order of the model
       type(constraint_item_type), allocatable :: constraints(:)
       !> Forces first, then torques, then springs, in the order of the model
       type(load_item_type), allocatable :: loads(:)
-      !> Points that joints and loads use
-      integer, allocatable :: marker_points(:)
-      !> Angles that they use, with their values in the first guess
-      type(angle_type), allocatable :: angles(:)
-      !> Bodies whose deflections they use
-      integer, allocatable :: bends(:)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
@@ -102,18 +91,16 @@ contains
       type(model_type), intent(in) :: model
       type(system_type) :: system
       integer :: i, count
-      system%model = model
-      system%layout = new_layout(model)
-      allocate (system%marker_points(0), system%angles(0), system%bends(0))
+      call start_registry(system, model)
       allocate (system%constraints(size(model%joints) + size(model%drivers)))
       count = 0
       do i = 1, size(model%joints)
          count = count + 1
-         call add_joint(system, model%joints(i), system%constraints(count)%item)
+         call new_joint(system, i, system%constraints(count)%item)
       end do
       do i = 1, size(model%drivers)
          count = count + 1
-         call add_driver(model%drivers(i), i, system%constraints(count)%item)
+         call new_driver(system, i, system%constraints(count)%item)
       end do
       do i = 1, count
          system%constraints(i)%item%first = system%nc + 1
@@ -121,7 +108,10 @@ contains
       end do
       call add_loads(system)
       system%tree = new_tree(model, system%layout, system%constraints, system%marker_points, system%nc)
-      system%powered = size(model%drivers) > 0
+      system%powered = .false.
+      do i = 1, size(system%constraints)
+         system%powered = system%powered .or. system%constraints(i)%item%driven
+      end do
       do i = 1, size(system%loads)
          system%powered = system%powered .or. system%loads(i)%item%powered
       end do
@@ -131,152 +121,6 @@ contains
          end associate
       end do
    end function new_system
-
-   !> Index of the marker at a point; a new one if there is none yet.
-   integer function marker_of(system, point) result(marker)
-      type(system_type), intent(inout) :: system
-      integer, intent(in) :: point
-      do marker = 1, size(system%marker_points)
-         if (system%marker_points(marker) == point) return
-      end do
-      system%marker_points = [system%marker_points, point]
-   end function marker_of
-
-   !> Index of the marker that is the direction at an angle in the section at a point; a new one if there is none yet. A point
-   !> mass does not turn: its directions are those of the ground.
-   integer function direction_of(system, point, angle) result(marker)
-      type(system_type), intent(inout) :: system
-      integer, intent(in) :: point
-      !> From the frame's first axis, in the undeformed body [rad]
-      real(wp), intent(in) :: angle
-      type(point_type), allocatable :: longer(:)
-      type(point_type) :: wanted
-      integer :: index
-      associate (section => system%model%points(point))
-         wanted%name = section%name
-         wanted%direction = .true.
-         if (section%body /= ground) then
-            if (system%layout%framed(section%body)) wanted%body = section%body
-         end if
-         wanted%p0 = [cos(angle), sin(angle)]
-         allocate (wanted%psi(size(section%psi)), source=section%psi)
-         allocate (wanted%phi(2, size(section%psi)))
-         wanted%phi(1, :) = -sin(angle)*section%psi
-         wanted%phi(2, :) = cos(angle)*section%psi
-      end associate
-      do index = size(system%model%points), 1, -1
-         if (same_direction(system%model%points(index), wanted)) exit
-      end do
-      if (index == 0) then
-         index = size(system%model%points) + 1
-         allocate (longer(index))
-         longer(:index - 1) = system%model%points
-         longer(index) = wanted
-         call move_alloc(longer, system%model%points)
-      end if
-      marker = marker_of(system, index)
-   end function direction_of
-
-   !> Whether two are one direction.
-   pure logical function same_direction(a, b)
-      type(point_type), intent(in) :: a, b
-      same_direction = a%direction .and. b%direction .and. a%body == b%body .and. size(a%psi) == size(b%psi)
-      if (same_direction) same_direction = .not. (any(abs(a%p0 - b%p0) > 0.0_wp) .or. any(abs(a%psi - b%psi) > 0.0_wp))
-   end function same_direction
-
-   !> Index of the followed angle of the vector from one marker to another, or of a direction (first marker 0).
-   integer function angle_of(system, first, second) result(angle)
-      type(system_type), intent(inout) :: system
-      integer, intent(in) :: first, second
-      type(angle_type), allocatable :: longer(:)
-      do angle = 1, size(system%angles)
-         if (all(system%angles(angle)%markers == [first, second])) return
-      end do
-      allocate (longer(angle))
-      longer(:angle - 1) = system%angles
-      longer(angle)%markers = [first, second]
-      longer(angle)%value = guessed_angle(system, first, second)
-      call move_alloc(longer, system%angles)
-   end function angle_of
-
-   !> The angle of a vector in the first guess of the model; that of a direction with the turns that the deck gives its body.
-   real(wp) function guessed_angle(system, first, second) result(angle)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: first, second
-      real(wp) :: vector(2)
-      associate (to => system%model%points(system%marker_points(second)))
-         if (first > 0) then
-            vector = guessed_position(system, to) - guessed_position(system, system%model%points(system%marker_points(first)))
-            angle = atan2(vector(2), vector(1))
-         else
-            angle = atan2(to%p0(2), to%p0(1))
-            if (to%body /= ground) angle = angle + guessed_turn(system, to%body)
-         end if
-      end associate
-   end function guessed_angle
-
-   !> Angle of a body's frame in the first guess: as it is driven, or as the deck says.
-   real(wp) function guessed_turn(system, body) result(angle)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: body
-      integer :: i
-      angle = system%model%bodies(body)%angle
-      do i = 1, size(system%model%drivers)
-         if (system%model%drivers(i)%body == body) &
-            & angle = system%model%drivers(i)%law%evaluate([system%model%dynamics%start])
-      end do
-   end function guessed_turn
-
-   !> Place of a point in the first guess of the model, undeformed (2).
-   function guessed_position(system, point) result(position)
-      type(system_type), intent(in) :: system
-      type(point_type), intent(in) :: point
-      real(wp) :: position(2), angle
-      position = point%p0
-      if (point%body == ground) return
-      position = system%model%bodies(point%body)%position
-      if (.not. system%layout%framed(point%body)) return
-      angle = guessed_turn(system, point%body)
-      position = position + along(point%p0, [cos(angle), sin(angle)])
-   end function guessed_position
-
-   subroutine add_joint(system, joint, item)
-      type(system_type), intent(inout) :: system
-      type(joint_type), intent(in) :: joint
-      class(constraint_type), allocatable, intent(out) :: item
-      type(revolute_type) :: revolute
-      type(point_on_line_type) :: line
-      integer :: markers(2)
-      markers = [marker_of(system, joint%points(1)), 0]
-      markers(2) = marker_of(system, joint%points(2))
-      select case (joint%kind)
-      case (joint_revolute)
-         revolute%rows = 2
-         revolute%markers = markers
-         allocate (item, source=revolute)
-      case (joint_point_on_line)
-         line%rows = 1
-         line%markers = markers
-         line%direction = [cos(joint%angle), sin(joint%angle)]
-         allocate (item, source=line)
-      end select
-      item%label = "joint '"//joint%name//"'"
-      item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
-      item%scale = system%model%length
-   end subroutine add_joint
-
-   subroutine add_driver(driver, index, item)
-      type(driver_type), intent(in) :: driver
-      !> Of the driver in the model
-      integer, intent(in) :: index
-      class(constraint_type), allocatable, intent(out) :: item
-      type(driven_angle_type) :: driven
-      driven%rows = 1
-      driven%drive = index
-      allocate (item, source=driven)
-      item%label = "driver '"//driver%name//"'"
-      item%bodies = [driver%body, ground]
-   end subroutine add_driver
 
    !> Forces, torques and springs.
    subroutine add_loads(system)

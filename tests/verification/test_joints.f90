@@ -64,9 +64,54 @@ program test_joints
    call compare('driven point', arm//block//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' block.origin, arm.tip'//nl// &
       & '*DRIVER, NAME=j, TYPE=X, POINT=block.origin'//nl//' 0.6 - 0.03*sin(3*t)'//nl// &
       & '*DRIVER, NAME=k, TYPE=Y, POINT=block.rim, LEVEL=VELOCITY, INITIAL=0.2'//nl//' 0.1*cos(3*t)'//nl)
+   call check_weld()
    call finish()
 
 contains
+
+   !> A welded body as a free body: force and moment of the weld from its accelerations.
+   subroutine check_weld()
+      integer, parameter :: n = 13
+      real(wp), parameter :: mass = 1.5_wp, inertia = 0.02_wp, gravity = 9.81_wp
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp) :: a(2, n), rim(2, n), centre(2, n), d(2, n), c(2, n), force(2, n), turning(n)
+      integer :: unit
+      open (newunit=unit, file=trim(results)//'.inp', action='write', status='replace')
+      write (unit, '(a)') '*HEADING'//nl//' weld'//nl//'*GRAVITY'//nl//arm//block//spin//motor// &
+         & '*JOINT, NAME=j, TYPE=WELD'//nl//' block.origin, arm.tip'//nl//'*DYNAMICS, END=0.6, OUTPUTS=12, TOLERANCE=1e-10'//nl// &
+         & '*OUTPUT'//nl//' fx = force_x(j), fy = force_y(j), m = moment(j), t1 = 0.3*cos(5*t)'//nl// &
+         & ' ax = ax(block), ay = ay(block), rx = ax(block.rim), ry = ay(block.rim)'//nl// &
+         & ' cx = ax(block.centre), cy = ay(block.centre)'//nl// &
+         & ' dx = x(block.rim) - x(block), dy = y(block.rim) - y(block)'//nl// &
+         & ' ex = x(block.centre) - x(block), ey = y(block.centre) - y(block)'
+      close (unit)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, 'weld')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      a(1, :) = channel(reader, 'ax')
+      a(2, :) = channel(reader, 'ay')
+      rim(1, :) = channel(reader, 'rx')
+      rim(2, :) = channel(reader, 'ry')
+      centre(1, :) = channel(reader, 'cx')
+      centre(2, :) = channel(reader, 'cy')
+      d(1, :) = channel(reader, 'dx')
+      d(2, :) = channel(reader, 'dy')
+      c(1, :) = channel(reader, 'ex')
+      c(2, :) = channel(reader, 'ey')
+      turning = (d(1, :)*(rim(2, :) - a(2, :)) - d(2, :)*(rim(1, :) - a(1, :)))/(d(1, :)**2 + d(2, :)**2)
+      force = mass*centre
+      force(2, :) = force(2, :) + mass*gravity
+      call check_close(maxval(abs(channel(reader, 'fx') - force(1, :))), 0.0_wp, 1.0e-10_wp, 'weld: force along x')
+      call check_close(maxval(abs(channel(reader, 'fy') - force(2, :))), 0.0_wp, 1.0e-10_wp, 'weld: force along y')
+      ! about the centre of mass: inertia times acceleration is moment + applied torque - c x force
+      call check_close(maxval(abs(channel(reader, 'm') + channel(reader, 't1') - (c(1, :)*force(2, :) - c(2, :)*force(1, :)) &
+         & - inertia*turning)), 0.0_wp, 1.0e-10_wp, 'weld: moment')
+      call check(maxval(abs(channel(reader, 'm'))) > 1.0_wp, 'weld: there is one')
+      call reader%close()
+   end subroutine check_weld
 
    !> A scene by all integrators.
    subroutine compare(name, scene, rough)

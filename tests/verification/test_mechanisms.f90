@@ -187,6 +187,8 @@ contains
       pin = channel(reader, 'pin_y')
       call compare('guide_y', pin + 10*gravity, 1.0e-8_wp, 'quick return: the guide carries the ram')
       call compare('guide_moment', spread(0.0_wp, 1, n), 1.0e-8_wp, 'quick return: without a moment')
+      call compare('slot_along', spread(0.0_wp, 1, n), 1.0e-10_wp, 'quick return: no force along the slot')
+      call check(maxval(abs(channel(reader, 'slot_across'))) > 10.0_wp, 'quick return: but across it')
       call compare_energy('quick return', n, 27.0_wp, 1.0e-9_wp)
       call reader%close()
    end subroutine check_quick_return

@@ -4,7 +4,7 @@ module limber_base_spline
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: spline_type, new_spline, spline_moments, spline_segment
+   public :: spline_type, new_spline, spline_moments, spline_at, spline_segment
 
    !> What holds at the ends: no curvature, and straight beyond; given slopes; the end is the start again
    integer, parameter, public :: spline_natural = 1, spline_clamped = 2, spline_closed = 3
@@ -111,22 +111,26 @@ contains
    pure function spline_evaluate(self, x) result(f)
       class(spline_type), intent(in) :: self
       real(wp), intent(in) :: x
-      real(wp) :: f(0:2), place
-      integer :: i, n
-      n = size(self%x)
-      place = x
-      if (self%ends == spline_closed) place = self%x(1) + modulo(x - self%x(1), self%x(n) - self%x(1))
-      i = segment_of(self%x, place)
-      f = spline_segment(self%x(i:i + 1), self%y(i:i + 1), self%m(i:i + 1), place)
-      if (self%ends /= spline_natural) return
-      if (place < self%x(1)) then
-         f = spline_segment(self%x(1:2), self%y(1:2), self%m(1:2), self%x(1))
-         f = [f(0) + (place - self%x(1))*f(1), f(1), 0.0_wp]
-      else if (place > self%x(n)) then
-         f = spline_segment(self%x(n - 1:n), self%y(n - 1:n), self%m(n - 1:n), self%x(n))
-         f = [f(0) + (place - self%x(n))*f(1), f(1), 0.0_wp]
-      end if
+      real(wp) :: f(0:2)
+      f = spline_at(self%ends, self%x, self%y, self%m, x)
    end function spline_evaluate
+
+   !> The same of a spline whose arrays are kept elsewhere.
+   pure function spline_at(ends, x, y, m, place) result(f)
+      !> What holds at the ends
+      integer, intent(in) :: ends
+      !> Knots, values and second derivatives there (n)
+      real(wp), intent(in) :: x(:), y(:), m(:), place
+      real(wp) :: f(0:2), within
+      integer :: i, n
+      n = size(x)
+      within = place
+      if (ends == spline_closed) within = x(1) + modulo(place - x(1), x(n) - x(1))
+      if (ends == spline_natural) within = max(x(1), min(place, x(n)))
+      i = segment_of(x, within)
+      f = spline_segment(x(i:i + 1), y(i:i + 1), m(i:i + 1), within)
+      if (ends == spline_natural .and. abs(place - within) > 0.0_wp) f = [f(0) + (place - within)*f(1), f(1), 0.0_wp]
+   end function spline_at
 
    !> Value and first two derivatives within one segment.
    pure function spline_segment(x, y, m, place) result(f)

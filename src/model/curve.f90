@@ -3,7 +3,7 @@
 !> Source: doc/theory, eq. (J12).
 module limber_model_curve
    use limber_base_kinds, only: wp
-   use limber_base_spline, only: spline_type, new_spline, spline_natural, spline_closed
+   use limber_base_spline, only: spline_moments, spline_at, spline_natural, spline_closed
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: jet_type
    implicit none
@@ -15,8 +15,11 @@ module limber_model_curve
       !> True if y is an expression of x
       logical :: explicit = .false.
       type(expression_type) :: expression
-      !> Coordinates of the spline as functions of the length of its chords
-      type(spline_type) :: x, y
+      !> Whether the spline is closed or ends straight
+      integer :: ends = spline_natural
+      !> Lengths of chords up to each point, coordinates there, and their second derivatives (points). No splines: of two
+      !> components of one type gfortran 12 gives back the parts of the first only
+      real(wp), allocatable :: s(:), x(:), y(:), x_bent(:), y_bent(:)
    contains
       procedure :: evaluate
    end type curve_type
@@ -37,20 +40,22 @@ contains
       real(wp), intent(in) :: points(:, :)
       logical, intent(in) :: closed
       type(curve_type) :: curve
-      real(wp), allocatable :: all(:, :), length(:)
-      integer :: i, n, ends
+      real(wp), parameter :: nothing(2) = 0.0_wp
+      integer :: i, n
       n = size(points, 2)
       if (closed) n = n + 1
-      allocate (all(2, n), length(n))
-      all(:, :size(points, 2)) = points
-      if (closed) all(:, n) = points(:, 1)
-      length(1) = 0.0_wp
+      allocate (curve%s(n), curve%x(n), curve%y(n), curve%x_bent(n), curve%y_bent(n))
+      curve%x(:size(points, 2)) = points(1, :)
+      curve%y(:size(points, 2)) = points(2, :)
+      curve%x(n) = merge(points(1, 1), curve%x(n), closed)
+      curve%y(n) = merge(points(2, 1), curve%y(n), closed)
+      curve%s(1) = 0.0_wp
       do i = 2, n
-         length(i) = length(i - 1) + norm2(all(:, i) - all(:, i - 1))
+         curve%s(i) = curve%s(i - 1) + hypot(curve%x(i) - curve%x(i - 1), curve%y(i) - curve%y(i - 1))
       end do
-      ends = merge(spline_closed, spline_natural, closed)
-      curve%x = new_spline(length, all(1, :), ends)
-      curve%y = new_spline(length, all(2, :), ends)
+      curve%ends = merge(spline_closed, spline_natural, closed)
+      curve%x_bent = spline_moments(curve%s, curve%x, curve%ends, nothing)
+      curve%y_bent = spline_moments(curve%s, curve%y, curve%ends, nothing)
    end function spline_curve
 
    !> f, its gradient (2) and second derivatives (2,2) at a place.
@@ -88,19 +93,19 @@ contains
       real(wp), intent(out) :: x(0:2, 2)
       real(wp) :: s, best, distance, slope, change, width
       integer :: i, round
-      s = self%x%x(1)
+      s = self%s(1)
       width = 0.0_wp
       best = huge(best)
-      do i = 1, size(self%x%x)
-         distance = (self%x%y(i) - place(1))**2 + (self%y%y(i) - place(2))**2
+      do i = 1, size(self%s)
+         distance = (self%x(i) - place(1))**2 + (self%y(i) - place(2))**2
          if (distance >= best) cycle
          best = distance
-         s = self%x%x(i)
-         width = self%x%x(min(i + 1, size(self%x%x))) - self%x%x(max(1, i - 1))
+         s = self%s(i)
+         width = self%s(min(i + 1, size(self%s))) - self%s(max(1, i - 1))
       end do
       do round = 1, 60
-         x(:, 1) = self%x%evaluate(s)
-         x(:, 2) = self%y%evaluate(s)
+         x(:, 1) = spline_at(self%ends, self%s, self%x, self%x_bent, s)
+         x(:, 2) = spline_at(self%ends, self%s, self%y, self%y_bent, s)
          slope = dot_product(x(1, :), x(1, :)) - dot_product(place - x(0, :), x(2, :))
          if (slope <= 0.1_wp*dot_product(x(1, :), x(1, :))) slope = dot_product(x(1, :), x(1, :))
          change = dot_product(place - x(0, :), x(1, :))/slope
@@ -108,8 +113,8 @@ contains
          s = s + change
          if (abs(change) <= 4*epsilon(s)*(abs(s) + width)) exit
       end do
-      x(:, 1) = self%x%evaluate(s)
-      x(:, 2) = self%y%evaluate(s)
+      x(:, 1) = spline_at(self%ends, self%s, self%x, self%x_bent, s)
+      x(:, 2) = spline_at(self%ends, self%s, self%y, self%y_bent, s)
    end subroutine nearest
 
 end module limber_model_curve

@@ -120,7 +120,7 @@ contains
       integer :: block
       associate (model => scene%system%model)
          if (constraint <= size(model%joints)) then
-            block = scene%deck%find_named('JOINT', model%joints(constraint)%name)
+            block = scene%deck%find_named('JOINT|COUPLER', model%joints(constraint)%name)
          else
             block = scene%deck%find_named('DRIVER', model%drivers(constraint - size(model%joints))%name)
          end if

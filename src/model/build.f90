@@ -9,9 +9,9 @@ module limber_model_build
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_beam, add_points
    use limber_model_channels, only: add_channels
    use limber_model_first_state, only: read_assembly
+   use limber_model_joints, only: add_joint, add_coupler, add_driver
    use limber_model_points, only: add_point, find_point, find_body
-   use limber_model_scene, only: model_type, joint_type, driver_type, force_type, torque_type, spring_type, &
-      & body_rigid, ground, joint_revolute, joint_point_on_line
+   use limber_model_scene, only: model_type, force_type, torque_type, spring_type, ground
    implicit none
    private
    public :: build_model
@@ -44,11 +44,16 @@ contains
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
          case ('ASSEMBLY'); call read_assembly(deck%blocks(i), model, diagnostics)
-         case ('JOINT'); call add_joint(deck%blocks(i), model, diagnostics)
-         case ('DRIVER'); call add_driver(deck%blocks(i), model)
+         case ('JOINT'); call add_joint(deck, i, model, diagnostics)
          case ('FORCE'); call add_force(deck%blocks(i), model, diagnostics)
          case ('TORQUE'); call add_torque(deck%blocks(i), model)
          case ('SPRING'); call add_spring(deck%blocks(i), model, diagnostics)
+         end select
+      end do
+      do i = 1, size(deck%blocks)
+         select case (deck%blocks(i)%keyword)
+         case ('COUPLER'); call add_coupler(deck%blocks(i), model, diagnostics)
+         case ('DRIVER'); call add_driver(deck%blocks(i), model, diagnostics)
          end select
       end do
       do i = 1, size(deck%blocks)
@@ -80,54 +85,6 @@ contains
       model%units%time = deck%blocks(block)%text('TIME')
       model%units%mass = deck%blocks(block)%text('MASS')
    end subroutine read_labels
-
-   subroutine add_joint(block, model, diagnostics)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: points(2), i, bodies(2)
-      if (size(block%lines) /= 1) return
-      do i = 1, 2
-         points(i) = find_point(model, block%lines(1)%text(i), block%lines(1)%origin_of(i), diagnostics)
-      end do
-      if (any(points == 0)) return
-      bodies = [model%points(points(1))%body, model%points(points(2))%body]
-      if (bodies(1) == bodies(2)) then
-         call diagnostics%add(block%lines(1)%origin_of(2), "joint '"//block%name()//"' joins a body to itself", &
-            & 'name points of two different bodies')
-         return
-      end if
-      call append_joint(block, points, model)
-      if (block%word('TYPE') /= 'POINT ON LINE') return
-      if (bodies(2) == ground) return
-      if (model%bodies(bodies(2))%kind /= body_rigid) call diagnostics%add(block%lines(1)%origin_of(2), &
-         & "the line of joint '"//block%name()//"' must lie on the ground or on a rigid body", &
-         & 'the second point carries the line; exchange the two, or use a rigid body')
-   end subroutine add_joint
-
-   subroutine append_joint(block, points, model)
-      type(block_type), intent(in) :: block
-      integer, intent(in) :: points(2)
-      type(model_type), intent(inout) :: model
-      type(joint_type) :: joint
-      joint%name = block%name()
-      joint%points = points
-      joint%angle = block%real('ANGLE')
-      joint%kind = joint_revolute
-      if (block%word('TYPE') == 'POINT ON LINE') joint%kind = joint_point_on_line
-      model%joints = [model%joints, joint]
-   end subroutine append_joint
-
-   subroutine add_driver(block, model)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(driver_type) :: driver
-      driver%name = block%name()
-      driver%body = find_body(model, block%name('BODY'))
-      if (driver%body == 0 .or. size(block%lines) /= 1) return
-      driver%law = block%lines(1)%fields(1)%expression
-      model%drivers = [model%drivers, driver]
-   end subroutine add_driver
 
    subroutine add_force(block, model, diagnostics)
       type(block_type), intent(in) :: block

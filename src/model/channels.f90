@@ -9,7 +9,8 @@ module limber_model_channels
    use limber_model_points, only: find_point, find_body
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
       & of_system
-   use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, ground
+   use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, ground, joint_coupler, &
+      & driver_angle, driver_joint_angle
    implicit none
    private
    public :: add_channels, unit_text
@@ -122,13 +123,22 @@ contains
             if (model%joints(i)%name == slot%argument) exit
          end do
          quantity%of = i
-         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'")
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'")
+         else if (model%joints(quantity%of)%kind == joint_coupler) then
+            call diagnostics%add(slot%origin, "'"//slot%argument//"' is a coupler, which has no "//slot%name, &
+               & slot%name//' is a quantity of joints')
+         end if
       case (of_driver)
          do i = size(model%drivers), 1, -1
             if (model%drivers(i)%name == slot%argument) exit
          end do
          quantity%of = i
-         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
+         else
+            call check_effort(model%drivers(quantity%of)%kind, slot, diagnostics)
+         end if
       case (of_spring)
          do i = size(model%springs), 1, -1
             if (model%springs(i)%name == slot%argument) exit
@@ -141,6 +151,20 @@ contains
             & 'write '//slot%name//'(system)')
       end select
    end subroutine find_quantity
+
+   !> Complains of the force of a driver of an angle, or the torque of one of a length.
+   subroutine check_effort(kind, slot, diagnostics)
+      !> Kind of the driver
+      integer, intent(in) :: kind
+      type(slot_type), intent(in) :: slot
+      type(diagnostics_type), intent(inout) :: diagnostics
+      logical :: angular
+      angular = kind == driver_angle .or. kind == driver_joint_angle
+      if (slot%name == 'force' .and. angular) call diagnostics%add(slot%origin, "driver '"//slot%argument//"' drives an angle", &
+         & 'write torque('//slot%argument//')')
+      if (slot%name == 'torque' .and. .not. angular) call diagnostics%add(slot%origin, "driver '"//slot%argument// &
+         & "' drives a length", 'write force('//slot%argument//')')
+   end subroutine check_effort
 
    !> Complains of a body that is not a beam.
    subroutine need_beam(model, body, slot, quantity, diagnostics)

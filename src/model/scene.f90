@@ -4,18 +4,28 @@ module limber_model_scene
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
    use limber_flex_mesh, only: beam_type, field_type
+   use limber_model_curve, only: curve_type
+   use limber_model_integral, only: integral_type
    use limber_flex_reduced, only: reduced_type
    use limber_flex_reduction, only: reduction_type
    implicit none
    private
-   public :: model_type, body_type, point_type, joint_type, driver_type, force_type, torque_type, spring_type
+   public :: model_type, body_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
    public :: assembly_choice_type, deflection_type
    public :: dynamics_type, accuracy_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
    !> Kinds of joints
-   integer, parameter, public :: joint_revolute = 1, joint_point_on_line = 2
+   integer, parameter, public :: joint_revolute = 1, joint_point_on_line = 2, joint_translational = 3, joint_weld = 4, &
+      & joint_rod = 5, joint_curve = 6, joint_sliding = 7, joint_gear = 8, joint_rack = 9, joint_belt = 10, joint_coupler = 11
+   !> Kinds of joint coordinates that couplers and drivers know: the angle of a body's frame, of the first section of a joint in
+   !> the second, the place of the first point of a joint along its line
+   integer, parameter, public :: coordinate_angle = 1, coordinate_joint_angle = 2, coordinate_displacement = 3
+   !> What a driver drives: the angle of a body, or of a joint, the distance of two points, the place along the line of a joint,
+   !> the coordinates of a point
+   integer, parameter, public :: driver_angle = 1, driver_joint_angle = 2, driver_distance = 3, driver_displacement = 4, &
+      & driver_x = 5, driver_y = 6
    !> Index that stands for the ground where a body is expected
    integer, parameter, public :: ground = 0
 
@@ -51,26 +61,60 @@ module limber_model_scene
       real(wp) :: p0(2) = 0.0_wp
       !> Displacement (2,n) and rotation of the section (n) for each coordinate of the body
       real(wp), allocatable :: phi(:, :), psi(:)
+      !> True for a direction of the section, which does not move with the origin of the frame: p0 a unit vector, phi what psi
+      !> makes of it; the system makes these of points
+      logical :: direction = .false.
    end type point_type
+
+   !> A term of a coupler
+   type :: term_type
+      real(wp) :: coefficient = 0.0_wp
+      !> Kind of joint coordinate, and index of the body or joint
+      integer :: kind = 0, of = 0
+   end type term_type
 
    !> A joint between two points
    type :: joint_type
       character(:), allocatable :: name
-      !> joint_revolute or joint_point_on_line
+      !> joint_revolute, ...
       integer :: kind = joint_revolute
       !> Indices of the two points
       integer :: points(2) = 0
-      !> Direction of the line in the second body's frame [rad]
+      !> Direction of the line in the second body's section [rad]
       real(wp) :: angle = 0.0_wp
+      !> Angle of the first section from the second, of weld and translational joint [rad]; length of a rod; where the deck does
+      !> not say, that of the first guess
+      real(wp) :: turn = 0.0_wp, length = 0.0_wp
+      logical :: has_turn = .false., has_length = .false.
+      !> Radii of gears, wheels, or of a pinion [length]
+      real(wp) :: radius(2) = 0.0_wp
+      !> True if both turn in the same direction: gears inside one another, wheels of an open belt
+      logical :: same_direction = .false.
+      !> The curve that a point stays on
+      type(curve_type) :: curve
+      !> Terms of a coupler, and what their sum is in time; without a law, that of the first guess
+      type(term_type), allocatable :: terms(:)
+      logical :: has_law = .false.
+      type(expression_type) :: law
    end type joint_type
 
-   !> An angle of a body prescribed in time
+   !> A motion prescribed in time
    type :: driver_type
       character(:), allocatable :: name
-      !> Index of the body
-      integer :: body = 0
-      !> Angle as a function of t [rad]
+      !> driver_angle, ...
+      integer :: kind = driver_angle
+      !> Index of the body, of the joint, of the points: what the kind needs
+      integer :: body = 0, joint = 0, points(2) = 0
+      !> What is prescribed as a function of t [rad or length], or one of its derivatives
       type(expression_type) :: law
+      !> What the law is of: 0 the coordinate, 1 its velocity, 2 its acceleration
+      integer :: level = 0
+      !> Of levels 1 and 2: coordinate and velocity at the start
+      real(wp) :: initial(2) = 0.0_wp
+      !> Whether the deck says the first; else it is that of the first guess
+      logical :: has_initial = .false.
+      !> Integrals of the law
+      type(integral_type) :: integral
    end type driver_type
 
    !> A dead force at a point

@@ -7,6 +7,8 @@ module limber_system_assembly
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_deck_operations, only: jet_type
+   use limber_model_laws, only: driven_motion
+   use limber_model_scene, only: driver_angle
    use limber_system_algebra, only: turn, cross
    use limber_system_closure, only: close_positions, close_velocities, approach, change_between
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
@@ -150,7 +152,8 @@ contains
          end do
       end if
       do i = 1, size(system%model%drivers)
-         theta = system%model%drivers(i)%law%evaluate_jet(t)
+         if (system%model%drivers(i)%kind /= driver_angle) cycle
+         theta = driven_motion(system%model%drivers(i), t)
          first = system%layout%q(system%model%drivers(i)%body) + 2
          q(first:first + 1) = [cos(theta%value), sin(theta%value)]
          v(first:first + 1) = theta%first*[-sin(theta%value), cos(theta%value)]

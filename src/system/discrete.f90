@@ -15,6 +15,7 @@ module limber_system_discrete
    use limber_system_constraint, only: jacobian_type
    use limber_system_dynamics, only: position_residual
    use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames
+   use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type, workspace_type
@@ -59,7 +60,7 @@ contains
          allocate (step%q(nq), step%new_q(nq), step%b(nw), step%new_b(nw), step%p(nw), step%new_p(nw))
       end associate
       allocate (step%start, step%mean)
-      step%start = new_kinematics(system%model, system%marker_points)
+      step%start = new_kinematics(system%model, system%marker_points, system%angles, system%bends)
       step%mean = step%start
       allocate (step%jacobians(2, size(system%constraints)), step%bodies(size(system%layout%q)))
       step%jacobians = work%jacobians
@@ -204,12 +205,23 @@ contains
             associate (frame => step%mean%frames(marker%body))
                marker%position = 0.5_wp*(a%position + b%position)
                marker%lever = 0.5_wp*(a%lever + b%lever)
-               marker%velocity = frame%velocity + frame%omega*marker%lever
+               marker%velocity = frame%omega*marker%lever
+               if (.not. marker%direction) marker%velocity = frame%velocity + marker%velocity
                do k = 1, size(marker%shape, 2)
                   marker%shape(:, k) = 0.5_wp*(1 + 0.25_wp*(frame%omega*step%h)**2)*(a%shape(:, k) + b%shape(:, k))
                   marker%velocity = marker%velocity + marker%shape(:, k)*(y(layout%w(marker%body) + 2 + k)/step%h)
                end do
             end associate
+         end associate
+      end do
+      do m = 1, size(step%mean%angles)
+         step%mean%angles(m)%value = final%angles(m)%value - 0.5_wp*angle_change(step%mean, m)
+      end do
+      do m = 1, size(step%mean%bends)
+         associate (bend => step%mean%bends(m))
+            bend%eta = 0.5_wp*(step%start%bends(m)%eta + final%bends(m)%eta)
+            at = layout%w(bend%body) + 3
+            bend%rate = y(at:at + size(bend%rate) - 1)/step%h
          end associate
       end do
    end subroutine find_mean
@@ -468,7 +480,7 @@ contains
          call by_alpha(system%layout, item%bodies(2), y, c%second_drift)
          c%first_drift = c%first_drift - c%first
          c%second_drift = c%second_drift - c%second
-         call add_reaction_stiffness(system, work, i, lambda, tangent)
+         call add_reaction_stiffness(system, step%mean, i, lambda, tangent)
       end associate
    end subroutine linearise_constraint
 
@@ -495,12 +507,9 @@ contains
          call system%loads(i)%item%add_power(step%mean, power)
       end do
       done = step%h*power
-      do i = size(system%model%joints) + 1, size(system%constraints)
+      do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
-            at = system%layout%w(item%bodies(1)) - 1
-            do k = 1, 3
-               done = done - y(at + k)*dot_product(step%jacobians(1, i)%z(:, k), lambda(item%first:item%first + item%rows - 1))
-            end do
+            if (item%driven) done = done + driver_work(system, step, i, y, lambda(item%first:item%first + item%rows - 1))
          end associate
       end do
       do i = 1, size(work%bodies)
@@ -515,5 +524,30 @@ contains
          end associate
       end do
    end function step_work
+
+   !> Work of what moves a constraint in time: force times increment on both bodies.
+   pure real(wp) function driver_work(system, step, i, y, lambda) result(done)
+      type(system_type), intent(in) :: system
+      type(step_type), intent(in) :: step
+      !> Index of the constraint
+      integer, intent(in) :: i
+      !> Increments (nw), its multipliers
+      real(wp), intent(in) :: y(:), lambda(:)
+      integer :: side, k, at, rates
+      done = 0.0_wp
+      do side = 1, 2
+         associate (body => system%constraints(i)%item%bodies(side), jacobian => step%jacobians(side, i))
+            if (body == ground) cycle
+            at = system%layout%w(body) - 1
+            rates = system%layout%rates(body)
+            do k = 1, rates
+               done = done - y(at + k)*dot_product(jacobian%z(:, k), lambda)
+            end do
+            do k = 1, system%layout%n(body)
+               done = done - y(at + rates + k)*dot_product(jacobian%eta(:, k), lambda)
+            end do
+         end associate
+      end do
+   end function driver_work
 
 end module limber_system_discrete

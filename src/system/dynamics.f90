@@ -233,8 +233,9 @@ contains
       integer :: i, first, last
       real(wp) :: taken
       power = 0.0_wp
-      do i = size(system%model%joints) + 1, size(system%constraints)
+      do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
+            if (.not. item%driven) cycle
             last = item%first + item%rows - 1
             call item%rate(work%kinematics, work%gamma(item%first:last))
             power = power - dot_product(work%lambda(item%first:last), work%gamma(item%first:last))

@@ -3,13 +3,12 @@
 module limber_system_system
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type
-   use limber_model_scene, only: model_type, joint_type, driver_type, force_type, torque_type, spring_type, joint_revolute, &
-      & joint_point_on_line, ground
-   use limber_system_constraint, only: constraint_type, constraint_item_type, jacobian_type, new_jacobian
-   use limber_system_drivers, only: driven_angle_type
-   use limber_system_joints, only: revolute_type, point_on_line_type
-   use limber_system_kinematics, only: layout_type, new_layout, kinematics_type, new_kinematics
+   use limber_model_scene, only: model_type, force_type, torque_type, spring_type, ground
+   use limber_system_constraint, only: constraint_item_type, jacobian_type, new_jacobian
+   use limber_system_couplings, only: new_joint, new_driver
+   use limber_system_kinematics, only: kinematics_type, new_kinematics
    use limber_system_loads, only: load_type, load_item_type, dead_force_type, body_torque_type
+   use limber_system_registry, only: registry_type, start_registry, marker_of, direction_of, angle_of
    use limber_system_sparse, only: sparse_type
    use limber_system_springs, only: point_spring_type
    use limber_system_tree, only: tree_type, new_tree
@@ -21,15 +20,11 @@ module limber_system_system
    real(wp), parameter :: softening = 1.0e-10_wp
 
    !> The equations; constant once it is built
-   type :: system_type
-      type(model_type) :: model
-      type(layout_type) :: layout
+   type, extends(registry_type) :: system_type
       !> Joints first, then drivers, in the order of the model
       type(constraint_item_type), allocatable :: constraints(:)
       !> Forces first, then torques, then springs, in the order of the model
       type(load_item_type), allocatable :: loads(:)
-      !> Points that joints and loads use
-      integer, allocatable :: marker_points(:)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
@@ -96,18 +91,16 @@ contains
       type(model_type), intent(in) :: model
       type(system_type) :: system
       integer :: i, count
-      system%model = model
-      system%layout = new_layout(model)
-      allocate (system%marker_points(0))
+      call start_registry(system, model)
       allocate (system%constraints(size(model%joints) + size(model%drivers)))
       count = 0
       do i = 1, size(model%joints)
          count = count + 1
-         call add_joint(system, model%joints(i), system%constraints(count)%item)
+         call new_joint(system, i, system%constraints(count)%item)
       end do
       do i = 1, size(model%drivers)
          count = count + 1
-         call add_driver(model%drivers(i), i, system%constraints(count)%item)
+         call new_driver(system, i, system%constraints(count)%item)
       end do
       do i = 1, count
          system%constraints(i)%item%first = system%nc + 1
@@ -115,7 +108,10 @@ contains
       end do
       call add_loads(system)
       system%tree = new_tree(model, system%layout, system%constraints, system%marker_points, system%nc)
-      system%powered = size(model%drivers) > 0
+      system%powered = .false.
+      do i = 1, size(system%constraints)
+         system%powered = system%powered .or. system%constraints(i)%item%driven
+      end do
       do i = 1, size(system%loads)
          system%powered = system%powered .or. system%loads(i)%item%powered
       end do
@@ -125,54 +121,6 @@ contains
          end associate
       end do
    end function new_system
-
-   !> Index of the marker at a point; a new one if there is none yet.
-   integer function marker_of(system, point) result(marker)
-      type(system_type), intent(inout) :: system
-      integer, intent(in) :: point
-      do marker = 1, size(system%marker_points)
-         if (system%marker_points(marker) == point) return
-      end do
-      system%marker_points = [system%marker_points, point]
-   end function marker_of
-
-   subroutine add_joint(system, joint, item)
-      type(system_type), intent(inout) :: system
-      type(joint_type), intent(in) :: joint
-      class(constraint_type), allocatable, intent(out) :: item
-      type(revolute_type) :: revolute
-      type(point_on_line_type) :: line
-      integer :: markers(2)
-      markers = [marker_of(system, joint%points(1)), 0]
-      markers(2) = marker_of(system, joint%points(2))
-      select case (joint%kind)
-      case (joint_revolute)
-         revolute%rows = 2
-         revolute%markers = markers
-         allocate (item, source=revolute)
-      case (joint_point_on_line)
-         line%rows = 1
-         line%markers = markers
-         line%direction = [cos(joint%angle), sin(joint%angle)]
-         allocate (item, source=line)
-      end select
-      item%label = "joint '"//joint%name//"'"
-      item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
-      item%scale = system%model%length
-   end subroutine add_joint
-
-   subroutine add_driver(driver, index, item)
-      type(driver_type), intent(in) :: driver
-      !> Of the driver in the model
-      integer, intent(in) :: index
-      class(constraint_type), allocatable, intent(out) :: item
-      type(driven_angle_type) :: driven
-      driven%rows = 1
-      driven%drive = index
-      allocate (item, source=driven)
-      item%label = "driver '"//driver%name//"'"
-      item%bodies = [driver%body, ground]
-   end subroutine add_driver
 
    !> Forces, torques and springs.
    subroutine add_loads(system)
@@ -246,7 +194,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(out) :: work
       integer :: i, side, row, body, old
-      work%kinematics = new_kinematics(system%model, system%marker_points)
+      work%kinematics = new_kinematics(system%model, system%marker_points, system%angles, system%bends)
       allocate (work%bodies(size(system%model%bodies)), work%jacobians(2, size(system%constraints)))
       allocate (work%phi(system%nc), work%gamma(system%nc), work%lambda(system%nc))
       allocate (work%solution(system%tree%unknowns))

@@ -197,8 +197,10 @@ contains
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
       associate (reduced => model%bodies(body)%reduced)
-         if (reduced%damped) call diagnostics%add(block%origin, "beam '"//model%bodies(body)%name//"' is damped twice", &
-            & 'put both into one *DAMPING')
+         if (reduced%damped) then
+            call diagnostics%add(block%origin, "beam '"//model%bodies(body)%name//"' is damped twice", 'put both into one *DAMPING')
+            return
+         end if
          allocate (ratio(reduced%n))
          ratio = block%real('RATIO')
          do i = 1, size(block%lines)

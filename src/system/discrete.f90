@@ -14,7 +14,7 @@ module limber_system_discrete
    use limber_system_body, only: body_mass, centre_moment
    use limber_system_constraint, only: jacobian_type
    use limber_system_dynamics, only: position_residual
-   use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames
+   use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames, settle_angles
    use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
    use limber_system_multiplier, only: update_jacobians
@@ -83,6 +83,7 @@ contains
       step%q = q
       step%b = b
       call place_frames(system%model, system%layout, t, q, step%start)
+      call settle_angles(step%start)
       call place_drives(system%model, t + 0.5_wp*h, step%mean)
       step%mean%span = h
       call find_momenta(system, q, b, step%p)
@@ -239,6 +240,9 @@ contains
       integer :: i, side, first
       real(wp) :: largest
       call find_end(system%layout, step, y)
+      do i = 1, size(step%start%angles)
+         work%kinematics%angles(i)%anchor = step%start%angles(i)%value
+      end do
       call place_frames(system%model, system%layout, step%final, step%new_q, work%kinematics)
       call find_mean(system%layout, step, work%kinematics, y)
       call find_momenta(system, step%new_q, step%new_b, step%new_p)

@@ -8,7 +8,7 @@ program test_efforts
    use limber_model_build, only: build_model
    use limber_model_scene, only: ground, model_type
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, sum_forces
-   use limber_system_kinematics, only: advance, move_frames, place_frames, velocities_of
+   use limber_system_kinematics, only: advance, move_frames, place_frames, settle_angles, velocities_of
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, tangent_type, times_stiffness
    use scenes, only: derivative, random
@@ -259,6 +259,7 @@ contains
       end do
       call advance(system%layout, q, change, final)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call settle_angles(work%kinematics)
       before = 0.0_wp
       call system%loads(index)%item%add_energy(work%kinematics, before)
       mean%kinematics = work%kinematics

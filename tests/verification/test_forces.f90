@@ -1,6 +1,5 @@
-!> Loads in whole runs: bodies under one load each against solutions in closed form, by all integrators; energies of springs of
-!> any law to round-off over long runs; the balance of power of everything; and scenes of input/ against published and
-!> independent values. Usage, in tests/: test_forces RESULT_FILE
+!> Loads in whole runs against solutions in closed form, by all integrators, against the published one of the car axis, and
+!> against the tables of beams. Usage, in tests/: test_forces RESULT_FILE
 program test_forces
    use limber_base_kinds, only: wp
    use limber_output_history_reader, only: history_reader_type
@@ -16,6 +15,9 @@ program test_forces
    call check_closed_forms('CONSERVING', '1e-7', 2.0e-3_wp, 1.0e-11_wp)
    call check_car_axis('ADAMS', '1e-9', 1.0e-8_wp)
    call check_car_axis('RADAU', '1e-11', 1.0e-9_wp)
+   call check_damping('ADAMS', '1e-10', 1.0e-6_wp)
+   call check_damping('CONSERVING', '1e-6', 1.0e-3_wp)
+   call check_distributed()
    call finish()
 
 contains
@@ -142,5 +144,71 @@ contains
       deallocate (values)
       call reader%close()
    end subroutine check_car_axis
+
+   !> One mode under a force from rest: 1 - exp(-z w t) (cos w_d t + z w/w_d sin w_d t) of the deflection at rest, with the frequency
+   !> of a cantilever of 16 elements with lumped masses.
+   subroutine check_damping(integrator, tolerance, allowed)
+      character(*), intent(in) :: integrator, tolerance
+      real(wp), intent(in) :: allowed
+      real(wp), parameter :: ei = 2.0e11_wp*0.04_wp*0.004_wp**3/12, rho_a = 7870*0.04_wp*0.004_wp, length = 2.0_wp
+      type(history_reader_type) :: reader
+      character(60) :: new(1)
+      real(wp) :: w
+      new(1) = 'TOLERANCE='//tolerance//', OUTPUTS=80, INTEGRATOR='//integrator
+      call run_changed('verification/damping.inp', trim(results), [character(60) :: &
+         & 'TOLERANCE=1e-10, OUTPUTS=80, INTEGRATOR=ADAMS'], new, reader)
+      w = 3.5097247_wp/length**2*sqrt(ei/rho_a)
+      call compare_response(reader, integrator, allowed, 'a', w, 0.05_wp)
+      call compare_response(reader, integrator, allowed, 'b', w, 0.5_wp*(0.2_wp/w + 4.0e-3_wp*w))
+      call reader%close()
+   end subroutine check_damping
+
+   !> A channel against the response to a force that begins, in units of the deflection at rest.
+   subroutine compare_response(reader, label, allowed, name, w, ratio)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: label, name
+      !> Relative error; circular frequency and part of the critical damping
+      real(wp), intent(in) :: allowed, w, ratio
+      real(wp), allocatable :: values(:)
+      real(wp) :: t(0:80), shape(0:80), level, damped
+      integer :: i
+      t = [(0.1_wp*i, i=0, 80)]
+      damped = w*sqrt(1 - ratio**2)
+      shape = 1 - exp(-ratio*w*t)*(cos(damped*t) + ratio*w/damped*sin(damped*t))
+      allocate (values, source=channel(reader, name))
+      level = dot_product(values, shape)/dot_product(shape, shape)
+      print '(5a,es10.2)', 'damping, ', label, ': ', name, ' off by', maxval(abs(values/level - shape))
+      call check_close(maxval(abs(values/level - shape)), 0.0_wp, allowed, 'damping, '//label//': '//name)
+      deallocate (values)
+   end subroutine compare_response
+
+   !> Deflections, slope, force and moment of clamped beams in textbook form.
+   subroutine check_distributed()
+      real(wp), parameter :: ei = 2.0e11_wp*0.04_wp*0.004_wp**3/12, q = 0.5_wp, l = 2.0_wp, a = 0.5_wp*l
+      type(history_reader_type) :: reader
+      call run_changed('../input/distributed_load.inp', trim(results), [character(4) :: 'q = '], [character(4) :: 'q = '], reader)
+      call last(reader, 'uniform', -q*l**4/(8*ei), 1.0e-5_wp)
+      call last(reader, 'slope', -q*l**3/(6*ei), 1.0e-4_wp)
+      call last(reader, 'triangular', -11*q*l**4/(120*ei), 1.0e-5_wp)
+      call last(reader, 'upright', -q*(l**4/8 - (a**4/8 + a**3*(l - a)/6))/ei, 1.0e-5_wp)
+      call last(reader, 'force_y_a', q*l, 1.0e-9_wp)
+      call last(reader, 'torque_clamp_a', q*l**2/2, 1.0e-9_wp)
+      call last(reader, 'force_y_b', q*l/2, 1.0e-9_wp)
+      call last(reader, 'torque_clamp_b', q*l**2/3, 1.0e-9_wp)
+      call last(reader, 'force_x_c', -q*a, 1.0e-9_wp)
+      call last(reader, 'torque_clamp_c', q*a*1.5_wp*a, 1.0e-9_wp)
+      call reader%close()
+   end subroutine check_distributed
+
+   !> The last value of a channel, relative to what is expected.
+   subroutine last(reader, name, expected, allowed)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: expected, allowed
+      real(wp), allocatable :: values(:)
+      allocate (values, source=channel(reader, name))
+      call check_close(values(size(values))/expected, 1.0_wp, allowed, 'distributed load: '//name)
+      deallocate (values)
+   end subroutine last
 
 end program test_forces

@@ -187,7 +187,7 @@ contains
       end do
    end subroutine add_friction
 
-   !> Ratios of damping of the coordinates of a beam: eq. (L10).
+   !> Ratios of damping of the coordinates of a beam: eq. (L8).
    subroutine add_damping(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -220,7 +220,7 @@ contains
    end subroutine add_damping
 
    !> A load along a beam, one effort or two for each component of each line: forces at points that move as the load's share of
-   !> the beam does on average, eq. (L11).
+   !> the beam does on average, eq. (L7).
    subroutine add_distributed(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model

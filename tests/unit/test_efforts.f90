@@ -366,6 +366,8 @@ contains
       call complains('*DISTRIBUTED LOAD, NAME=f, BODY=arm'//newline//' t, 0', 'the time t has no meaning here')
       call complains('*DAMPING, BODY=arm'//newline//' 7, 0.1', "beam 'arm' has 5 modes, 2 of them bending")
       call complains('*DAMPING, BODY=arm'//newline//'*DAMPING, BODY=arm', "beam 'arm' is damped twice")
+      call complains('*JOINT, NAME=w, TYPE=WELD'//newline//' block, ground.a'//newline// &
+         & '*FRICTION, NAME=f, JOINT=w, COEFFICIENT=1', "there is no friction in joint 'w'")
       call complains('*FRICTION, NAME=f, JOINT=nowhere, COEFFICIENT=1', "there is no *JOINT named 'nowhere'")
    end subroutine test_complaints
 

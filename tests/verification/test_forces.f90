@@ -58,6 +58,9 @@ contains
       call compare(reader, integrator, allowed, 'mount_y', along*sin(0.5_wp) + across*cos(0.5_wp))
       call compare(reader, integrator, allowed, 'rotor', 20*exp(-c/j*t))
       call compare(reader, integrator, allowed, 'slider', 3*exp(-c/m*t))
+      d = 0.5_wp*c/m
+      w = sqrt(k/m - d**2)
+      call compare(reader, integrator, allowed, 'block', 3*exp(-d*t)*sin(w*t)/w)
       allocate (energy, source=channel(reader, 'energy'))
       allocate (kinetic, source=channel(reader, 'kinetic'))
       print '(2a,2es10.2)', integrator, ': change of energy less work, kinetic energy', maxval(abs(energy - energy(1))), &
@@ -159,8 +162,8 @@ contains
       call reader%close()
    end subroutine check_car_axis
 
-   !> One mode under a force from rest: 1 - exp(-z w t) (cos w_d t + z w/w_d sin w_d t) of the deflection at rest, with the frequency
-   !> of a cantilever of 16 elements with lumped masses.
+   !> One mode under a force from rest: 1 - exp(-z w t) (cos w_d t + z w/w_d sin w_d t) of the deflection at rest, with the
+   !> frequency of a cantilever of 16 elements with lumped masses.
    subroutine check_damping(integrator, tolerance, allowed)
       character(*), intent(in) :: integrator, tolerance
       real(wp), intent(in) :: allowed

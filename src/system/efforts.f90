@@ -88,28 +88,27 @@ contains
    pure real(wp) function law_value(self, kinematics) result(value)
       class(effort_load_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      type(jet_type) :: line(max_slots)
-      real(wp) :: weights(2, 3, max_gauges)
-      call read_slots(self, kinematics, line, weights)
-      value = self%law%evaluate(line(:size(self%slots))%value)
+      real(wp) :: values(max_slots), weights(2, 3, max_gauges)
+      call read_slots(self, kinematics, values, weights)
+      value = self%law%evaluate(values(:size(self%slots)))
    end function law_value
 
    !> Values of the slots of the law, and the weights of all gauges.
-   pure subroutine read_slots(self, kinematics, line, weights)
+   pure subroutine read_slots(self, kinematics, values, weights)
       class(effort_load_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
-      type(jet_type), intent(out) :: line(max_slots)
-      real(wp), intent(out) :: weights(2, 3, max_gauges)
-      real(wp) :: values(max_gauges), rates(max_gauges)
+      real(wp), intent(out) :: values(max_slots), weights(2, 3, max_gauges)
+      real(wp) :: gauges(max_gauges), rates(max_gauges)
       integer :: k
       do k = 1, size(self%gauges)
-         call read_gauge(self%gauges(k), kinematics, values(k), rates(k), weights(:, :, k))
+         call read_gauge(self%gauges(k), kinematics, gauges(k), rates(k), weights(:, :, k))
       end do
+      values = 0.0_wp
       do k = 1, size(self%slots)
-         line(k)%value = kinematics%time
+         values(k) = kinematics%time
          if (self%slots(k) == 0) cycle
-         line(k)%value = values(self%slots(k))
-         if (self%by_rate(k)) line(k)%value = rates(self%slots(k))
+         values(k) = gauges(self%slots(k))
+         if (self%by_rate(k)) values(k) = rates(self%slots(k))
       end do
    end subroutine read_slots
 
@@ -183,8 +182,12 @@ contains
       real(wp), intent(out) :: weights(2, 3, max_gauges), push(2, 3, max_gauges), by_value(max_gauges), by_rate(max_gauges)
       real(wp), intent(out) :: curvature(2, 3, 2, 3)
       type(jet_type) :: line(max_slots), jet
+      real(wp) :: values(max_slots)
       integer :: k, m, n
-      call read_slots(self, kinematics, line, weights)
+      call read_slots(self, kinematics, values, weights)
+      do k = 1, size(self%slots)
+         line(k)%value = values(k)
+      end do
       by_value = 0.0_wp
       by_rate = 0.0_wp
       by_value(1) = -self%stiffness

@@ -31,11 +31,13 @@ contains
       real(wp), parameter :: j = 0.3_wp, k = 1.7_wp, c = 0.12_wp, m = 0.8_wp, free = 0.4_wp, turn = 9.0_wp
       real(wp), parameter :: x = 0.1_wp*cos(0.5_wp), y = -0.1_wp*sin(0.5_wp)
       real(wp), allocatable :: energy(:), kinetic(:), force(:), power(:), spin(:), other(:)
+      character(40) :: new(1)
       real(wp) :: t(0:60), decay(0:60), along(0:60), across(0:60), w, d
       integer :: i
       t = [(0.1_wp*i, i=0, 60)]
-      call run_changed('verification/forces.inp', trim(results), [character(40) :: 'TOLERANCE=1e-10, INTEGRATOR=ADAMS'], &
-         & [character(40) :: 'TOLERANCE='//tolerance//', INTEGRATOR='//integrator], reader)
+      new(1) = 'TOLERANCE='//tolerance//', INTEGRATOR='//integrator
+      call run_changed('verification/forces.inp', trim(results), [character(40) :: 'TOLERANCE=1e-10, INTEGRATOR=ADAMS'], new, &
+         & reader)
       w = sqrt(k/j)
       call compare(reader, integrator, allowed, 'wheel', free + (turn - free)*cos(w*t))
       d = 0.5_wp*c/j

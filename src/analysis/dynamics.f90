@@ -18,6 +18,7 @@ module limber_analysis_dynamics
    use limber_output_sink, only: sink_type
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
       & worst_constraint
+   use limber_system_kinematics, only: place_frames, settle_angles
    use limber_system_projection, only: settle, settle_position
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -147,6 +148,10 @@ contains
          call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
          if (allocated(text)) call warn(outcome, text)
          call follow_angles(recorder, scene%system, sample%q)
+         if (size(scene%work%kinematics%angles) > 0) then
+            call place_frames(scene%system%model, scene%system%layout, integrator%t, sample%q, scene%work%kinematics)
+            call settle_angles(scene%work%kinematics)
+         end if
          if (sample_time(dynamics, next) <= integrator%t + near) call check_energy(scene, sample, outcome)
          if (passed < size(breaks) .and. integrator%t >= barrier - near) then
             call record_before(barrier - near)

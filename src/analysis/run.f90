@@ -114,7 +114,7 @@ contains
             report = report//newline//'   '//body_line(model%bodies(i), model%units)
          end do
          report = report//newline//'   '//as_text(size(model%joints))//' joints, '//as_text(size(model%drivers))//' drivers, '// &
-            & as_text(size(scene%system%loads))//' loads; '//as_text(size(model%channels))//' channels'//newline// &
+            & as_text(size(model%loads))//' loads; '//as_text(size(model%channels))//' channels'//newline// &
             & '   '//mobility_line(scene%assembly)
       end associate
    end subroutine check_deck

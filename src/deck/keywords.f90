@@ -38,7 +38,8 @@ module limber_deck_keywords
       & keyword_type('COUPLER', many, form_fields, 1, many, &
       &    'A linear coupling: the sum of coefficient times joint coordinate, a term each line, stays as it is or is given'), &
       & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
-      & keyword_type('FORCE', many, form_fields, 1, 1, 'A force on a point'), &
+      & keyword_type('FORCE', many, form_fields, 1, 1, &
+      &    'A force on a point; laws of loads may use places, speeds, angles and joint coordinates, no accelerations'), &
       & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body, or between two'), &
       & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring, damper and actuator between two points or two sections'), &
       & keyword_type('BUSHING', many, form_fields, 1, 1, &

@@ -112,6 +112,8 @@ contains
       slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%a/self%scale_w)**2))
       self%h = duration
       if (slope*self%h > 0.1_wp*self%tolerance**(1.0_wp/3)) self%h = 0.1_wp*self%tolerance**(1.0_wp/3)/slope
+      ! At rest where a load is about to begin nothing says how soon
+      if (system%powered) self%h = min(self%h, 1.0e-3_wp*duration)
       if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
    end subroutine alpha_start
 

@@ -38,6 +38,10 @@ contains
          do i = 1, size(model%torques)
             call law_breaks(model%torques(i)%law, t0, t1, times)
          end do
+         do i = 1, size(model%efforts)
+            if (.not. model%efforts(i)%driven) cycle
+            if (all(model%efforts(i)%quantities%kind == 0)) call law_breaks(model%efforts(i)%law, t0, t1, times)
+         end do
       end associate
    end function break_times
 

@@ -10,8 +10,10 @@ module limber_model_build
    use limber_model_channels, only: add_channels
    use limber_model_first_state, only: read_assembly
    use limber_model_joints, only: add_joint, add_coupler, add_driver
+   use limber_model_loads, only: add_force, add_torque, add_spring, add_bushing, add_distributed, add_friction, add_damping, &
+      & resolve_laws
    use limber_model_points, only: add_point, find_point, find_body
-   use limber_model_scene, only: model_type, force_type, torque_type, spring_type, ground
+   use limber_model_scene, only: model_type, ground
    implicit none
    private
    public :: build_model
@@ -26,7 +28,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
-      allocate (model%torques(0), model%springs(0), model%assembly%deflections(0))
+      allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0), model%assembly%deflections(0))
       call read_labels(deck, model)
       call add_point(model%points, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -46,16 +48,21 @@ contains
          case ('ASSEMBLY'); call read_assembly(deck%blocks(i), model, diagnostics)
          case ('JOINT'); call add_joint(deck, i, model, diagnostics)
          case ('FORCE'); call add_force(deck%blocks(i), model, diagnostics)
-         case ('TORQUE'); call add_torque(deck%blocks(i), model)
+         case ('TORQUE'); call add_torque(deck%blocks(i), model, diagnostics)
          case ('SPRING'); call add_spring(deck%blocks(i), model, diagnostics)
+         case ('BUSHING'); call add_bushing(deck%blocks(i), model, diagnostics)
+         case ('DISTRIBUTED LOAD'); call add_distributed(deck%blocks(i), model, diagnostics)
+         case ('DAMPING'); call add_damping(deck%blocks(i), model, diagnostics)
          end select
       end do
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
          case ('COUPLER'); call add_coupler(deck%blocks(i), model, diagnostics)
          case ('DRIVER'); call add_driver(deck%blocks(i), model, diagnostics)
+         case ('FRICTION'); call add_friction(deck%blocks(i), model, diagnostics)
          end select
       end do
+      call resolve_laws(model, diagnostics)
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%keyword == 'OUTPUT') call add_channels(deck%blocks(i), model, diagnostics)
       end do
@@ -86,58 +93,6 @@ contains
       model%units%mass = deck%blocks(block)%text('MASS')
    end subroutine read_labels
 
-   subroutine add_force(block, model, diagnostics)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(force_type) :: force
-      force%name = block%name()
-      force%point = find_point(model, block%text('POINT'), block%origin_of('POINT'), diagnostics)
-      if (force%point == 0 .or. size(block%lines) /= 1) return
-      force%law(1) = block%lines(1)%fields(1)%expression
-      force%law(2) = block%lines(1)%fields(2)%expression
-      model%forces = [model%forces, force]
-   end subroutine add_force
-
-   subroutine add_torque(block, model)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(torque_type) :: torque
-      torque%name = block%name()
-      torque%body = find_body(model, block%name('BODY'))
-      if (torque%body == 0 .or. size(block%lines) /= 1) return
-      torque%law = block%lines(1)%fields(1)%expression
-      model%torques = [model%torques, torque]
-   end subroutine add_torque
-
-   subroutine add_spring(block, model, diagnostics)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(spring_type) :: spring
-      integer :: i, bodies(2)
-      if (size(block%lines) /= 1) return
-      do i = 1, 2
-         spring%points(i) = find_point(model, block%lines(1)%text(i), block%lines(1)%origin_of(i), diagnostics)
-      end do
-      if (any(spring%points == 0)) return
-      bodies = model%points(spring%points)%body
-      if (bodies(1) == bodies(2) .and. .not. is_beam(model, bodies(1))) call diagnostics%add(block%lines(1)%origin_of(2), &
-         & "spring '"//block%name()//"' pulls at two points whose distance never changes", 'name points of two different bodies')
-      spring%name = block%name()
-      spring%stiffness = block%real('STIFFNESS')
-      spring%length = block%real('LENGTH')
-      spring%damping = block%real('DAMPING')
-      model%springs = [model%springs, spring]
-   end subroutine add_spring
-
-   !> Whether a body, or the ground, is a beam.
-   pure logical function is_beam(model, body)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: body
-      is_beam = .false.
-      if (body /= ground) is_beam = model%bodies(body)%end_point > 0
-   end function is_beam
 
    subroutine read_dynamics(block, model, diagnostics)
       type(block_type), intent(in) :: block

@@ -12,6 +12,7 @@ module limber_model_scene
    private
    public :: model_type, body_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
    public :: assembly_choice_type, deflection_type
+   public :: effort_type, named_load_type
    public :: dynamics_type, accuracy_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
@@ -28,6 +29,32 @@ module limber_model_scene
       & driver_x = 5, driver_y = 6
    !> Index that stands for the ground where a body is expected
    integer, parameter, public :: ground = 0
+
+   !> What an effort acts along: the displacement of P1 along a fixed axis, relative to P2 if there is one; P1 itself along an axis
+   !> of its section; the distance of the points; the coordinate of P1 from P2 along an axis of the section at P2; the angle of the
+   !> section at P1 less that at P2
+   integer, parameter, public :: effort_axis = 1, effort_follower = 2, effort_distance = 3, effort_slide = 4, effort_angle = 5
+   !> Kinds of loads that the deck names, and the lists of the model
+   integer, parameter, public :: load_force = 1, load_torque = 2, load_spring = 3, load_rotational = 4, load_bushing = 5, &
+      & load_distributed = 6, load_friction = 7
+   integer, parameter, public :: in_forces = 1, in_torques = 2, in_springs = 3, in_efforts = 4
+   !> Most things that the law of an effort depends on
+   integer, parameter, public :: most_slots = 15
+   !> Instead of a quantity of the table: elongation and rate of the spring whose law it is
+   integer, parameter, public :: own_elongation = -1, own_rate = -2
+
+   !> A quantity that an expression asks for
+   type :: quantity_type
+      !> Index into the table of quantities; 0: the time; or own_elongation, own_rate
+      integer :: kind = 0
+      !> Index of what it is asked of: a point, body, joint, driver or named load
+      integer :: of = 0
+      !> True if that is a named load
+      logical :: of_load = .false.
+      !> Dimension: exponents of length, time and mass; true for an angle or its rate
+      integer :: dimension(3) = 0
+      logical :: angular = .false.
+   end type quantity_type
 
    !> A body, with the first guess of its place and motion
    type :: body_type
@@ -144,13 +171,31 @@ module limber_model_scene
       real(wp) :: stiffness = 0.0_wp, length = 0.0_wp, damping = 0.0_wp
    end type spring_type
 
-   !> A quantity that a channel's expression asks for
-   type :: quantity_type
-      !> Index into the table of quantities
+   !> Something that acts along a scalar of the motion s: with -k (s - origin) - c s' and a law times a factor. Loads of the deck
+   !> that are more than a time law on a point or body, or a linear spring between two points, are made of these.
+   type :: effort_type
+      !> What s is: effort_axis, effort_follower, effort_distance, effort_slide or effort_angle
+      integer :: along = 0
+      !> Indices of one or two points: P1 and P2; the second may be 0
+      integer :: points(2) = 0
+      !> Angle of the axis; of the direction in the section at P1 (follower) or P2 (slide) [rad]
+      real(wp) :: angle = 0.0_wp
+      !> Free length or angle, k, c, and what the law is multiplied by
+      real(wp) :: origin = 0.0_wp, stiffness = 0.0_wp, damping = 0.0_wp, factor = 1.0_wp
+      !> Whether there is a law, and the law with what its slots stand for
+      logical :: driven = .false.
+      type(expression_type) :: law
+      type(quantity_type), allocatable :: quantities(:)
+   end type effort_type
+
+   !> A load as the deck names it, and what it is made of in the model's lists
+   type :: named_load_type
+      character(:), allocatable :: name
+      !> load_force, load_torque, load_spring, load_rotational, load_bushing, load_distributed or load_friction
       integer :: kind = 0
-      !> Index of the point, body, joint, driver or spring that it is asked of
-      integer :: of = 0
-   end type quantity_type
+      !> in_forces, in_torques, in_springs or in_efforts; first and last index in that list
+      integer :: list = 0, first = 0, last = 0
+   end type named_load_type
 
    !> A requested channel: an expression of quantities
    type :: channel_type
@@ -225,6 +270,9 @@ module limber_model_scene
       type(force_type), allocatable :: forces(:)
       type(torque_type), allocatable :: torques(:)
       type(spring_type), allocatable :: springs(:)
+      type(effort_type), allocatable :: efforts(:)
+      !> All loads by their names, each an interval of one of these lists
+      type(named_load_type), allocatable :: loads(:)
       type(channel_type), allocatable :: channels(:)
       !> True if the coordinates of all bodies are to be sampled, to be drawn
       logical :: motion = .false.

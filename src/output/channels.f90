@@ -7,10 +7,10 @@ module limber_output_channels
    use limber_model_scene, only: quantity_type, driver_angle, ground
    use limber_output_joints, only: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, &
       & section_rotation, joint_spin, driver_effort, driver_power
+   use limber_output_loads, only: load_value
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
-   use limber_system_springs, only: point_spring_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -51,7 +51,8 @@ contains
                case (quantity_angle); recorder%turning = [recorder%turning, quantity%of]
                case (quantity_joint_angle); recorder%turning = [recorder%turning, turning_bodies(system, quantity%of)]
                case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension, &
-                     & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power)
+                     & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power, &
+                     & quantity_elongation, quantity_rate)
                   recorder%needs_accelerations = .true.
                case (quantity_vx, quantity_vy, quantity_spin, quantity_joint_spin, quantity_sliding_speed)
                   recorder%needs_velocities = .true.
@@ -174,6 +175,10 @@ contains
       end if
       vector = 0.0_wp
       value = 0.0_wp
+      if (quantity%of_load) then
+         value = load_value(system, work, quantity)
+         return
+      end if
       select case (quantity%kind)
       case (quantity_x, quantity_y)
          vector = point_position(system%layout, system%model%points(quantity%of), q)
@@ -201,8 +206,6 @@ contains
          associate (point => system%model%points(quantity%of))
             value = dot_product(point%psi, q(system%layout%q(point%body) + 4:system%layout%q(point%body) + 3 + size(point%psi)))
          end associate
-      case (quantity_tension)
-         value = spring_tension(system, work, quantity%of)
       case (quantity_force_1, quantity_force_2); vector = joint_force_in_frame(system, work, quantity%of, q)
       case (quantity_moment); value = joint_moment(system, work, quantity%of, q)
       case (quantity_joint_angle); value = joint_angle(recorder, system, quantity%of, q)
@@ -246,18 +249,5 @@ contains
          displacement = displacement + system%model%points(point)%phi(:, k)*q(first + k - 1)
       end do
    end function beam_displacement
-
-   !> Tension of a spring; the loads stand in the order forces, torques, springs.
-   real(wp) function spring_tension(system, work, spring) result(tension)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      !> Index of the spring in the model
-      integer, intent(in) :: spring
-      tension = 0.0_wp
-      select type (load => system%loads(size(system%model%forces) + size(system%model%torques) + spring)%item)
-      type is (point_spring_type)
-         tension = load%tension(work%kinematics)
-      end select
-   end function spring_tension
 
 end module limber_output_channels

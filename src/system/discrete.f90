@@ -14,7 +14,7 @@ module limber_system_discrete
    use limber_system_body, only: body_mass, centre_moment
    use limber_system_constraint, only: jacobian_type
    use limber_system_dynamics, only: position_residual
-   use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames
+   use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames, settle_angles
    use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
    use limber_system_multiplier, only: update_jacobians
@@ -83,6 +83,7 @@ contains
       step%q = q
       step%b = b
       call place_frames(system%model, system%layout, t, q, step%start)
+      call settle_angles(step%start)
       call place_drives(system%model, t + 0.5_wp*h, step%mean)
       step%mean%span = h
       call find_momenta(system, q, b, step%p)
@@ -239,6 +240,9 @@ contains
       integer :: i, side, first
       real(wp) :: largest
       call find_end(system%layout, step, y)
+      do i = 1, size(step%start%angles)
+         work%kinematics%angles(i)%anchor = step%start%angles(i)%value
+      end do
       call place_frames(system%model, system%layout, step%final, step%new_q, work%kinematics)
       call find_mean(system%layout, step, work%kinematics, y)
       call find_momenta(system, step%new_q, step%new_b, step%new_p)
@@ -249,8 +253,9 @@ contains
          associate (load => system%loads(i)%item, force => work%loads(i)%force)
             force = 0.0_wp
             call load%add_force(step%mean, force)
-            call take(motion, load%bodies(1), force(:load%rates(1)))
-            call take(motion, load%bodies(2), force(load%rates(1) + 1:))
+            do side = 1, size(load%bodies)
+               call take(motion, load%bodies(side), force(load%offsets(side) + 1:load%offsets(side) + load%rates(side)))
+            end do
          end associate
       end do
       do i = 1, size(system%constraints)
@@ -334,6 +339,7 @@ contains
          do k = 1, n
             motion(at + 2 + k) = (step%new_p(at + 2 + k) - step%p(at + 2 + k))/h - motion(at + 2 + k) &
                & + work%bodies(i)%eta_force(k) - dot_product(along(body%c(:, k), stretch), gravity)
+            if (body%damped) motion(at + 2 + k) = motion(at + 2 + k) + body%damping(k)*y(at + 2 + k)/h
          end do
       end associate
    end subroutine body_residual
@@ -435,6 +441,7 @@ contains
          do k = 1, n
             stiffness(3, 3 + k) = -cross(along(body%c(:, k), u1), gravity)
             stiffness(3 + k, 3) = -cross(along(body%c(:, k), u0), gravity)
+            if (body%damped) tangent%bodies(i)%damping(3 + k, 3 + k) = body%damping(k)
          end do
          if (n > 0) call add_elastic_tangent(system, work, step, i, y, tangent)
       end associate
@@ -494,7 +501,7 @@ contains
       if (layout%framed(body)) rows(:, 3) = rows(:, 3)/(1 + 0.25_wp*y(layout%w(body) + 2)**2)
    end subroutine by_alpha
 
-   !> Work put in by drivers, loads and the force of the model k_g in the step of the last `step_residual`.
+   !> Work put in by drivers, loads, damping and the force of the model k_g in the step of the last `step_residual`.
    real(wp) function step_work(system, work, step, y, lambda) result(done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -514,9 +521,10 @@ contains
       end do
       do i = 1, size(work%bodies)
          associate (body => system%model%bodies(i)%reduced)
+            at = system%layout%w(i) + 2
+            if (body%damped) done = done - sum(body%damping*y(at + 1:at + body%n)**2)/step%h
             if (body%full .or. .not. body%geometric) cycle
             call mean_elastic_force(system, work, step, i, y)
-            at = system%layout%w(i) + 2
             first = system%layout%q(i) + 3
             do k = 1, body%n
                done = done - y(at + k)*(work%bodies(i)%eta_force(k) - body%omega2(k)*(step%q(first + k) + 0.5_wp*y(at + k)))

@@ -10,7 +10,7 @@ module limber_system_kinematics
    implicit none
    private
    public :: layout_type, new_layout, frame_type, marker_type, angle_type, kinematics_type, new_kinematics
-   public :: place_drives, place_frames, place_directions, move_frames, move_directions, place_marker, move_marker
+   public :: place_drives, place_frames, place_directions, settle_angles, move_frames, move_directions, place_marker, move_marker
    public :: rates_of, velocities_of, advance
    public :: point_position, point_velocity, point_acceleration
 
@@ -57,12 +57,14 @@ module limber_system_kinematics
       real(wp) :: bias(2) = 0.0_wp
    end type marker_type
 
-   !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to the last placed
+   !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to its anchor
    type :: angle_type
       !> Markers that the vector leads from and to; without the first, the second is a direction
       integer :: markers(2) = 0
       !> [rad]
       real(wp) :: value = 0.0_wp
+      !> Its value at the last state that counts: a trial that goes astray must not turn it around [rad]
+      real(wp) :: anchor = 0.0_wp
    end type angle_type
 
    !> Deflections of a body that joints ask for themselves, not for those of its points
@@ -158,6 +160,7 @@ contains
       allocate (kinematics%angles(size(angles)))
       do m = 1, size(angles)
          kinematics%angles(m) = angles(m)
+         kinematics%angles(m)%anchor = angles(m)%value
       end do
    end function new_kinematics
 
@@ -246,16 +249,26 @@ contains
       turning%velocity = 0.0_wp
    end function without_origin
 
-   !> Angle of a vector at placed markers, with the turns that bring it nearest to the last one.
+   !> Takes the placed angles for those of a state that counts.
+   pure subroutine settle_angles(kinematics)
+      type(kinematics_type), intent(inout) :: kinematics
+      integer :: m
+      do m = 1, size(kinematics%angles)
+         kinematics%angles(m)%anchor = kinematics%angles(m)%value
+      end do
+   end subroutine settle_angles
+
+   !> Angle of a vector at placed markers, with the turns that bring it nearest to its anchor, which follows what is near.
    pure subroutine follow_angle(markers, angle)
       type(marker_type), intent(in) :: markers(:)
       type(angle_type), intent(inout) :: angle
-      real(wp), parameter :: turn_once = 2*acos(-1.0_wp)
+      real(wp), parameter :: turn_once = 2*acos(-1.0_wp), near = 1.0_wp
       real(wp) :: vector(2), nearest
       vector = markers(angle%markers(2))%position
       if (angle%markers(1) > 0) vector = vector - markers(angle%markers(1))%position
       nearest = atan2(vector(2), vector(1))
-      angle%value = nearest + turn_once*anint((angle%value - nearest)/turn_once)
+      angle%value = nearest + turn_once*anint((angle%anchor - nearest)/turn_once)
+      if (abs(angle%value - angle%anchor) < near) angle%anchor = angle%value
    end subroutine follow_angle
 
    !> Velocities and bias accelerations at q and v; `place_frames` comes first.

@@ -9,7 +9,7 @@ module limber_system_registry
    use limber_system_kinematics, only: layout_type, new_layout, angle_type
    implicit none
    private
-   public :: registry_type, start_registry, marker_of, frame_marker, direction_of, frame_direction, angle_of, bend_of
+   public :: registry_type, start_registry, marker_of, frame_marker, frame_point, direction_of, frame_direction, angle_of, bend_of
    public :: guessed_angle, guessed_turn, guessed_position
 
    !> The model with its layout, and what is asked for
@@ -89,6 +89,13 @@ contains
       integer, intent(in) :: body
       marker = marker_of(system, index_of(system, bare_point(system, body)))
    end function frame_marker
+
+   !> Index of the point at the origin of a body's frame that does not move in it.
+   integer function frame_point(system, body) result(index)
+      class(registry_type), intent(inout) :: system
+      integer, intent(in) :: body
+      index = index_of(system, bare_point(system, body))
+   end function frame_point
 
    !> The origin of a body's frame.
    function bare_point(system, body) result(point)

@@ -3,27 +3,24 @@
 module limber_system_system
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type
-   use limber_model_scene, only: model_type, force_type, torque_type, spring_type, ground
+   use limber_model_scene, only: model_type, ground
    use limber_system_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_system_couplings, only: new_joint, new_driver
    use limber_system_kinematics, only: kinematics_type, new_kinematics
-   use limber_system_loads, only: load_type, load_item_type, dead_force_type, body_torque_type
-   use limber_system_registry, only: registry_type, start_registry, marker_of, direction_of, angle_of
+   use limber_system_load_list, only: new_loads
+   use limber_system_loads, only: load_item_type
+   use limber_system_registry, only: registry_type, start_registry
    use limber_system_sparse, only: sparse_type
-   use limber_system_springs, only: point_spring_type
    use limber_system_tree, only: tree_type, new_tree
    implicit none
    private
    public :: system_type, new_system, workspace_type, new_workspace, body_workspace_type, mark_block, block_place
 
-   !> Distance below which a spring's direction fades, relative to the characteristic length
-   real(wp), parameter :: softening = 1.0e-10_wp
-
    !> The equations; constant once it is built
    type, extends(registry_type) :: system_type
       !> Joints first, then drivers, in the order of the model
       type(constraint_item_type), allocatable :: constraints(:)
-      !> Forces first, then torques, then springs, in the order of the model
+      !> Forces first, then torques, springs and efforts, in the order of the model
       type(load_item_type), allocatable :: loads(:)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
@@ -90,6 +87,7 @@ contains
    function new_system(model) result(system)
       type(model_type), intent(in) :: model
       type(system_type) :: system
+      type(load_item_type), allocatable :: loads(:)
       integer :: i, count
       call start_registry(system, model)
       allocate (system%constraints(size(model%joints) + size(model%drivers)))
@@ -106,7 +104,8 @@ contains
          system%constraints(i)%item%first = system%nc + 1
          system%nc = system%nc + system%constraints(i)%item%rows
       end do
-      call add_loads(system)
+      call new_loads(system, loads)
+      call move_alloc(loads, system%loads)
       system%tree = new_tree(model, system%layout, system%constraints, system%marker_points, system%nc)
       system%powered = .false.
       do i = 1, size(system%constraints)
@@ -117,77 +116,10 @@ contains
       end do
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
-            if (body%geometric .and. .not. body%full) system%powered = .true.
+            if (body%damped .or. (body%geometric .and. .not. body%full)) system%powered = .true.
          end associate
       end do
    end function new_system
-
-   !> Forces, torques and springs.
-   subroutine add_loads(system)
-      type(system_type), intent(inout) :: system
-      integer :: i, side, count
-      count = 0
-      associate (model => system%model)
-         allocate (system%loads(size(model%forces) + size(model%torques) + size(model%springs)))
-      end associate
-      do i = 1, size(system%model%forces)
-         count = count + 1
-         call add_force(system, system%model%forces(i), system%loads(count)%item)
-      end do
-      do i = 1, size(system%model%torques)
-         count = count + 1
-         call add_torque(system%model%torques(i), system%loads(count)%item)
-      end do
-      do i = 1, size(system%model%springs)
-         count = count + 1
-         call add_spring(system, system%model%springs(i), system%loads(count)%item)
-      end do
-      do i = 1, count
-         associate (load => system%loads(i)%item)
-            do side = 1, 2
-               if (load%bodies(side) /= ground) load%rates(side) = system%layout%rates(load%bodies(side)) &
-                  & + system%layout%n(load%bodies(side))
-            end do
-         end associate
-      end do
-   end subroutine add_loads
-
-   subroutine add_force(system, force, item)
-      type(system_type), intent(inout) :: system
-      type(force_type), intent(in) :: force
-      class(load_type), allocatable, intent(out) :: item
-      type(dead_force_type) :: dead
-      dead%marker = marker_of(system, force%point)
-      dead%law_x = force%law(1)
-      dead%law_y = force%law(2)
-      dead%bodies(1) = system%model%points(force%point)%body
-      allocate (item, source=dead)
-   end subroutine add_force
-
-   subroutine add_torque(torque, item)
-      type(torque_type), intent(in) :: torque
-      class(load_type), allocatable, intent(out) :: item
-      type(body_torque_type) :: turning
-      turning%law = torque%law
-      turning%bodies(1) = torque%body
-      allocate (item, source=turning)
-   end subroutine add_torque
-
-   subroutine add_spring(system, spring, item)
-      type(system_type), intent(inout) :: system
-      type(spring_type), intent(in) :: spring
-      class(load_type), allocatable, intent(out) :: item
-      type(point_spring_type) :: pull
-      pull%markers(1) = marker_of(system, spring%points(1))
-      pull%markers(2) = marker_of(system, spring%points(2))
-      pull%bodies = [system%model%points(spring%points(1))%body, system%model%points(spring%points(2))%body]
-      pull%stiffness = spring%stiffness
-      pull%free_length = spring%length
-      pull%damping = spring%damping
-      pull%softening = softening*system%model%length
-      pull%powered = spring%damping > 0.0_wp
-      allocate (item, source=pull)
-   end subroutine add_spring
 
    !> Room for everything that changes.
    subroutine new_workspace(system, work)

@@ -69,7 +69,7 @@ contains
    subroutine new_tangent(system, tangent)
       type(system_type), intent(in) :: system
       type(tangent_type), intent(inout) :: tangent
-      integer :: i, m, pairs
+      integer :: i, m, pairs, side
       allocate (tangent%bodies(size(system%layout%q)), tangent%constraints(size(system%constraints)))
       do i = 1, size(tangent%bodies)
          m = body_size(system, i)
@@ -97,7 +97,10 @@ contains
          associate (item => system%loads(i)%item, load => tangent%loads(i))
             m = sum(item%rates)
             allocate (load%damping(m, m), load%stiffness(m, m))
-            load%unknowns = [places(system, item%bodies(1)), places(system, item%bodies(2))]
+            allocate (load%unknowns(m))
+            do side = 1, size(item%bodies)
+               load%unknowns(item%offsets(side) + 1:item%offsets(side) + item%rates(side)) = places(system, item%bodies(side))
+            end do
             call mark_block(tangent%matrix, load%unknowns, load%unknowns)
          end associate
       end do
@@ -322,6 +325,10 @@ contains
             & a(at + 2), a(at + 3:at + 2 + n), body%stiffness(:, 3:), body%damping(:, 3:))
          if (n > 0) call elastic_tangent(reduced, q(first:last), body%stiffness(4:, 4:), work%bodies(i)%z, work%bodies(i)%s, &
             & body%slope)
+         if (.not. reduced%damped) return
+         do k = 1, n
+            body%damping(3 + k, 3 + k) = body%damping(3 + k, 3 + k) + reduced%damping(k)
+         end do
       end associate
    end subroutine linearise_body
 

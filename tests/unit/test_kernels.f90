@@ -409,6 +409,7 @@ contains
             end associate
          end do
          call begin_step(system, step, t, length, t + length, q, w)
+         work%kinematics%angles%anchor = step%start%angles%value
          call place_frames(system%model, system%layout, t, q, work%kinematics)
          largest = position_residual(system, work)
          before = work%phi

@@ -36,7 +36,7 @@ module limber_deck_schema
    !> A keyword
    type :: keyword_type
       !> In upper case, without the asterisk
-      character(12) :: name
+      character(16) :: name
       !> Most blocks of a deck
       integer :: most
       !> Form, least and greatest number of its data lines
@@ -48,7 +48,7 @@ module limber_deck_schema
    !> An option of a keyword
    type :: option_spec_type
       !> Keyword that it belongs to, and its own name, in upper case
-      character(12) :: keyword
+      character(16) :: keyword
       character(20) :: name
       integer :: kind
       !> Depends on the kind
@@ -63,7 +63,7 @@ module limber_deck_schema
 
    !> A field of the data lines of a keyword
    type :: field_spec_type
-      character(12) :: keyword
+      character(16) :: keyword
       !> What the field is called in messages
       character(20) :: name
       integer :: kind
@@ -73,11 +73,11 @@ module limber_deck_schema
 
    !> A list that a data line of the form `form_lists` gives: its name, then values of an option of the table
    type :: list_spec_type
-      character(12) :: keyword
+      character(16) :: keyword
       !> In lower case
       character(20) :: name
       !> Keyword and option that the values are for; without them the values are names
-      character(12) :: of
+      character(16) :: of
       character(20) :: option
       character(90) :: meaning
    end type list_spec_type

@@ -207,9 +207,9 @@ contains
             increment = 0.25_wp*increment
             cycle
          end if
-         if (done .and. (statics%balance%stable .or. (statics%known .and. .not. statics%stable &
-            & .and. step%instability /= leave_unstable))) then
-            statics%stable = statics%balance%stable
+         if (done .and. is_acceptable(step, statics)) then
+            ! At the very critical load it counts as stable: what follows tells
+            statics%stable = statics%balance%stable .or. (statics%balance%neutral .and. statics%stable)
             statics%known = .true.
             call accept(scene, statics, next)
             increment = min(2*increment, target - statics%part)
@@ -220,6 +220,19 @@ contains
          increment = target - statics%part
       end do
    end subroutine advance_to
+
+   !> Whether the equilibrium of the last trial is one to go on with.
+   pure logical function is_acceptable(step, statics)
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(in) :: statics
+      is_acceptable = statics%balance%stable
+      if (.not. statics%known) return
+      if (statics%stable) then
+         is_acceptable = is_acceptable .or. statics%balance%neutral
+      else
+         is_acceptable = is_acceptable .or. step%instability /= leave_unstable
+      end if
+   end function is_acceptable
 
    !> Newton's method at a part of the step from the present state, and the stability there.
    subroutine try(scene, step, part, statics, done)

@@ -14,6 +14,7 @@ module limber_analysis_statics
    use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium, judge, descend, steady_motion
    use limber_system_freedom, only: motion_text
    use limber_system_kinematics, only: advance, place_frames, move_frames
+   use limber_system_loads, only: load_type, dead_force_type, body_torque_type
    use limber_system_multiplier, only: update_jacobians
    implicit none
    private
@@ -116,12 +117,22 @@ contains
       integer :: i
       do i = 1, size(scene%system%loads)
          associate (load => scene%system%loads(i)%item)
-            if (.not. load%is_steady) cycle
+            if (.not. is_steady(load)) cycle
             load%is_scaled = is_scaled
             load%factor = factor
          end associate
       end do
    end subroutine scale_loads
+
+   !> Whether a load is constant in time, so that it may grow from zero.
+   logical function is_steady(load)
+      class(load_type), intent(in) :: load
+      is_steady = .false.
+      select type (load)
+      type is (dead_force_type); is_steady = load%law_x%is_constant() .and. load%law_y%is_constant()
+      type is (body_torque_type); is_steady = load%law%is_constant()
+      end select
+   end function is_steady
 
    pure real(wp) function time_of(step, part) result(t)
       type(step_type), intent(in) :: step

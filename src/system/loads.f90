@@ -19,9 +19,8 @@ module limber_system_loads
       integer :: rates(2) = 0
       !> False if all that it does is in the energy that it stores
       logical :: powered = .true.
-      !> Whether it is constant in time, so that a static analysis may let it grow from zero; whether it is multiplied by a
-      !> factor at present, and that
-      logical :: is_steady = .false., is_scaled = .false.
+      !> Whether it is multiplied by a factor at present, as by a static analysis in which it grows, and that
+      logical :: is_scaled = .false.
       real(wp) :: factor = 1.0_wp
    contains
       !> Forces on the bodies

@@ -213,7 +213,6 @@ contains
       dead%law_x = force%law(1)
       dead%law_y = force%law(2)
       dead%bodies(1) = system%model%points(force%point)%body
-      dead%is_steady = force%law(1)%is_constant() .and. force%law(2)%is_constant()
       allocate (item, source=dead)
    end subroutine add_force
 
@@ -223,7 +222,6 @@ contains
       type(body_torque_type) :: turning
       turning%law = torque%law
       turning%bodies(1) = torque%body
-      turning%is_steady = torque%law%is_constant()
       allocate (item, source=turning)
    end subroutine add_torque
 

@@ -119,7 +119,7 @@ contains
          associate (load => scene%system%loads(i)%item)
             if (.not. is_steady(load)) cycle
             load%is_scaled = is_scaled
-            load%factor = factor
+            load%share = factor
          end associate
       end do
    end subroutine scale_loads

@@ -124,7 +124,7 @@ contains
          associate (load => system%loads(i)%item, force => work%loads(i)%force)
             force = 0.0_wp
             call load%add_force(work%kinematics, force)
-            if (load%is_scaled) force = load%factor*force
+            if (load%is_scaled) force = load%share*force
             call add_to_body(system, work, load%bodies(1), force(:load%rates(1)))
             call add_to_body(system, work, load%bodies(2), force(load%rates(1) + 1:))
          end associate

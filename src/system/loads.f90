@@ -19,9 +19,9 @@ module limber_system_loads
       integer :: rates(2) = 0
       !> False if all that it does is in the energy that it stores
       logical :: powered = .true.
-      !> Whether it is multiplied by a factor at present, as by a static analysis in which it grows, and that
+      !> Whether it is multiplied at present by a share, as by a static analysis in which it grows, and that
       logical :: is_scaled = .false.
-      real(wp) :: factor = 1.0_wp
+      real(wp) :: share = 1.0_wp
    contains
       !> Forces on the bodies
       procedure(force_interface), deferred :: add_force

@@ -293,8 +293,8 @@ contains
          tangent%loads(i)%damping = 0.0_wp
          call system%loads(i)%item%add_tangent(work%kinematics, tangent%loads(i)%stiffness, tangent%loads(i)%damping)
          if (.not. system%loads(i)%item%is_scaled) cycle
-         tangent%loads(i)%stiffness = system%loads(i)%item%factor*tangent%loads(i)%stiffness
-         tangent%loads(i)%damping = system%loads(i)%item%factor*tangent%loads(i)%damping
+         tangent%loads(i)%stiffness = system%loads(i)%item%share*tangent%loads(i)%stiffness
+         tangent%loads(i)%damping = system%loads(i)%item%share*tangent%loads(i)%damping
       end do
       call gather(tangent)
    end subroutine linearise_motion

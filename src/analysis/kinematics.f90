@@ -14,7 +14,7 @@ module limber_analysis_kinematics
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_freedom, only: freedom_type, find_freedom, motion_text
    use limber_system_held, only: held_type, new_held, held_position, held_motion, balance_deflections
-   use limber_system_kinematics, only: advance, place_frames
+   use limber_system_kinematics, only: advance, place_frames, settle_angles
    use limber_system_multiplier, only: update_jacobians
    implicit none
    private
@@ -166,6 +166,8 @@ contains
             motion%t = merge(t, motion%t + h, t - motion%t - h < shortest)
             motion%q = motion%trial
             call follow_angles(motion%recorder, system, motion%q)
+            call place_frames(system%model, system%layout, motion%t, motion%q, work%kinematics)
+            call settle_angles(work%kinematics)
             if (motion%t < t) call held_motion(system, work, held, motion%t, motion%q, motion%v, motion%a, done)
             if (.not. done) then
                call raise_singular(motion%t, error)

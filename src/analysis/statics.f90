@@ -13,7 +13,7 @@ module limber_analysis_statics
    use limber_output_sink, only: sink_type
    use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium, judge, descend, steady_motion
    use limber_system_freedom, only: motion_text
-   use limber_system_kinematics, only: advance, place_frames, move_frames
+   use limber_system_kinematics, only: advance, place_frames, move_frames, settle_angles
    use limber_system_efforts, only: effort_load_type
    use limber_system_loads, only: load_type, dead_force_type, body_torque_type
    use limber_system_multiplier, only: update_jacobians
@@ -192,13 +192,16 @@ contains
 
    !> Makes the trial the state.
    subroutine accept(scene, statics, part)
-      type(scene_type), intent(in) :: scene
+      type(scene_type), intent(inout) :: scene
       type(statics_type), intent(inout) :: statics
       real(wp), intent(in) :: part
       statics%q = statics%trial
       statics%lambda = statics%trial_lambda
       statics%part = part
       call follow_angles(statics%recorder, scene%system, statics%q)
+      if (size(scene%work%kinematics%angles) == 0) return
+      call place_frames(scene%system%model, scene%system%layout, scene%work%kinematics%time, statics%q, scene%work%kinematics)
+      call settle_angles(scene%work%kinematics)
    end subroutine accept
 
    !> Equilibrium at a part of the step; increments are divided where Newton's method fails.

@@ -12,6 +12,7 @@ module limber_analysis_scene
    use limber_model_build, only: build_model
    use limber_model_scene, only: model_type, step_dynamics
    use limber_system_assembly, only: first_guess, assemble
+   use limber_system_held, only: held_type, new_held, balance_start, balance_deflections
    use limber_system_rank, only: assembly_type
    use limber_system_redundancy, only: group_names, constraint_names
    use limber_system_softening, only: soften_constraints
@@ -126,10 +127,40 @@ contains
       end if
       call warn_of_redundancy(scene, diagnostics)
       call warn_of_turn(scene, diagnostics)
-      if (scene%assembly%rank == scene%assembly%equations) return
-      call soften_constraints(scene%system)
-      call new_workspace(scene%system, scene%work)
+      if (scene%assembly%rank < scene%assembly%equations) then
+         call soften_constraints(scene%system)
+         call new_workspace(scene%system, scene%work)
+      end if
+      if (scene%system%model%assembly%static_deflections) call settle_deflections(scene, diagnostics)
    end subroutine assemble_scene
+
+   !> Deflections in equilibrium at the first time: with free frames by their own stiffness, and where drivers hold all frames
+   !> together with the joints.
+   subroutine settle_deflections(scene, diagnostics)
+      type(scene_type), intent(inout) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(held_type) :: held
+      real(wp), allocatable :: q(:), v(:), a(:)
+      logical :: done
+      allocate (q, source=scene%q)
+      allocate (v, source=scene%v)
+      allocate (a, source=scene%v)
+      associate (start => scene%system%model%dynamics%start)
+         call new_held(scene%system, held)
+         call balance_start(scene%system, scene%work, held, start, q, v, done)
+         if (.not. done) then
+            q = scene%q
+            call balance_deflections(scene%system, scene%work, held, start, q, v, a, done)
+         end if
+      end associate
+      if (.not. done) then
+         call diagnostics%add(scene%deck%blocks(scene%deck%find('ASSEMBLY'))%origin_of('INITIAL DEFLECTIONS'), &
+            & 'no equilibrium of the deflections is found', 'the motion is too fast for them to follow; use ZERO or GIVEN')
+         return
+      end if
+      scene%q = q
+      scene%v = v
+   end subroutine settle_deflections
 
    !> Where a joint or driver stands in the deck.
    pure function place_of(scene, constraint) result(origin)

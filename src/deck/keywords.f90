@@ -236,8 +236,8 @@ module limber_deck_keywords
       &    'N m s, N s/m', needed, 'torque for each unit of relative spin, force for each unit of sliding speed'), &
       & option_spec_type('ASSEMBLY', 'LARGEST TURN', kind_positive, '', &
       &    'rad', '0.5', 'rotation of a body from its guess beyond which there is a warning: another branch may be meant'), &
-      & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN', &
-      &    '', 'ZERO', 'GIVEN: coordinates of beams start as the data lines say, all others at zero'), &
+      & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN|STATIC', &
+      &    '', 'ZERO', 'GIVEN: as the data lines say, others zero; STATIC: in balance with loads and inertia of the motion'), &
       & option_spec_type('DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('DYNAMICS', 'START', kind_real, '', &
       &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &

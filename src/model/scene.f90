@@ -247,6 +247,8 @@ module limber_model_scene
    type :: assembly_choice_type
       !> Rotation from the guess to the first position above which there is a warning [rad]
       real(wp) :: largest_turn = 0.5_wp
+      !> Whether deflections start in equilibrium with loads and inertia
+      logical :: static_deflections = .false.
       !> Deflections that are given; all others start at zero
       type(deflection_type), allocatable :: deflections(:)
    end type assembly_choice_type

@@ -20,6 +20,7 @@ program test_statics
    call check_dead_centre()
    call check_redundant()
    call check_end_shapes()
+   call check_first_deflections()
    call finish()
 
 contains
@@ -187,5 +188,23 @@ contains
       call check_close(slope(10) - slope(5), -0.01_wp*2.0_wp**2/2, 1.0e-12_wp, 'shapes of the ends: slope')
       call reader%close()
    end subroutine check_end_shapes
+
+   !> A beam on a hinge, let go from the horizontal with the deflection that its weight and its acceleration make: relative to its
+   !> chord that of the load rho A g (1 - 3x/2L). Let go undeflected, it rings.
+   subroutine check_first_deflections()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: middle(:), smooth(:)
+      real(wp), parameter :: expected = -9.81_wp*0.5_wp/100*(1/384.0_wp - 1/2560.0_wp - 1/192.0_wp + 1/160.0_wp)
+      call run_changed('verification/falling_beam.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (smooth, source=channel(reader, 'deflection_beam_middle'))
+      call check_close(smooth(1), expected, 2.0e-3_wp*abs(expected), 'deflection of a beam that begins to fall')
+      call reader%close()
+      call run_changed('verification/falling_beam.inp', trim(results), [character(6) :: 'STATIC'], [character(6) :: 'ZERO'], reader)
+      allocate (middle, source=channel(reader, 'deflection_beam_middle'))
+      call check_close(middle(1), 0.0_wp, 1.0e-15_wp, 'without it there is none')
+      call check(maxval(abs(middle - smooth)) > 0.8_wp*abs(expected), 'and it rings')
+      call check(maxval(abs(smooth - smooth(1))) < 0.2_wp*abs(expected), 'with it it does not')
+      call reader%close()
+   end subroutine check_first_deflections
 
 end program test_statics

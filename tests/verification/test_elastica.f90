@@ -75,7 +75,8 @@ contains
       real(wp), intent(out) :: place(2)
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error
-      character(:), allocatable :: report, last
+      character(:), allocatable :: report
+      character(16) :: last
       integer :: unit, i
       open (newunit=unit, file=trim(results)//'.inp', action='write', status='replace')
       write (unit, '(a)') '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1', &
@@ -85,11 +86,11 @@ contains
             & ', ELEMENTS=4, GEOMETRIC=FULL, BENDING MODES=0, END SHAPES=YES, X='//as_text(i - 1)//'/'//as_text(pieces)
          last = 'ground.origin'
          if (i > 1) last = 'b'//as_text(i - 1)//'.end'
-         write (unit, '(a)') '*JOINT, NAME=w'//as_text(i)//', TYPE=WELD, TURN=0', ' b'//as_text(i)//'.start, '//last
+         write (unit, '(a)') '*JOINT, NAME=w'//as_text(i)//', TYPE=WELD, TURN=0', ' b'//as_text(i)//'.start, '//trim(last)
       end do
       last = 'b'//as_text(pieces)//'.end'
-      write (unit, '(a)') '*FORCE, NAME=load, POINT='//last, ' -'//ratio//'*pi**2/4, 0', '*STATICS, INCREMENTS=4', '*OUTPUT', &
-         & ' x = x('//last//'), y = y('//last//')'
+      write (unit, '(a)') '*FORCE, NAME=load, POINT='//trim(last), ' -'//ratio//'*pi**2/4, 0', '*STATICS, INCREMENTS=4', '*OUTPUT', &
+         & ' x = x('//trim(last)//'), y = y('//trim(last)//')'
       close (unit)
       call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
       call check_no_error(error, 'elastica in '//as_text(pieces)//' pieces')

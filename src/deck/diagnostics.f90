@@ -160,6 +160,7 @@ contains
       kind = 'error: '
       if (item%is_warning) kind = 'warning: '
       text = place(item%origin, source)//kind//item%message
+      if (item%origin%turn > 0) text = text//' (*REPEAT, '//source%turn_label(item%origin%turn)//')'
       if (item%origin%line > 0) then
          text = text//newline//pointed(item%origin, item%label, source)
       else if (len(item%label) > 0) then

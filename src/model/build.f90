@@ -8,7 +8,8 @@ module limber_model_build
    use limber_deck_origin, only: origin_type
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_beam, add_points
    use limber_model_channels, only: add_channels
-   use limber_model_points, only: add_point, find_point, find_body
+   use limber_model_lists, only: append, trim_lists
+   use limber_model_points, only: add_point, find_point, find_body, enter_name
    use limber_model_scene, only: model_type, joint_type, driver_type, force_type, torque_type, spring_type, &
       & body_rigid, ground, joint_revolute, joint_point_on_line
    implicit none
@@ -27,7 +28,7 @@ contains
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
       allocate (model%torques(0), model%springs(0))
       call read_labels(deck, model)
-      call add_point(model%points, 'ground.origin', ground, [0.0_wp, 0.0_wp])
+      call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
          case ('GROUND'); call add_points(deck%blocks(i), 'ground', ground, model, diagnostics)
@@ -39,6 +40,7 @@ contains
          case ('ACCURACY'); model%accuracy%estimate = deck%blocks(i)%yes('ESTIMATE')
          end select
       end do
+      call trim_lists(model)
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
@@ -49,9 +51,11 @@ contains
          case ('SPRING'); call add_spring(deck%blocks(i), model, diagnostics)
          end select
       end do
+      call trim_lists(model)
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%keyword == 'OUTPUT') call add_channels(deck%blocks(i), model, diagnostics)
       end do
+      call trim_lists(model)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS or *BEAM')
    end subroutine build_model
@@ -113,7 +117,8 @@ contains
       joint%angle = block%real('ANGLE')
       joint%kind = joint_revolute
       if (block%word('TYPE') == 'POINT ON LINE') joint%kind = joint_point_on_line
-      model%joints = [model%joints, joint]
+      call append(model%joints, model%counts%joints, joint)
+      call enter_name(model, 'joint', joint%name, model%counts%joints)
    end subroutine append_joint
 
    subroutine add_driver(block, model)
@@ -124,7 +129,8 @@ contains
       driver%body = find_body(model, block%name('BODY'))
       if (driver%body == 0 .or. size(block%lines) /= 1) return
       driver%law = block%lines(1)%fields(1)%expression
-      model%drivers = [model%drivers, driver]
+      call append(model%drivers, model%counts%drivers, driver)
+      call enter_name(model, 'driver', driver%name, model%counts%drivers)
    end subroutine add_driver
 
    subroutine add_force(block, model, diagnostics)
@@ -137,7 +143,7 @@ contains
       if (force%point == 0 .or. size(block%lines) /= 1) return
       force%law(1) = block%lines(1)%fields(1)%expression
       force%law(2) = block%lines(1)%fields(2)%expression
-      model%forces = [model%forces, force]
+      call append(model%forces, model%counts%forces, force)
    end subroutine add_force
 
    subroutine add_torque(block, model)
@@ -148,7 +154,7 @@ contains
       torque%body = find_body(model, block%name('BODY'))
       if (torque%body == 0 .or. size(block%lines) /= 1) return
       torque%law = block%lines(1)%fields(1)%expression
-      model%torques = [model%torques, torque]
+      call append(model%torques, model%counts%torques, torque)
    end subroutine add_torque
 
    subroutine add_spring(block, model, diagnostics)
@@ -169,7 +175,8 @@ contains
       spring%stiffness = block%real('STIFFNESS')
       spring%length = block%real('LENGTH')
       spring%damping = block%real('DAMPING')
-      model%springs = [model%springs, spring]
+      call append(model%springs, model%counts%springs, spring)
+      call enter_name(model, 'spring', spring%name, model%counts%springs)
    end subroutine add_spring
 
    !> Whether a body, or the ground, is a beam.

@@ -471,8 +471,10 @@ contains
                      & *work%solution(body%rows(j))
                end do
             end associate
-            do j = k + 1, size(tree%order)
-               if (tree%carrier(tree%order(j)) == i) call take_joint(system, work, tree%order(j), left)
+            j = tree%first(i)
+            do while (j > 0)
+               call take_joint(system, work, j, left)
+               j = tree%next(j)
             end do
             if (tree%joint(i) > 0) then
                row = system%constraints(tree%joint(i))%item%first

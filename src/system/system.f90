@@ -30,6 +30,9 @@ module limber_system_system
       type(load_item_type), allocatable :: loads(:)
       !> Points that joints and loads use
       integer, allocatable :: marker_points(:)
+      !> Their number, and the marker of each point of the model, 0 where there is none
+      integer :: markers = 0
+      integer, allocatable :: point_marker(:)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
@@ -98,7 +101,8 @@ contains
       integer :: i, count
       system%model = model
       system%layout = new_layout(model)
-      allocate (system%marker_points(0))
+      allocate (system%marker_points(0), system%point_marker(size(model%points)))
+      system%point_marker = 0
       allocate (system%constraints(size(model%joints) + size(model%drivers)))
       count = 0
       do i = 1, size(model%joints)
@@ -114,6 +118,7 @@ contains
          system%nc = system%nc + system%constraints(i)%item%rows
       end do
       call add_loads(system)
+      system%marker_points = system%marker_points(:system%markers)
       system%tree = new_tree(model, system%layout, system%constraints, system%marker_points, system%nc)
       system%powered = size(model%drivers) > 0
       do i = 1, size(system%loads)
@@ -130,10 +135,18 @@ contains
    integer function marker_of(system, point) result(marker)
       type(system_type), intent(inout) :: system
       integer, intent(in) :: point
-      do marker = 1, size(system%marker_points)
-         if (system%marker_points(marker) == point) return
-      end do
-      system%marker_points = [system%marker_points, point]
+      integer, allocatable :: longer(:)
+      marker = system%point_marker(point)
+      if (marker > 0) return
+      if (system%markers == size(system%marker_points)) then
+         allocate (longer(2*system%markers + 8))
+         longer(:system%markers) = system%marker_points
+         call move_alloc(longer, system%marker_points)
+      end if
+      system%markers = system%markers + 1
+      marker = system%markers
+      system%marker_points(marker) = point
+      system%point_marker(point) = marker
    end function marker_of
 
    subroutine add_joint(system, joint, item)

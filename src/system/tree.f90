@@ -113,9 +113,9 @@ contains
       integer, intent(in) :: marker_points(:), bodies
       type(candidates_type), intent(out) :: candidates
       integer :: i, own, number
-      allocate (candidates%first(0:bodies), candidates%next(2*size(constraints)), candidates%heap(2*size(constraints)), &
+      allocate (candidates%first(0:bodies), source=0)
+      allocate (candidates%next(2*size(constraints)), candidates%heap(2*size(constraints)), &
          & candidates%done(bodies))
-      candidates%first = 0
       candidates%next = 0
       candidates%done = .false.
       do i = size(constraints), 1, -1

@@ -82,7 +82,7 @@ contains
       self%t = t
       self%t_before = t
       if (.not. allocated(self%scales%value)) self%scales = new_scales(system, duration, .false.)
-      if (size(system%layout%q) >= many) call new_recursion(system%model, system%layout%q, self%tree)
+      if (size(system%layout%q) >= many) call new_recursion(system, self%tree)
       call update_scales(system, q, v, self%scales)
       call evaluate(self, system, work, t, self%y, self%yp, error)
       if (allocated(error)) return

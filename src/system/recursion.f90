@@ -4,7 +4,9 @@
 !> Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7; doc/theory, eqs. (S1)-(S5).
 module limber_system_recursion
    use limber_base_kinds, only: wp
-   use limber_model_scene, only: model_type, body_rigid, joint_revolute, ground
+   use limber_model_scene, only: body_rigid, ground
+   use limber_system_joints, only: revolute_type
+   use limber_system_system, only: system_type
    implicit none
    private
    public :: recursion_type, new_recursion, recursive_accelerations, recursive_settle
@@ -29,37 +31,38 @@ module limber_system_recursion
 
 contains
 
-   !> The forest of a model, if it is one: rigid bodies with inertia, pins that close no loop, no loads and drivers.
-   subroutine new_recursion(model, first, recursion)
-      type(model_type), intent(in) :: model
-      !> First index of each body's coordinates (bodies)
-      integer, intent(in) :: first(:)
+   !> The forest of a system, if it is one: rigid bodies with inertia, pins that close no loop, no loads but weight.
+   subroutine new_recursion(system, recursion)
+      type(system_type), intent(in) :: system
       type(recursion_type), intent(out) :: recursion
       integer, allocatable :: head(:), next(:), pin(:)
       integer :: bodies, i, k, last
-      bodies = size(model%bodies)
-      recursion%usable = .false.
-      if (size(model%drivers) + size(model%forces) + size(model%torques) + size(model%springs) > 0) return
+      bodies = size(system%model%bodies)
+      if (size(system%loads) > 0 .or. system%powered) return
       do i = 1, bodies
-         if (model%bodies(i)%kind /= body_rigid .or. .not. model%bodies(i)%reduced%mass > 0.0_wp) return
+         if (system%model%bodies(i)%kind /= body_rigid .or. .not. system%model%bodies(i)%reduced%mass > 0.0_wp) return
       end do
-      do i = 1, size(model%joints)
-         if (model%joints(i)%kind /= joint_revolute) return
+      do i = 1, size(system%constraints)
+         select type (item => system%constraints(i)%item)
+         type is (revolute_type)
+         class default
+            return
+         end select
       end do
       allocate (recursion%body(bodies), recursion%first(bodies), recursion%carrier(bodies))
       allocate (recursion%constants(8, bodies), recursion%articulated(9, bodies), recursion%motion(4, bodies))
-      call list_pins(model, head, next)
+      call list_pins(system, head, next)
       allocate (pin(bodies), source=0)
       ! Outward from the ground, then from what is not on it
       recursion%carrier = -1
       last = 0
-      call reach(model, ground, head, next, 0, pin, recursion, last)
+      call reach(system, ground, head, next, 0, pin, recursion, last)
       k = 0
       i = 0
       do while (last < bodies)
          do while (k < last)
             k = k + 1
-            call reach(model, recursion%body(k), head, next, k, pin, recursion, last)
+            call reach(system, recursion%body(k), head, next, k, pin, recursion, last)
          end do
          if (last == bodies) exit
          i = i + 1
@@ -69,24 +72,24 @@ contains
          pin(i) = -1
       end do
       ! A joint that places no body closes a loop
-      if (count(pin > 0) < size(model%joints)) return
+      if (count(pin > 0) < size(system%constraints)) return
       do k = 1, bodies
-         call set_constants(model, first, k, pin, recursion)
+         call set_constants(system, k, pin, recursion)
       end do
       recursion%usable = all(recursion%constants(inertia, :) > 0.0_wp)
    end subroutine new_recursion
 
    !> Sides of all joints by body: number 2 (j - 1) + s is side s of joint j.
-   subroutine list_pins(model, head, next)
-      type(model_type), intent(in) :: model
+   subroutine list_pins(system, head, next)
+      type(system_type), intent(in) :: system
       !> First side at each body or the ground (0:bodies), and the next one there; 0: none
       integer, allocatable, intent(out) :: head(:), next(:)
       integer :: j, s, body
-      allocate (head(0:size(model%bodies)), source=0)
-      allocate (next(2*size(model%joints)), source=0)
-      do j = size(model%joints), 1, -1
+      allocate (head(0:size(system%model%bodies)), source=0)
+      allocate (next(2*size(system%constraints)), source=0)
+      do j = size(system%constraints), 1, -1
          do s = 2, 1, -1
-            body = model%points(model%joints(j)%points(s))%body
+            body = system%constraints(j)%item%bodies(s)
             next(2*(j - 1) + s) = head(body)
             head(body) = 2*(j - 1) + s
          end do
@@ -94,8 +97,8 @@ contains
    end subroutine list_pins
 
    !> Gives places to all bodies that hang on one, or on the ground.
-   subroutine reach(model, body, head, next, place, pin, recursion, last)
-      type(model_type), intent(in) :: model
+   subroutine reach(system, body, head, next, place, pin, recursion, last)
+      type(system_type), intent(in) :: system
       !> The carrier, and its place
       integer, intent(in) :: body, place
       integer, intent(in) :: head(0:), next(:)
@@ -108,7 +111,7 @@ contains
       number = head(body)
       do while (number > 0)
          joint = (number + 1)/2
-         other = model%points(model%joints(joint)%points(3 - (number - 2*(joint - 1))))%body
+         other = system%constraints(joint)%item%bodies(3 - (number - 2*(joint - 1)))
          number = next(number)
          if (other == ground) cycle
          if (pin(other) /= 0) cycle
@@ -120,24 +123,26 @@ contains
    end subroutine reach
 
    !> Constants of a place; those of its carrier are there.
-   subroutine set_constants(model, first, k, pin, recursion)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: first(:), k, pin(:)
+   subroutine set_constants(system, k, pin, recursion)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: k, pin(:)
       type(recursion_type), intent(inout) :: recursion
       real(wp) :: p(2), base(2)
-      integer :: i, points(2)
+      integer :: i, side
       i = recursion%body(k)
-      recursion%first(k) = first(i)
+      recursion%first(k) = system%layout%q(i)
       p = 0.0_wp
       base = 0.0_wp
       if (pin(i) > 0) then
-         points = model%joints(pin(i))%points
-         if (model%points(points(1))%body /= i) points = points(2:1:-1)
-         p = model%points(points(1))%p0
-         base = model%points(points(2))%p0
+         select type (item => system%constraints(pin(i))%item)
+         type is (revolute_type)
+            side = merge(1, 2, item%bodies(1) == i)
+            p = system%model%points(system%marker_points(item%markers(side)))%p0
+            base = system%model%points(system%marker_points(item%markers(3 - side)))%p0
+         end select
          if (recursion%carrier(k) > 0) base = base - recursion%constants(own:own + 1, recursion%carrier(k))
       end if
-      associate (body => model%bodies(i)%reduced, to => recursion%constants(:, k))
+      associate (body => system%model%bodies(i)%reduced, to => recursion%constants(:, k))
          to(mass) = body%mass
          to(moment:moment + 1) = body%c0 - body%mass*p
          to(inertia) = body%i0 - 2*dot_product(body%c0, p) + body%mass*dot_product(p, p)

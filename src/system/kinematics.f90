@@ -45,10 +45,12 @@ module limber_system_kinematics
       real(wp) :: position(2) = 0.0_wp, velocity(2) = 0.0_wp
       !> J A(p) u
       real(wp) :: lever(2) = 0.0_wp
-      !> A(phi_k) u (2,n)
-      real(wp), allocatable :: shape(:, :)
       !> What velocities alone contribute to its acceleration
       real(wp) :: bias(2) = 0.0_wp
+      !> Undeformed place in the body frame, that of the point
+      real(wp) :: p0(2) = 0.0_wp
+      !> A(phi_k) u (2,n)
+      real(wp), allocatable :: shape(:, :)
    end type marker_type
 
    !> What a driver prescribes at a time: the unit vector of the angle, and the angle's two derivatives
@@ -97,6 +99,7 @@ contains
       do m = 1, size(points)
          kinematics%markers(m)%point = points(m)
          kinematics%markers(m)%body = model%points(points(m))%body
+         kinematics%markers(m)%p0 = model%points(points(m))%p0
          allocate (kinematics%markers(m)%shape(2, size(model%points(points(m))%psi)))
          kinematics%markers(m)%shape = 0.0_wp
          if (kinematics%markers(m)%body == ground) kinematics%markers(m)%position = model%points(points(m))%p0
@@ -240,7 +243,7 @@ contains
       type(marker_type), intent(inout) :: marker
       real(wp) :: arm(2)
       integer :: k
-      arm = along(point%p0, frame%u)
+      arm = along(marker%p0, frame%u)
       do k = 1, size(eta)
          marker%shape(:, k) = along(point%phi(:, k), frame%u)
          arm = arm + marker%shape(:, k)*eta(k)
@@ -258,7 +261,7 @@ contains
       type(marker_type), intent(inout) :: marker
       real(wp) :: p(2), drift(2)
       integer :: k
-      p = point%p0
+      p = marker%p0
       drift = 0.0_wp
       do k = 1, size(eta)
          p = p + point%phi(:, k)*eta(k)

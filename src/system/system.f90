@@ -33,6 +33,9 @@ module limber_system_system
       !> Their number, and the marker of each point of the model, 0 where there is none
       integer :: markers = 0
       integer, allocatable :: point_marker(:)
+      !> Of each body mass, first moment (2) and second moment of mass about the origin of its frame, undeformed; side by side,
+      !> since they are all that the steps of a rigid body need (4, bodies)
+      real(wp), allocatable :: inertia(:, :)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
@@ -50,11 +53,11 @@ module limber_system_system
       real(wp) :: mass(3, 3) = 0.0_wp, force(3) = 0.0_wp
       !> The force after condensation of eta, and the accelerations that solve the system
       real(wp) :: condensed(3) = 0.0_wp, acceleration(3) = 0.0_wp
+      !> Of a frame that hangs on another, or is driven: its accelerations are hanging . unknowns + bias (rates, count)
+      real(wp) :: bias(3) = 0.0_wp
+      real(wp), allocatable :: hanging(:, :)
       !> Coupling (n,3) of eta'' with the frame, and forces on eta (n)
       real(wp), allocatable :: coupling(:, :), eta_force(:)
-      !> Of a frame that hangs on another, or is driven: its accelerations are hanging . unknowns + bias (rates, count)
-      real(wp), allocatable :: hanging(:, :)
-      real(wp) :: bias(3) = 0.0_wp
       !> Scratch of the elastic force (pairs)
       real(wp), allocatable :: z(:), s(:)
       !> Constraint equations with multipliers that act on the body: their places among the unknowns (rows), where each comes
@@ -101,6 +104,12 @@ contains
       integer :: i, count
       system%model = model
       system%layout = new_layout(model)
+      allocate (system%inertia(4, size(model%bodies)))
+      do i = 1, size(model%bodies)
+         associate (body => model%bodies(i)%reduced)
+            system%inertia(:, i) = [body%mass, body%c0(1), body%c0(2), body%i0]
+         end associate
+      end do
       allocate (system%marker_points(0), system%point_marker(size(model%points)))
       system%point_marker = 0
       allocate (system%constraints(size(model%joints) + size(model%drivers)))

@@ -6,7 +6,8 @@ module limber_analysis_choice
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_operations, only: jet_type
-   use limber_model_scene, only: dynamics_type
+   use limber_model_laws, only: driven_motion
+   use limber_model_scene, only: dynamics_type, driver_angle, driver_joint_angle
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, accelerate
    use limber_system_kinematics, only: rates_of
@@ -98,7 +99,7 @@ contains
       integer, parameter :: looks = 50
       type(jet_type) :: theta
       integer :: i, k, first
-      real(wp) :: t
+      real(wp) :: t, unit
       associate (dynamics => system%model%dynamics, length => system%model%length)
          rate = 2*acos(-1.0_wp)/(dynamics%end - dynamics%start)
          do i = 1, size(system%layout%q)
@@ -111,8 +112,10 @@ contains
          do i = 1, size(system%model%drivers)
             do k = 0, looks
                t = dynamics%start + (dynamics%end - dynamics%start)*(real(k, wp)/looks)
-               theta = system%model%drivers(i)%law%evaluate_jet(t)
-               rate = max(rate, abs(theta%first), sqrt(abs(theta%second)))
+               theta = driven_motion(system%model%drivers(i), t)
+               unit = length
+               if (any(system%model%drivers(i)%kind == [driver_angle, driver_joint_angle])) unit = 1.0_wp
+               rate = max(rate, abs(theta%first)/unit, sqrt(abs(theta%second)/unit))
             end do
          end do
       end associate

@@ -5,7 +5,7 @@ module limber_analysis_dynamics
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
    use limber_analysis_scene, only: scene_type, seconds_since
-   use limber_analysis_watch, only: check_deflections
+   use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -18,6 +18,7 @@ module limber_analysis_dynamics
    use limber_output_sink, only: sink_type
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
       & worst_constraint
+   use limber_system_kinematics, only: place_frames, settle_angles
    use limber_system_projection, only: settle, settle_position
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -115,6 +116,8 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: breaks(:)
+      type(jump_watch_type) :: watch
+      character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
       integer :: next, passed
@@ -123,6 +126,7 @@ contains
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
       sample%q = scene%q
       sample%v = scene%v
+      call start_watch(watch, dynamics%start, scene%v)
       call check_energy(scene, sample, outcome)
       call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       next = 1
@@ -141,7 +145,13 @@ contains
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call check_deflections(scene%system, integrator%t, sample%q, sample%v, error)
          if (allocated(error)) exit
+         call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
+         if (allocated(text)) call warn(outcome, text)
          call follow_angles(recorder, scene%system, sample%q)
+         if (size(scene%work%kinematics%angles) > 0) then
+            call place_frames(scene%system%model, scene%system%layout, integrator%t, sample%q, scene%work%kinematics)
+            call settle_angles(scene%work%kinematics)
+         end if
          if (sample_time(dynamics, next) <= integrator%t + near) call check_energy(scene, sample, outcome)
          if (passed < size(breaks) .and. integrator%t >= barrier - near) then
             call record_before(barrier - near)
@@ -149,6 +159,7 @@ contains
             passed = passed + 1
             call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
             if (allocated(error)) exit
+            call start_watch(watch, breaks(passed), sample%v)
          end if
          call record_before(integrator%t + near)
          call progress%update(integrator%t)

@@ -60,6 +60,13 @@ contains
       if (.not. allocated(error)) call history%put_attribute('/run', 'integrator', scene%system%model%dynamics%integrator, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'integrator_reason', scene%system%model%dynamics%reason, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'tolerance', scene%system%model%dynamics%tolerance, error)
+      associate (found => scene%assembly)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'rates', found%rates, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'constraint_equations', found%equations, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'redundant_equations', found%redundancy%count, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'dependent_at_start', found%singular%count, error)
+         if (.not. allocated(error)) call history%put_attribute('/run', 'degrees_of_freedom', found%rates - found%rank, error)
+      end associate
    end subroutine record_provenance
 
    !> Invariants, frequencies and shapes of every body.

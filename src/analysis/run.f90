@@ -7,7 +7,7 @@ module limber_analysis_run
    use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table
    use limber_analysis_record, only: open_history, record_outcome
-   use limber_analysis_scene, only: scene_type, read_scene
+   use limber_analysis_scene, only: scene_type, read_scene, mobility_line
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: body_type, body_flexible, units_type
    use limber_output_progress, only: progress_type
@@ -120,10 +120,8 @@ contains
             report = report//newline//'   '//body_line(model%bodies(i), model%units)
          end do
          report = report//newline//'   '//as_text(size(model%joints))//' joints, '//as_text(size(model%drivers))//' drivers, '// &
-            & as_text(size(scene%system%loads))//' loads; '//as_text(size(model%channels))//' channels'//newline// &
-            & '   '//as_text(scene%system%layout%nw)//' rates, '//as_text(scene%system%nc)// &
-            & ' constraint equations: '//as_text(scene%system%layout%nw - scene%system%nc)// &
-            & ' degrees of freedom'
+            & as_text(size(model%loads))//' loads; '//as_text(size(model%channels))//' channels'//newline// &
+            & '   '//mobility_line(scene%assembly)
       end associate
    end subroutine check_deck
 
@@ -176,6 +174,7 @@ contains
          text = path//': '//scene%system%model%heading//newline
          if (scene%system%model%dynamics%reason /= '') text = text//'   '//scene%system%model%dynamics%integrator//', chosen: '// &
             & scene%system%model%dynamics%reason//newline
+         text = text//'   '//mobility_line(scene%assembly)//newline
          text = text//'   reached t = '//as_text(outcome%reached, 8)//' '//units%time//' in '//as_text(statistics%steps)// &
             & ' steps ('//as_text(statistics%rejected)//' rejected), '//as_text(statistics%evaluations)//' evaluations'//newline// &
             & '   '//as_text(outcome%cpu, 3)//' s CPU in the time loop; '//as_text(scene%reading + scene%building + &

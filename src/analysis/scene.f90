@@ -18,7 +18,7 @@ module limber_analysis_scene
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
-   public :: scene_type, read_scene, build_scene, seconds_since
+   public :: scene_type, read_scene, build_scene, seconds_since, mobility_line
 
    !> A scene ready to be analysed
    type :: scene_type
@@ -105,6 +105,7 @@ contains
          return
       end if
       call warn_of_redundancy(scene, diagnostics)
+      call warn_of_turn(scene, diagnostics)
       if (scene%assembly%rank == scene%assembly%equations) return
       call soften_constraints(scene%system)
       call new_workspace(scene%system, scene%work)
@@ -119,7 +120,7 @@ contains
       integer :: block
       associate (model => scene%system%model)
          if (constraint <= size(model%joints)) then
-            block = scene%deck%find_named('JOINT', model%joints(constraint)%name)
+            block = scene%deck%find_named('JOINT|COUPLER', model%joints(constraint)%name)
          else
             block = scene%deck%find_named('DRIVER', model%drivers(constraint - size(model%joints))%name)
          end if
@@ -149,6 +150,37 @@ contains
             & ' goes on along the one that the guessed velocities are nearest to')
       end associate
    end subroutine warn_of_redundancy
+
+   !> Says that the first position is far from the guess, for then its branch is a matter of luck.
+   subroutine warn_of_turn(scene, diagnostics)
+      type(scene_type), intent(in) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(origin_type) :: origin
+      integer :: block
+      associate (model => scene%system%model, found => scene%assembly)
+         if (found%turned <= model%assembly%largest_turn) return
+         origin = origin_type(file=1)
+         block = scene%deck%find_named('RIGID BODY|BEAM', model%bodies(found%body)%name)
+         if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
+         call diagnostics%warn(origin, "the assembly has turned body '"//model%bodies(found%body)%name//"' by "// &
+            & as_text(found%turned, 3)//' rad from its guess: make sure that the branch is the one that is meant, or give ANGLE=')
+      end associate
+   end subroutine warn_of_turn
+
+   !> What the constraints leave free: degrees of freedom, rank, and the count of Gruebler.
+   pure function mobility_line(found) result(text)
+      type(assembly_type), intent(in) :: found
+      character(:), allocatable :: text
+      text = as_text(found%rates)//' rates, '//as_text(found%equations)//' constraint equations'
+      if (found%rank < found%equations) text = text//' of rank '//as_text(found%rank)
+      text = text//': '//as_text(found%rates - found%rank)//' degrees of freedom'
+      if (found%rates - found%rank == 1) text = text(:len(text) - len('degrees of freedom'))//'degree of freedom'
+      if (found%rank == found%equations) return
+      text = text//' (Gruebler counts '//as_text(found%rates - found%equations)//'); '
+      if (found%redundancy%count > 0) text = text//as_text(found%redundancy%count)//' redundant'
+      if (found%redundancy%count > 0 .and. found%singular%count > 0) text = text//', '
+      if (found%singular%count > 0) text = text//as_text(found%singular%count)//' dependent at the start only'
+   end function mobility_line
 
    pure function equations_are(count) result(text)
       integer, intent(in) :: count

@@ -3,11 +3,29 @@ module limber_analysis_watch
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
+   use limber_integrator_crossing, only: crossing_type, new_crossing, find_weakest, weak
    use limber_system_algebra, only: cross
-   use limber_system_system, only: system_type
+   use limber_system_dynamics, only: linearise
+   use limber_system_redundancy, only: constraint_names
+   use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: check_deflections
+   public :: check_deflections, jump_watch_type, start_watch, watch_velocities
+
+   !> Velocities that change faster than a motion changes them
+   type :: jump_watch_type
+      !> Velocities at the beginning of a window in time (nq), and that time
+      real(wp), allocatable :: v(:)
+      real(wp) :: since = 0.0_wp
+      !> Time of the last look
+      real(wp) :: last = 0.0_wp
+      !> Largest speed so far [length/time]
+      real(wp) :: speed = 0.0_wp
+      !> Way that could be made at that speed so far, relative to the scene
+      real(wp) :: way = 0.0_wp
+      !> Number of jumps that were reported
+      integer :: reported = 0
+   end type jump_watch_type
 
 contains
 
@@ -43,5 +61,87 @@ contains
          end associate
       end do
    end subroutine check_deflections
+
+   !> Begins to watch velocities; again after they have been changed on purpose.
+   subroutine start_watch(self, t, v)
+      type(jump_watch_type), intent(inout) :: self
+      !> Time, velocities (nq)
+      real(wp), intent(in) :: t, v(:)
+      if (.not. allocated(self%v)) allocate (self%v(size(v)))
+      self%v = v
+      self%since = t
+      self%last = t
+   end subroutine start_watch
+
+   !> Looks whether velocities have changed by half of the largest speed while a body could move by a tenth of the scene only, or in
+   !> a single step, and that where branches of the motion meet: then it may have gone over to another branch.
+   subroutine watch_velocities(self, system, work, t, q, v, text)
+      type(jump_watch_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates and velocities (nq) at the end of a step
+      real(wp), intent(in) :: t, q(:), v(:)
+      !> What to tell the user; not allocated if there is nothing
+      character(:), allocatable, intent(out) :: text
+      !> Relative ways: of the window, and before which a motion has hardly begun; relative change of the velocities
+      real(wp), parameter :: window = 0.05_wp, begun = 0.2_wp, abrupt = 0.5_wp
+      integer, parameter :: most = 3
+      real(wp) :: change, largest, way
+      logical :: seen
+      integer :: i, first, body
+      largest = 0.0_wp
+      body = 1
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i)
+         self%speed = max(self%speed, abs(v(first)), abs(v(first + 1)))
+         change = max(abs(v(first) - self%v(first)), abs(v(first + 1) - self%v(first + 1)))
+         if (system%layout%framed(i)) then
+            self%speed = max(self%speed, system%model%length*norm2(v(first + 2:first + 3)))
+            change = max(change, system%model%length*norm2(v(first + 2:first + 3) - self%v(first + 2:first + 3)))
+         end if
+         if (change > largest) body = i
+         largest = max(largest, change)
+      end do
+      way = (t - self%since)*self%speed/system%model%length
+      self%way = self%way + (t - self%last)*self%speed/system%model%length
+      seen = way < 2*window .or. (self%since >= self%last .and. way < 10*window)
+      if (seen .and. largest > abrupt*self%speed .and. self%reported < most .and. self%way > begun) then
+         call explain(system, work, t, q, body, text)
+         if (allocated(text)) self%reported = self%reported + 1
+         call start_watch(self, t, v)
+      else if (way > window) then
+         call start_watch(self, t, v)
+      end if
+      self%last = t
+   end subroutine watch_velocities
+
+   !> Text about a jump, if constraints have lost their grip there.
+   subroutine explain(system, work, t, q, body, text)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t, q(:)
+      !> The body with the largest jump
+      integer, intent(in) :: body
+      character(:), allocatable, intent(out) :: text
+      type(crossing_type) :: scratch
+      type(error_type), allocatable :: error
+      logical :: part(size(system%constraints))
+      real(wp) :: strength
+      integer :: i
+      if (maxval(system%tree%row) == 0 .or. system%redundant) return
+      call linearise(system, work, t, q, error)
+      if (allocated(error)) return
+      call new_crossing(system, scratch)
+      call find_weakest(scratch, system, work, strength)
+      if (strength > weak) return
+      do i = 1, size(part)
+         associate (item => system%constraints(i)%item)
+            part(i) = maxval(abs(scratch%weakest(item%first:item%first + item%rows - 1))) > 0.1_wp*maxval(abs(scratch%weakest))
+         end associate
+      end do
+      text = "the velocities of body '"//system%model%bodies(body)%name//"' change abruptly at t = "//as_text(t, 8)// &
+         & ', where branches of the motion meet ('//constraint_names(system, part)//' without grip): it may have gone over to'// &
+         & ' another branch; compare with INTEGRATOR=ADAMS or a smaller TOLERANCE'
+   end subroutine explain
 
 end module limber_analysis_watch

@@ -1,8 +1,15 @@
 !> Puts blocks together: a keyword line with its options, then data lines as the table says. The reader
 !> hands in the lines; finished blocks are appended to the deck. Floor: deck.
 module limber_deck_assembly
+   use limber_base_error, only: error_type
+   use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_deck_lexer, only: part_type, trimmed, find_outside, collapsed
+   use limber_deck_cursor, only: letters
+   use limber_deck_compile, only: is_reserved
+   use limber_deck_lexer, only: part_type, trimmed, find_outside, collapsed, comment_start, is_parameter_name
+   use limber_deck_origin, only: origin_type
+   use limber_deck_source, only: beside
+   use limber_deck_tables, only: new_table
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_schema, only: option_spec_type, needed, kind_yes
    use limber_deck_keywords, only: keyword_table, keyword_options, find_keyword
@@ -62,8 +69,41 @@ contains
          if (allocated(self%block%lines)) deallocate (self%block%lines)
          allocate (self%block%lines(4))
          call read_options(self%block, keyword_options(self%block%keyword), parts(2:), deck, diagnostics)
+         if (self%block%keyword == 'TABLE' .or. self%block%keyword == 'CURVE') call read_points(self, deck, diagnostics)
       end if
    end subroutine begin_block
+
+   !> Reads the data lines that a block takes from a file of its own; the effective deck has them in place of the file's name.
+   subroutine read_points(self, deck, diagnostics)
+      type(assembly_type), intent(inout) :: self
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(error_type), allocatable :: error
+      type(part_type) :: content
+      character(:), allocatable :: path
+      integer :: i, file
+      path = self%block%text('FILE')
+      if (len(path) == 0) return
+      path = beside(deck%source%files(self%block%origin%file)%path, path)
+      call deck%source%read_file(path, self%block%origin_of('FILE'), error)
+      if (allocated(error)) then
+         call diagnostics%add(self%block%origin_of('FILE'), error%message, 'the path is relative to the folder of this file')
+         return
+      end if
+      file = deck%source%count
+      do i = 1, size(deck%source%files(file)%lines)
+         associate (text => deck%source%files(file)%lines(i)%text)
+            content = trimmed(text, origin_type(file, i, 1, 1), 1, comment_start(text) - 1)
+         end associate
+         if (len(content%text) == 0) cycle
+         if (scan(content%text(1:1), '#"'//letters) > 0) cycle
+         call add_line(self, content, deck, diagnostics)
+         if (self%full) exit
+      end do
+      do i = 1, size(self%block%options)
+         if (self%block%options(i)%name == 'FILE') self%block%options(i)%has_value = .false.
+      end do
+   end subroutine read_points
 
    !> Reports an unknown keyword, or one with a missing comma behind it.
    subroutine complain_keyword(part, diagnostics)
@@ -246,6 +286,36 @@ contains
       self%block%lines(self%kept) = line
    end subroutine keep_line
 
+   !> Makes the table that the open block defines known to expressions behind it.
+   subroutine define_table(self, deck, diagnostics)
+      type(assembly_type), intent(in) :: self
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp) :: x(self%kept), y(self%kept)
+      character(:), allocatable :: name
+      integer :: i
+      name = self%block%name('NAME')
+      do i = 1, self%kept
+         x(i) = self%block%lines(i)%fields(1)%value
+         y(i) = self%block%lines(i)%fields(2)%value
+      end do
+      do i = 2, self%kept
+         if (x(i) > x(i - 1)) cycle
+         call diagnostics%add(self%block%lines(i)%origin_of(1), "the arguments of table '"//name//"' must increase", &
+            & 'this one is not greater than the one before it')
+         return
+      end do
+      if (self%kept < 2) then
+         if (self%seen == self%kept .and. len(self%block%text('FILE')) == 0) call diagnostics%add(self%block%origin, &
+            & "table '"//name//"' has too few points", 'give at least two')
+      else if (is_reserved(name) .or. .not. is_parameter_name(name)) then
+         call diagnostics%add(self%block%origin_of('NAME'), "'"//name//"' cannot be the name of a table", &
+            & 'a letter, then letters, digits and _; t, pi and the functions are reserved')
+      else if (deck%parameters%find_table(name) == 0) then
+         call deck%parameters%define_table(name, new_table(x, y, self%block%word('INTERPOLATION') == 'SPLINE'))
+      end if
+   end subroutine define_table
+
    !> Closes the open block, if there is one, and appends it to the deck.
    subroutine end_block(self, deck, diagnostics)
       type(assembly_type), intent(inout) :: self
@@ -258,6 +328,7 @@ contains
          call diagnostics%add(self%block%origin, '*'//self%block%keyword//' needs a data line below it', &
             & expected_line(self%row))
       end if
+      if (self%block%keyword == 'TABLE') call define_table(self, deck, diagnostics)
       self%row = 0
       allocate (lines(self%kept))
       lines = self%block%lines(:self%kept)

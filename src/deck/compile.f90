@@ -14,7 +14,7 @@ module limber_deck_compile
    use limber_deck_parameters, only: parameter_list_type, name_length
    use limber_deck_expression, only: expression_type
    use limber_deck_cursor, only: skip_blanks, peek, next_word, next_number, read_number, letters, digits
-   use limber_deck_emitter, only: emitter_type, push_constant, push_slot, emit, fail
+   use limber_deck_emitter, only: emitter_type, push_constant, push_slot, push_table, emit, fail
    use limber_deck_operations, only: function_names, function_arity, first_function, op_negate, op_add, op_subtract, &
       & op_multiply, op_divide, op_power
    implicit none
@@ -29,7 +29,7 @@ contains
 
    !> Compiles an expression; the first error in it is added to the diagnostics. An overflow of a constant is
    !> such an error: it neither halts nor leaves a floating-point flag.
-   subroutine compile(text, origin, parameters, expression, ok, diagnostics, time, quantities)
+   subroutine compile(text, origin, parameters, expression, ok, diagnostics, time, quantities, variables)
       !> Text without blanks around, and where it stands
       character(*), intent(in) :: text
       type(origin_type), intent(in) :: origin
@@ -41,12 +41,20 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       !> Whether the time `t` and quantities such as x(slider) may occur (default: no)
       logical, intent(in), optional :: time, quantities
+      !> Names that may occur as slots, before parameters of the same name (default: none)
+      character(*), intent(in), optional :: variables(:)
       type(emitter_type) :: c
       type(ieee_status_type) :: floating
       c%text = lowercase(text)
       c%origin = origin
       if (present(time)) c%time = time
       if (present(quantities)) c%quantities = quantities
+      if (present(variables)) then
+         allocate (c%variables(size(variables)))
+         c%variables = variables
+      else
+         allocate (c%variables(0))
+      end if
       allocate (c%codes(len(text) + 1), c%operands(len(text) + 1), c%values(len(text) + 1), c%slots(0))
       call ieee_get_status(floating)
       call ieee_set_halting_mode(ieee_all, .false.)
@@ -65,6 +73,7 @@ contains
          expression%operands = c%operands(:c%count)
          expression%constants = c%values(:c%value_count)
          call move_alloc(c%slots, expression%slots)
+         if (allocated(c%tables)) call move_alloc(c%tables, expression%tables)
       else if (.not. c%silent) then
          if (allocated(c%about)) then
             call diagnostics%add(c%where, c%message, c%label, about=c%about)
@@ -233,12 +242,16 @@ contains
       found = parameters%find(word)
       if (any(function_names == word)) then
          call parse_function(c, parameters, word, at, last)
+      else if (called .and. parameters%find_table(word) > 0) then
+         call parse_table(c, parameters, parameters%find_table(word), word, at, last)
       else if (called .and. c%quantities .and. word /= 't' .and. word /= 'pi') then
          call parse_quantity(c, word, at)
       else if (called) then
          call complain_call(c, word, at, last, found > 0 .or. word == 't' .or. word == 'pi')
       else if (word == 'pi') then
          call push_constant(c, pi, at)
+      else if (any(c%variables == word)) then
+         call push_slot(c, word, '', at, at)
       else if (word == 't' .and. c%time) then
          call push_slot(c, word, '', at, at)
       else if (word == 't') then
@@ -292,6 +305,32 @@ contains
          if (function_arity(which) > 0) call emit(c, first_function + which - 1, at, last)
       end if
    end subroutine parse_function
+
+   !> name(expression) of a table.
+   recursive subroutine parse_table(c, parameters, which, word, at, last)
+      type(emitter_type), intent(inout) :: c
+      type(parameter_list_type), intent(in) :: parameters
+      !> Index of the table, its name, and the columns of its name
+      integer, intent(in) :: which
+      character(*), intent(in) :: word
+      integer, intent(in) :: at, last
+      integer :: opened
+      opened = c%at
+      c%at = c%at + 1
+      call parse_expression(c, parameters)
+      call skip_blanks(c)
+      if (c%failed) return
+      if (c%at > len(c%text)) then
+         call fail(c, opened, opened, 'this parenthesis is never closed', "')' is missing")
+      else if (peek(c) == ',') then
+         call fail(c, at, last, 'the table '//word//' takes 1 argument')
+      else if (peek(c) /= ')') then
+         call complain_rest(c)
+      else
+         c%at = c%at + 1
+         call push_table(c, parameters%tables(which)%data)
+      end if
+   end subroutine parse_table
 
    !> '1 argument', '2 arguments'.
    pure function counted(arguments) result(text)

@@ -70,24 +70,26 @@ contains
       type(field_spec_type), allocatable :: specs(:)
       character(:), allocatable :: wanted
       logical :: field_ok
-      integer :: i
+      integer :: i, least
       allocate (specs, source=keyword_fields(keyword))
-      ok = size(parts) == size(specs)
+      least = count(.not. specs%optional)
+      ok = size(parts) >= least .and. size(parts) <= size(specs)
       if (.not. ok) then
          wanted = ''
          do i = 1, size(specs)
             wanted = wanted//', '//trim(specs(i)%name)
          end do
-         wanted = 'a data line of *'//keyword//' has '//counted(size(specs))//' ('//wanted(3:)//'), not ' &
-            & //as_text(size(parts))
-         if (size(parts) < size(specs)) then
+         wanted = counted(size(specs))//' ('//wanted(3:)//'), not '//as_text(size(parts))
+         if (least < size(specs)) wanted = as_text(least)//' to '//wanted
+         wanted = 'a data line of *'//keyword//' has '//wanted
+         if (size(parts) < least) then
             call diagnostics%add(after(line%origin), wanted, trim(specs(size(parts) + 1)%name)//' is missing')
          else
             call diagnostics%add(parts(size(specs) + 1)%origin, wanted, 'this is too much')
          end if
          return
       end if
-      do i = 1, size(specs)
+      do i = 1, size(parts)
          call read_field(trim(specs(i)%name), specs(i)%kind, trim(specs(i)%meaning), parts(i), deck%parameters, &
             & line%fields(i), field_ok, diagnostics)
          ok = ok .and. field_ok

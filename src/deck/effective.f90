@@ -2,8 +2,8 @@
 !> be read again. It is stored with the results. Floor: deck.
 module limber_deck_effective
    use limber_base_text, only: as_text, newline
-   use limber_deck_schema, only: form_none, form_text, form_assignments, kind_text, kind_path, kind_time_expression, &
-      & is_number_kind, is_integer_kind, field_spec_type
+   use limber_deck_schema, only: form_none, form_text, form_assignments, kind_text, kind_path, &
+      & is_number_kind, is_integer_kind, is_expression_kind, field_spec_type
    use limber_deck_keywords, only: keyword_table, keyword_fields, find_keyword
    use limber_deck_content, only: deck_type, block_type, option_type, line_type, repeat_type
    use limber_deck_lexer, only: is_comment, is_keyword_line, keyword_of
@@ -187,7 +187,7 @@ contains
       character(:), allocatable :: text
       text = line%fields(i)%text
       if (is_number_kind(kind)) text = as_text(line%fields(i)%value)
-      if (kind == kind_time_expression) then
+      if (is_expression_kind(kind)) then
          if (line%fields(i)%expression%is_constant()) text = as_text(line%fields(i)%expression%constant_value())
       end if
    end function field_text

@@ -7,11 +7,11 @@ module limber_deck_emitter
    use limber_deck_origin, only: origin_type, part_of
    use limber_deck_cursor, only: cursor_type
    use limber_deck_expression, only: slot_type, max_stack, is_binary
-   use limber_deck_operations, only: unary_value, binary_value, unary_complaint, binary_complaint, op_constant, op_slot, &
+   use limber_deck_operations, only: unary_value, binary_value, unary_complaint, binary_complaint, op_table, op_constant, op_slot, &
       & op_divide
    implicit none
    private
-   public :: emitter_type, push_constant, push_slot, emit, fail
+   public :: emitter_type, push_constant, push_slot, push_table, emit, fail
 
    character(*), parameter :: no_value = 'this expression has no value: '
 
@@ -21,9 +21,13 @@ module limber_deck_emitter
       type(origin_type) :: origin
       !> What may occur beside numbers and parameters
       logical :: time = .false., quantities = .false.
+      !> Names that stand for themselves, such as x and v of a spring
+      character(8), allocatable :: variables(:)
       !> Program so far; `count` operations, `constants` constants, `slots` slots
       integer, allocatable :: codes(:), operands(:)
       real(wp), allocatable :: values(:)
+      !> Tables that occur, one behind the other
+      real(wp), allocatable :: tables(:)
       type(slot_type), allocatable :: slots(:)
       integer :: count = 0, value_count = 0
       !> Nesting of the parser, and stack that the program needs here
@@ -35,6 +39,19 @@ module limber_deck_emitter
    end type emitter_type
 
 contains
+
+   !> Applies a table to what is on top of the stack.
+   subroutine push_table(c, data)
+      class(emitter_type), intent(inout) :: c
+      !> As limber_deck_tables packs it
+      real(wp), intent(in) :: data(:)
+      if (c%failed) return
+      if (.not. allocated(c%tables)) allocate (c%tables(0))
+      c%count = c%count + 1
+      c%codes(c%count) = op_table
+      c%operands(c%count) = size(c%tables) + 1
+      c%tables = [c%tables, data]
+   end subroutine push_table
 
    !> Adds a constant.
    subroutine push_constant(c, value, at)

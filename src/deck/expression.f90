@@ -3,8 +3,9 @@
 module limber_deck_expression
    use limber_base_kinds, only: wp, long
    use limber_deck_origin, only: origin_type
+   use limber_deck_tables, only: table_value, table_segment
    use limber_deck_operations, only: jet_type, unary_value, binary_value, unary_jet, binary_jet, &
-      & branch_of, function_arity, first_function, op_constant, op_slot, op_negate
+      & branch_of, function_arity, first_function, op_constant, op_slot, op_negate, op_table
    implicit none
    private
    public :: expression_type, slot_type, max_stack, is_binary
@@ -26,15 +27,18 @@ module limber_deck_expression
    type :: expression_type
       !> Operations in postfix order
       integer, allocatable :: codes(:)
-      !> Of a constant or a slot: its index; otherwise unused
+      !> Of a constant or a slot: its index; of a table: where it begins in `tables`; otherwise unused
       integer, allocatable :: operands(:)
       !> Constants, parameters included
       real(wp), allocatable :: constants(:)
+      !> The tables that occur in it, one behind the other; unallocated if there are none
+      real(wp), allocatable :: tables(:)
       !> What it depends on, each once
       type(slot_type), allocatable :: slots(:)
    contains
       procedure :: evaluate
       procedure :: evaluate_jet
+      procedure :: evaluate_along
       procedure :: branches
       procedure :: is_constant
       procedure :: constant_value
@@ -47,7 +51,7 @@ contains
       class(expression_type), intent(in) :: self
       !> Value of each slot, in the order of `slots`
       real(wp), intent(in) :: slot_values(:)
-      real(wp) :: stack(max_stack)
+      real(wp) :: stack(max_stack), point(0:2)
       integer :: i, top
       top = 0
       stack(1) = 0.0_wp
@@ -58,6 +62,9 @@ contains
          else if (self%codes(i) == op_slot) then
             top = top + 1
             stack(top) = slot_values(self%operands(i))
+         else if (self%codes(i) == op_table) then
+            point = table_value(self%tables(self%operands(i):), stack(top))
+            stack(top) = point(0)
          else if (is_binary(self%codes(i))) then
             top = top - 1
             stack(top) = binary_value(self%codes(i), stack(top), stack(top + 1))
@@ -76,8 +83,18 @@ contains
       real(wp), intent(in) :: t
       type(jet_type) :: jet
       integer(long) :: taken
-      call walk(self, t, jet, taken)
+      call walk(self, [jet_type(t, 1.0_wp, 0.0_wp)], jet, taken)
    end function evaluate_jet
+
+   !> The value and its first and second derivative along a line in the space of the slots.
+   pure function evaluate_along(self, line) result(jet)
+      class(expression_type), intent(in) :: self
+      !> Value of each slot and its derivatives along the line, in the order of `slots`
+      type(jet_type), intent(in) :: line(:)
+      type(jet_type) :: jet
+      integer(long) :: taken
+      call walk(self, line, jet, taken)
+   end function evaluate_along
 
    !> A number for the branches that min, max, abs, step and smoothstep take at a time, right after it where it is a bend: while
    !> it does not change the expression is smooth. -1 if there is nothing to choose.
@@ -86,18 +103,19 @@ contains
       !> Time [s]
       real(wp), intent(in) :: t
       type(jet_type) :: jet
-      call walk(self, t, jet, branches)
+      call walk(self, [jet_type(t, 1.0_wp, 0.0_wp)], jet, branches)
    end function branches
 
-   !> Both of these.
-   pure subroutine walk(self, t, jet, branches)
+   !> All of these.
+   pure subroutine walk(self, line, jet, branches)
       class(expression_type), intent(in) :: self
-      real(wp), intent(in) :: t
+      type(jet_type), intent(in) :: line(:)
       type(jet_type), intent(out) :: jet
       integer(long), intent(out) :: branches
       integer(long), parameter :: most = 2_long**48
-      type(jet_type) :: stack(max_stack)
-      integer :: i, top, branch
+      type(jet_type) :: stack(max_stack), u
+      real(wp) :: point(0:2)
+      integer :: i, top, branch, segment
       top = 0
       branches = -1
       do i = 1, size(self%codes)
@@ -107,7 +125,13 @@ contains
             stack(top) = jet_type(self%constants(self%operands(i)), 0.0_wp, 0.0_wp)
          else if (self%codes(i) == op_slot) then
             top = top + 1
-            stack(top) = jet_type(t, 1.0_wp, 0.0_wp)
+            stack(top) = line(self%operands(i))
+         else if (self%codes(i) == op_table) then
+            u = stack(top)
+            point = table_value(self%tables(self%operands(i):), u%value)
+            stack(top) = jet_type(point(0), point(1)*u%first, point(2)*u%first**2 + point(1)*u%second)
+            segment = table_segment(self%tables(self%operands(i):), u%value)
+            branches = modulo(4099*max(0_long, branches) + segment, most)
          else if (is_binary(self%codes(i))) then
             top = top - 1
             branch = branch_of(self%codes(i), stack(top), stack(top + 1))
@@ -137,7 +161,9 @@ contains
    !> Whether an operation takes two values from the stack.
    elemental logical function is_binary(code)
       integer, intent(in) :: code
-      if (code >= first_function) then
+      if (code == op_table) then
+         is_binary = .false.
+      else if (code >= first_function) then
          is_binary = function_arity(code - first_function + 1) /= 1
       else
          is_binary = code > op_negate

@@ -7,6 +7,7 @@ module limber_deck_help
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
       & kind_path, kind_point, kind_yes, form_none, form_text, form_assignments, form_channels, form_lists
    use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, keyword_lists, find_keyword
+   use limber_deck_words, only: word_spec_type, keyword_words
    implicit none
    private
    public :: help_text, manual_text
@@ -50,6 +51,7 @@ contains
       end do
       if (keyword%form == form_none) return
       text = text//newline//newline//'Data lines ('//line_count(keyword)//'): '//line_form(keyword, .false.)
+      text = text//listed_words(trim(keyword%name), .false.)
    end function keyword_help
 
    !> Meaning, what may be written, default.
@@ -146,6 +148,26 @@ contains
       text = text//list
    end function line_form
 
+   !> Meanings of the words that an option of a keyword takes.
+   function listed_words(keyword, markdown) result(text)
+      character(*), intent(in) :: keyword
+      logical, intent(in) :: markdown
+      character(:), allocatable :: text
+      type(word_spec_type), allocatable :: words(:)
+      integer :: i
+      allocate (words, source=keyword_words(keyword))
+      text = ''
+      if (size(words) > 0) text = newline
+      do i = 1, size(words)
+         if (markdown) then
+            text = text//newline//'- `'//trim(words(i)%word)//'`: '//trim(words(i)%meaning)
+         else
+            text = text//newline//'  '//words(i)%word//'  '//wrapped(trim(words(i)%meaning), len(words%word) + 4)
+         end if
+      end do
+      if (markdown .and. size(words) > 0) text = text//newline
+   end function listed_words
+
    !> Names and meanings of the lists that data lines give, and the option that the values are for.
    function listed_lists(keyword, markdown) result(text)
       character(*), intent(in) :: keyword
@@ -174,6 +196,7 @@ contains
       character(:), allocatable :: text
       text = trim(spec%meaning)
       if (len_trim(spec%unit) > 0) text = text//' ['//trim(spec%unit)//']'
+      if (spec%optional) text = text//'; may be left out'
    end function field_sentence
 
    !> The reference chapter of the manual in Markdown; ends with a line feed.
@@ -195,7 +218,7 @@ contains
             text = text//manual_row(specs(i))//newline
          end do
          if (keyword_table(row)%form /= form_none) text = text//newline//'Data lines ('//line_count(keyword_table(row)) &
-            & //'): '//line_form(keyword_table(row), .true.)//newline
+            & //'): '//line_form(keyword_table(row), .true.)//newline//listed_words(trim(keyword_table(row)%name), .true.)
       end do
    end function manual_text
 

@@ -4,8 +4,8 @@ module limber_deck_keywords
    use limber_deck_lexer, only: collapsed
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
-      & kind_path, kind_point, kind_yes, kind_time_expression, form_none, form_text, form_fields, form_assignments, &
-      & form_channels, form_lists
+      & kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, kind_curve, &
+      & form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    implicit none
    private
    public :: keyword_table, option_table, field_table, list_table, find_keyword, keyword_options, keyword_fields, &
@@ -34,10 +34,26 @@ module limber_deck_keywords
       & keyword_type('BEAM', many, form_fields, 0, many, &
       &    'A flexible beam in a floating frame of reference; data lines: its named points'), &
       & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
+      & keyword_type('TABLE', many, form_fields, 0, many, &
+      &    'A function of one argument for expressions behind it, name(x): its points; beyond them it keeps its last value'), &
+      & keyword_type('CURVE', many, form_fields, 0, many, &
+      &    'A curve in the frame of a body, for joints: points, or one line with y as an expression of x'), &
+      & keyword_type('COUPLER', many, form_fields, 1, many, &
+      &    'A linear coupling: the sum of coefficient times joint coordinate, a term each line, stays as it is or is given'), &
       & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
-      & keyword_type('FORCE', many, form_fields, 1, 1, 'A force on a point'), &
-      & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body'), &
-      & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring and a damper between two points, along the line through them'), &
+      & keyword_type('FORCE', many, form_fields, 1, 1, &
+      &    'A force on a point; laws of loads may use places, speeds, angles and joint coordinates, no accelerations'), &
+      & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body, or between two'), &
+      & keyword_type('SPRING', many, form_fields, 1, 1, 'A spring, damper and actuator between two points or two sections'), &
+      & keyword_type('BUSHING', many, form_fields, 1, 1, &
+      &    'Springs and dampers that hold a point near another one, and two sections near one direction'), &
+      & keyword_type('DISTRIBUTED LOAD', many, form_fields, 1, many, &
+      &    'A load along a beam; several data lines are added'), &
+      & keyword_type('DAMPING', many, form_fields, 0, many, &
+      &    'Damping of the coordinates of a beam; data lines: modes with a ratio of their own'), &
+      & keyword_type('FRICTION', many, form_none, 0, 0, 'Viscous friction in a joint'), &
+      & keyword_type('ASSEMBLY', 1, form_fields, 0, many, &
+      &    'How the first position is found from the guesses; data lines: given deflections'), &
       & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
       & keyword_type('ACCURACY', 1, form_none, 0, 0, 'What is to be known of the error of the results of limber run'), &
       & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
@@ -126,24 +142,100 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess')]
    type(option_spec_type), parameter :: other_options(*) = [ &
       & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the joint'), &
-      & option_spec_type('JOINT', 'TYPE', kind_word, 'REVOLUTE|POINT ON LINE', &
-      &    '', needed, 'POINT ON LINE: the first point moves on a line through the second one'), &
+      & option_spec_type('JOINT', 'TYPE', kind_word, &
+      &    'REVOLUTE|POINT ON LINE|TRANSLATIONAL|WELD|ROD|POINT ON CURVE|SLIDING|GEAR|RACK|BELT', &
+      &    '', needed, 'what the joint is: see the list below'), &
       & option_spec_type('JOINT', 'ANGLE', kind_real, '', &
-      &    'rad', '0', 'POINT ON LINE: direction of the line in the frame of the second body'), &
+      &    'rad', '0', 'POINT ON LINE, TRANSLATIONAL, RACK, POINT ON CURVE: direction of the (x) axis in the second section'), &
+      & option_spec_type('JOINT', 'TURN', kind_real, '', &
+      &    'rad', '', 'TRANSLATIONAL, WELD: angle of the first section from the second; if not given, as guessed'), &
+      & option_spec_type('JOINT', 'LENGTH', kind_positive, '', 'm', '', 'ROD: its length; if not given, as guessed'), &
+      & option_spec_type('JOINT', 'RADIUS', kind_positive, '', 'm', '', 'RACK: radius of the pinion'), &
+      & option_spec_type('JOINT', 'FIRST RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the first body'), &
+      & option_spec_type('JOINT', 'SECOND RADIUS', kind_positive, '', 'm', '', 'GEAR, BELT: radius on the second body'), &
+      & option_spec_type('JOINT', 'INTERNAL', kind_yes, '', '', '', 'GEAR: one gear runs inside the other'), &
+      & option_spec_type('JOINT', 'CROSSED', kind_yes, '', '', '', 'BELT: crossed, so that the wheels turn against each other'), &
+      & option_spec_type('JOINT', 'CURVE', kind_reference, 'CURVE', '', '', 'POINT ON CURVE: the curve, around the second point'), &
+      & option_spec_type('TABLE', 'NAME', kind_name, 'tables', '', needed, 'name of the function'), &
+      & option_spec_type('TABLE', 'INTERPOLATION', kind_word, 'LINEAR|SPLINE', &
+      &    '', 'LINEAR', 'straight between the points, or the cubic spline without curvature at its ends'), &
+      & option_spec_type('TABLE', 'FILE', kind_path, '', &
+      &    '', '', 'file of data lines, relative to the folder of this one; a line that begins with a letter is skipped'), &
+      & option_spec_type('CURVE', 'NAME', kind_name, 'curves', '', needed, 'name of the curve'), &
+      & option_spec_type('CURVE', 'CLOSED', kind_yes, '', '', 'NO', 'the spline through the points ends where it begins'), &
+      & option_spec_type('CURVE', 'FILE', kind_path, '', &
+      &    '', '', 'file of data lines, relative to the folder of this one; a line that begins with a letter is skipped'), &
+      & option_spec_type('COUPLER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the coupler'), &
       & option_spec_type('DRIVER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the driver'), &
-      & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE', '', needed, 'ANGLE: the angle of the frame of a body'), &
-      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM', '', needed, 'body that is driven'), &
+      & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE|DISTANCE|DISPLACEMENT|X|Y', &
+      &    '', needed, 'angle of BODY or JOINT, distance of POINT and TO, displacement of JOINT, x or y of POINT'), &
+      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM', '', '', 'ANGLE: body that is driven'), &
+      & option_spec_type('DRIVER', 'JOINT', kind_reference, 'JOINT', &
+      &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven'), &
+      & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven'), &
+      & option_spec_type('DRIVER', 'TO', kind_point, '', '', '', 'DISTANCE: point that the distance is counted from'), &
+      & option_spec_type('DRIVER', 'LEVEL', kind_word, 'POSITION|VELOCITY|ACCELERATION', &
+      &    '', 'POSITION', 'what the expression gives: the coordinate, its rate, or its second rate'), &
+      & option_spec_type('DRIVER', 'INITIAL', kind_real, '', &
+      &    'rad, m', '', 'VELOCITY, ACCELERATION: the coordinate at first; if not given, as guessed'), &
+      & option_spec_type('DRIVER', 'INITIAL VELOCITY', kind_real, '', &
+      &    'rad/s, m/s', '', 'ACCELERATION: the rate at first; if not given, 0'), &
       & option_spec_type('FORCE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the force'), &
       & option_spec_type('FORCE', 'POINT', kind_point, '', '', needed, 'point that it acts on: body.point'), &
+      & option_spec_type('FORCE', 'FOLLOWER', kind_yes, '', &
+      &    '', 'NO', 'components along the axes of the body''s frame, of a beam: of its section at the point'), &
       & option_spec_type('TORQUE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the torque'), &
       & option_spec_type('TORQUE', 'BODY', kind_reference, 'RIGID BODY|BEAM', &
-      &    '', needed, 'body that it acts on; of a beam: its floating frame'), &
+      &    '', '', 'body that it acts on; of a beam: its floating frame; this or POINT'), &
+      & option_spec_type('TORQUE', 'POINT', kind_point, '', '', '', 'section of a beam that it acts on; this or BODY'), &
+      & option_spec_type('TORQUE', 'REACTION', kind_point, '', &
+      &    '', '', 'body, or section of a beam, on which the opposite torque acts; if not given, the ground'), &
       & option_spec_type('SPRING', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the spring'), &
-      & option_spec_type('SPRING', 'STIFFNESS', kind_nonnegative, '', 'N/m', needed, 'tension for each unit of extension'), &
+      & option_spec_type('SPRING', 'TYPE', kind_word, 'TRANSLATIONAL|ROTATIONAL', &
+      &    '', 'TRANSLATIONAL', 'along the line through the points, or by the angle from the first section to the second'), &
+      & option_spec_type('SPRING', 'STIFFNESS', kind_nonnegative, '', &
+      &    'N/m, N m/rad', '0', 'tension for each unit of extension, torque for each unit of angle'), &
       & option_spec_type('SPRING', 'LENGTH', kind_nonnegative, '', &
-      &    'm', '0', 'free length: the distance of the points without tension'), &
+      &    'm', '0', 'TRANSLATIONAL: free length, the distance of the points without tension'), &
+      & option_spec_type('SPRING', 'ANGLE', kind_real, '', &
+      &    'rad', '0', 'ROTATIONAL: free angle of the second body less that of the first, turns included'), &
       & option_spec_type('SPRING', 'DAMPING', kind_nonnegative, '', &
-      &    'N s/m', '0', 'tension of the damper for each unit of the speed at which the points part'), &
+      &    'N s/m, N m s', '0', 'tension for each unit of the speed at which the points part, torque for each unit of spin'), &
+      & option_spec_type('BUSHING', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the bushing'), &
+      & option_spec_type('BUSHING', 'AXES', kind_real, '', &
+      &    'rad', '0', 'angle of its axes in the second body''s frame or section'), &
+      & option_spec_type('BUSHING', 'STIFFNESS X', kind_nonnegative, '', &
+      &    'N/m', '0', 'force along its first axis for each unit of displacement'), &
+      & option_spec_type('BUSHING', 'STIFFNESS Y', kind_nonnegative, '', 'N/m', '0', 'the same along its second axis'), &
+      & option_spec_type('BUSHING', 'STIFFNESS ROTATION', kind_nonnegative, '', &
+      &    'N m/rad', '0', 'torque for each unit of the angle between the sections'), &
+      & option_spec_type('BUSHING', 'DAMPING X', kind_nonnegative, '', 'N s/m', '0', 'force for each unit of speed'), &
+      & option_spec_type('BUSHING', 'DAMPING Y', kind_nonnegative, '', 'N s/m', '0', 'force for each unit of speed'), &
+      & option_spec_type('BUSHING', 'DAMPING ROTATION', kind_nonnegative, '', 'N m s', '0', 'torque for each unit of spin'), &
+      & option_spec_type('BUSHING', 'ANGLE', kind_real, '', &
+      &    'rad', '0', 'angle of the first section less that of the second without torque'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the load'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'BODY', kind_reference, 'BEAM', '', needed, 'beam that it acts on'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'FOLLOWER', kind_yes, '', &
+      &    '', 'NO', 'components along and across the beam''s floating frame instead of the axes of space'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'START', kind_nonnegative, '', 'm', '0', 'coordinate s where it begins'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'END', kind_positive, '', &
+      &    'm', '', 'coordinate s where it ends; if not given, the end of the beam'), &
+      & option_spec_type('DAMPING', 'BODY', kind_reference, 'BEAM', '', needed, 'beam that is damped'), &
+      & option_spec_type('DAMPING', 'RAYLEIGH ALPHA', kind_nonnegative, '', &
+      &    '1/s', '0', 'damping for each unit of modal mass'), &
+      & option_spec_type('DAMPING', 'RAYLEIGH BETA', kind_nonnegative, '', &
+      &    's', '0', 'damping for each unit of modal stiffness'), &
+      & option_spec_type('DAMPING', 'RATIO', kind_nonnegative, '', &
+      &    '', '0', 'part of the critical damping of every mode, beside that of RAYLEIGH'), &
+      & option_spec_type('FRICTION', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the friction'), &
+      & option_spec_type('FRICTION', 'JOINT', kind_reference, 'JOINT', '', needed, 'joint that it is in'), &
+      & option_spec_type('FRICTION', 'COEFFICIENT', kind_nonnegative, '', &
+      &    'N m s, N s/m', needed, 'torque for each unit of relative spin, force for each unit of sliding speed'), &
+      & option_spec_type('ASSEMBLY', 'LARGEST TURN', kind_positive, '', &
+      &    'rad', '0.5', 'rotation of a body from its guess beyond which there is a warning: another branch may be meant'), &
+      & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN', &
+      &    '', 'ZERO', 'GIVEN: coordinates of beams start as the data lines say, all others at zero'), &
       & option_spec_type('DYNAMICS', 'START', kind_real, '', 's', '0', 'first instant'), &
       & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
       & option_spec_type('DYNAMICS', 'OUTPUTS', kind_counting, '', &
@@ -186,14 +278,38 @@ module limber_deck_keywords
       & field_spec_type('RIGID BODY', 'y', kind_real, 'm', 'position in the body frame'), &
       & field_spec_type('BEAM', 'point', kind_name, '', 'name of the point, used as beam.point'), &
       & field_spec_type('BEAM', 'coordinate', kind_real, 'm', 'coordinate along the undeformed beam from its start'), &
+      & field_spec_type('ASSEMBLY', 'beam', kind_name, '', 'name of the beam'), &
+      & field_spec_type('ASSEMBLY', 'coordinate', kind_counting, '', 'its number: bending first, then axial, by frequency'), &
+      & field_spec_type('ASSEMBLY', 'value', kind_real, 'm kg^0.5', 'deflection in units of the mass-normalised shape'), &
+      & field_spec_type('ASSEMBLY', 'rate', kind_real, '', 'its rate'), &
       & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
       & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &
-      & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad', 'expression of the time t'), &
-      & field_spec_type('FORCE', 'fx', kind_time_expression, 'N', 'component along x of space, expression of the time t'), &
-      & field_spec_type('FORCE', 'fy', kind_time_expression, 'N', 'component along y of space, expression of the time t'), &
-      & field_spec_type('TORQUE', 'value', kind_time_expression, 'N m', 'positive from x to y, expression of the time t'), &
+      & field_spec_type('TABLE', 'x', kind_real, '', 'argument, greater than the one before'), &
+      & field_spec_type('TABLE', 'value', kind_real, '', 'value there'), &
+      & field_spec_type('CURVE', 'x', kind_curve, 'm', 'of a point; or y of the curve as an expression of x, in one line'), &
+      & field_spec_type('CURVE', 'y', kind_real, 'm', 'of a point', .true.), &
+      & field_spec_type('COUPLER', 'coefficient', kind_time_expression, '', &
+      &    'of the term; of value: what the sum is, expression of the time t'), &
+      & field_spec_type('COUPLER', 'coordinate', kind_name, '', 'angle, joint_angle, displacement or value'), &
+      & field_spec_type('COUPLER', 'object', kind_name, '', 'body of angle, joint of the others', .true.), &
+      & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', 'expression of the time t'), &
+      & field_spec_type('FORCE', 'fx', kind_law, 'N', &
+      &    'component along the first axis, expression of the time t and of quantities'), &
+      & field_spec_type('FORCE', 'fy', kind_law, 'N', 'component along the second axis, likewise'), &
+      & field_spec_type('TORQUE', 'value', kind_law, 'N m', &
+      &    'positive from x to y, expression of the time t and of quantities'), &
       & field_spec_type('SPRING', 'first point', kind_point, '', 'body.point'), &
-      & field_spec_type('SPRING', 'second point', kind_point, '', 'body.point')]
+      & field_spec_type('SPRING', 'second point', kind_point, '', 'body.point'), &
+      & field_spec_type('SPRING', 'tension', kind_spring_law, 'N, N m', &
+      &    'added: expression of the elongation x, its rate v, the time t, quantities', .true.), &
+      & field_spec_type('BUSHING', 'first point', kind_point, '', 'body.point'), &
+      & field_spec_type('BUSHING', 'second point', kind_point, '', 'body.point: its section carries the axes'), &
+      & field_spec_type('DISTRIBUTED LOAD', 'qx', kind_shape, 'N/m', 'along the first axis, expression of s along the beam'), &
+      & field_spec_type('DISTRIBUTED LOAD', 'qy', kind_shape, 'N/m', 'along the second axis, expression of s'), &
+      & field_spec_type('DISTRIBUTED LOAD', 'factor', kind_law, '', &
+      &    'expression of the time t and of quantities', .true.), &
+      & field_spec_type('DAMPING', 'mode', kind_counting, '', 'bending modes first, then axial ones'), &
+      & field_spec_type('DAMPING', 'ratio', kind_nonnegative, '', 'part of the critical damping, in place of RATIO')]
    !> The lists of data lines of the form `form_lists`
    type(list_spec_type), parameter :: list_table(*) = [ &
       & list_spec_type('STUDY', 'integrators', 'DYNAMICS', 'INTEGRATOR', 'integration methods; default all'), &

@@ -6,26 +6,33 @@ module limber_deck_operations
    private
    public :: branch_of, jet_type, unary_value, binary_value, unary_jet, binary_jet, unary_complaint, binary_complaint, &
       & function_names, function_arity, first_function, function_meanings
-   public :: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, op_power
+   public :: op_table, op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, op_power
 
    !> Codes of a postfix program; the functions follow in the order of `function_names`
    integer, parameter :: op_constant = 1, op_slot = 2, op_negate = 3, op_add = 4, op_subtract = 5, &
       & op_multiply = 6, op_divide = 7, op_power = 8
+   !> A table of one argument: behind all functions
+   integer, parameter :: op_table = 1000
    !> Code of the first function
    integer, parameter :: first_function = 9
    integer, parameter :: op_sqrt = 9, op_sin = 10, op_cos = 11, op_tan = 12, op_asin = 13, op_acos = 14, &
       & op_atan = 15, op_sinh = 16, op_cosh = 17, op_tanh = 18, op_exp = 19, op_log = 20, op_log10 = 21, &
-      & op_abs = 22, op_atan2 = 23, op_min = 24, op_max = 25, op_step = 26, op_smoothstep = 27
+      & op_abs = 22, op_atan2 = 23, op_min = 24, op_max = 25, op_step = 26, op_smoothstep = 27, &
+      & op_cycloidal = 28, op_poly345 = 29
 
    !> Names of the functions
    character(10), parameter :: function_names(*) = [character(10) :: 'sqrt', 'sin', 'cos', 'tan', 'asin', 'acos', &
-      & 'atan', 'sinh', 'cosh', 'tanh', 'exp', 'log', 'log10', 'abs', 'atan2', 'min', 'max', 'step', 'smoothstep']
+      & 'atan', 'sinh', 'cosh', 'tanh', 'exp', 'log', 'log10', 'abs', 'atan2', 'min', 'max', 'step', 'smoothstep', &
+      & 'cycloidal', 'poly345']
    !> Numbers of their arguments; -2: two or more
-   integer, parameter :: function_arity(*) = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, -2, -2, 1, 1]
+   integer, parameter :: function_arity(*) = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, -2, -2, 1, 1, 1, 1]
    !> What is worth saying about them
    character(*), parameter :: function_meanings = 'angles in rad; log is the natural logarithm; ' &
       & //'atan2(y, x); min and max of two or more; step(x) is 0 below x = 0 and 1 from there on; ' &
-      & //'smoothstep(x) rises from 0 at x = 0 to 1 at x = 1 with continuous second derivative'
+      & //'smoothstep(x) rises from 0 at x = 0 to 1 at x = 1 with continuous second derivative; poly345(x) is the same, ' &
+      & //'the 3-4-5 polynomial; cycloidal(x) does so as x - sin(2 pi x)/(2 pi)'
+
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
    !> A value with its first and second derivative with respect to time
    type :: jet_type
@@ -55,7 +62,8 @@ contains
       case (op_log); f = log(u)
       case (op_log10); f = log10(u)
       case (op_step); f = merge(1.0_wp, 0.0_wp, u >= 0.0_wp)
-      case (op_smoothstep); f = smoothstep(u)
+      case (op_smoothstep, op_poly345); f = smoothstep(u)
+      case (op_cycloidal); f = cycloidal(u)
       case default; f = abs(u)
       end select
    end function unary_value
@@ -84,6 +92,14 @@ contains
       x = min(max(u, 0.0_wp), 1.0_wp)
       f = x**3*(10 + x*(6*x - 15))
    end function smoothstep
+
+   !> 0 below 0, 1 above 1, and between the cycloid that joins them with continuous first and second derivatives.
+   elemental real(wp) function cycloidal(u) result(f)
+      real(wp), intent(in) :: u
+      real(wp) :: x
+      x = min(max(u, 0.0_wp), 1.0_wp)
+      f = x - sin(two_pi*x)/two_pi
+   end function cycloidal
 
    !> u**v; whole exponents take negative bases too.
    elemental real(wp) function power(u, v) result(f)
@@ -139,7 +155,13 @@ contains
       case (op_exp); f_u = y; f_uu = y
       case (op_log); f_u = 1.0_wp/x; f_uu = -f_u**2
       case (op_log10); f_u = 1.0_wp/(x*log(10.0_wp)); f_uu = -f_u/x
-      case (op_smoothstep)
+      case (op_cycloidal)
+         f_u = 0.0_wp
+         if (x > 0.0_wp .and. x < 1.0_wp) then
+            f_u = 1 - cos(two_pi*x)
+            f_uu = two_pi*sin(two_pi*x)
+         end if
+      case (op_smoothstep, op_poly345)
          f_u = 0.0_wp
          if (x > 0.0_wp .and. x < 1.0_wp) then
             f_u = 30*x**2*(1 - x)**2
@@ -208,7 +230,7 @@ contains
       case (op_abs); branch = merge(1, 0, is_below(u, jet_type()))
       case (op_min, op_max); branch = merge(1, 0, is_below(u, v))
       case (op_step); branch = merge(1, 0, u%value >= 0.0_wp)
-      case (op_smoothstep); branch = merge(1, 0, u%value >= 0.0_wp) + merge(1, 0, u%value >= 1.0_wp)
+      case (op_smoothstep, op_poly345, op_cycloidal); branch = merge(1, 0, u%value >= 0.0_wp) + merge(1, 0, u%value >= 1.0_wp)
       case default; branch = -1
       end select
    end function branch_of

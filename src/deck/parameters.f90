@@ -6,7 +6,7 @@ module limber_deck_parameters
    use limber_deck_origin, only: origin_type
    implicit none
    private
-   public :: parameter_type, parameter_list_type, name_length, max_parameters
+   public :: parameter_type, parameter_list_type, named_table_type, name_length, max_parameters
 
    !> Longest name of anything in a deck
    integer, parameter :: name_length = 64
@@ -25,13 +25,24 @@ module limber_deck_parameters
       type(origin_type) :: origin
    end type parameter_type
 
-   !> All parameters that are defined so far
+   !> A table that a deck defines with *TABLE
+   type :: named_table_type
+      !> Name in lower case
+      character(name_length) :: name = ''
+      !> As limber_deck_tables packs it
+      real(wp), allocatable :: data(:)
+   end type named_table_type
+
+   !> All parameters that are defined so far, and all tables
    type :: parameter_list_type
       !> Only the first `count` are in use
       type(parameter_type), allocatable :: items(:)
       integer :: count = 0
       type(name_index_type), private :: names
+      type(named_table_type), allocatable :: tables(:)
    contains
+      procedure :: find_table
+      procedure :: define_table
       procedure :: find
       procedure :: define
       procedure :: shorten
@@ -46,6 +57,34 @@ contains
       character(*), intent(in) :: name
       found = self%names%find(lowercase(name))
    end function find
+
+   !> Index of a table; 0 if there is none of this name.
+   pure integer function find_table(self, name) result(found)
+      class(parameter_list_type), intent(in) :: self
+      !> In lower case
+      character(*), intent(in) :: name
+      found = 0
+      if (.not. allocated(self%tables)) return
+      do found = size(self%tables), 1, -1
+         if (self%tables(found)%name == name) return
+      end do
+   end function find_table
+
+   !> Adds a table behind the others.
+   pure subroutine define_table(self, name, data)
+      class(parameter_list_type), intent(inout) :: self
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: data(:)
+      type(named_table_type), allocatable :: longer(:)
+      integer :: count
+      if (.not. allocated(self%tables)) allocate (self%tables(0))
+      count = size(self%tables)
+      allocate (longer(count + 1))
+      longer(:count) = self%tables
+      longer(count + 1)%name = name
+      allocate (longer(count + 1)%data(size(data)), source=data)
+      call move_alloc(longer, self%tables)
+   end subroutine define_table
 
    !> Adds a parameter behind the others; its name must be new.
    pure subroutine define(self, item)

@@ -8,7 +8,7 @@ module limber_deck_reader
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_origin, only: origin_type, after
-   use limber_deck_source, only: source_file_type
+   use limber_deck_source, only: source_file_type, beside
    use limber_deck_lexer, only: part_type, trimmed, split_fields, comment_start, is_comment, is_keyword_line, first_foreign, &
       & is_parameter_name, keyword_of
    use limber_deck_diagnostics, only: diagnostics_type
@@ -426,17 +426,6 @@ contains
          end if
       end if
    end subroutine include
-
-   !> A path that is relative to the folder of a file.
-   pure function beside(file, path) result(joined)
-      character(*), intent(in) :: file, path
-      character(:), allocatable :: joined
-      joined = path
-      do while (index(joined, './') == 1 .and. len(joined) > 2)
-         joined = joined(3:)
-      end do
-      if (joined(1:1) /= '/') joined = file(:index(file, '/', back=.true.))//joined
-   end function beside
 
    !> Whether a path is a file or one of those that include it.
    pure logical function is_open(path, file, deck)

@@ -4,9 +4,10 @@ module limber_deck_schema
    private
    public :: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed
    public :: kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, &
-      & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression
+      & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, &
+      & kind_curve
    public :: form_none, form_text, form_fields, form_assignments, form_channels, form_lists
-   public :: is_number_kind, is_integer_kind
+   public :: is_number_kind, is_integer_kind, is_expression_kind
 
    !> Name of an object that the block defines; `values`: the name space, whose names differ from each other
    integer, parameter :: kind_name = 1
@@ -22,6 +23,10 @@ module limber_deck_schema
    integer, parameter :: kind_text = 9, kind_path = 10
    !> `object` or `object.point`; YES or NO; an expression of the time t
    integer, parameter :: kind_point = 11, kind_yes = 12, kind_time_expression = 13
+   !> An expression of t and of quantities of the motion; the same, of x and v too; an expression of s alone
+   integer, parameter :: kind_law = 14, kind_spring_law = 15, kind_shape = 16
+   !> An expression of x alone
+   integer, parameter :: kind_curve = 17
 
    !> Forms of data lines: none, free text, one row of fields in each line, name = expression,
    !> channels of the output, named lists of values
@@ -36,7 +41,7 @@ module limber_deck_schema
    !> A keyword
    type :: keyword_type
       !> In upper case, without the asterisk
-      character(12) :: name
+      character(16) :: name
       !> Most blocks of a deck
       integer :: most
       !> Form, least and greatest number of its data lines
@@ -48,7 +53,7 @@ module limber_deck_schema
    !> An option of a keyword
    type :: option_spec_type
       !> Keyword that it belongs to, and its own name, in upper case
-      character(12) :: keyword
+      character(16) :: keyword
       character(20) :: name
       integer :: kind
       !> Depends on the kind
@@ -63,21 +68,23 @@ module limber_deck_schema
 
    !> A field of the data lines of a keyword
    type :: field_spec_type
-      character(12) :: keyword
+      character(16) :: keyword
       !> What the field is called in messages
       character(20) :: name
       integer :: kind
       character(8) :: unit
       character(90) :: meaning
+      !> Whether a line may end before it
+      logical :: optional = .false.
    end type field_spec_type
 
    !> A list that a data line of the form `form_lists` gives: its name, then values of an option of the table
    type :: list_spec_type
-      character(12) :: keyword
+      character(16) :: keyword
       !> In lower case
       character(20) :: name
       !> Keyword and option that the values are for; without them the values are names
-      character(12) :: of
+      character(16) :: of
       character(20) :: option
       character(90) :: meaning
    end type list_spec_type
@@ -95,5 +102,12 @@ contains
       integer, intent(in) :: kind
       is_integer_kind = kind == kind_count .or. kind == kind_counting
    end function is_integer_kind
+
+   !> Whether they are expressions of more than constants.
+   elemental logical function is_expression_kind(kind)
+      integer, intent(in) :: kind
+      is_expression_kind = kind == kind_time_expression .or. kind == kind_law .or. kind == kind_spring_law .or. kind == kind_shape &
+         & .or. kind == kind_curve
+   end function is_expression_kind
 
 end module limber_deck_schema

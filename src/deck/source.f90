@@ -7,7 +7,7 @@ module limber_deck_source
    use limber_deck_origin, only: origin_type
    implicit none
    private
-   public :: source_type, source_file_type, text_line_type, turn_type, max_file_bytes
+   public :: source_type, source_file_type, text_line_type, turn_type, max_file_bytes, beside
 
    !> A file longer than this is no deck
    integer, parameter :: max_file_bytes = 32*1024*1024
@@ -237,5 +237,16 @@ contains
          first = last + 2
       end do
    end subroutine split_lines
+
+   !> A path that is relative to the folder of a file.
+   pure function beside(file, path) result(joined)
+      character(*), intent(in) :: file, path
+      character(:), allocatable :: joined
+      joined = path
+      do while (index(joined, './') == 1 .and. len(joined) > 2)
+         joined = joined(3:)
+      end do
+      if (joined(1:1) /= '/') joined = file(:index(file, '/', back=.true.))//joined
+   end function beside
 
 end module limber_deck_source

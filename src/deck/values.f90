@@ -10,7 +10,8 @@ module limber_deck_values
    use limber_deck_compile, only: compile
    use limber_deck_template, only: fill_in
    use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_positive, kind_nonnegative, kind_count, &
-      & kind_counting, kind_word, kind_point, kind_yes, kind_time_expression, is_number_kind, is_integer_kind
+      & kind_counting, kind_word, kind_point, kind_yes, kind_law, kind_spring_law, kind_shape, kind_curve, &
+      & is_number_kind, is_integer_kind, is_expression_kind
    use limber_deck_keywords, only: split_values, contains_value
    use limber_deck_content, only: option_type, field_type
    implicit none
@@ -95,8 +96,8 @@ contains
          call diagnostics%add(part%origin, "the field '"//what//"' is empty", meaning)
       else if (is_number_kind(kind)) then
          call read_number(what, kind, meaning, part, parameters, field%expression, field%value, ok, diagnostics)
-      else if (kind == kind_time_expression) then
-         call compile(part%text, part%origin, parameters, field%expression, ok, diagnostics, time=.true.)
+      else if (is_expression_kind(kind)) then
+         call read_expression(kind, part, parameters, field%expression, ok, diagnostics)
       else if (kind == kind_point) then
          field%text = lowercase(part%text)
          call check_point(part, ok, diagnostics)
@@ -105,6 +106,29 @@ contains
          call check_name(part, ok, diagnostics)
       end if
    end subroutine read_field
+
+   !> Reads an expression of what its kind allows.
+   subroutine read_expression(kind, part, parameters, expression, ok, diagnostics)
+      integer, intent(in) :: kind
+      type(part_type), intent(in) :: part
+      type(parameter_list_type), intent(in) :: parameters
+      type(expression_type), intent(out) :: expression
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      select case (kind)
+      case (kind_law)
+         call compile(part%text, part%origin, parameters, expression, ok, diagnostics, time=.true., quantities=.true.)
+      case (kind_spring_law)
+         call compile(part%text, part%origin, parameters, expression, ok, diagnostics, time=.true., quantities=.true., &
+            & variables=['x', 'v'])
+      case (kind_shape)
+         call compile(part%text, part%origin, parameters, expression, ok, diagnostics, variables=['s'])
+      case (kind_curve)
+         call compile(part%text, part%origin, parameters, expression, ok, diagnostics, variables=['x'])
+      case default
+         call compile(part%text, part%origin, parameters, expression, ok, diagnostics, time=.true.)
+      end select
+   end subroutine read_expression
 
    !> Reads a constant number and checks its range.
    subroutine read_number(what, kind, meaning, part, parameters, expression, value, ok, diagnostics)

@@ -28,6 +28,9 @@ module limber_flex_reduced
       logical :: geometric = .false.
       !> True if the geometric part is the gradient of an energy (model full)
       logical :: full = .false.
+      !> True if the coordinates are damped, each by itself, and the factors of their rates then (n) [1/time]
+      logical :: damped = .false.
+      real(wp), allocatable :: damping(:)
       !> Geometric part (pairs, n - bending) and (pairs, pairs), pairs = bending (bending + 1)/2; see limber_flex_geometric
       real(wp), allocatable :: cubic(:, :), quartic(:, :)
    end type reduced_type

@@ -93,6 +93,8 @@ contains
       slope = weighted(self, self%yp)
       self%h = duration
       if (self%tolerance < 16*slope*self%h**2) self%h = 0.25_wp*sqrt(self%tolerance/slope)
+      ! At rest where a load is about to begin nothing says how soon
+      if (system%powered) self%h = min(self%h, 1.0e-3_wp*duration)
       if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
       if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
    end subroutine adams_start

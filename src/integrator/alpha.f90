@@ -8,6 +8,8 @@ module limber_integrator_alpha
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_integrator_cubic, only: cubic_state
+   use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, &
+      & across_allowed
    use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_dynamics, only: linearise, accelerations, input_power
@@ -40,6 +42,7 @@ module limber_integrator_alpha
       !> Scratch
       real(wp), allocatable :: motion(:), rate(:), change(:), unknown(:), e(:)
       type(tangent_type) :: tangent
+      type(crossing_type) :: crossing
       type(layout_type) :: layout
       type(scales_type) :: scales
       !> Scales of coordinates and rates in the layout of the rates (nw)
@@ -80,6 +83,7 @@ contains
             & self%new_a(nw), self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), &
             & self%change(nq), self%unknown(nw + nc), self%e(nw), self%scale_x(nw), self%scale_w(nw))
          call new_tangent(system, self%tangent)
+         call new_crossing(system, self%crossing)
          self%scales = new_scales(system, duration, .true.)
       end if
       self%work_done = self%work_at_start
@@ -108,6 +112,8 @@ contains
       slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%a/self%scale_w)**2))
       self%h = duration
       if (slope*self%h > 0.1_wp*self%tolerance**(1.0_wp/3)) self%h = 0.1_wp*self%tolerance**(1.0_wp/3)/slope
+      ! At rest where a load is about to begin nothing says how soon
+      if (system%powered) self%h = min(self%h, 1.0e-3_wp*duration)
       if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
    end subroutine alpha_start
 
@@ -135,6 +141,15 @@ contains
          if (abs(self%h - self%h_factors) > 0.0_wp) call factor_matrix(self, error)
          if (allocated(error)) return
          call iterate(self, system, work, min(self%t + self%h, stop), good)
+         if (.not. good) then
+            call pass_fold(self, system, work, stop, good)
+            if (good) then
+               self%statistics%rejected = self%statistics%rejected + 1
+               repeated = .true.
+               factor = wanted/self%h
+               exit
+            end if
+         end if
          if (good) then
             err = 0.0_wp
             if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, err)
@@ -301,6 +316,44 @@ contains
          self%work_done = self%work_done + 0.5_wp*self%h*(self%power_before + self%power)
       end if
    end subroutine accept
+
+   !> After Newton's method has failed: passes a fold if there is one ahead.
+   subroutine pass_fold(self, system, work, stop, passed)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      logical, intent(out) :: passed
+      real(wp) :: away, err, residual, h
+      integer :: nq
+      nq = size(self%q)
+      call find_fold(self%crossing, system, work, self%t, self%h, self%q, self%w, self%a, away)
+      passed = away > 0.0_wp
+      if (.not. passed) return
+      h = min(2*away, stop - self%t)
+      call step_across(self%crossing, system, work, self%t, h, self%q, self%v, self%work_done, self%scales%value, err, residual)
+      passed = err <= across_allowed*self%tolerance .and. residual <= constraint_limit
+      if (.not. passed) return
+      self%h = h
+      call increments_between(system, self%q, self%crossing%y(:nq), self%increment)
+      self%q_before = self%q
+      self%w_before = self%w
+      self%q = self%crossing%y(:nq)
+      self%v = self%crossing%y(nq + 1:2*nq)
+      self%t_before = self%t
+      self%t = merge(stop, self%t + h, h >= stop - self%t)
+      call accelerations(system, work, self%q, self%v, self%change)
+      self%lambda = work%lambda
+      call rates_of(system%layout, self%q, self%v, self%w)
+      call rates_of(system%layout, self%q, self%change, self%new_a)
+      self%jerk = (self%new_a - self%a)/h
+      self%a = self%new_a
+      self%algorithmic = self%a + (self%alpha_m - self%alpha_f)*h*self%jerk
+      self%power_before = self%power
+      self%work_before = self%work_done
+      if (system%powered) self%power = input_power(system, work, self%q, self%v)
+      if (system%powered) self%work_done = self%crossing%y(2*nq + 1)
+   end subroutine pass_fold
 
    !> Cubic through coordinates and rates at both ends of the step; its derivative for the rates.
    subroutine alpha_interpolate(self, t, q, v, w)

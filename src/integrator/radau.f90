@@ -7,6 +7,8 @@ module limber_integrator_radau
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
+   use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, &
+      & across_allowed
    use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_algebra, only: cross
@@ -66,6 +68,7 @@ module limber_integrator_radau
          & q_stage_end(:)
       complex(wp), allocatable :: complex_part(:)
       type(tangent_type) :: tangent
+      type(crossing_type) :: crossing
       type(layout_type) :: layout
       type(scales_type) :: scales
       !> Scales of coordinates and rates in the layout of the rates (nw)
@@ -102,6 +105,7 @@ contains
             & self%rate(nc, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), &
             & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
          call new_tangent(system, self%tangent)
+         call new_crossing(system, self%crossing)
          self%scales = new_scales(system, duration, .true.)
       end if
       self%work_done = self%work_at_start
@@ -162,9 +166,12 @@ contains
          call iterate(self, system, work, converged)
          if (.not. converged) then
             self%statistics%rejected = self%statistics%rejected + 1
-            self%h = 0.5_wp*self%h
+            call pass_fold(self, system, work, stop, accepted)
             repeated = .true.
-            cycle
+            if (.not. accepted) cycle
+            err = bound(self)
+            factor = min(8.0_wp, max(1.0_wp, wanted/self%h))
+            exit
          end if
          call estimate_error(self, system, err)
          accepted = err <= bound(self) .or. self%fixed_step > 0.0_wp
@@ -440,6 +447,51 @@ contains
          if (abs(self%a(i) - self%a_end(i)) <= allowed*self%scale_x(i)) self%a_end(i) = self%a(i)
       end do
    end subroutine accept
+
+   !> After Newton's method has failed: passes a fold if there is one ahead, else halves the step.
+   subroutine pass_fold(self, system, work, stop, passed)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      logical, intent(out) :: passed
+      real(wp) :: away, err, residual
+      integer :: nq
+      nq = size(self%q)
+      call find_fold(self%crossing, system, work, self%t, self%h, self%q, self%w, self%a, away)
+      passed = away > 0.0_wp
+      if (passed) then
+         self%h_factors = 0.0_wp
+         self%fresh = .false.
+         associate (h => min(2*away, stop - self%t))
+            call step_across(self%crossing, system, work, self%t, h, self%q, self%v, self%work_done, self%scales%value, err, &
+               & residual)
+            passed = err <= across_allowed*self%tolerance .and. residual <= constraint_limit
+            if (passed) then
+               self%h = h
+            else
+               self%h = min(0.5_wp*self%h, 0.4_wp*away)
+            end if
+         end associate
+      else
+         self%h = 0.5_wp*self%h
+      end if
+      if (.not. passed) return
+      call increments_between(system, self%q, self%crossing%y(:nq), self%increment)
+      self%q_before = self%q
+      self%w_before = self%w
+      self%a_before = self%a_end
+      self%q = self%crossing%y(:nq)
+      self%v = self%crossing%y(nq + 1:2*nq)
+      self%t_before = self%t
+      self%t = merge(stop, self%t + self%h, self%h >= stop - self%t)
+      call take_over(self, system, work)
+      self%a_end = self%a
+      self%power_before = self%power
+      self%work_before = self%work_done
+      if (system%powered) self%power = input_power(system, work, self%q, self%v)
+      if (system%powered) self%work_done = self%crossing%y(2*nq + 1)
+   end subroutine pass_fold
 
    !> Rates, accelerations and multipliers where the system is linearised already.
    subroutine take_over(self, system, work)

@@ -27,6 +27,9 @@ contains
          do i = 1, size(model%drivers)
             call law_breaks(model%drivers(i)%law, t0, t1, times)
          end do
+         do i = 1, size(model%joints)
+            if (model%joints(i)%has_law) call law_breaks(model%joints(i)%law, t0, t1, times)
+         end do
          do i = 1, size(model%forces)
             do j = 1, 2
                call law_breaks(model%forces(i)%law(j), t0, t1, times)
@@ -34,6 +37,10 @@ contains
          end do
          do i = 1, size(model%torques)
             call law_breaks(model%torques(i)%law, t0, t1, times)
+         end do
+         do i = 1, size(model%efforts)
+            if (.not. model%efforts(i)%driven) cycle
+            if (all(model%efforts(i)%quantities%kind == 0)) call law_breaks(model%efforts(i)%law, t0, t1, times)
          end do
       end associate
    end function break_times

@@ -8,10 +8,13 @@ module limber_model_build
    use limber_deck_origin, only: origin_type
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_beam, add_points
    use limber_model_channels, only: add_channels
-   use limber_model_lists, only: append, trim_lists
-   use limber_model_points, only: add_point, find_point, find_body, enter_name
-   use limber_model_scene, only: model_type, joint_type, driver_type, force_type, torque_type, spring_type, &
-      & body_rigid, ground, joint_revolute, joint_point_on_line
+   use limber_model_first_state, only: read_assembly
+   use limber_model_joints, only: add_joint, add_coupler, add_driver
+   use limber_model_lists, only: trim_lists
+   use limber_model_loads, only: add_force, add_torque, add_spring, add_bushing, add_distributed, add_friction, add_damping, &
+      & resolve_laws
+   use limber_model_points, only: add_point
+   use limber_model_scene, only: model_type, ground
    implicit none
    private
    public :: build_model
@@ -26,7 +29,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
-      allocate (model%torques(0), model%springs(0))
+      allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0), model%assembly%deflections(0))
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -44,14 +47,25 @@ contains
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
-         case ('JOINT'); call add_joint(deck%blocks(i), model, diagnostics)
-         case ('DRIVER'); call add_driver(deck%blocks(i), model)
+         case ('ASSEMBLY'); call read_assembly(deck%blocks(i), model, diagnostics)
+         case ('JOINT'); call add_joint(deck, i, model, diagnostics)
          case ('FORCE'); call add_force(deck%blocks(i), model, diagnostics)
-         case ('TORQUE'); call add_torque(deck%blocks(i), model)
+         case ('TORQUE'); call add_torque(deck%blocks(i), model, diagnostics)
          case ('SPRING'); call add_spring(deck%blocks(i), model, diagnostics)
+         case ('BUSHING'); call add_bushing(deck%blocks(i), model, diagnostics)
+         case ('DISTRIBUTED LOAD'); call add_distributed(deck%blocks(i), model, diagnostics)
+         case ('DAMPING'); call add_damping(deck%blocks(i), model, diagnostics)
          end select
       end do
       call trim_lists(model)
+      do i = 1, size(deck%blocks)
+         select case (deck%blocks(i)%keyword)
+         case ('COUPLER'); call add_coupler(deck%blocks(i), model, diagnostics)
+         case ('DRIVER'); call add_driver(deck%blocks(i), model, diagnostics)
+         case ('FRICTION'); call add_friction(deck%blocks(i), model, diagnostics)
+         end select
+      end do
+      call resolve_laws(model, diagnostics)
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%keyword == 'OUTPUT') call add_channels(deck%blocks(i), model, diagnostics)
       end do
@@ -83,109 +97,6 @@ contains
       model%units%mass = deck%blocks(block)%text('MASS')
    end subroutine read_labels
 
-   subroutine add_joint(block, model, diagnostics)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: points(2), i, bodies(2)
-      if (size(block%lines) /= 1) return
-      do i = 1, 2
-         points(i) = find_point(model, block%lines(1)%text(i), block%lines(1)%origin_of(i), diagnostics)
-      end do
-      if (any(points == 0)) return
-      bodies = [model%points(points(1))%body, model%points(points(2))%body]
-      if (bodies(1) == bodies(2)) then
-         call diagnostics%add(block%lines(1)%origin_of(2), "joint '"//block%name()//"' joins a body to itself", &
-            & 'name points of two different bodies')
-         return
-      end if
-      call append_joint(block, points, model)
-      if (block%word('TYPE') /= 'POINT ON LINE') return
-      if (bodies(2) == ground) return
-      if (model%bodies(bodies(2))%kind /= body_rigid) call diagnostics%add(block%lines(1)%origin_of(2), &
-         & "the line of joint '"//block%name()//"' must lie on the ground or on a rigid body", &
-         & 'the second point carries the line; exchange the two, or use a rigid body')
-   end subroutine add_joint
-
-   subroutine append_joint(block, points, model)
-      type(block_type), intent(in) :: block
-      integer, intent(in) :: points(2)
-      type(model_type), intent(inout) :: model
-      type(joint_type) :: joint
-      joint%name = block%name()
-      joint%points = points
-      joint%angle = block%real('ANGLE')
-      joint%kind = joint_revolute
-      if (block%word('TYPE') == 'POINT ON LINE') joint%kind = joint_point_on_line
-      call append(model%joints, model%counts%joints, joint)
-      call enter_name(model, 'joint', joint%name, model%counts%joints)
-   end subroutine append_joint
-
-   subroutine add_driver(block, model)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(driver_type) :: driver
-      driver%name = block%name()
-      driver%body = find_body(model, block%name('BODY'))
-      if (driver%body == 0 .or. size(block%lines) /= 1) return
-      driver%law = block%lines(1)%fields(1)%expression
-      call append(model%drivers, model%counts%drivers, driver)
-      call enter_name(model, 'driver', driver%name, model%counts%drivers)
-   end subroutine add_driver
-
-   subroutine add_force(block, model, diagnostics)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(force_type) :: force
-      force%name = block%name()
-      force%point = find_point(model, block%text('POINT'), block%origin_of('POINT'), diagnostics)
-      if (force%point == 0 .or. size(block%lines) /= 1) return
-      force%law(1) = block%lines(1)%fields(1)%expression
-      force%law(2) = block%lines(1)%fields(2)%expression
-      call append(model%forces, model%counts%forces, force)
-   end subroutine add_force
-
-   subroutine add_torque(block, model)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(torque_type) :: torque
-      torque%name = block%name()
-      torque%body = find_body(model, block%name('BODY'))
-      if (torque%body == 0 .or. size(block%lines) /= 1) return
-      torque%law = block%lines(1)%fields(1)%expression
-      call append(model%torques, model%counts%torques, torque)
-   end subroutine add_torque
-
-   subroutine add_spring(block, model, diagnostics)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(spring_type) :: spring
-      integer :: i, bodies(2)
-      if (size(block%lines) /= 1) return
-      do i = 1, 2
-         spring%points(i) = find_point(model, block%lines(1)%text(i), block%lines(1)%origin_of(i), diagnostics)
-      end do
-      if (any(spring%points == 0)) return
-      bodies = model%points(spring%points)%body
-      if (bodies(1) == bodies(2) .and. .not. is_beam(model, bodies(1))) call diagnostics%add(block%lines(1)%origin_of(2), &
-         & "spring '"//block%name()//"' pulls at two points whose distance never changes", 'name points of two different bodies')
-      spring%name = block%name()
-      spring%stiffness = block%real('STIFFNESS')
-      spring%length = block%real('LENGTH')
-      spring%damping = block%real('DAMPING')
-      call append(model%springs, model%counts%springs, spring)
-      call enter_name(model, 'spring', spring%name, model%counts%springs)
-   end subroutine add_spring
-
-   !> Whether a body, or the ground, is a beam.
-   pure logical function is_beam(model, body)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: body
-      is_beam = .false.
-      if (body /= ground) is_beam = model%bodies(body)%end_point > 0
-   end function is_beam
 
    subroutine read_dynamics(block, model, diagnostics)
       type(block_type), intent(in) :: block

@@ -9,11 +9,13 @@ module limber_model_channels
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
-      & of_system
-   use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, ground
+      & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate
+   use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, ground, joint_coupler, &
+      & driver_angle, driver_joint_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
+      & load_distributed, load_friction
    implicit none
    private
-   public :: add_channels, unit_text
+   public :: add_channels, unit_text, find_quantity
 
    !> Dimension that could not be worked out
    integer, parameter :: unknown = huge(1)
@@ -87,12 +89,15 @@ contains
       quantity%of = -1
       if (slot%argument == '') then
          quantity%of = 0
+         quantity%dimension = [0, 1, 0]
          return
       end if
       do i = size(quantities), 1, -1
          if (quantities(i)%name == slot%name) exit
       end do
       quantity%kind = i
+      if (i > 0) quantity%dimension = quantities(i)%dimension
+      if (i > 0) quantity%angular = quantities(i)%angular
       if (quantity%kind == 0) then
          near = nearest_name(slot%name, quantities%name)
          if (near > 0) then
@@ -118,14 +123,34 @@ contains
          else if (model%bodies(quantity%of)%kind == body_point) then
             call diagnostics%add(slot%origin, "'"//slot%argument//"' is a point mass and has no angle")
          end if
-      case (of_joint)
-         quantity%of = find_named(model, 'joint', slot%argument)
-         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'")
-      case (of_driver)
-         quantity%of = find_named(model, 'driver', slot%argument)
-         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
+      case (of_joint, of_pusher)
+         i = find_named(model, 'joint', slot%argument)
+         quantity%of = i
+         if (i == 0 .and. quantities(quantity%kind)%of == of_pusher) call find_load(model, slot, [load_bushing], quantity)
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'")
+         else if (quantity%of_load) then
+            return
+         else if (model%joints(quantity%of)%kind == joint_coupler) then
+            call diagnostics%add(slot%origin, "'"//slot%argument//"' is a coupler, which has no "//slot%name, &
+               & slot%name//' is a quantity of joints')
+         end if
+      case (of_driver, of_turner, of_powered)
+         i = find_named(model, 'driver', slot%argument)
+         quantity%of = i
+         if (i == 0 .and. quantities(quantity%kind)%of == of_turner) call find_load(model, slot, [load_rotational], quantity)
+         if (i == 0 .and. quantities(quantity%kind)%of == of_powered) call find_load(model, slot, [load_force, load_torque, &
+            & load_spring, load_rotational, load_bushing, load_distributed, load_friction], quantity)
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
+         else if (.not. quantity%of_load) then
+            call check_effort(model%drivers(quantity%of)%kind, slot, diagnostics)
+         end if
       case (of_spring)
-         quantity%of = find_named(model, 'spring', slot%argument)
+         call find_load(model, slot, [load_spring, load_rotational], quantity)
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'")
+      case (of_translational)
+         call find_load(model, slot, [load_spring], quantity)
          if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'")
       case (of_system)
          quantity%of = 0
@@ -133,6 +158,38 @@ contains
             & 'write '//slot%name//'(system)')
       end select
    end subroutine find_quantity
+
+   !> Complains of the force of a driver of an angle, or the torque of one of a length.
+   subroutine check_effort(kind, slot, diagnostics)
+      !> Kind of the driver
+      integer, intent(in) :: kind
+      type(slot_type), intent(in) :: slot
+      type(diagnostics_type), intent(inout) :: diagnostics
+      logical :: angular
+      angular = kind == driver_angle .or. kind == driver_joint_angle
+      if (slot%name == 'force' .and. angular) call diagnostics%add(slot%origin, "driver '"//slot%argument//"' drives an angle", &
+         & 'write torque('//slot%argument//')')
+      if (slot%name == 'torque' .and. .not. angular) call diagnostics%add(slot%origin, "driver '"//slot%argument// &
+         & "' drives a length", 'write force('//slot%argument//')')
+   end subroutine check_effort
+   !> Finds the load of some kinds that has the name; `of` is 0 if there is none. What is asked of a rotational spring is in
+   !> angles.
+   subroutine find_load(model, slot, kinds, quantity)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      integer, intent(in) :: kinds(:)
+      type(quantity_type), intent(inout) :: quantity
+      integer :: i
+      do i = size(model%loads), 1, -1
+         if (model%loads(i)%name == slot%argument .and. any(kinds == model%loads(i)%kind)) exit
+      end do
+      quantity%of = i
+      if (i == 0) return
+      quantity%of_load = .true.
+      if (model%loads(i)%kind /= load_rotational) return
+      quantity%angular = quantity%kind == quantity_elongation .or. quantity%kind == quantity_rate
+      if (quantity%angular) quantity%dimension(1) = 0
+   end subroutine find_load
 
    !> Complains of a body that is not a beam.
    subroutine need_beam(model, body, slot, quantity, diagnostics)
@@ -173,8 +230,7 @@ contains
       end if
       text = unit_text(dimension, units)
       if (size(channel%quantities) /= 1 .or. size(channel%expression%codes) /= 1) return
-      if (channel%quantities(1)%kind == 0) return
-      if (.not. quantities(channel%quantities(1)%kind)%angular) return
+      if (.not. channel%quantities(1)%angular) return
       text = 'rad'
       if (dimension(2) == -1) text = 'rad/'//units%time
    end function channel_units
@@ -191,7 +247,7 @@ contains
                stack(:, top) = 0
             else if (code == op_slot) then
                top = top + 1
-               stack(:, top) = slot_dimension(channel%quantities(channel%expression%operands(i)))
+               stack(:, top) = channel%quantities(channel%expression%operands(i))%dimension
             else if (is_binary(code)) then
                top = top - 1
                stack(:, top) = combined(code, stack(:, top), stack(:, top + 1))
@@ -202,13 +258,6 @@ contains
       end do
       dimension = stack(:, 1)
    end function expression_dimension
-
-   pure function slot_dimension(quantity) result(dimension)
-      type(quantity_type), intent(in) :: quantity
-      integer :: dimension(3)
-      dimension = [0, 1, 0]
-      if (quantity%kind > 0) dimension = quantities(quantity%kind)%dimension
-   end function slot_dimension
 
    pure function combined(code, a, b) result(c)
       integer, intent(in) :: code, a(3), b(3)

@@ -1,16 +1,14 @@
 !> Lists of a model that grow while it is built: they have room ahead, so that adding to them costs the same whatever their length.
 !> `append` and, once all is there, `trim_lists`. Floor: model.
 module limber_model_lists
-   use limber_model_scene, only: model_type, body_type, point_type, joint_type, driver_type, force_type, torque_type, spring_type, &
-      & channel_type
+   use limber_model_scene, only: model_type, body_type, point_type, joint_type, channel_type
    implicit none
    private
    public :: append, trim_lists
 
    !> `append(list, count, item)`: puts an item behind the first `count` of a list and counts it; the list may be longer than that
    interface append
-      module procedure :: append_body, append_point, append_joint, append_driver, append_force, append_torque, append_spring, &
-         & append_channel
+      module procedure :: append_body, append_point, append_joint, append_channel
    end interface append
 
    !> Room of a list at first
@@ -25,10 +23,6 @@ contains
          if (size(model%bodies) > counts%bodies) model%bodies = model%bodies(:counts%bodies)
          if (size(model%points) > counts%points) model%points = model%points(:counts%points)
          if (size(model%joints) > counts%joints) model%joints = model%joints(:counts%joints)
-         if (size(model%drivers) > counts%drivers) model%drivers = model%drivers(:counts%drivers)
-         if (size(model%forces) > counts%forces) model%forces = model%forces(:counts%forces)
-         if (size(model%torques) > counts%torques) model%torques = model%torques(:counts%torques)
-         if (size(model%springs) > counts%springs) model%springs = model%springs(:counts%springs)
          if (size(model%channels) > counts%channels) model%channels = model%channels(:counts%channels)
       end associate
    end subroutine trim_lists
@@ -74,62 +68,6 @@ contains
       count = count + 1
       list(count) = item
    end subroutine append_joint
-
-   subroutine append_driver(list, count, item)
-      type(driver_type), allocatable, intent(inout) :: list(:)
-      integer, intent(inout) :: count
-      type(driver_type), intent(in) :: item
-      type(driver_type), allocatable :: longer(:)
-      if (count == size(list)) then
-         allocate (longer(max(least, 2*count)))
-         longer(:count) = list
-         call move_alloc(longer, list)
-      end if
-      count = count + 1
-      list(count) = item
-   end subroutine append_driver
-
-   subroutine append_force(list, count, item)
-      type(force_type), allocatable, intent(inout) :: list(:)
-      integer, intent(inout) :: count
-      type(force_type), intent(in) :: item
-      type(force_type), allocatable :: longer(:)
-      if (count == size(list)) then
-         allocate (longer(max(least, 2*count)))
-         longer(:count) = list
-         call move_alloc(longer, list)
-      end if
-      count = count + 1
-      list(count) = item
-   end subroutine append_force
-
-   subroutine append_torque(list, count, item)
-      type(torque_type), allocatable, intent(inout) :: list(:)
-      integer, intent(inout) :: count
-      type(torque_type), intent(in) :: item
-      type(torque_type), allocatable :: longer(:)
-      if (count == size(list)) then
-         allocate (longer(max(least, 2*count)))
-         longer(:count) = list
-         call move_alloc(longer, list)
-      end if
-      count = count + 1
-      list(count) = item
-   end subroutine append_torque
-
-   subroutine append_spring(list, count, item)
-      type(spring_type), allocatable, intent(inout) :: list(:)
-      integer, intent(inout) :: count
-      type(spring_type), intent(in) :: item
-      type(spring_type), allocatable :: longer(:)
-      if (count == size(list)) then
-         allocate (longer(max(least, 2*count)))
-         longer(:count) = list
-         call move_alloc(longer, list)
-      end if
-      count = count + 1
-      list(count) = item
-   end subroutine append_spring
 
    subroutine append_channel(list, count, item)
       type(channel_type), allocatable, intent(inout) :: list(:)

@@ -8,14 +8,17 @@ module limber_model_quantities
 
    !> What a quantity is asked of
    integer, parameter, public :: of_point = 1, of_body = 2, of_beam_point = 3, of_beam = 4, of_joint = 5, of_driver = 6, &
-      & of_system = 7, of_spring = 8
+      & of_system = 7, of_spring = 8, of_translational = 9, of_turner = 10, of_pusher = 11, of_powered = 12
 
    !> The quantities
    integer, parameter, public :: quantity_x = 1, quantity_y = 2, quantity_vx = 3, quantity_vy = 4, quantity_ax = 5, &
       & quantity_ay = 6, quantity_angle = 7, quantity_spin = 8, quantity_deflection = 9, quantity_length = 10, &
       & quantity_force_x = 11, quantity_force_y = 12, quantity_torque = 13, quantity_kinetic = 14, &
       & quantity_potential = 15, quantity_work = 16, quantity_u1 = 17, quantity_u2 = 18, quantity_rotation = 19, &
-      & quantity_tension = 20
+      & quantity_tension = 20, &
+      & quantity_force_1 = 21, quantity_force_2 = 22, quantity_moment = 23, quantity_joint_angle = 24, &
+      & quantity_joint_spin = 25, quantity_displacement = 26, quantity_sliding_speed = 27, &
+      & quantity_force = 28, quantity_power = 29, quantity_elongation = 30, quantity_rate = 31
 
    !> One row
    type :: quantity_spec_type
@@ -31,7 +34,7 @@ module limber_model_quantities
       character(100) :: meaning
    end type quantity_spec_type
 
-   type(quantity_spec_type), parameter :: quantities(20) = [ &
+   type(quantity_spec_type), parameter :: quantities(31) = [ &
       & quantity_spec_type('x', of_point, [1, 0, 0], .false., 'position of a point along the fixed x axis'), &
       & quantity_spec_type('y', of_point, [1, 0, 0], .false., 'position of a point along the fixed y axis'), &
       & quantity_spec_type('vx', of_point, [1, -1, 0], .false., 'velocity of a point along x'), &
@@ -44,9 +47,12 @@ module limber_model_quantities
       & quantity_spec_type('deflection', of_beam_point, [1, 0, 0], .false., &
       &    'signed distance of a beam''s point from the chord through its ends, positive to the left'), &
       & quantity_spec_type('length', of_beam, [1, 0, 0], .false., 'undeformed length of a beam'), &
-      & quantity_spec_type('force_x', of_joint, [1, -2, 1], .false., 'force along x of a joint on its first body'), &
-      & quantity_spec_type('force_y', of_joint, [1, -2, 1], .false., 'force along y of a joint on its first body'), &
-      & quantity_spec_type('torque', of_driver, [2, -2, 1], .false., 'torque of a driver on its body'), &
+      & quantity_spec_type('force_x', of_pusher, [1, -2, 1], .false., &
+      &    'force along x of a joint or bushing on its first body; with redundant joints that of least norm'), &
+      & quantity_spec_type('force_y', of_pusher, [1, -2, 1], .false., &
+      &    'force along y of a joint or bushing on its first body; with redundant joints that of least norm'), &
+      & quantity_spec_type('torque', of_turner, [2, -2, 1], .false., &
+      &    'torque of a driver that drives an angle, or of a rotational spring on its first body'), &
       & quantity_spec_type('kinetic_energy', of_system, [2, -2, 1], .false., &
       &    'kinetic energy of the whole: kinetic_energy(system)'), &
       & quantity_spec_type('potential_energy', of_system, [2, -2, 1], .false., &
@@ -59,8 +65,26 @@ module limber_model_quantities
       &    'displacement of a beam''s point along the second axis of the beam''s frame'), &
       & quantity_spec_type('rotation', of_beam_point, [0, 0, 0], .true., &
       &    'slope of a beam at a point within the beam''s frame'), &
-      & quantity_spec_type('tension', of_spring, [1, -2, 1], .false., &
-      &    'pull of a spring and its damper on their points')]
+      & quantity_spec_type('tension', of_translational, [1, -2, 1], .false., &
+      &    'pull of a spring and its damper on their points'), &
+      & quantity_spec_type('force_1', of_joint, [1, -2, 1], .false., &
+      &    'force of a joint on its first body along the first axis of the second body''s frame'), &
+      & quantity_spec_type('force_2', of_joint, [1, -2, 1], .false., 'the same along the second axis'), &
+      & quantity_spec_type('moment', of_pusher, [2, -2, 1], .false., &
+      &    'moment of a joint on its first body about its first point; torque of a bushing on its first body'), &
+      & quantity_spec_type('joint_angle', of_joint, [0, 0, 0], .true., &
+      &    'angle of the first section of a joint less that of the second, accumulated over turns'), &
+      & quantity_spec_type('joint_spin', of_joint, [0, -1, 0], .true., 'its rate'), &
+      & quantity_spec_type('displacement', of_joint, [1, 0, 0], .false., &
+      &    'place of the first point of a joint along the line through the second, at its ANGLE'), &
+      & quantity_spec_type('sliding_speed', of_joint, [1, -1, 0], .false., 'its rate'), &
+      & quantity_spec_type('force', of_driver, [1, -2, 1], .false., &
+      &    'force of a driver that drives a length, positive where it lengthens'), &
+      & quantity_spec_type('power', of_powered, [2, -3, 1], .false., &
+      &    'power that a driver puts in, or that a load gives to the bodies, from its energy or not'), &
+      & quantity_spec_type('elongation', of_spring, [1, 0, 0], .false., &
+      &    'length of a spring less its free length, or angle less its free angle'), &
+      & quantity_spec_type('rate', of_spring, [1, -1, 0], .false., 'rate of the elongation of a spring')]
 
 contains
 
@@ -88,9 +112,9 @@ contains
 
    pure function argument(of) result(name)
       integer, intent(in) :: of
-      character(15) :: name
-      character(15), parameter :: names(8) = [character(15) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
-         & 'driver', 'system', 'spring']
+      character(16) :: name
+      character(16), parameter :: names(12) = [character(16) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
+         & 'driver', 'system', 'spring', 'spring', 'driver, spring', 'joint, bushing', 'driver, load']
       name = names(of)
    end function argument
 

@@ -5,19 +5,57 @@ module limber_model_scene
    use limber_base_names, only: name_index_type
    use limber_deck_expression, only: expression_type
    use limber_flex_mesh, only: beam_type, field_type
+   use limber_model_curve, only: curve_type
+   use limber_model_integral, only: integral_type
    use limber_flex_reduced, only: reduced_type
    use limber_flex_reduction, only: reduction_type
    implicit none
    private
-   public :: model_type, body_type, point_type, joint_type, driver_type, force_type, torque_type, spring_type
+   public :: model_type, body_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
+   public :: assembly_choice_type, deflection_type
+   public :: effort_type, named_load_type
    public :: dynamics_type, accuracy_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
    !> Kinds of joints
-   integer, parameter, public :: joint_revolute = 1, joint_point_on_line = 2
+   integer, parameter, public :: joint_revolute = 1, joint_point_on_line = 2, joint_translational = 3, joint_weld = 4, &
+      & joint_rod = 5, joint_curve = 6, joint_sliding = 7, joint_gear = 8, joint_rack = 9, joint_belt = 10, joint_coupler = 11
+   !> Kinds of joint coordinates that couplers and drivers know: the angle of a body's frame, of the first section of a joint in
+   !> the second, the place of the first point of a joint along its line
+   integer, parameter, public :: coordinate_angle = 1, coordinate_joint_angle = 2, coordinate_displacement = 3
+   !> What a driver drives: the angle of a body, or of a joint, the distance of two points, the place along the line of a joint,
+   !> the coordinates of a point
+   integer, parameter, public :: driver_angle = 1, driver_joint_angle = 2, driver_distance = 3, driver_displacement = 4, &
+      & driver_x = 5, driver_y = 6
    !> Index that stands for the ground where a body is expected
    integer, parameter, public :: ground = 0
+
+   !> What an effort acts along: the displacement of P1 along a fixed axis, relative to P2 if there is one; P1 itself along an axis
+   !> of its section; the distance of the points; the coordinate of P1 from P2 along an axis of the section at P2; the angle of the
+   !> section at P1 less that at P2
+   integer, parameter, public :: effort_axis = 1, effort_follower = 2, effort_distance = 3, effort_slide = 4, effort_angle = 5
+   !> Kinds of loads that the deck names, and the lists of the model
+   integer, parameter, public :: load_force = 1, load_torque = 2, load_spring = 3, load_rotational = 4, load_bushing = 5, &
+      & load_distributed = 6, load_friction = 7
+   integer, parameter, public :: in_forces = 1, in_torques = 2, in_springs = 3, in_efforts = 4
+   !> Most things that the law of an effort depends on
+   integer, parameter, public :: most_slots = 15
+   !> Instead of a quantity of the table: elongation and rate of the spring whose law it is
+   integer, parameter, public :: own_elongation = -1, own_rate = -2
+
+   !> A quantity that an expression asks for
+   type :: quantity_type
+      !> Index into the table of quantities; 0: the time; or own_elongation, own_rate
+      integer :: kind = 0
+      !> Index of what it is asked of: a point, body, joint, driver or named load
+      integer :: of = 0
+      !> True if that is a named load
+      logical :: of_load = .false.
+      !> Dimension: exponents of length, time and mass; true for an angle or its rate
+      integer :: dimension(3) = 0
+      logical :: angular = .false.
+   end type quantity_type
 
    !> A body, with the first guess of its place and motion
    type :: body_type
@@ -51,26 +89,60 @@ module limber_model_scene
       real(wp) :: p0(2) = 0.0_wp
       !> Displacement (2,n) and rotation of the section (n) for each coordinate of the body
       real(wp), allocatable :: phi(:, :), psi(:)
+      !> True for a direction of the section, which does not move with the origin of the frame: p0 a unit vector, phi what psi
+      !> makes of it; the system makes these of points
+      logical :: direction = .false.
    end type point_type
+
+   !> A term of a coupler
+   type :: term_type
+      real(wp) :: coefficient = 0.0_wp
+      !> Kind of joint coordinate, and index of the body or joint
+      integer :: kind = 0, of = 0
+   end type term_type
 
    !> A joint between two points
    type :: joint_type
       character(:), allocatable :: name
-      !> joint_revolute or joint_point_on_line
+      !> joint_revolute, ...
       integer :: kind = joint_revolute
       !> Indices of the two points
       integer :: points(2) = 0
-      !> Direction of the line in the second body's frame [rad]
+      !> Direction of the line in the second body's section [rad]
       real(wp) :: angle = 0.0_wp
+      !> Angle of the first section from the second, of weld and translational joint [rad]; length of a rod; where the deck does
+      !> not say, that of the first guess
+      real(wp) :: turn = 0.0_wp, length = 0.0_wp
+      logical :: has_turn = .false., has_length = .false.
+      !> Radii of gears, wheels, or of a pinion [length]
+      real(wp) :: radius(2) = 0.0_wp
+      !> True if both turn in the same direction: gears inside one another, wheels of an open belt
+      logical :: same_direction = .false.
+      !> The curve that a point stays on
+      type(curve_type) :: curve
+      !> Terms of a coupler, and what their sum is in time; without a law, that of the first guess
+      type(term_type), allocatable :: terms(:)
+      logical :: has_law = .false.
+      type(expression_type) :: law
    end type joint_type
 
-   !> An angle of a body prescribed in time
+   !> A motion prescribed in time
    type :: driver_type
       character(:), allocatable :: name
-      !> Index of the body
-      integer :: body = 0
-      !> Angle as a function of t [rad]
+      !> driver_angle, ...
+      integer :: kind = driver_angle
+      !> Index of the body, of the joint, of the points: what the kind needs
+      integer :: body = 0, joint = 0, points(2) = 0
+      !> What is prescribed as a function of t [rad or length], or one of its derivatives
       type(expression_type) :: law
+      !> What the law is of: 0 the coordinate, 1 its velocity, 2 its acceleration
+      integer :: level = 0
+      !> Of levels 1 and 2: coordinate and velocity at the start
+      real(wp) :: initial(2) = 0.0_wp
+      !> Whether the deck says the first; else it is that of the first guess
+      logical :: has_initial = .false.
+      !> Integrals of the law
+      type(integral_type) :: integral
    end type driver_type
 
    !> A dead force at a point
@@ -100,13 +172,31 @@ module limber_model_scene
       real(wp) :: stiffness = 0.0_wp, length = 0.0_wp, damping = 0.0_wp
    end type spring_type
 
-   !> A quantity that a channel's expression asks for
-   type :: quantity_type
-      !> Index into the table of quantities
+   !> Something that acts along a scalar of the motion s: with -k (s - origin) - c s' and a law times a factor. Loads of the deck
+   !> that are more than a time law on a point or body, or a linear spring between two points, are made of these.
+   type :: effort_type
+      !> What s is: effort_axis, effort_follower, effort_distance, effort_slide or effort_angle
+      integer :: along = 0
+      !> Indices of one or two points: P1 and P2; the second may be 0
+      integer :: points(2) = 0
+      !> Angle of the axis; of the direction in the section at P1 (follower) or P2 (slide) [rad]
+      real(wp) :: angle = 0.0_wp
+      !> Free length or angle, k, c, and what the law is multiplied by
+      real(wp) :: origin = 0.0_wp, stiffness = 0.0_wp, damping = 0.0_wp, factor = 1.0_wp
+      !> Whether there is a law, and the law with what its slots stand for
+      logical :: driven = .false.
+      type(expression_type) :: law
+      type(quantity_type), allocatable :: quantities(:)
+   end type effort_type
+
+   !> A load as the deck names it, and what it is made of in the model's lists
+   type :: named_load_type
+      character(:), allocatable :: name
+      !> load_force, load_torque, load_spring, load_rotational, load_bushing, load_distributed or load_friction
       integer :: kind = 0
-      !> Index of the point, body, joint, driver or spring that it is asked of
-      integer :: of = 0
-   end type quantity_type
+      !> in_forces, in_torques, in_springs or in_efforts; first and last index in that list
+      integer :: list = 0, first = 0, last = 0
+   end type named_load_type
 
    !> A requested channel: an expression of quantities
    type :: channel_type
@@ -140,6 +230,22 @@ module limber_model_scene
       integer :: maximum_steps = 100000000
    end type dynamics_type
 
+   !> A coordinate of a beam that is given at the start
+   type :: deflection_type
+      !> Index of the body, and of its coordinate
+      integer :: body = 0, coordinate = 0
+      !> Its value [length sqrt(mass)] and rate
+      real(wp) :: value = 0.0_wp, rate = 0.0_wp
+   end type deflection_type
+
+   !> What the assembly is asked for
+   type :: assembly_choice_type
+      !> Rotation from the guess to the first position above which there is a warning [rad]
+      real(wp) :: largest_turn = 0.5_wp
+      !> Deflections that are given; all others start at zero
+      type(deflection_type), allocatable :: deflections(:)
+   end type assembly_choice_type
+
    !> What is to be known of the error of the results
    type :: accuracy_type
       !> True if the error of each channel is to be estimated
@@ -153,7 +259,7 @@ module limber_model_scene
 
    !> Numbers of what has been added to the lists of a model, which may be longer while it is built
    type :: counts_type
-      integer :: bodies = 0, points = 0, joints = 0, drivers = 0, forces = 0, torques = 0, springs = 0, channels = 0
+      integer :: bodies = 0, points = 0, joints = 0, channels = 0
    end type counts_type
 
    !> The whole model
@@ -170,9 +276,13 @@ module limber_model_scene
       type(force_type), allocatable :: forces(:)
       type(torque_type), allocatable :: torques(:)
       type(spring_type), allocatable :: springs(:)
+      type(effort_type), allocatable :: efforts(:)
+      !> All loads by their names, each an interval of one of these lists
+      type(named_load_type), allocatable :: loads(:)
       type(channel_type), allocatable :: channels(:)
       !> True if the coordinates of all bodies are to be sampled, to be drawn
       logical :: motion = .false.
+      type(assembly_choice_type) :: assembly
       type(dynamics_type) :: dynamics
       type(accuracy_type) :: accuracy
       !> Characteristic length: the largest size of a body or distance between guessed places [length]

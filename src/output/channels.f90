@@ -2,11 +2,15 @@
 module limber_output_channels
    use limber_base_kinds, only: wp
    use limber_model_quantities
-   use limber_model_scene, only: quantity_type, joint_point_on_line, ground
-   use limber_system_algebra, only: turn, along, cross
+   use limber_model_laws, only: driven_motion
+   use limber_deck_operations, only: jet_type
+   use limber_model_scene, only: quantity_type, driver_angle, ground
+   use limber_output_joints, only: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, &
+      & section_rotation, joint_spin, driver_effort, driver_power
+   use limber_output_loads, only: load_value
+   use limber_system_algebra, only: cross
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
-   use limber_system_springs, only: point_spring_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -34,6 +38,7 @@ contains
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
       type(recorder_type) :: recorder
+      type(jet_type) :: motion
       integer :: i, j, most
       allocate (recorder%angle(size(system%model%bodies)), recorder%turning(0))
       recorder%angle = 0.0_wp
@@ -44,9 +49,13 @@ contains
             associate (quantity => system%model%channels(i)%quantities(j))
                select case (quantity%kind)
                case (quantity_angle); recorder%turning = [recorder%turning, quantity%of]
-               case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension)
+               case (quantity_joint_angle); recorder%turning = [recorder%turning, turning_bodies(system, quantity%of)]
+               case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension, &
+                     & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power, &
+                     & quantity_elongation, quantity_rate)
                   recorder%needs_accelerations = .true.
-               case (quantity_vx, quantity_vy, quantity_spin); recorder%needs_velocities = .true.
+               case (quantity_vx, quantity_vy, quantity_spin, quantity_joint_spin, quantity_sliding_speed)
+                  recorder%needs_velocities = .true.
                case (quantity_kinetic, quantity_potential); recorder%needs_energy = .true.
                end select
             end associate
@@ -59,11 +68,48 @@ contains
       end do
       do i = 1, size(system%model%drivers)
          associate (driver => system%model%drivers(i))
-            recorder%angle(driver%body) = driver%law%evaluate([system%model%dynamics%start])
+            if (driver%kind /= driver_angle) cycle
+            motion = driven_motion(driver, system%model%dynamics%start)
+            recorder%angle(driver%body) = motion%value
          end associate
       end do
       call follow_angles(recorder, system, q)
    end function new_recorder
+
+   !> Bodies of a joint that have an angle.
+   pure function turning_bodies(system, joint) result(bodies)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: joint
+      integer, allocatable :: bodies(:)
+      integer :: side
+      allocate (bodies(0))
+      do side = 1, 2
+         associate (body => system%constraints(joint)%item%bodies(side))
+            if (body == ground) cycle
+            if (system%layout%framed(body)) bodies = [bodies, body]
+         end associate
+      end do
+   end function turning_bodies
+
+   !> Angle of the first section of a joint from the second, accumulated over turns.
+   pure real(wp) function joint_angle(recorder, system, joint, q) result(angle)
+      type(recorder_type), intent(in) :: recorder
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: joint
+      real(wp), intent(in) :: q(:)
+      integer :: side
+      real(wp) :: own
+      angle = 0.0_wp
+      do side = 1, 2
+         associate (body => system%constraints(joint)%item%bodies(side))
+            if (body == ground) cycle
+            if (.not. system%layout%framed(body)) cycle
+            own = angle_near(recorder%angle(body), q(system%layout%q(body) + 2:)) &
+               & + section_rotation(system, system%model%joints(joint)%points(side), q)
+            angle = angle + merge(own, -own, side == 1)
+         end associate
+      end do
+   end function joint_angle
 
    !> Carries the accumulated angles on to a state less than half a turn away.
    subroutine follow_angles(recorder, system, q)
@@ -129,6 +175,10 @@ contains
       end if
       vector = 0.0_wp
       value = 0.0_wp
+      if (quantity%of_load) then
+         value = load_value(system, work, quantity)
+         return
+      end if
       select case (quantity%kind)
       case (quantity_x, quantity_y)
          vector = point_position(system%layout, system%model%points(quantity%of), q)
@@ -148,44 +198,30 @@ contains
          value = deflection(system, quantity%of, q)
       case (quantity_length)
          value = system%model%bodies(quantity%of)%beam%length
-      case (quantity_torque)
-         associate (item => system%constraints(size(system%model%joints) + quantity%of)%item)
-            value = -work%lambda(item%first)*work%jacobians(1, size(system%model%joints) + quantity%of)%z(1, 3)
-         end associate
+      case (quantity_torque, quantity_force)
+         value = driver_effort(system, work, quantity%of)
       case (quantity_u1, quantity_u2)
          vector = beam_displacement(system, quantity%of, q)
       case (quantity_rotation)
          associate (point => system%model%points(quantity%of))
             value = dot_product(point%psi, q(system%layout%q(point%body) + 4:system%layout%q(point%body) + 3 + size(point%psi)))
          end associate
-      case (quantity_tension)
-         value = spring_tension(system, work, quantity%of)
+      case (quantity_force_1, quantity_force_2); vector = joint_force_in_frame(system, work, quantity%of, q)
+      case (quantity_moment); value = joint_moment(system, work, quantity%of, q)
+      case (quantity_joint_angle); value = joint_angle(recorder, system, quantity%of, q)
+      case (quantity_joint_spin); value = joint_spin(system, quantity%of, q, v)
+      case (quantity_displacement); value = joint_displacement(system, quantity%of, q)
+      case (quantity_sliding_speed); value = joint_sliding(system, quantity%of, q, v)
+      case (quantity_power); value = driver_power(system, work, quantity%of)
       case (quantity_kinetic); value = recorder%kinetic
       case (quantity_potential); value = recorder%potential
       case (quantity_work); value = recorder%work
       end select
       select case (quantity%kind)
-      case (quantity_x, quantity_vx, quantity_ax, quantity_force_x, quantity_u1); value = vector(1)
-      case (quantity_y, quantity_vy, quantity_ay, quantity_force_y, quantity_u2); value = vector(2)
+      case (quantity_x, quantity_vx, quantity_ax, quantity_force_x, quantity_u1, quantity_force_1); value = vector(1)
+      case (quantity_y, quantity_vy, quantity_ay, quantity_force_y, quantity_u2, quantity_force_2); value = vector(2)
       end select
    end function quantity_value
-
-   !> Force of a joint on its first body, along the fixed axes (2).
-   pure function joint_force(system, work, joint) result(force)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      integer, intent(in) :: joint
-      real(wp) :: force(2), u(2)
-      associate (item => system%constraints(joint)%item, spec => system%model%joints(joint))
-         if (spec%kind == joint_point_on_line) then
-            u = [1.0_wp, 0.0_wp]
-            if (item%bodies(2) /= ground) u = work%kinematics%frames(item%bodies(2))%u
-            force = -work%lambda(item%first)*turn(along([cos(spec%angle), sin(spec%angle)], u))
-         else
-            force = -work%lambda(item%first:item%first + 1)
-         end if
-      end associate
-   end function joint_force
 
    !> Signed distance of a beam's point from the chord through the beam's ends.
    pure real(wp) function deflection(system, point, q)
@@ -213,18 +249,5 @@ contains
          displacement = displacement + system%model%points(point)%phi(:, k)*q(first + k - 1)
       end do
    end function beam_displacement
-
-   !> Tension of a spring; the loads stand in the order forces, torques, springs.
-   real(wp) function spring_tension(system, work, spring) result(tension)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      !> Index of the spring in the model
-      integer, intent(in) :: spring
-      tension = 0.0_wp
-      select type (load => system%loads(size(system%model%forces) + size(system%model%torques) + spring)%item)
-      type is (point_spring_type)
-         tension = load%tension(work%kinematics)
-      end select
-   end function spring_tension
 
 end module limber_output_channels

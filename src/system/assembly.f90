@@ -7,6 +7,8 @@ module limber_system_assembly
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_deck_operations, only: jet_type
+   use limber_model_laws, only: driven_motion
+   use limber_model_scene, only: driver_angle
    use limber_system_algebra, only: turn, cross
    use limber_system_closure, only: close_positions, close_velocities, approach, change_between
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
@@ -36,20 +38,37 @@ contains
       !> Index of the constraint that the error is about
       integer, intent(out) :: culprit
       !> Rank, redundant equations, the way from the guess
-      type(assembly_type), intent(out), optional :: found
+      type(assembly_type), intent(inout), optional :: found
       !> Whether to use singular values; if not given, in small scenes
       logical, intent(in), optional :: dense
+      type(assembly_type) :: unasked
+      if (present(found)) then
+         call put_together(system, work, t, q, v, error, culprit, found, dense)
+      else
+         call put_together(system, work, t, q, v, error, culprit, unasked, dense)
+      end if
+   end subroutine assemble
+
+   !> The same, and what is found is wanted.
+   subroutine put_together(system, work, t, q, v, error, culprit, result, dense)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer, intent(out) :: culprit
+      type(assembly_type), intent(out) :: result
+      logical, intent(in), optional :: dense
       type(constraint_matrix_type) :: frames, bodies
-      type(assembly_type) :: result
       real(wp), allocatable :: start(:)
       logical :: done
       culprit = 0
+      allocate (result%redundancy, result%singular)
       result%rates = system%layout%nw
       result%equations = system%nc
       if (system%nc == 0) then
          allocate (result%redundancy%group(0), result%singular%group(0))
          call place_frames(system%model, system%layout, t, q, work%kinematics)
-         if (present(found)) found = result
          return
       end if
       allocate (start(max(size(q), size(v))))
@@ -85,8 +104,7 @@ contains
       else if (result%singular%count > 0) then
          call check_branch(system, work, bodies, q, v, result, error, culprit)
       end if
-      if (present(found)) found = result
-   end subroutine assemble
+   end subroutine put_together
 
    !> Turns the rates of the frames' vectors along with the frames: the guessed angular velocities stay.
    pure subroutine turn_rates(system, before, q, v)
@@ -124,8 +142,18 @@ contains
             v(first + 2:first + 3) = body%spin*[-sin(body%angle), cos(body%angle)]
          end associate
       end do
+      if (allocated(system%model%assembly%deflections)) then
+         do i = 1, size(system%model%assembly%deflections)
+            associate (deflection => system%model%assembly%deflections(i))
+               first = system%layout%q(deflection%body) + 3 + deflection%coordinate
+               q(first) = deflection%value
+               v(first) = deflection%rate
+            end associate
+         end do
+      end if
       do i = 1, size(system%model%drivers)
-         theta = system%model%drivers(i)%law%evaluate_jet(t)
+         if (system%model%drivers(i)%kind /= driver_angle) cycle
+         theta = driven_motion(system%model%drivers(i), t)
          first = system%layout%q(system%model%drivers(i)%body) + 2
          q(first:first + 1) = [cos(theta%value), sin(theta%value)]
          v(first:first + 1) = theta%first*[-sin(theta%value), cos(theta%value)]

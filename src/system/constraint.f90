@@ -26,6 +26,8 @@ module limber_system_constraint
       integer :: bodies(2) = ground
       !> Length that a residual is to be compared with: 1 for angles
       real(wp) :: scale = 1.0_wp
+      !> True if it moves in time, and so puts work in
+      logical :: driven = .false.
    contains
       !> Position residual
       procedure(residual_interface), deferred :: residual

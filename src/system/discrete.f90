@@ -14,7 +14,8 @@ module limber_system_discrete
    use limber_system_body, only: body_mass, centre_moment
    use limber_system_constraint, only: jacobian_type
    use limber_system_dynamics, only: position_residual
-   use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames
+   use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames, settle_angles
+   use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type, workspace_type
@@ -59,7 +60,7 @@ contains
          allocate (step%q(nq), step%new_q(nq), step%b(nw), step%new_b(nw), step%p(nw), step%new_p(nw))
       end associate
       allocate (step%start, step%mean)
-      step%start = new_kinematics(system%model, system%marker_points)
+      step%start = new_kinematics(system%model, system%marker_points, system%angles, system%bends)
       step%mean = step%start
       allocate (step%jacobians(2, size(system%constraints)), step%bodies(size(system%layout%q)))
       step%jacobians = work%jacobians
@@ -82,6 +83,7 @@ contains
       step%q = q
       step%b = b
       call place_frames(system%model, system%layout, t, q, step%start)
+      call settle_angles(step%start)
       call place_drives(system%model, t + 0.5_wp*h, step%mean)
       step%mean%span = h
       call find_momenta(system, q, b, step%p)
@@ -204,12 +206,23 @@ contains
             associate (frame => step%mean%frames(marker%body))
                marker%position = 0.5_wp*(a%position + b%position)
                marker%lever = 0.5_wp*(a%lever + b%lever)
-               marker%velocity = frame%velocity + frame%omega*marker%lever
+               marker%velocity = frame%omega*marker%lever
+               if (.not. marker%direction) marker%velocity = frame%velocity + marker%velocity
                do k = 1, size(marker%shape, 2)
                   marker%shape(:, k) = 0.5_wp*(1 + 0.25_wp*(frame%omega*step%h)**2)*(a%shape(:, k) + b%shape(:, k))
                   marker%velocity = marker%velocity + marker%shape(:, k)*(y(layout%w(marker%body) + 2 + k)/step%h)
                end do
             end associate
+         end associate
+      end do
+      do m = 1, size(step%mean%angles)
+         step%mean%angles(m)%value = final%angles(m)%value - 0.5_wp*angle_change(step%mean, m)
+      end do
+      do m = 1, size(step%mean%bends)
+         associate (bend => step%mean%bends(m))
+            bend%eta = 0.5_wp*(step%start%bends(m)%eta + final%bends(m)%eta)
+            at = layout%w(bend%body) + 3
+            bend%rate = y(at:at + size(bend%rate) - 1)/step%h
          end associate
       end do
    end subroutine find_mean
@@ -227,6 +240,9 @@ contains
       integer :: i, side, first
       real(wp) :: largest
       call find_end(system%layout, step, y)
+      do i = 1, size(step%start%angles)
+         work%kinematics%angles(i)%anchor = step%start%angles(i)%value
+      end do
       call place_frames(system%model, system%layout, step%final, step%new_q, work%kinematics)
       call find_mean(system%layout, step, work%kinematics, y)
       call find_momenta(system, step%new_q, step%new_b, step%new_p)
@@ -237,8 +253,9 @@ contains
          associate (load => system%loads(i)%item, force => work%loads(i)%force)
             force = 0.0_wp
             call load%add_force(step%mean, force)
-            call take(motion, load%bodies(1), force(:load%rates(1)))
-            call take(motion, load%bodies(2), force(load%rates(1) + 1:))
+            do side = 1, size(load%bodies)
+               call take(motion, load%bodies(side), force(load%offsets(side) + 1:load%offsets(side) + load%rates(side)))
+            end do
          end associate
       end do
       do i = 1, size(system%constraints)
@@ -322,6 +339,7 @@ contains
          do k = 1, n
             motion(at + 2 + k) = (step%new_p(at + 2 + k) - step%p(at + 2 + k))/h - motion(at + 2 + k) &
                & + work%bodies(i)%eta_force(k) - dot_product(along(body%c(:, k), stretch), gravity)
+            if (body%damped) motion(at + 2 + k) = motion(at + 2 + k) + body%damping(k)*y(at + 2 + k)/h
          end do
       end associate
    end subroutine body_residual
@@ -423,6 +441,7 @@ contains
          do k = 1, n
             stiffness(3, 3 + k) = -cross(along(body%c(:, k), u1), gravity)
             stiffness(3 + k, 3) = -cross(along(body%c(:, k), u0), gravity)
+            if (body%damped) tangent%bodies(i)%damping(3 + k, 3 + k) = body%damping(k)
          end do
          if (n > 0) call add_elastic_tangent(system, work, step, i, y, tangent)
       end associate
@@ -468,7 +487,7 @@ contains
          call by_alpha(system%layout, item%bodies(2), y, c%second_drift)
          c%first_drift = c%first_drift - c%first
          c%second_drift = c%second_drift - c%second
-         call add_reaction_stiffness(system, work, i, lambda, tangent)
+         call add_reaction_stiffness(system, step%mean, i, lambda, tangent)
       end associate
    end subroutine linearise_constraint
 
@@ -482,7 +501,7 @@ contains
       if (layout%framed(body)) rows(:, 3) = rows(:, 3)/(1 + 0.25_wp*y(layout%w(body) + 2)**2)
    end subroutine by_alpha
 
-   !> Work put in by drivers, loads and the force of the model k_g in the step of the last `step_residual`.
+   !> Work put in by drivers, loads, damping and the force of the model k_g in the step of the last `step_residual`.
    real(wp) function step_work(system, work, step, y, lambda) result(done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -495,19 +514,17 @@ contains
          call system%loads(i)%item%add_power(step%mean, power)
       end do
       done = step%h*power
-      do i = size(system%model%joints) + 1, size(system%constraints)
+      do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
-            at = system%layout%w(item%bodies(1)) - 1
-            do k = 1, 3
-               done = done - y(at + k)*dot_product(step%jacobians(1, i)%z(:, k), lambda(item%first:item%first + item%rows - 1))
-            end do
+            if (item%driven) done = done + driver_work(system, step, i, y, lambda(item%first:item%first + item%rows - 1))
          end associate
       end do
       do i = 1, size(work%bodies)
          associate (body => system%model%bodies(i)%reduced)
+            at = system%layout%w(i) + 2
+            if (body%damped) done = done - sum(body%damping*y(at + 1:at + body%n)**2)/step%h
             if (body%full .or. .not. body%geometric) cycle
             call mean_elastic_force(system, work, step, i, y)
-            at = system%layout%w(i) + 2
             first = system%layout%q(i) + 3
             do k = 1, body%n
                done = done - y(at + k)*(work%bodies(i)%eta_force(k) - body%omega2(k)*(step%q(first + k) + 0.5_wp*y(at + k)))
@@ -515,5 +532,30 @@ contains
          end associate
       end do
    end function step_work
+
+   !> Work of what moves a constraint in time: force times increment on both bodies.
+   pure real(wp) function driver_work(system, step, i, y, lambda) result(done)
+      type(system_type), intent(in) :: system
+      type(step_type), intent(in) :: step
+      !> Index of the constraint
+      integer, intent(in) :: i
+      !> Increments (nw), its multipliers
+      real(wp), intent(in) :: y(:), lambda(:)
+      integer :: side, k, at, rates
+      done = 0.0_wp
+      do side = 1, 2
+         associate (body => system%constraints(i)%item%bodies(side), jacobian => step%jacobians(side, i))
+            if (body == ground) cycle
+            at = system%layout%w(body) - 1
+            rates = system%layout%rates(body)
+            do k = 1, rates
+               done = done - y(at + k)*dot_product(jacobian%z(:, k), lambda)
+            end do
+            do k = 1, system%layout%n(body)
+               done = done - y(at + rates + k)*dot_product(jacobian%eta(:, k), lambda)
+            end do
+         end associate
+      end do
+   end function driver_work
 
 end module limber_system_discrete

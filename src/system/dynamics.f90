@@ -99,7 +99,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: q(:), v(:)
-      integer :: i, first, last
+      integer :: i, first, last, side
       logical :: heavy
       heavy = any(abs(system%model%gravity) > 0.0_wp)
       do i = 1, size(work%bodies)
@@ -118,6 +118,7 @@ contains
                body%eta_force = 0.0_wp
                call elastic_force(reduced, q(first:last), body%eta_force, body%z, body%s)
                body%eta_force = -body%eta_force
+               if (reduced%damped) body%eta_force = body%eta_force - reduced%damping*v(first:last)
             end if
             call velocity_forces(reduced, frame%u, frame%omega, q(first:last), v(first:last), body%force, body%eta_force)
             if (heavy) call gravity_forces(reduced, system%model%gravity, frame%u, q(first:last), body%force, body%eta_force)
@@ -127,8 +128,10 @@ contains
          associate (load => system%loads(i)%item, force => work%loads(i)%force)
             force = 0.0_wp
             call load%add_force(work%kinematics, force)
-            call add_to_body(system, work, load%bodies(1), force(:load%rates(1)))
-            call add_to_body(system, work, load%bodies(2), force(load%rates(1) + 1:))
+            do side = 1, size(load%bodies)
+               call add_to_body(system, work, load%bodies(side), &
+                  & force(load%offsets(side) + 1:load%offsets(side) + load%rates(side)))
+            end do
          end associate
       end do
    end subroutine sum_forces
@@ -227,7 +230,7 @@ contains
       end do
    end function velocity_residual
 
-   !> Power that drivers and loads put in, less what the geometric force of the model k_g takes, at the state of the
+   !> Power that drivers and loads put in, less what damping and the geometric force of the model k_g take, at the state of the
    !> last `accelerations`.
    real(wp) function input_power(system, work, q, v) result(power)
       type(system_type), intent(in) :: system
@@ -236,8 +239,9 @@ contains
       integer :: i, first, last
       real(wp) :: taken
       power = 0.0_wp
-      do i = size(system%model%joints) + 1, size(system%constraints)
+      do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
+            if (.not. item%driven) cycle
             last = item%first + item%rows - 1
             call item%rate(work%kinematics, work%gamma(item%first:last))
             power = power - dot_product(work%lambda(item%first:last), work%gamma(item%first:last))
@@ -253,6 +257,8 @@ contains
          call geometric_power(system%model%bodies(i)%reduced, q(first:last), v(first:last), work%bodies(i)%z, &
             & work%bodies(i)%s, taken)
          power = power - taken
+         if (system%model%bodies(i)%reduced%damped) &
+            & power = power - sum(system%model%bodies(i)%reduced%damping*v(first:last)**2)
       end do
    end function input_power
 

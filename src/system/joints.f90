@@ -128,7 +128,7 @@ contains
       force = lambda(1)*normal(self, kinematics)
       associate (a => kinematics%markers(self%markers(1)), frame => kinematics%frames(self%bodies(2)))
          call marker_stiffness(a, force, first)
-         if (self%bodies(2) == ground) return
+         if (self%bodies(2) == ground .or. size(second, 1) < 3) return
          turned = turn(force)
          arm = a%position - frame%position
          second(1:2, 3) = second(1:2, 3) - turned
@@ -158,6 +158,10 @@ contains
       across = normal(self, kinematics)
       call marker_drift(kinematics, self%markers(1), across, first(1, :))
       if (self%bodies(2) == ground) return
+      if (size(second, 2) < 3) then
+         call marker_drift(kinematics, self%markers(2), -across, second(1, :))
+         return
+      end if
       ! (J e).(v1 - r2') + (J e)'.(P1 - r2): its derivatives by what moves the point, then by what moves the line
       associate (a => kinematics%markers(self%markers(1)), frame => kinematics%frames(self%bodies(2)))
          turning = frame%omega*turn(across)

@@ -4,12 +4,14 @@
 module limber_system_kinematics
    use limber_base_kinds, only: wp
    use limber_deck_operations, only: jet_type
+   use limber_model_laws, only: driven_motion
    use limber_model_scene, only: model_type, point_type, body_point, ground
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
-   public :: layout_type, new_layout, frame_type, marker_type, kinematics_type, new_kinematics
-   public :: place_drives, place_frames, move_frames, place_marker, move_marker, rates_of, velocities_of, advance
+   public :: layout_type, new_layout, frame_type, marker_type, angle_type, kinematics_type, new_kinematics
+   public :: place_drives, place_frames, place_directions, settle_angles, move_frames, move_directions, place_marker, move_marker
+   public :: rates_of, velocities_of, advance
    public :: point_position, point_velocity, point_acceleration
 
    !> Where each body's coordinates stand. In q and v a body has [r (2); u (2); eta (n)], a point mass r only; the
@@ -38,10 +40,14 @@ module limber_system_kinematics
       real(wp) :: omega = 0.0_wp
    end type frame_type
 
-   !> State of one point: its acceleration is r'' + lever alpha + shape eta'' + bias
+   !> State of one point: its acceleration is r'' + lever alpha + shape eta'' + bias. Or of a direction, A(p) u with
+   !> p = (cos a, sin a) + psi.eta (-sin a, cos a), which is a point without r: its "position" is the vector
    type :: marker_type
       !> Index of the point in the model, and of its body
       integer :: point = 0, body = ground
+      !> The body that moves it as a point; `ground` for a direction, which does not move with r
+      integer :: carrier = ground
+      logical :: direction = .false.
       real(wp) :: position(2) = 0.0_wp, velocity(2) = 0.0_wp
       !> J A(p) u
       real(wp) :: lever(2) = 0.0_wp
@@ -53,9 +59,31 @@ module limber_system_kinematics
       real(wp), allocatable :: shape(:, :)
    end type marker_type
 
-   !> What a driver prescribes at a time: the unit vector of the angle, and the angle's two derivatives
+   !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to its anchor
+   type :: angle_type
+      !> Markers that the vector leads from and to; without the first, the second is a direction
+      integer :: markers(2) = 0
+      !> [rad]
+      real(wp) :: value = 0.0_wp
+      !> Its value at the last state that counts: a trial that goes astray must not turn it around [rad]
+      real(wp) :: anchor = 0.0_wp
+   end type angle_type
+
+   !> Deflections of a body that joints ask for themselves, not for those of its points
+   type :: bend_type
+      !> Index of the body
+      integer :: body = ground
+      !> Coordinates and their rates (n)
+      real(wp), allocatable :: eta(:), rate(:)
+      !> What a unit of them is in lengths: the largest of its shapes
+      real(wp) :: size = 1.0_wp
+   end type bend_type
+
+   !> What a driver prescribes at a time: the value and its two derivatives; of an angle also its unit vector
    type :: drive_type
-      real(wp) :: heading(2) = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
+      real(wp) :: heading(2) = 0.0_wp, value = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
+      !> Behind those of the drivers: the joint whose law it is
+      integer :: joint = 0
    end type drive_type
 
    !> Frames of all bodies (index 0 is the ground), all markers in use, and what drivers prescribe, at a time
@@ -66,6 +94,14 @@ module limber_system_kinematics
       type(drive_type), allocatable :: drives(:)
       type(frame_type), allocatable :: frames(:)
       type(marker_type), allocatable :: markers(:)
+      !> Whether there are any of the following
+      logical :: turns = .false.
+      !> Markers that are directions of bodies
+      integer, allocatable :: directions(:)
+      !> Angles that joints and loads ask for
+      type(angle_type), allocatable :: angles(:)
+      !> Deflections that joints ask for
+      type(bend_type), allocatable :: bends(:)
    end type kinematics_type
 
 contains
@@ -89,20 +125,45 @@ contains
    end function new_layout
 
    !> Room for frames and for the given points as markers.
-   pure function new_kinematics(model, points) result(kinematics)
+   pure function new_kinematics(model, points, angles, bends) result(kinematics)
       type(model_type), intent(in) :: model
       !> Indices of the points that become markers
       integer, intent(in) :: points(:)
+      !> Angles that are followed, with values near those of the first place
+      type(angle_type), intent(in) :: angles(:)
+      !> Bodies whose deflections are wanted
+      integer, intent(in) :: bends(:)
       type(kinematics_type) :: kinematics
       integer :: m
-      allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)), kinematics%drives(size(model%drivers)))
+      allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)))
+      allocate (kinematics%drives(size(model%drivers) + count(model%joints%has_law)))
+      kinematics%drives(size(model%drivers) + 1:)%joint = pack([(m, m=1, size(model%joints))], model%joints%has_law)
       do m = 1, size(points)
          kinematics%markers(m)%point = points(m)
          kinematics%markers(m)%body = model%points(points(m))%body
          kinematics%markers(m)%p0 = model%points(points(m))%p0
+         kinematics%markers(m)%direction = model%points(points(m))%direction
+         kinematics%markers(m)%carrier = merge(ground, kinematics%markers(m)%body, kinematics%markers(m)%direction)
          allocate (kinematics%markers(m)%shape(2, size(model%points(points(m))%psi)))
          kinematics%markers(m)%shape = 0.0_wp
          if (kinematics%markers(m)%body == ground) kinematics%markers(m)%position = model%points(points(m))%p0
+      end do
+      allocate (kinematics%directions(count(kinematics%markers%direction .and. kinematics%markers%body /= ground)))
+      kinematics%directions = pack([(m, m=1, size(points))], kinematics%markers%direction .and. kinematics%markers%body /= ground)
+      kinematics%turns = size(kinematics%directions) + size(angles) + size(bends) > 0
+      allocate (kinematics%bends(size(bends)))
+      do m = 1, size(bends)
+         kinematics%bends(m)%body = bends(m)
+         allocate (kinematics%bends(m)%eta(model%bodies(bends(m))%reduced%n), &
+            & kinematics%bends(m)%rate(model%bodies(bends(m))%reduced%n))
+         kinematics%bends(m)%eta = 0.0_wp
+         kinematics%bends(m)%rate = 0.0_wp
+         if (model%bodies(bends(m))%largest_shape > 0.0_wp) kinematics%bends(m)%size = model%bodies(bends(m))%largest_shape
+      end do
+      allocate (kinematics%angles(size(angles)))
+      do m = 1, size(angles)
+         kinematics%angles(m) = angles(m)
+         kinematics%angles(m)%anchor = angles(m)%value
       end do
    end function new_kinematics
 
@@ -116,8 +177,15 @@ contains
       if (.not. abs(t - kinematics%time) > 0.0_wp) return
       kinematics%time = t
       do i = 1, size(model%drivers)
-         theta = model%drivers(i)%law%evaluate_jet(t)
+         theta = driven_motion(model%drivers(i), t)
          kinematics%drives(i)%heading = [cos(theta%value), sin(theta%value)]
+         kinematics%drives(i)%value = theta%value
+         kinematics%drives(i)%rate = theta%first
+         kinematics%drives(i)%acceleration = theta%second
+      end do
+      do i = size(model%drivers) + 1, size(kinematics%drives)
+         theta = model%joints(kinematics%drives(i)%joint)%law%evaluate_jet(t)
+         kinematics%drives(i)%value = theta%value
          kinematics%drives(i)%rate = theta%first
          kinematics%drives(i)%acceleration = theta%second
       end do
@@ -139,13 +207,72 @@ contains
       end do
       do m = 1, size(kinematics%markers)
          associate (marker => kinematics%markers(m))
-            if (marker%body == ground) cycle
+            if (marker%carrier == ground) cycle
+            if (layout%n(marker%carrier) == 0) then
+               call place_rigid_marker(marker%p0, kinematics%frames(marker%carrier), marker)
+               cycle
+            end if
+            first = layout%q(marker%carrier) + 4
+            call place_marker(model%points(marker%point), kinematics%frames(marker%carrier), &
+               & q(first:first + layout%n(marker%carrier) - 1), marker)
+         end associate
+      end do
+      if (kinematics%turns) call place_directions(model, layout, q, kinematics)
+   end subroutine place_frames
+
+   !> Directions, angles that are followed, and deflections; all else is placed.
+   pure subroutine place_directions(model, layout, q, kinematics)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      real(wp), intent(in) :: q(:)
+      type(kinematics_type), intent(inout) :: kinematics
+      integer :: i, m, first
+      do i = 1, size(kinematics%directions)
+         associate (marker => kinematics%markers(kinematics%directions(i)))
             first = layout%q(marker%body) + 4
-            call place_marker(model%points(marker%point), kinematics%frames(marker%body), &
+            call place_marker(model%points(marker%point), without_origin(kinematics%frames(marker%body)), &
                & q(first:first + layout%n(marker%body) - 1), marker)
          end associate
       end do
-   end subroutine place_frames
+      do m = 1, size(kinematics%angles)
+         call follow_angle(kinematics%markers, kinematics%angles(m))
+      end do
+      do i = 1, size(kinematics%bends)
+         first = layout%q(kinematics%bends(i)%body) + 4
+         kinematics%bends(i)%eta = q(first:first + size(kinematics%bends(i)%eta) - 1)
+      end do
+   end subroutine place_directions
+
+   !> A frame whose origin stands in that of space: that of its directions.
+   pure function without_origin(frame) result(turning)
+      type(frame_type), intent(in) :: frame
+      type(frame_type) :: turning
+      turning = frame
+      turning%position = 0.0_wp
+      turning%velocity = 0.0_wp
+   end function without_origin
+
+   !> Takes the placed angles for those of a state that counts.
+   pure subroutine settle_angles(kinematics)
+      type(kinematics_type), intent(inout) :: kinematics
+      integer :: m
+      do m = 1, size(kinematics%angles)
+         kinematics%angles(m)%anchor = kinematics%angles(m)%value
+      end do
+   end subroutine settle_angles
+
+   !> Angle of a vector at placed markers, with the turns that bring it nearest to its anchor, which follows what is near.
+   pure subroutine follow_angle(markers, angle)
+      type(marker_type), intent(in) :: markers(:)
+      type(angle_type), intent(inout) :: angle
+      real(wp), parameter :: turn_once = 2*acos(-1.0_wp), near = 1.0_wp
+      real(wp) :: vector(2), nearest
+      vector = markers(angle%markers(2))%position
+      if (angle%markers(1) > 0) vector = vector - markers(angle%markers(1))%position
+      nearest = atan2(vector(2), vector(1))
+      angle%value = nearest + turn_once*anint((angle%anchor - nearest)/turn_once)
+      if (abs(angle%value - angle%anchor) < near) angle%anchor = angle%value
+   end subroutine follow_angle
 
    !> Velocities and bias accelerations at q and v; `place_frames` comes first.
    pure subroutine move_frames(model, layout, q, v, kinematics)
@@ -167,13 +294,39 @@ contains
       end do
       do m = 1, size(kinematics%markers)
          associate (marker => kinematics%markers(m))
-            if (marker%body == ground) cycle
-            first = layout%q(marker%body) + 4
-            last = first + layout%n(marker%body) - 1
-            call move_marker(model%points(marker%point), kinematics%frames(marker%body), q(first:last), v(first:last), marker)
+            if (marker%carrier == ground) cycle
+            if (layout%n(marker%carrier) == 0) then
+               call move_rigid_marker(kinematics%frames(marker%carrier), marker)
+               cycle
+            end if
+            first = layout%q(marker%carrier) + 4
+            last = first + layout%n(marker%carrier) - 1
+            call move_marker(model%points(marker%point), kinematics%frames(marker%carrier), q(first:last), v(first:last), marker)
          end associate
       end do
+      if (kinematics%turns) call move_directions(model, layout, q, v, kinematics)
    end subroutine move_frames
+
+   !> Velocities of the directions; those of the frames are there.
+   pure subroutine move_directions(model, layout, q, v, kinematics)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      real(wp), intent(in) :: q(:), v(:)
+      type(kinematics_type), intent(inout) :: kinematics
+      integer :: i, first, last
+      do i = 1, size(kinematics%directions)
+         associate (marker => kinematics%markers(kinematics%directions(i)))
+            first = layout%q(marker%body) + 4
+            last = first + layout%n(marker%body) - 1
+            call move_marker(model%points(marker%point), without_origin(kinematics%frames(marker%body)), q(first:last), &
+               & v(first:last), marker)
+         end associate
+      end do
+      do i = 1, size(kinematics%bends)
+         first = layout%q(kinematics%bends(i)%body) + 4
+         kinematics%bends(i)%rate = v(first:first + size(kinematics%bends(i)%rate) - 1)
+      end do
+   end subroutine move_directions
 
    !> Independent rates w of velocities v at q: omega in place of u'.
    pure subroutine rates_of(layout, q, v, w)
@@ -233,6 +386,31 @@ contains
          moved(to + 4:to + 3 + layout%n(i)) = q(to + 4:to + 3 + layout%n(i)) + change(from + 3:from + 2 + layout%n(i))
       end do
    end subroutine advance
+
+   !> Position of a point of a rigid body and its derivative by the rotation.
+   pure subroutine place_rigid_marker(p0, frame, marker)
+      !> Place in the frame
+      real(wp), intent(in) :: p0(2)
+      type(frame_type), intent(in) :: frame
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: arm(2)
+      arm(1) = p0(1)*frame%u(1) - p0(2)*frame%u(2)
+      arm(2) = p0(1)*frame%u(2) + p0(2)*frame%u(1)
+      marker%position = frame%position + arm
+      marker%lever(1) = -arm(2)
+      marker%lever(2) = arm(1)
+   end subroutine place_rigid_marker
+
+   !> Velocity of such a point, and its acceleration without those of the frame.
+   pure subroutine move_rigid_marker(frame, marker)
+      type(frame_type), intent(in) :: frame
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: square
+      square = frame%omega**2
+      marker%velocity = frame%velocity + frame%omega*marker%lever
+      marker%bias(1) = -square*marker%lever(2)
+      marker%bias(2) = square*marker%lever(1)
+   end subroutine move_rigid_marker
 
    !> Position of a point and its derivatives with respect to the rates.
    pure subroutine place_marker(point, frame, eta, marker)

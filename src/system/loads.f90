@@ -3,20 +3,19 @@
 module limber_system_loads
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
-   use limber_model_scene, only: ground
    use limber_system_kinematics, only: kinematics_type
    use limber_system_markers, only: add_marker, marker_stiffness
    implicit none
    private
    public :: load_type, load_item_type, dead_force_type, body_torque_type
 
-   !> A load. Its forces and derivatives are in the independent rates [r'; omega; eta'] of its bodies, those of the first
-   !> before those of the second; the two may be the same body.
+   !> A load. Its forces and derivatives are in the independent rates [r'; omega; eta'] of its bodies, stacked one body after the
+   !> other; two of them may be the same body.
    type, abstract :: load_type
-      !> The bodies it acts on; `ground` where there is none
-      integer :: bodies(2) = ground
-      !> Numbers of their rates; none of the ground
-      integer :: rates(2) = 0
+      !> The bodies it acts on, and those that its force depends on; `ground` where there is none
+      integer, allocatable :: bodies(:)
+      !> Numbers of their rates, none of the ground; and where those of each begin, less one, when they are stacked
+      integer, allocatable :: rates(:), offsets(:)
       !> False if all that it does is in the energy that it stores
       logical :: powered = .true.
    contains

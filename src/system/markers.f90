@@ -1,13 +1,15 @@
 !> What a marker adds to equations in the independent rates (r, rotation, eta) of its body: first and second derivatives of
-!> (weight . position) and of (weight . velocity). Joints and loads are made of these. Floor: system. Source: doc/theory.
+!> (weight . position) and of (weight . velocity), of points as of directions; and the derivatives of an angle by the vector that
+!> it is of. Joints and loads are made of these. Floor: system. Source: doc/theory, eqs. (J1)-(J3).
 module limber_system_markers
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
-   use limber_system_algebra, only: turn
+   use limber_system_algebra, only: turn, cross
    use limber_system_kinematics, only: kinematics_type, marker_type
    implicit none
    private
    public :: add_marker, marker_drift, marker_stiffness, marker_column, drift_column
+   public :: angle_vector, angle_gradient, angle_hessian, angle_change, vector_angle_gradient, vector_angle_hessian
 
 contains
 
@@ -18,7 +20,7 @@ contains
       real(wp), intent(inout) :: row(:)
       integer :: k
       if (marker%body == ground) return
-      row(1:2) = row(1:2) + weight
+      if (.not. marker%direction) row(1:2) = row(1:2) + weight
       if (size(row) < 3) return
       row(3) = row(3) + dot_product(weight, marker%lever)
       do k = 1, size(marker%shape, 2)
@@ -35,7 +37,7 @@ contains
       integer :: k
       if (size(row) < 3) return
       associate (point => kinematics%markers(marker), frame => kinematics%frames(kinematics%markers(marker)%body))
-         row(3) = row(3) + dot_product(weight, turn(point%velocity - frame%velocity))
+         row(3) = row(3) + dot_product(weight, swing(kinematics, marker))
          do k = 1, size(point%shape, 2)
             row(3 + k) = row(3 + k) + frame%omega*dot_product(weight, turn(point%shape(:, k)))
          end do
@@ -70,6 +72,7 @@ contains
       case (3); column = marker%lever
       case default; column = marker%shape(:, j - 3)
       end select
+      if (marker%direction .and. j < 3) column = 0.0_wp
    end function marker_column
 
    !> Derivative of a marker's velocity by one of its body's (r, rotation, eta).
@@ -80,10 +83,102 @@ contains
       associate (point => kinematics%markers(marker), frame => kinematics%frames(kinematics%markers(marker)%body))
          select case (j)
          case (1:2); column = 0.0_wp
-         case (3); column = turn(point%velocity - frame%velocity)
+         case (3); column = swing(kinematics, marker)
          case default; column = frame%omega*turn(point%shape(:, j - 3))
          end select
       end associate
    end function drift_column
+
+   !> Derivative of a marker's velocity by the rotation of its frame.
+   pure function swing(kinematics, marker) result(column)
+      type(kinematics_type), intent(in) :: kinematics
+      integer, intent(in) :: marker
+      real(wp) :: column(2)
+      associate (point => kinematics%markers(marker), frame => kinematics%frames(kinematics%markers(marker)%body))
+         column = turn(point%velocity)
+         if (.not. point%direction) column = turn(point%velocity - frame%velocity)
+      end associate
+   end function swing
+
+   !> The vector of an angle and its rate; over a step their mean and increment over the step.
+   pure subroutine angle_vector(kinematics, angle, vector, rate)
+      type(kinematics_type), intent(in) :: kinematics
+      !> Index of the angle
+      integer, intent(in) :: angle
+      real(wp), intent(out) :: vector(2), rate(2)
+      associate (from => kinematics%angles(angle)%markers(1), to => kinematics%markers(kinematics%angles(angle)%markers(2)))
+         vector = to%position
+         rate = to%velocity
+         if (from > 0) vector = vector - kinematics%markers(from)%position
+         if (from > 0) rate = rate - kinematics%markers(from)%velocity
+      end associate
+   end subroutine angle_vector
+
+   !> What an angle changes by over a step; of the mean only.
+   pure real(wp) function angle_change(kinematics, angle) result(change)
+      type(kinematics_type), intent(in) :: kinematics
+      !> Index of the angle
+      integer, intent(in) :: angle
+      real(wp) :: vector(2), rate(2), half(2)
+      call angle_vector(kinematics, angle, vector, rate)
+      half = 0.5_wp*kinematics%span*rate
+      change = atan2(cross(vector - half, vector + half), dot_product(vector - half, vector + half))
+   end function angle_change
+
+   !> Derivative of an angle by its vector, J w/(w.w): the weight of the marker that the vector leads to, and minus that of the
+   !> other. Over a step the multiple of J w of the mean that makes the change of the angle, eq. (J2).
+   pure function angle_gradient(kinematics, angle) result(gradient)
+      type(kinematics_type), intent(in) :: kinematics
+      !> Index of the angle
+      integer, intent(in) :: angle
+      real(wp) :: gradient(2), vector(2), rate(2)
+      call angle_vector(kinematics, angle, vector, rate)
+      gradient = vector_angle_gradient(vector, rate, kinematics%span)
+   end function angle_gradient
+
+   !> The same of the angle of any vector.
+   pure function vector_angle_gradient(vector, rate, span) result(gradient)
+      !> The vector and its rate; over a step of length `span` their mean and increment over it
+      real(wp), intent(in) :: vector(2), rate(2), span
+      real(wp) :: gradient(2), half(2), sine, cosine, ratio
+      if (.not. span > 0.0_wp) then
+         gradient = turn(vector)/dot_product(vector, vector)
+         return
+      end if
+      half = 0.5_wp*span*rate
+      sine = cross(vector - half, vector + half)
+      cosine = dot_product(vector - half, vector + half)
+      ratio = sine/cosine
+      if (abs(ratio) < 1.0e-3_wp .and. cosine > 0.0_wp) then
+         ratio = (1 - ratio**2*(1 - ratio**2*(0.6_wp - ratio**2*(3.0_wp/7)))/3)/cosine
+      else
+         ratio = atan2(sine, cosine)/sine
+      end if
+      gradient = ratio*turn(vector)
+   end function vector_angle_gradient
+
+   !> Second derivatives of an angle by its vector, -(w (J w)^T + J w w^T)/(w.w)^2.
+   pure function angle_hessian(kinematics, angle) result(hessian)
+      type(kinematics_type), intent(in) :: kinematics
+      !> Index of the angle
+      integer, intent(in) :: angle
+      real(wp) :: hessian(2, 2), vector(2), rate(2)
+      call angle_vector(kinematics, angle, vector, rate)
+      hessian = vector_angle_hessian(vector)
+   end function angle_hessian
+
+   !> The same of the angle of any vector.
+   pure function vector_angle_hessian(vector) result(hessian)
+      real(wp), intent(in) :: vector(2)
+      real(wp) :: hessian(2, 2), along(2), across(2)
+      integer :: i, j
+      along = vector/dot_product(vector, vector)
+      across = turn(along)
+      do j = 1, 2
+         do i = 1, 2
+            hessian(i, j) = -(along(i)*across(j) + across(i)*along(j))
+         end do
+      end do
+   end function vector_angle_hessian
 
 end module limber_system_markers

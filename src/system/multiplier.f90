@@ -87,9 +87,19 @@ contains
          end associate
       end do
       call add_constraint_rows(system, work)
-      if (system%redundant) work%matrix%values(work%slack_place) = work%matrix%values(work%slack_place) - system%slack
+      if (system%redundant) call give_slack(system, work)
       call work%matrix%factor(singular)
    end subroutine factor_multiplier_system
+
+   !> Lets redundant constraints give way, eq. (R5).
+   subroutine give_slack(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i
+      do i = 1, system%nc
+         work%matrix%values(work%slack_place(i)) = work%matrix%values(work%slack_place(i)) - system%slack(i)
+      end do
+   end subroutine give_slack
 
    !> Accelerations of frames that hang on others, for unit values of the unknowns: those of the carrier at the joint, eq. (32a).
    !> Ones and zeros stand there already.

@@ -17,8 +17,9 @@ module limber_system_rank
    type :: assembly_type
       !> Independent rates, constraint equations, and how many of these are independent at the first position
       integer :: rates = 0, equations = 0, rank = 0
-      !> Equations that repeat others in every position, and those that do so at the first position only
-      type(redundancy_type) :: redundancy, singular
+      !> Equations that repeat others in every position, and those that do so at the first position only; allocatable, since
+      !> gfortran 12 gives back the parts of the first only otherwise
+      type(redundancy_type), allocatable :: redundancy, singular
       !> Largest rotation from the guess to the first position [rad], and the body that has it; 0: none has turned
       real(wp) :: turned = 0.0_wp
       integer :: body = 0

@@ -26,6 +26,7 @@ module limber_system_springs
       procedure :: add_energy => spring_add_energy
       procedure :: add_power => spring_add_power
       procedure :: tension => spring_tension
+      procedure :: stretch => spring_stretch
    end type point_spring_type
 
 contains
@@ -93,6 +94,17 @@ contains
       call measure(self, kinematics, gap, rate, length)
       tension = self%stiffness*(length - self%free_length) + self%damping*dot_product(gap, rate)/length
    end function spring_tension
+
+   !> Elongation and its rate.
+   pure subroutine spring_stretch(self, kinematics, elongation, rate)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: elongation, rate
+      real(wp) :: gap(2), gap_rate(2), length
+      call measure(self, kinematics, gap, gap_rate, length)
+      elongation = length - self%free_length
+      rate = dot_product(gap, gap_rate)/length
+   end subroutine spring_stretch
 
    !> Gap, its rate and the softened length. Over a step the length is the mean of those at both ends, with which the pull along
    !> the mean gap is the discrete gradient of the energy: doc/theory, eq. (55).

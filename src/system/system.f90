@@ -3,36 +3,25 @@
 module limber_system_system
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type
-   use limber_model_scene, only: model_type, joint_type, driver_type, force_type, torque_type, spring_type, joint_revolute, &
-      & joint_point_on_line, ground
-   use limber_system_constraint, only: constraint_type, constraint_item_type, jacobian_type, new_jacobian
-   use limber_system_drivers, only: driven_angle_type
-   use limber_system_joints, only: revolute_type, point_on_line_type
-   use limber_system_kinematics, only: layout_type, new_layout, kinematics_type, new_kinematics
-   use limber_system_loads, only: load_type, load_item_type, dead_force_type, body_torque_type
+   use limber_model_scene, only: model_type, ground
+   use limber_system_constraint, only: constraint_item_type, jacobian_type, new_jacobian
+   use limber_system_couplings, only: new_joint, new_driver
+   use limber_system_kinematics, only: kinematics_type, new_kinematics
+   use limber_system_load_list, only: new_loads
+   use limber_system_loads, only: load_item_type
+   use limber_system_registry, only: registry_type, start_registry
    use limber_system_sparse, only: sparse_type
-   use limber_system_springs, only: point_spring_type
    use limber_system_tree, only: tree_type, new_tree
    implicit none
    private
    public :: system_type, new_system, workspace_type, new_workspace, body_workspace_type, mark_block, block_place
 
-   !> Distance below which a spring's direction fades, relative to the characteristic length
-   real(wp), parameter :: softening = 1.0e-10_wp
-
    !> The equations; constant once it is built
-   type :: system_type
-      type(model_type) :: model
-      type(layout_type) :: layout
+   type, extends(registry_type) :: system_type
       !> Joints first, then drivers, in the order of the model
       type(constraint_item_type), allocatable :: constraints(:)
-      !> Forces first, then torques, then springs, in the order of the model
+      !> Forces first, then torques, springs and efforts, in the order of the model
       type(load_item_type), allocatable :: loads(:)
-      !> Points that joints and loads use
-      integer, allocatable :: marker_points(:)
-      !> Their number, and the marker of each point of the model, 0 where there is none
-      integer :: markers = 0
-      integer, allocatable :: point_marker(:)
       !> Of each body mass, first moment (2) and second moment of mass about the origin of its frame, undeformed; side by side,
       !> since they are all that the steps of a rigid body need (4, bodies)
       real(wp), allocatable :: inertia(:, :)
@@ -101,174 +90,53 @@ contains
    function new_system(model) result(system)
       type(model_type), intent(in) :: model
       type(system_type) :: system
+      type(load_item_type), allocatable :: loads(:)
       integer :: i, count
-      system%model = model
-      system%layout = new_layout(model)
+      call start_registry(system, model)
       allocate (system%inertia(4, size(model%bodies)))
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
             system%inertia(:, i) = [body%mass, body%c0(1), body%c0(2), body%i0]
          end associate
       end do
-      allocate (system%marker_points(0), system%point_marker(size(model%points)))
-      system%point_marker = 0
       allocate (system%constraints(size(model%joints) + size(model%drivers)))
       count = 0
       do i = 1, size(model%joints)
          count = count + 1
-         call add_joint(system, model%joints(i), system%constraints(count)%item)
+         call new_joint(system, i, system%constraints(count)%item)
       end do
       do i = 1, size(model%drivers)
          count = count + 1
-         call add_driver(model%drivers(i), i, system%constraints(count)%item)
+         call new_driver(system, i, system%constraints(count)%item)
       end do
       do i = 1, count
          system%constraints(i)%item%first = system%nc + 1
          system%nc = system%nc + system%constraints(i)%item%rows
       end do
-      call add_loads(system)
+      call new_loads(system, loads)
+      call move_alloc(loads, system%loads)
       system%marker_points = system%marker_points(:system%markers)
       system%tree = new_tree(model, system%layout, system%constraints, system%marker_points, system%nc)
-      system%powered = size(model%drivers) > 0
+      system%powered = .false.
+      do i = 1, size(system%constraints)
+         system%powered = system%powered .or. system%constraints(i)%item%driven
+      end do
       do i = 1, size(system%loads)
          system%powered = system%powered .or. system%loads(i)%item%powered
       end do
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
-            if (body%geometric .and. .not. body%full) system%powered = .true.
+            if (body%damped .or. (body%geometric .and. .not. body%full)) system%powered = .true.
          end associate
       end do
    end function new_system
-
-   !> Index of the marker at a point; a new one if there is none yet.
-   integer function marker_of(system, point) result(marker)
-      type(system_type), intent(inout) :: system
-      integer, intent(in) :: point
-      integer, allocatable :: longer(:)
-      marker = system%point_marker(point)
-      if (marker > 0) return
-      if (system%markers == size(system%marker_points)) then
-         allocate (longer(2*system%markers + 8))
-         longer(:system%markers) = system%marker_points
-         call move_alloc(longer, system%marker_points)
-      end if
-      system%markers = system%markers + 1
-      marker = system%markers
-      system%marker_points(marker) = point
-      system%point_marker(point) = marker
-   end function marker_of
-
-   subroutine add_joint(system, joint, item)
-      type(system_type), intent(inout) :: system
-      type(joint_type), intent(in) :: joint
-      class(constraint_type), allocatable, intent(out) :: item
-      type(revolute_type) :: revolute
-      type(point_on_line_type) :: line
-      integer :: markers(2)
-      markers = [marker_of(system, joint%points(1)), 0]
-      markers(2) = marker_of(system, joint%points(2))
-      select case (joint%kind)
-      case (joint_revolute)
-         revolute%rows = 2
-         revolute%markers = markers
-         allocate (item, source=revolute)
-      case (joint_point_on_line)
-         line%rows = 1
-         line%markers = markers
-         line%direction = [cos(joint%angle), sin(joint%angle)]
-         allocate (item, source=line)
-      end select
-      item%label = "joint '"//joint%name//"'"
-      item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
-      item%scale = system%model%length
-   end subroutine add_joint
-
-   subroutine add_driver(driver, index, item)
-      type(driver_type), intent(in) :: driver
-      !> Of the driver in the model
-      integer, intent(in) :: index
-      class(constraint_type), allocatable, intent(out) :: item
-      type(driven_angle_type) :: driven
-      driven%rows = 1
-      driven%drive = index
-      allocate (item, source=driven)
-      item%label = "driver '"//driver%name//"'"
-      item%bodies = [driver%body, ground]
-   end subroutine add_driver
-
-   !> Forces, torques and springs.
-   subroutine add_loads(system)
-      type(system_type), intent(inout) :: system
-      integer :: i, side, count
-      count = 0
-      associate (model => system%model)
-         allocate (system%loads(size(model%forces) + size(model%torques) + size(model%springs)))
-      end associate
-      do i = 1, size(system%model%forces)
-         count = count + 1
-         call add_force(system, system%model%forces(i), system%loads(count)%item)
-      end do
-      do i = 1, size(system%model%torques)
-         count = count + 1
-         call add_torque(system%model%torques(i), system%loads(count)%item)
-      end do
-      do i = 1, size(system%model%springs)
-         count = count + 1
-         call add_spring(system, system%model%springs(i), system%loads(count)%item)
-      end do
-      do i = 1, count
-         associate (load => system%loads(i)%item)
-            do side = 1, 2
-               if (load%bodies(side) /= ground) load%rates(side) = system%layout%rates(load%bodies(side)) &
-                  & + system%layout%n(load%bodies(side))
-            end do
-         end associate
-      end do
-   end subroutine add_loads
-
-   subroutine add_force(system, force, item)
-      type(system_type), intent(inout) :: system
-      type(force_type), intent(in) :: force
-      class(load_type), allocatable, intent(out) :: item
-      type(dead_force_type) :: dead
-      dead%marker = marker_of(system, force%point)
-      dead%law_x = force%law(1)
-      dead%law_y = force%law(2)
-      dead%bodies(1) = system%model%points(force%point)%body
-      allocate (item, source=dead)
-   end subroutine add_force
-
-   subroutine add_torque(torque, item)
-      type(torque_type), intent(in) :: torque
-      class(load_type), allocatable, intent(out) :: item
-      type(body_torque_type) :: turning
-      turning%law = torque%law
-      turning%bodies(1) = torque%body
-      allocate (item, source=turning)
-   end subroutine add_torque
-
-   subroutine add_spring(system, spring, item)
-      type(system_type), intent(inout) :: system
-      type(spring_type), intent(in) :: spring
-      class(load_type), allocatable, intent(out) :: item
-      type(point_spring_type) :: pull
-      pull%markers(1) = marker_of(system, spring%points(1))
-      pull%markers(2) = marker_of(system, spring%points(2))
-      pull%bodies = [system%model%points(spring%points(1))%body, system%model%points(spring%points(2))%body]
-      pull%stiffness = spring%stiffness
-      pull%free_length = spring%length
-      pull%damping = spring%damping
-      pull%softening = softening*system%model%length
-      pull%powered = spring%damping > 0.0_wp
-      allocate (item, source=pull)
-   end subroutine add_spring
 
    !> Room for everything that changes.
    subroutine new_workspace(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(out) :: work
       integer :: i, side, row, body, old
-      work%kinematics = new_kinematics(system%model, system%marker_points)
+      work%kinematics = new_kinematics(system%model, system%marker_points, system%angles, system%bends)
       allocate (work%bodies(size(system%model%bodies)), work%jacobians(2, size(system%constraints)))
       allocate (work%phi(system%nc), work%gamma(system%nc), work%lambda(system%nc))
       allocate (work%solution(system%tree%unknowns))

@@ -12,7 +12,7 @@ module limber_system_tangent
    use limber_model_scene, only: ground
    use limber_system_body, only: body_tangent
    use limber_system_dynamics, only: sum_forces
-   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_kinematics, only: kinematics_type, place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, update_masses
    use limber_system_sparse, only: sparse_type
    use limber_system_system, only: system_type, workspace_type, mark_block, block_place
@@ -69,7 +69,7 @@ contains
    subroutine new_tangent(system, tangent)
       type(system_type), intent(in) :: system
       type(tangent_type), intent(inout) :: tangent
-      integer :: i, m, pairs
+      integer :: i, m, pairs, side
       allocate (tangent%bodies(size(system%layout%q)), tangent%constraints(size(system%constraints)))
       do i = 1, size(tangent%bodies)
          m = body_size(system, i)
@@ -97,7 +97,10 @@ contains
          associate (item => system%loads(i)%item, load => tangent%loads(i))
             m = sum(item%rates)
             allocate (load%damping(m, m), load%stiffness(m, m))
-            load%unknowns = [places(system, item%bodies(1)), places(system, item%bodies(2))]
+            allocate (load%unknowns(m))
+            do side = 1, size(item%bodies)
+               load%unknowns(item%offsets(side) + 1:item%offsets(side) + item%rates(side)) = places(system, item%bodies(side))
+            end do
             call mark_block(tangent%matrix, load%unknowns, load%unknowns)
          end associate
       end do
@@ -328,6 +331,10 @@ contains
             & a(at + 2), a(at + 3:at + 2 + n), body%stiffness(:, 3:), body%damping(:, 3:))
          if (n > 0) call elastic_tangent(reduced, q(first:last), body%stiffness(4:, 4:), work%bodies(i)%z, work%bodies(i)%s, &
             & body%slope)
+         if (.not. reduced%damped) return
+         do k = 1, n
+            body%damping(3 + k, 3 + k) = body%damping(3 + k, 3 + k) + reduced%damping(k)
+         end do
       end associate
    end subroutine linearise_body
 
@@ -343,14 +350,15 @@ contains
          c%first_drift = 0.0_wp
          c%second_drift = 0.0_wp
          call item%drift(work%kinematics, c%first_drift, c%second_drift)
-         call add_reaction_stiffness(system, work, i, lambda, tangent)
+         call add_reaction_stiffness(system, work%kinematics, i, lambda, tangent)
       end associate
    end subroutine linearise_constraint
 
    !> Adds the derivatives of the forces of a constraint to the stiffness of its bodies, and sets those across them.
-   subroutine add_reaction_stiffness(system, work, i, lambda, tangent)
+   subroutine add_reaction_stiffness(system, kinematics, i, lambda, tangent)
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
+      !> Where the derivatives are taken
+      type(kinematics_type), intent(in) :: kinematics
       !> Index of the constraint
       integer, intent(in) :: i
       !> Multipliers of all (nc)
@@ -361,11 +369,11 @@ contains
          across = 0.0_wp
          associate (force => lambda(item%first:item%first + item%rows - 1))
             if (item%bodies(1) == ground) then
-               call item%stiffness(work%kinematics, force, none, tangent%bodies(item%bodies(2))%stiffness, across)
+               call item%stiffness(kinematics, force, none, tangent%bodies(item%bodies(2))%stiffness, across)
             else if (item%bodies(2) == ground) then
-               call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, none, across)
+               call item%stiffness(kinematics, force, tangent%bodies(item%bodies(1))%stiffness, none, across)
             else
-               call item%stiffness(work%kinematics, force, tangent%bodies(item%bodies(1))%stiffness, &
+               call item%stiffness(kinematics, force, tangent%bodies(item%bodies(1))%stiffness, &
                   & tangent%bodies(item%bodies(2))%stiffness, across)
             end if
          end associate

@@ -100,7 +100,7 @@ contains
       type(model_type) :: model
       model%length = length
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
-      allocate (model%torques(0), model%springs(0))
+      allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0))
    end function empty_model
 
    !> Adds a rigid body; returns its index.

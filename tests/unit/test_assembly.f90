@@ -11,6 +11,7 @@ program test_assembly
    use limber_system_kinematics, only: move_frames, place_frames, point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians
    use limber_system_redundancy, only: constraint_names
+   use limber_system_softening, only: soften_constraints
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_driver, add_joint, add_point_mass, add_rigid, constant_law, empty_model, join, wavy_law
    use testing, only: check, check_close, check_no_error, check_text, finish
@@ -26,6 +27,8 @@ program test_assembly
    call test_driver()
    call test_impossible()
    call test_redundant()
+   call test_many()
+   call test_shared_reactions()
    call test_dead_centre()
    call test_free()
    call finish()
@@ -355,6 +358,78 @@ contains
          deallocate (q, v)
       end do
    end subroutine check_redundancy
+
+   !> A coupler on sixty cranks, guessed roughly: 58 equations too many, all in one group; dense and sparse.
+   subroutine test_many()
+      integer, parameter :: cranks = 60
+      type(model_type) :: model
+      type(system_type) :: system
+      type(workspace_type) :: work
+      type(error_type), allocatable :: error
+      type(assembly_type) :: found
+      real(wp), allocatable :: q(:), v(:)
+      integer :: i, coupler, crank, culprit, round
+      model = empty_model(1.0_wp)
+      coupler = add_rigid(model, 'coupler', 5.0_wp, 1.0_wp, [0.5_wp*cranks, 0.0_wp], [0.4_wp, 0.8_wp], 0.02_wp)
+      do i = 1, cranks
+         crank = add_rigid(model, 'crank', 1.0_wp, 0.1_wp, nil, [real(i, wp), 0.0_wp], 1.0_wp + 0.1_wp*modulo(i, 3))
+         call join(model, 'axle', joint_revolute, crank, nil, ground, [real(i, wp), 0.0_wp])
+         call join(model, 'pin', joint_revolute, crank, [1.0_wp, 0.0_wp], coupler, [real(i, wp), 0.0_wp])
+      end do
+      do round = 1, 3
+         if (round == 3) then
+            ! One link fewer than that: a chain of four-bars without any redundancy
+            model%joints = model%joints([1, 2, (i, i=3, size(model%joints), 2), size(model%joints)])
+         end if
+         system = new_system(model)
+         call new_workspace(system, work)
+         allocate (q(system%layout%nq), v(system%layout%nq))
+         call first_guess(system, 0.0_wp, q, v)
+         call assemble(system, work, 0.0_wp, q, v, error, culprit, found, round == 1)
+         call check_no_error(error, 'many cranks')
+         call check_close(position_residual(system, work), 0.0_wp, 4*satisfied, 'many cranks: positions')
+         if (round == 3) exit
+         call check(found%redundancy%count == cranks - 2 .and. found%rank == 3*cranks + 2, 'many cranks: redundant equations')
+         call check(size(found%redundancy%excess) == 1 .and. all(found%redundancy%group == 1), 'many cranks: one group')
+         call check(found%rates - found%rank == 1, 'many cranks: one degree of freedom')
+         deallocate (q, v)
+      end do
+      call check(found%redundancy%count == 0, 'two cranks and many pendulums: nothing is redundant')
+   end subroutine test_many
+
+   !> Twin pins share evenly what one pin bears without them, and the motion is the same to round-off.
+   subroutine test_shared_reactions()
+      type(model_type) :: model
+      type(system_type) :: system(2)
+      type(workspace_type) :: work(2)
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: q(:, :), v(:, :), a(:, :)
+      integer :: i, culprit
+      do i = 1, 2
+         model = four_bar([0.0_wp, 0.0_wp, 0.0_wp], 3.0_wp)
+         model%gravity = [0.3_wp, -9.81_wp]
+         model%bodies(1)%spin = 2.0_wp
+         if (i == 2) call add_joint(model, 'twin', joint_revolute, model%joints(3)%points(1), model%joints(3)%points(2))
+         system(i) = new_system(model)
+         if (i == 2) call soften_constraints(system(i))
+         call new_workspace(system(i), work(i))
+         if (i == 1) allocate (q(system(1)%layout%nq, 2), v(system(1)%layout%nq, 2), a(system(1)%layout%nq, 2))
+         call first_guess(system(i), 0.0_wp, q(:, i), v(:, i))
+         call assemble(system(i), work(i), 0.0_wp, q(:, i), v(:, i), error, culprit)
+         call check_no_error(error, 'twin pins')
+         call linearise(system(i), work(i), 0.0_wp, q(:, i), error)
+         call check_no_error(error, 'twin pins: matrix')
+         call accelerations(system(i), work(i), q(:, i), v(:, i), a(:, i))
+      end do
+      call check_close(maxval(abs(v(:, 2) - v(:, 1))), 0.0_wp, 1.0e-13_wp, 'twin pins: velocities')
+      call check_close(maxval(abs(a(:, 2) - a(:, 1))), 0.0_wp, 1.0e-12_wp*maxval(abs(a)), 'twin pins: accelerations')
+      associate (one => work(1)%lambda, two => work(2)%lambda)
+         call check(norm2(one(5:6)) > 1.0_wp, 'the pin bears something')
+         call check_close(norm2(two(5:6) - 0.5_wp*one(5:6)), 0.0_wp, 1.0e-7_wp*norm2(one), 'the first twin bears one half')
+         call check_close(norm2(two(9:10) - 0.5_wp*one(5:6)), 0.0_wp, 1.0e-7_wp*norm2(one), 'the second twin the other half')
+         call check_close(norm2(two(1:4) - one(1:4)), 0.0_wp, 1.0e-10_wp*norm2(one), 'all others what they did')
+      end associate
+   end subroutine test_shared_reactions
 
    !> Two drivers that fit in position but not in speed.
    subroutine test_dead_centre()

@@ -330,7 +330,7 @@ contains
 
    subroutine test_line()
       type(run_type) :: outcome
-      call run_fixed(bead_on_line(), 1.0e-3_wp, 10000, 10, 1.0_wp, outcome)
+      call run_fixed(bead_on_line(), 5.0e-4_wp, 10000, 10, 1.0_wp, outcome)
       call report(outcome, 'points on lines')
       call check_conserved(outcome, 'points on lines')
       call check(outcome%exchange > 0.1_wp, 'they slide')

@@ -262,6 +262,7 @@ contains
       allocate (q(system%layout%nq), v(system%layout%nq), a(system%layout%nq))
       motion = random_motion(system)
       do i = 1, size(system%model%points)
+         if (system%model%points(i)%direction) cycle
          do k = -2, 2
             call at_time(system, motion, k*h, q, v)
             x(:, k) = point_position(system%layout, system%model%points(i), q)

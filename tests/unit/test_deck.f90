@@ -17,7 +17,8 @@ program test_deck
    character(20), parameter :: bad_decks(*) = [character(20) :: 'binary', 'characters', 'comments_only', 'continuation', &
       & 'crlf', 'duplicate_names', 'empty', 'expressions', 'fields', 'include_cycle', 'include_duplicate', &
       & 'include_missing', 'long_line', 'many', 'missing_comma', 'names', 'nesting', 'no_keyword', 'once', &
-      & 'option_value', 'output', 'parameters', 'power_comment', 'range', 'references', 'repeat', 'required', 'unknown_keyword', &
+      & 'option_value', 'output', 'parameters', 'power_comment', 'range', 'references', 'repeat', 'required', 'tables', &
+      & 'unknown_keyword', &
       & 'unknown_option', 'values', 'words']
    call test_options()
    call test_data_lines()

@@ -88,6 +88,11 @@ contains
       call value('smoothstep(0.25)', 0.103515625_wp)
       call value('smoothstep(1)', 1.0_wp)
       call value('smoothstep(3)', 1.0_wp)
+      call value('poly345(0.25)', 0.103515625_wp)
+      call value('cycloidal(-1)', 0.0_wp)
+      call value('cycloidal(0.5)', 0.5_wp)
+      call value('cycloidal(0.25)', 0.25_wp - 1/(8*atan(1.0_wp)))
+      call value('cycloidal(2)', 1.0_wp)
    end subroutine test_functions
 
    !> A constant expression has a value, and is folded into one number.
@@ -140,6 +145,10 @@ contains
       call derivatives('smoothstep(t)', 0.7_wp)
       call derivatives('smoothstep(2*t**2)', 0.3_wp)
       call derivatives('smoothstep(2*t)', 0.7_wp)
+      call derivatives('poly345(t)', 0.7_wp)
+      call derivatives('cycloidal(t)', 0.7_wp)
+      call derivatives('cycloidal(2*t**2)', 0.3_wp)
+      call derivatives('cycloidal(2*t)', 0.7_wp)
       call derivatives('smoothstep(-t)', 0.7_wp)
    end subroutine test_derivatives
 
@@ -189,6 +198,7 @@ contains
       call bend('min(0, (t - 2)**2)', 0.0_wp, 0.0_wp, 0.0_wp)
       call bend('(1 - step(t - 2))*t**2 + step(t - 2)*(4 + 3*(t - 2))', 4.0_wp, 3.0_wp, 0.0_wp)
       call bend('smoothstep(t - 2)', 0.0_wp, 0.0_wp, 0.0_wp)
+      call bend('cycloidal(t - 2)', 0.0_wp, 0.0_wp, 0.0_wp)
       call bend('smoothstep(t - 1)', 1.0_wp, 0.0_wp, 0.0_wp)
    end subroutine test_bends
 

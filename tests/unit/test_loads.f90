@@ -126,7 +126,7 @@ contains
       integer :: side, k
       allocate (list(0))
       associate (item => system%loads(load)%item)
-         do side = 1, 2
+         do side = 1, size(item%bodies)
             if (item%bodies(side) == ground) cycle
             list = [list, (system%layout%w(item%bodies(side)) + k - 1, k=1, item%rates(side))]
          end do

@@ -1,0 +1,50 @@
+!> What *ASSEMBLY asks for: how far the first position may be from the guess without a word, and given deflections. Floor: model.
+module limber_model_first_state
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: block_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_model_points, only: find_body
+   use limber_model_scene, only: model_type, deflection_type
+   implicit none
+   private
+   public :: read_assembly
+
+contains
+
+   !> Reads the block; bodies and their coordinates are there.
+   subroutine read_assembly(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(deflection_type) :: deflection
+      integer :: i
+      model%assembly%largest_turn = block%real('LARGEST TURN')
+      if (size(block%lines) > 0 .and. block%word('INITIAL DEFLECTIONS') /= 'GIVEN') then
+         call diagnostics%add(block%lines(1)%origin, 'data lines give deflections, but INITIAL DEFLECTIONS=ZERO', &
+            & 'write INITIAL DEFLECTIONS=GIVEN')
+         return
+      end if
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i))
+            deflection%body = find_body(model, line%text(1))
+            deflection%coordinate = nint(line%number(2))
+            deflection%value = line%number(3)
+            deflection%rate = line%number(4)
+            if (deflection%body == 0) then
+               call diagnostics%add(line%origin_of(1), "there is no body '"//line%text(1)//"'")
+               cycle
+            end if
+            associate (body => model%bodies(deflection%body))
+               if (deflection%coordinate > body%reduced%n) then
+                  call diagnostics%add(line%origin_of(2), "'"//body%name//"' has "//as_text(body%reduced%n)//' coordinates of'// &
+                     & ' deflection', 'the bending ones come first, then the axial ones')
+                  cycle
+               end if
+            end associate
+            model%assembly%deflections = [model%assembly%deflections, deflection]
+         end associate
+      end do
+   end subroutine read_assembly
+
+end module limber_model_first_state

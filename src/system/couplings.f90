@@ -1,0 +1,419 @@
+!> Constraints from the joints and drivers of the model: what each kind of them measures, and how it puts that together.
+!> Floor: system. Source: doc/theory, eqs. (J4), (J5), (J9)-(J13).
+module limber_system_couplings
+   use limber_base_kinds, only: wp
+   use limber_model_scene, only: joint_type, driver_type, term_type, body_flexible, ground, joint_revolute, joint_point_on_line, &
+      & joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler, &
+      & coordinate_angle, coordinate_joint_angle, coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, &
+      & driver_displacement, driver_x
+   use limber_system_constraint, only: constraint_type
+   use limber_system_drivers, only: driven_angle_type
+   use limber_system_joints, only: revolute_type, point_on_line_type
+   use limber_system_kernel, only: kernel_type, linear_type, most_vectors
+   use limber_system_measures, only: measure_type, measure_component, measure_along, measure_cross, measure_distance, measure_angle
+   use limber_system_paths, only: curve_joint_type, sliding_type, set_line
+   use limber_system_registry, only: registry_type, marker_of, frame_marker, direction_of, frame_direction, angle_of, bend_of, &
+      & guessed_angle, guessed_turn, guessed_position
+   implicit none
+   private
+   public :: new_joint, new_driver
+
+   real(wp), parameter :: right_angle = 0.5_wp*acos(-1.0_wp)
+
+contains
+
+   !> The constraint of a joint of the model.
+   subroutine new_joint(system, index, item)
+      class(registry_type), intent(inout) :: system
+      !> Of the joint in the model
+      integer, intent(in) :: index
+      class(constraint_type), allocatable, intent(out) :: item
+      type(joint_type) :: joint
+      joint = system%model%joints(index)
+      select case (joint%kind)
+      case (joint_revolute); call add_revolute(system, joint, item)
+      case (joint_point_on_line, joint_translational, joint_weld, joint_rod); call add_guide(system, joint, item)
+      case (joint_gear, joint_belt); call add_wheels(system, joint, item)
+      case (joint_rack); call add_rack(system, joint, item)
+      case (joint_curve); call add_curve(system, joint, item)
+      case (joint_sliding); call add_sliding(system, joint, item)
+      case (joint_coupler); call add_coupler(system, index, item)
+      end select
+      item%label = "joint '"//joint%name//"'"
+      item%scale = system%model%length
+      if (joint%kind == joint_coupler) return
+      item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
+   end subroutine new_joint
+
+   subroutine add_revolute(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(revolute_type) :: revolute
+      revolute%rows = 2
+      revolute%markers(1) = marker_of(system, joint%points(1))
+      revolute%markers(2) = marker_of(system, joint%points(2))
+      allocate (item, source=revolute)
+   end subroutine add_revolute
+
+   !> Joints of points and directions: a line, a guide, a weld, a rod.
+   subroutine add_guide(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(point_on_line_type) :: line
+      type(linear_type) :: guide
+      if (joint%kind == joint_point_on_line .and. .not. bends(system, joint%points(2))) then
+         line%rows = 1
+         line%markers(1) = marker_of(system, joint%points(1))
+         line%markers(2) = marker_of(system, joint%points(2))
+         line%direction = [cos(joint%angle), sin(joint%angle)]
+         allocate (item, source=line)
+         return
+      end if
+      select case (joint%kind)
+      case (joint_weld)
+         call add_component(system, guide, joint%points, [1.0_wp, 0.0_wp], 1)
+         call add_component(system, guide, joint%points, [0.0_wp, 1.0_wp], 2)
+         call add_parallel(system, guide, joint, 3)
+      case (joint_rod)
+         call add_distance(system, guide, joint%points, 1)
+         guide%offset(1) = joint%length
+         if (.not. joint%has_length) guide%offset(1) = guessed_distance(system, joint%points)
+      case default
+         call add_displacement(system, guide, joint, joint%angle + right_angle, 1.0_wp)
+         if (joint%kind == joint_translational) call add_parallel(system, guide, joint, 2)
+      end select
+      allocate (item, source=guide)
+   end subroutine add_guide
+
+   !> Gears, and wheels under a belt: r1 (theta1 - psi) +- r2 (theta2 - psi) keeps its value, psi the direction from the first
+   !> centre to the second; minus where both turn in the same direction.
+   subroutine add_wheels(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(linear_type) :: wheels
+      real(wp) :: radius(2)
+      integer :: side, centre(2)
+      radius = joint%radius
+      if (joint%same_direction) radius(2) = -radius(2)
+      wheels%rows = 1
+      do side = 1, 2
+         call add_section_angle(system, wheels, joint%points(side), radius(side), wheels%offset(1))
+         centre(side) = marker_of(system, joint%points(side))
+      end do
+      if (abs(sum(radius)) > 1.0e-12_wp*maxval(abs(radius))) then
+         call add_measure(wheels, measure_type(kind=measure_angle, vectors=[vector(wheels, centre(2)), vector(wheels, centre(1)), &
+            & 0], angle=angle_of(system, centre(1), centre(2))), -sum(radius), 1)
+         wheels%offset(1) = wheels%offset(1) - sum(radius)*guessed_angle(system, centre(1), centre(2))
+      end if
+      allocate (item, source=wheels)
+   end subroutine add_wheels
+
+   !> A pinion that rolls on a rack: xi + R (theta1 - theta2) keeps its value where the centre is on the left of the rack's line,
+   !> xi - R (...) where it is on the right, xi its place along the line.
+   subroutine add_rack(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(linear_type) :: rack
+      real(wp) :: radius
+      radius = joint%radius(1)
+      if (guessed_place(system, joint%points, joint%angle + right_angle) < 0.0_wp) radius = -radius
+      rack%rows = 1
+      call add_displacement(system, rack, joint, joint%angle, 1.0_wp)
+      rack%offset(1) = guessed_place(system, joint%points, joint%angle)
+      call add_section_angle(system, rack, joint%points(1), radius, rack%offset(1))
+      call add_section_angle(system, rack, joint%points(2), -radius, rack%offset(1))
+      allocate (item, source=rack)
+   end subroutine add_rack
+
+   !> A point on a curve in the section of the second body, its origin at the second point.
+   subroutine add_curve(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(curve_joint_type) :: path
+      type(linear_type) :: axes
+      call add_displacement(system, axes, joint, joint%angle, 1.0_wp)
+      call add_displacement(system, axes, joint, joint%angle + right_angle, 1.0_wp)
+      call take_measures(axes, path)
+      path%curve = joint%curve
+      allocate (item, source=path)
+   end subroutine add_curve
+
+   !> A point on the line of a deforming beam; the second point only names the beam.
+   subroutine add_sliding(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(sliding_type) :: path
+      type(linear_type) :: axes
+      integer :: markers(2), side, direction, body
+      body = system%model%points(joint%points(2))%body
+      markers = [marker_of(system, joint%points(1)), 0]
+      markers(2) = frame_marker(system, body)
+      do side = 1, 2
+         direction = frame_direction(system, body, (side - 1)*right_angle)
+         call add_measure(axes, measure_type(kind=measure_along, &
+            & vectors=[vector(axes, markers(1)), vector(axes, markers(2)), vector(axes, direction)]), 1.0_wp, 1)
+      end do
+      call take_measures(axes, path)
+      if (system%layout%n(body) > 0) path%bend = bend_of(system, body)
+      call set_line(path, system%model%bodies(body)%field, system%model%bodies(body)%choice%origin)
+      allocate (item, source=path)
+   end subroutine add_sliding
+
+   !> A linear coupling of joint coordinates.
+   subroutine add_coupler(system, index, item)
+      class(registry_type), intent(inout) :: system
+      integer, intent(in) :: index
+      class(constraint_type), allocatable, intent(out) :: item
+      type(linear_type) :: coupler
+      integer :: i
+      coupler%rows = 1
+      associate (joint => system%model%joints(index))
+         do i = 1, size(joint%terms)
+            call add_coordinate(system, coupler, joint%terms(i), coupler%offset(1))
+         end do
+         if (joint%has_law) then
+            coupler%offset(1) = 0.0_wp
+            coupler%drive = size(system%model%drivers) + count(system%model%joints(:index)%has_law)
+            coupler%driven = .true.
+         end if
+      end associate
+      call find_bodies(system, coupler)
+      allocate (item, source=coupler)
+   end subroutine add_coupler
+
+   !> The constraint of a driver of the model.
+   subroutine new_driver(system, index, item)
+      class(registry_type), intent(inout) :: system
+      !> Of the driver in the model
+      integer, intent(in) :: index
+      class(constraint_type), allocatable, intent(out) :: item
+      type(driven_angle_type) :: driven
+      type(linear_type) :: along
+      type(driver_type) :: driver
+      real(wp) :: value, axis(2)
+      driver = system%model%drivers(index)
+      value = 0.0_wp
+      if (driver%kind == driver_angle) then
+         driven%rows = 1
+         driven%drive = index
+         driven%bodies = [driver%body, ground]
+         allocate (item, source=driven)
+      else
+         along%rows = 1
+         along%drive = index
+         select case (driver%kind)
+         case (driver_joint_angle)
+            call add_coordinate(system, along, term_type(1.0_wp, coordinate_joint_angle, driver%joint), value)
+         case (driver_displacement)
+            call add_coordinate(system, along, term_type(1.0_wp, coordinate_displacement, driver%joint), value)
+         case (driver_distance)
+            call add_distance(system, along, driver%points, 1)
+            value = guessed_distance(system, driver%points)
+         case default
+            axis = merge([1.0_wp, 0.0_wp], [0.0_wp, 1.0_wp], driver%kind == driver_x)
+            call add_component(system, along, [driver%points(1), 0], axis, 1)
+            value = dot_product(axis, guessed_position(system, system%model%points(driver%points(1))))
+         end select
+         if (.not. driver%has_initial) system%model%drivers(index)%initial(1) = value
+         call find_bodies(system, along)
+         if (driver%kind /= driver_joint_angle) along%scale = system%model%length
+         allocate (item, source=along)
+      end if
+      item%driven = .true.
+      item%label = "driver '"//driver%name//"'"
+   end subroutine new_driver
+
+   !> Adds the term of a joint coordinate, and what it is in the first guess to a sum.
+   subroutine add_coordinate(system, item, term, sum)
+      class(registry_type), intent(inout) :: system
+      type(linear_type), intent(inout) :: item
+      type(term_type), intent(in) :: term
+      real(wp), intent(inout) :: sum
+      integer :: direction
+      select case (term%kind)
+      case (coordinate_angle)
+         direction = frame_direction(system, term%of, 0.0_wp)
+         call add_measure(item, measure_type(kind=measure_angle, vectors=[vector(item, direction), 0, 0], &
+            & angle=angle_of(system, 0, direction)), term%coefficient, 1)
+         sum = sum + term%coefficient*guessed_turn(system, term%of)
+      case (coordinate_joint_angle)
+         associate (points => system%model%joints(term%of)%points)
+            call add_section_angle(system, item, points(1), term%coefficient, sum)
+            call add_section_angle(system, item, points(2), -term%coefficient, sum)
+         end associate
+      case default
+         associate (joint => system%model%joints(term%of))
+            sum = sum + term%coefficient*guessed_place(system, joint%points, joint%angle)
+         end associate
+         call add_displacement(system, item, system%model%joints(term%of), system%model%joints(term%of)%angle, term%coefficient)
+      end select
+   end subroutine add_coordinate
+
+   !> Adds the followed angle of a section; nothing of the ground.
+   subroutine add_section_angle(system, item, point, coefficient, sum)
+      class(registry_type), intent(inout) :: system
+      type(linear_type), intent(inout) :: item
+      integer, intent(in) :: point
+      real(wp), intent(in) :: coefficient
+      !> Receives the term's value in the first guess
+      real(wp), intent(inout) :: sum
+      integer :: direction
+      if (system%model%points(point)%body == ground) return
+      direction = direction_of(system, point, 0.0_wp)
+      call add_measure(item, measure_type(kind=measure_angle, vectors=[vector(item, direction), 0, 0], &
+         & angle=angle_of(system, 0, direction)), coefficient, 1)
+      sum = sum + coefficient*guessed_angle(system, 0, direction)
+   end subroutine add_section_angle
+
+   !> Adds the place of the first point of a joint along a line through the second, at an angle in the second section. Measures
+   !> of one kind stand in one row each, unless the row is given.
+   subroutine add_displacement(system, item, joint, angle, coefficient)
+      class(registry_type), intent(inout) :: system
+      type(linear_type), intent(inout) :: item
+      type(joint_type), intent(in) :: joint
+      real(wp), intent(in) :: angle, coefficient
+      integer :: vectors(3)
+      vectors(1) = vector(item, marker_of(system, joint%points(1)))
+      vectors(2) = vector(item, marker_of(system, joint%points(2)))
+      vectors(3) = vector(item, direction_of(system, joint%points(2), angle))
+      call add_measure(item, measure_type(kind=measure_along, vectors=vectors), coefficient, 1)
+   end subroutine add_displacement
+
+   !> Adds the equation that a section of the first body has a given angle from that of the second: of lengths.
+   subroutine add_parallel(system, item, joint, row)
+      class(registry_type), intent(inout) :: system
+      type(linear_type), intent(inout) :: item
+      type(joint_type), intent(in) :: joint
+      integer, intent(in) :: row
+      real(wp) :: angle
+      integer :: first, second
+      first = direction_of(system, joint%points(1), 0.0_wp)
+      angle = joint%turn
+      if (.not. joint%has_turn) angle = guessed_angle(system, 0, first) - guessed_section(system, joint%points(2))
+      second = direction_of(system, joint%points(2), angle)
+      call add_measure(item, measure_type(kind=measure_cross, vectors=[vector(item, second), vector(item, first), 0]), &
+         & system%model%length, row)
+   end subroutine add_parallel
+
+   !> Adds the distance along an axis of space from the second point to the first; without the second (0), from the origin.
+   subroutine add_component(system, item, points, axis, row)
+      class(registry_type), intent(inout) :: system
+      type(linear_type), intent(inout) :: item
+      integer, intent(in) :: points(2), row
+      real(wp), intent(in) :: axis(2)
+      integer :: vectors(3)
+      vectors = 0
+      vectors(1) = vector(item, marker_of(system, points(1)))
+      if (points(2) > 0) vectors(2) = vector(item, marker_of(system, points(2)))
+      call add_measure(item, measure_type(kind=measure_component, vectors=vectors, axis=axis), 1.0_wp, row)
+   end subroutine add_component
+
+   subroutine add_distance(system, item, points, row)
+      class(registry_type), intent(inout) :: system
+      type(linear_type), intent(inout) :: item
+      integer, intent(in) :: points(2), row
+      integer :: vectors(3)
+      vectors = 0
+      vectors(1) = vector(item, marker_of(system, points(1)))
+      vectors(2) = vector(item, marker_of(system, points(2)))
+      call add_measure(item, measure_type(kind=measure_distance, vectors=vectors), 1.0_wp, row)
+   end subroutine add_distance
+
+   !> Adds a measure with its coefficient in one row.
+   subroutine add_measure(item, measure, coefficient, row)
+      type(linear_type), intent(inout) :: item
+      type(measure_type), intent(in) :: measure
+      real(wp), intent(in) :: coefficient
+      integer, intent(in) :: row
+      item%count = item%count + 1
+      item%measures(item%count) = measure
+      item%coefficients(row, item%count) = coefficient
+      item%rows = max(item%rows, row)
+   end subroutine add_measure
+
+   !> Place of a marker among the vectors of a constraint; a new one if it is not there yet.
+   integer function vector(item, marker)
+      type(linear_type), intent(inout) :: item
+      integer, intent(in) :: marker
+      do vector = 1, item%vectors
+         if (item%markers(vector) == marker) return
+      end do
+      item%vectors = vector
+      if (vector <= most_vectors) item%markers(vector) = marker
+   end function vector
+
+   !> The measures of one constraint for another.
+   subroutine take_measures(from, to)
+      type(linear_type), intent(in) :: from
+      class(kernel_type), intent(inout) :: to
+      to%rows = 1
+      to%vectors = from%vectors
+      to%markers = from%markers
+      to%count = from%count
+      to%measures = from%measures
+   end subroutine take_measures
+
+   !> The bodies of a constraint, from its vectors.
+   subroutine find_bodies(system, item)
+      class(registry_type), intent(in) :: system
+      type(linear_type), intent(inout) :: item
+      integer :: j, body
+      item%bodies = ground
+      do j = 1, item%vectors
+         body = system%model%points(system%marker_points(item%markers(j)))%body
+         if (body == ground .or. any(item%bodies == body)) cycle
+         if (item%bodies(1) == ground) then
+            item%bodies(1) = body
+         else
+            item%bodies(2) = body
+         end if
+      end do
+   end subroutine find_bodies
+
+   !> Whether a point is on a flexible body.
+   pure logical function bends(system, point)
+      class(registry_type), intent(in) :: system
+      integer, intent(in) :: point
+      bends = .false.
+      associate (body => system%model%points(point)%body)
+         if (body /= ground) bends = system%model%bodies(body)%kind == body_flexible
+      end associate
+   end function bends
+
+   !> Angle of an undeformed section in the first guess; nought of the ground and of a point mass.
+   real(wp) function guessed_section(system, point) result(angle)
+      class(registry_type), intent(in) :: system
+      integer, intent(in) :: point
+      angle = 0.0_wp
+      associate (body => system%model%points(point)%body)
+         if (body == ground) return
+         if (system%layout%framed(body)) angle = guessed_turn(system, body)
+      end associate
+   end function guessed_section
+
+   !> Distance of two points in the first guess.
+   real(wp) function guessed_distance(system, points) result(distance)
+      class(registry_type), intent(in) :: system
+      integer, intent(in) :: points(2)
+      distance = norm2(guessed_position(system, system%model%points(points(1))) &
+         & - guessed_position(system, system%model%points(points(2))))
+   end function guessed_distance
+
+   !> Place of the first point along a line through the second, at an angle in the second section, in the first guess.
+   real(wp) function guessed_place(system, points, angle) result(place)
+      class(registry_type), intent(in) :: system
+      integer, intent(in) :: points(2)
+      real(wp), intent(in) :: angle
+      real(wp) :: whole
+      whole = angle + guessed_section(system, points(2))
+      place = dot_product([cos(whole), sin(whole)], guessed_position(system, system%model%points(points(1))) &
+         & - guessed_position(system, system%model%points(points(2))))
+   end function guessed_place
+
+end module limber_system_couplings

@@ -52,7 +52,8 @@ sum_fills(frame, name, part, i) = i > 7 ? '' : layer(frame, name, sprintf( \
    i == 0 ? '$3 < 1' : sprintf('$3 > 0 && int($3 + 6)%%7 == %d', i - 1), \
    colour(i, part + 0.75*(1 - part)))).sum_fills(frame, name, part, i + 1)
 disc(rgb, size) = sprintf('using 1:2:(%g*$4) with circles fillstyle solid 1 noborder fillcolor rgb %d', size, rgb)
-drawn(frame, part) = fills(frame, 'areas', part) \
+drawn(frame, part) = fills(frame, 'wheels', part).layer(frame, 'wheels', stroke(part, wide(1.6))) \
+   .fills(frame, 'areas', part) \
    .layer(frame, 'ground', stroke(part, wide(0.9))) \
    .layer(frame, 'guides', stroke(part, wide(1.2))) \
    .layer(frame, 'areas', stroke(part, wide(2))) \

@@ -8,9 +8,9 @@
 !>     x y body              body: its number from 1, 0 for the ground
 !>     # sample K, t = T     from 0; then its layers
 !>
-!> Layers, those without strokes left out: `ground`; `guides` (lines that points move on, rods); `areas` (closed outlines); `bars`;
-!> `undeformed` (beams without their deflection); `beams`; `springs`; `blocks` (closed: sliders, welds); `masses` and `joints`
-!> (circles: x y body radius).
+!> Layers, those without strokes left out: `ground`; `guides` (lines that points move on, rods, belts); `wheels` and `areas`
+!> (closed outlines); `bars`; `undeformed` (beams without their deflection); `beams`; `springs`; `blocks` (closed: sliders,
+!> welds); `masses` and `joints` (circles: x y body radius).
 module limber_analysis_drawing
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_kinds, only: wp
@@ -225,7 +225,7 @@ contains
       end do
    end subroutine extend_travel
 
-   !> Means of the places of each body's outline; of a body without one, of its last named place.
+   !> Means of the places of each body's first stroke; of a body without one, of its last named place.
    pure subroutine find_middles(motion, places, bodies)
       type(motion_type), intent(in) :: motion
       real(wp), intent(in) :: places(:, :)
@@ -236,9 +236,10 @@ contains
          do i = 1, size(g%place_bodies)
             if (g%place_bodies(i) > 0) bodies(:, g%place_bodies(i)) = places(:, i)
          end do
-         do i = 1, size(g%stroke_widths)
+         do i = size(g%stroke_widths), 1, -1
             associate (own => g%stroke_places(g%first_place(i):g%first_place(i) + g%stroke_widths(i) - 1))
-               if (size(own) > 0) bodies(:, g%place_bodies(own(1))) = sum(places(:, own), 2)/size(own)
+               if (size(own) == 0) cycle
+               if (g%place_bodies(own(1)) > 0) bodies(:, g%place_bodies(own(1))) = sum(places(:, own), 2)/size(own)
             end associate
          end do
       end associate
@@ -267,11 +268,17 @@ contains
       if (n > 0) length = length/n
    end function mean_outline
 
-   !> Whether a joint is one whose first point moves along a line of the second body.
-   pure logical function is_line(type_name)
+   !> Whether a joint has a line on the second body, along which its first point, or its pinion, moves.
+   elemental logical function is_line(type_name)
       character(*), intent(in) :: type_name
-      is_line = type_name == 'POINT ON LINE' .or. type_name == 'PIN IN SLOT' .or. type_name == 'TRANSLATIONAL'
+      is_line = type_name == 'POINT ON LINE' .or. type_name == 'TRANSLATIONAL' .or. type_name == 'RACK'
    end function is_line
+
+   !> Whether a connection takes hold of its two points by pins.
+   elemental logical function is_pinned(type_name)
+      character(*), intent(in) :: type_name
+      is_pinned = type_name == 'REVOLUTE' .or. type_name == 'ROD' .or. type_name == 'SPRING' .or. type_name == 'JOINT'
+   end function is_pinned
 
    !> Direction of the line of a joint at a sample (2).
    pure function direction(motion, sample, connection) result(d)
@@ -322,6 +329,7 @@ contains
       end associate
       call draw_ground(motion, sample, plan, positions, pen)
       call draw_guides(motion, sample, plan, positions, pen)
+      call draw_wheels(motion, sample, positions, pen)
       call draw_outlines(motion, 'areas', positions, pen)
       call draw_outlines(motion, 'bars', positions, pen)
       call draw_outlines(motion, 'undeformed', straight, pen)
@@ -359,7 +367,7 @@ contains
                      & 0.5_wp*(plan%travel(2, i) - plan%travel(1, i)) + 2.5_wp*h, h)
                else if (g%connection_types(i) == 'WELD') then
                   call pen%hatched_edge(positions(:, place), [-away(2), away(1)], away, 2.5_wp*h, h)
-               else if (.not. done(place)) then
+               else if (is_pinned(g%connection_types(i)) .and. .not. done(place)) then
                   ! On the ceiling if the body hangs
                   call pen%foot(positions(:, place), [0.0_wp, merge(1.0_wp, -1.0_wp, away(2) > 0.8_wp)], h)
                   done(place) = .true.
@@ -384,7 +392,7 @@ contains
       end if
    end function away_from
 
-   !> Lines of moving bodies that points move along, and rods between the points of joints of other types.
+   !> Lines of moving bodies that points move along, rods and belts.
    subroutine draw_guides(motion, sample, plan, positions, pen)
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: sample
@@ -397,10 +405,12 @@ contains
       associate (g => motion%geometry, h => plan%symbol)
          do i = 1, size(g%connections)
             ends = positions(:, g%connection_places(:, i))
-            if (g%connection_types(i) == 'SPRING') then
-               cycle
+            if (index(g%connection_types(i), 'BELT') > 0) then
+               call pen%belt(ends, g%connection_radii(:, i), g%connection_types(i) == 'CROSSED BELT')
+            else if (g%connection_types(i) == 'ROD') then
+               call pen%stroke(ends, 0)
             else if (.not. is_line(g%connection_types(i))) then
-               if (norm2(ends(:, 2) - ends(:, 1)) > 0.05_wp*h) call pen%stroke(ends, 0)
+               cycle
             else if (g%place_bodies(g%connection_places(2, i)) > 0) then
                ends(:, 1) = ends(:, 2) + (plan%travel(1, i) - 2*h)*direction(motion, sample, i)
                ends(:, 2) = ends(:, 2) + (plan%travel(2, i) + 2*h)*direction(motion, sample, i)
@@ -438,6 +448,26 @@ contains
       end associate
    end subroutine draw_outlines
 
+   !> Wheels of gears, racks and belts, each with a radius that shows how it turns.
+   subroutine draw_wheels(motion, sample, positions, pen)
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: sample
+      real(wp), intent(in) :: positions(:, :)
+      type(pen_type), intent(inout) :: pen
+      integer :: i, k
+      call pen%begin('wheels')
+      associate (g => motion%geometry)
+         do i = 1, size(g%connections)
+            do k = 1, 2
+               associate (place => g%connection_places(k, i))
+                  if (g%connection_radii(k, i) > 0.0_wp) call pen%wheel(positions(:, place), frame_axis(g, &
+                     & motion%coordinates(:, sample), g%place_bodies(place)), g%connection_radii(k, i), g%place_bodies(place))
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine draw_wheels
+
    subroutine draw_springs(motion, size_of_symbols, positions, pen)
       type(motion_type), intent(in) :: motion
       real(wp), intent(in) :: size_of_symbols, positions(:, :)
@@ -463,7 +493,8 @@ contains
       associate (g => motion%geometry)
          do i = 1, size(g%connections)
             associate (place => g%connection_places(1, i))
-               if (is_line(g%connection_types(i))) call pen%block(positions(:, place), direction(motion, sample, i), &
+               if (is_line(g%connection_types(i)) .and. g%connection_types(i) /= 'RACK' .or. g%connection_types(i) == 'SLIDING') &
+                  & call pen%block(positions(:, place), direction(motion, sample, i), &
                   & [1.3_wp, 0.75_wp]*size_of_symbols, g%place_bodies(place))
                if (g%connection_types(i) == 'WELD') call pen%block(positions(:, place), direction(motion, sample, i), &
                   & [0.6_wp, 0.6_wp]*size_of_symbols, g%place_bodies(place))
@@ -502,9 +533,10 @@ contains
       call pen%begin('joints')
       associate (g => motion%geometry)
          do i = 1, size(g%connections)
-            if (g%connection_types(i) == 'WELD' .or. g%connection_types(i) == 'TRANSLATIONAL') cycle
+            if (.not. is_pinned(g%connection_types(i)) .and. index('POINT ON LINE, POINT ON CURVE, SLIDING', &
+               & trim(g%connection_types(i))) == 0) cycle
             call pen%circle(positions(:, g%connection_places(1, i)), 0, 0.45_wp*size_of_symbols)
-            if (is_line(g%connection_types(i)) .or. g%connection_types(i) == 'REVOLUTE') cycle
+            if (.not. is_pinned(g%connection_types(i)) .or. g%connection_types(i) == 'REVOLUTE') cycle
             call pen%circle(positions(:, g%connection_places(2, i)), 0, 0.45_wp*size_of_symbols)
          end do
       end associate

@@ -23,7 +23,7 @@ module limber_analysis_dynamics
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: run_dynamics, outcome_type, new_integrator
+   public :: run_dynamics, outcome_type, new_integrator, check_residuals
 
    !> What a run leaves behind besides its history
    type :: outcome_type
@@ -92,10 +92,16 @@ contains
          allocate (sample%q(nq), sample%v(nq), sample%a(nq), sample%change(nq), sample%values(sample_width(scene%system)))
          sample%a = 0.0_wp
          recorder = new_recorder(scene%system, scene%q)
+         if (allocated(scene%angle)) recorder%angle = scene%angle
          outcome%reached = dynamics%start
          call integrator%start(scene%system, scene%work, dynamics%start, dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, outcome, error)
       end associate
+      scene%last%q = sample%q
+      scene%last%v = sample%v
+      scene%last%angle = recorder%angle
+      scene%last%balanced = .false.
+      scene%last%rotation = 0.0_wp
       outcome%wall = seconds_since(tick)
       outcome%cpu = cpu_now() - cpu
       associate (statistics => integrator%statistics)

@@ -15,7 +15,7 @@ module limber_analysis_pen
       character(16), private :: layer = ''
       logical, private :: layer_started = .false., any_started = .false.
    contains
-      procedure :: remark, begin, stroke, circle, foot, hatched_edge, zigzag, block
+      procedure :: remark, begin, stroke, circle, foot, hatched_edge, zigzag, block, wheel, belt
    end type pen_type
 
    !> Strokes of the hatch under a foot
@@ -129,6 +129,42 @@ contains
       b = half(2)*[-along(2), along(1)]
       call self%stroke(reshape([middle - a - b, middle + a - b, middle + a + b, middle - a + b, middle - a - b], [2, 5]), body)
    end subroutine block
+
+   !> A wheel with one radius.
+   subroutine wheel(self, centre, axis, radius, body)
+      class(pen_type), intent(inout) :: self
+      !> Its centre, unit vector along the radius (2), and length of it
+      real(wp), intent(in) :: centre(2), axis(2), radius
+      integer, intent(in) :: body
+      integer, parameter :: corners = 48
+      real(wp) :: points(2, corners + 2), angle
+      integer :: i
+      points(:, 1) = centre
+      do i = 0, corners
+         angle = 2*acos(-1.0_wp)*i/corners
+         points(:, i + 2) = centre + radius*(cos(angle)*axis + sin(angle)*[-axis(2), axis(1)])
+      end do
+      call self%stroke(points, body)
+   end subroutine wheel
+
+   !> The two straight parts of a belt around two wheels; nothing if one is inside the other.
+   subroutine belt(self, centres, radii, crossed)
+      class(pen_type), intent(inout) :: self
+      !> Centres (2,2) and radii of the wheels
+      real(wp), intent(in) :: centres(2, 2), radii(2)
+      logical, intent(in) :: crossed
+      real(wp) :: ahead(2), side, second, distance, normal(2)
+      integer :: i
+      distance = norm2(centres(:, 2) - centres(:, 1))
+      second = merge(-radii(2), radii(2), crossed)
+      if (distance <= abs(radii(1) - second)) return
+      ahead = (centres(:, 2) - centres(:, 1))/distance
+      do i = -1, 1, 2
+         side = i*sqrt(1 - ((radii(1) - second)/distance)**2)
+         normal = (radii(1) - second)/distance*ahead + side*[-ahead(2), ahead(1)]
+         call self%stroke(reshape([centres(:, 1) + radii(1)*normal, centres(:, 2) + second*normal], [2, 2]), 0)
+      end do
+   end subroutine belt
 
    !> Writes the name of the layer before its first stroke.
    subroutine start(self)

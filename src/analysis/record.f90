@@ -6,16 +6,18 @@ module limber_analysis_record
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_analysis_dynamics, only: outcome_type
    use limber_analysis_scene, only: scene_type
+   use limber_analysis_steps, only: passed_type
    use limber_deck_effective, only: effective_deck
    use limber_integrator_statistics, only: step_statistics_type
+   use limber_model_analyses, only: kind_names
    use limber_model_channels, only: unit_text
-   use limber_model_scene, only: body_type, units_type, body_point, body_flexible
+   use limber_model_scene, only: body_type, units_type, body_point, body_flexible, step_dynamics
    use limber_output_history, only: history_type
    use limber_output_motion, only: define_motion
    use limber_output_outline, only: geometry_of
    implicit none
    private
-   public :: open_history, record_bodies, record_provenance, record_outcome
+   public :: open_history, record_bodies, record_provenance, record_outcome, record_steps
 
 contains
 
@@ -57,6 +59,7 @@ contains
       if (.not. allocated(error)) call history%put_attribute('/run', 'commit', commit, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'compiler', compiler, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'compiler_options', compiler_options, error)
+      if (.not. any(scene%system%model%steps%kind == step_dynamics)) return
       if (.not. allocated(error)) call history%put_attribute('/run', 'integrator', scene%system%model%dynamics%integrator, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'integrator_reason', scene%system%model%dynamics%reason, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'tolerance', scene%system%model%dynamics%tolerance, error)
@@ -143,6 +146,37 @@ contains
          name = 'LINEAR'
       end if
    end function fidelity
+
+   !> What the analyses were, and which samples are theirs.
+   subroutine record_steps(scene, passed, history, error)
+      type(scene_type), intent(in) :: scene
+      type(passed_type), intent(in) :: passed
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: names, kinds
+      integer, allocatable :: steps(:)
+      integer :: i, first
+      allocate (steps(sum(passed%samples(:passed%count))))
+      names = ''
+      kinds = ''
+      first = 1
+      do i = 1, passed%count
+         steps(first:first + passed%samples(i) - 1) = i
+         first = first + passed%samples(i)
+         if (i > 1) names = names//newline
+         if (i > 1) kinds = kinds//newline
+         names = names//scene%system%model%steps(i)%name
+         kinds = kinds//trim(kind_names(scene%system%model%steps(i)%kind))
+      end do
+      call history%flush(error)
+      if (.not. allocated(error)) call history%put_steps(steps, error)
+      if (.not. allocated(error)) call history%put_text('/run/steps/names', names, error)
+      if (.not. allocated(error)) call history%put_text('/run/steps/kinds', kinds, error)
+      if (.not. allocated(error)) call history%put_real('/run/steps/start', passed%start(:passed%count), &
+         & scene%system%model%units%time, 'first instant of each analysis', error)
+      if (.not. allocated(error)) call history%put_real('/run/steps/end', passed%end(:passed%count), &
+         & scene%system%model%units%time, 'last instant of each analysis', error)
+   end subroutine record_steps
 
    !> Statistics of the run, and how it ended.
    subroutine record_outcome(scene, outcome, statistics, message, history, error)

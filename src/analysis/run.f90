@@ -6,9 +6,12 @@ module limber_analysis_run
    use limber_analysis_dynamics, only: run_dynamics, new_integrator, outcome_type
    use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table
-   use limber_analysis_record, only: open_history, record_outcome
+   use limber_analysis_record, only: open_history, record_outcome, record_steps
    use limber_analysis_scene, only: scene_type, read_scene, mobility_line
+   use limber_analysis_steps, only: run_steps, passed_type
    use limber_integrator_integrator, only: integrator_type
+   use limber_integrator_statistics, only: step_statistics_type
+   use limber_model_analyses, only: single_dynamics
    use limber_model_scene, only: body_type, body_flexible, units_type
    use limber_output_progress, only: progress_type
    implicit none
@@ -38,13 +41,17 @@ contains
       call read_scene(path, scene, error)
       if (allocated(error)) return
       if (.not. scene%system%model%dynamics%wanted) then
-         call raise(error, path//': nothing to run; add a *DYNAMICS block (limber help DYNAMICS)', status_deck)
+         call raise(error, path//': nothing to run; add an analysis, such as *DYNAMICS (limber help DYNAMICS)', status_deck)
          return
       end if
       results = output
       if (results == '') results = default_results(path)
       call open_history(scene, results, force, history%history_type, error)
       if (allocated(error)) return
+      if (.not. single_dynamics(scene%system%model)) then
+         call run_analyses(path, results, quiet, scene, history, report, error)
+         return
+      end if
       call keep_samples(scene, history)
       call new_integrator(scene%system%model%dynamics, integrator)
       if (.not. quiet) call progress%start(scene%system%model%dynamics%start, scene%system%model%dynamics%end, path)
@@ -62,6 +69,37 @@ contains
          report = scene%warnings//closing_report(path, scene, outcome, integrator, results)//table
       end if
    end subroutine run_deck
+
+   !> Runs a deck with several analyses, or another one than the motion in time.
+   subroutine run_analyses(path, results, quiet, scene, history, report, error)
+      !> The deck, and the result file
+      character(*), intent(in) :: path, results
+      logical, intent(in) :: quiet
+      type(scene_type), intent(inout) :: scene
+      !> Open
+      type(kept_type), intent(inout) :: history
+      character(:), allocatable, intent(out) :: report
+      type(error_type), allocatable, intent(out) :: error
+      type(passed_type) :: passed
+      type(outcome_type) :: outcome
+      type(step_statistics_type) :: statistics
+      type(error_type), allocatable :: write_error
+      character(:), allocatable :: lines
+      call run_steps(scene, path, quiet, history, passed, outcome, statistics, lines, error)
+      call record_steps(scene, passed, history%history_type, write_error)
+      report = scene%warnings//path//': '//scene%system%model%heading//lines//newline//'   '//as_text(outcome%cpu, 3)// &
+         & ' s CPU; '//as_text(scene%reading + scene%building + scene%assembling, 3)//' s before it'//newline//'   '// &
+         & as_text(outcome%samples)//' samples in '//results
+      if (allocated(error)) then
+         call record_outcome(scene, outcome, statistics, error%message, history%history_type, write_error)
+         error%message = path//': '//error%message//newline//'   What was computed up to there is in '//results// &
+            & ', marked incomplete.'
+      else if (allocated(write_error)) then
+         call move_alloc(write_error, error)
+      else
+         call record_outcome(scene, outcome, statistics, '', history%history_type, error)
+      end if
+   end subroutine run_analyses
 
    !> Lets the history keep its samples in memory if errors are to be estimated from them.
    subroutine keep_samples(scene, history)

@@ -10,15 +10,26 @@ module limber_analysis_scene
    use limber_deck_origin, only: origin_type
    use limber_deck_reader, only: read_deck
    use limber_model_build, only: build_model
-   use limber_model_scene, only: model_type
+   use limber_model_scene, only: model_type, step_dynamics
    use limber_system_assembly, only: first_guess, assemble
+   use limber_system_held, only: held_type, new_held, balance_start, balance_deflections
    use limber_system_rank, only: assembly_type
    use limber_system_redundancy, only: group_names, constraint_names
    use limber_system_softening, only: soften_constraints
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
-   public :: scene_type, read_scene, build_scene, seconds_since, mobility_line
+   public :: scene_type, carried_type, read_scene, build_scene, settle_integrator, seconds_since, mobility_line
+
+   !> What an analysis leaves to the next
+   type :: carried_type
+      !> Coordinates and velocities at its end (nq); accumulated angles of the bodies' frames (bodies) [rad]
+      real(wp), allocatable :: q(:), v(:), angle(:)
+      !> True if it ended in equilibrium, with these multipliers (nc), in a steady rotation about a centre [rad/time], [length]
+      logical :: balanced = .false.
+      real(wp), allocatable :: lambda(:)
+      real(wp) :: rotation = 0.0_wp, centre(2) = 0.0_wp
+   end type carried_type
 
    !> A scene ready to be analysed
    type :: scene_type
@@ -29,6 +40,9 @@ module limber_analysis_scene
       real(wp), allocatable :: q(:), v(:)
       !> Rank of the constraints, what is redundant, and the way from the guess
       type(assembly_type) :: assembly
+      !> What the last analysis has left; and the accumulated angles that the present one starts from, if it is not the first
+      type(carried_type) :: last
+      real(wp), allocatable :: angle(:)
       !> Rendered warnings, one after another; empty if there are none
       character(:), allocatable :: warnings
       !> Wall seconds for reading the deck, for building model and modes, and for the assembly
@@ -71,12 +85,19 @@ contains
          call new_workspace(scene%system, scene%work)
          call assemble_scene(scene, diagnostics)
          scene%assembling = seconds_since(tick)
-         if (diagnostics%count == 0) call settle_integrator(scene)
+         if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call settle_integrator(scene)
       end if
       scene%warnings = diagnostics%render(scene%deck%source)
       if (diagnostics%count > 0) call raise(error, scene%warnings, status_deck)
       if (diagnostics%warnings > 0) scene%warnings = scene%warnings//newline
    end subroutine build_scene
+
+   !> Whether the first analysis is a dynamic one.
+   pure logical function starts_with_dynamics(model)
+      type(model_type), intent(in) :: model
+      starts_with_dynamics = .false.
+      if (size(model%steps) > 0) starts_with_dynamics = model%steps(1)%kind == step_dynamics
+   end function starts_with_dynamics
 
    !> Chooses the integrator where the deck leaves it open.
    subroutine settle_integrator(scene)
@@ -106,10 +127,40 @@ contains
       end if
       call warn_of_redundancy(scene, diagnostics)
       call warn_of_turn(scene, diagnostics)
-      if (scene%assembly%rank == scene%assembly%equations) return
-      call soften_constraints(scene%system)
-      call new_workspace(scene%system, scene%work)
+      if (scene%assembly%rank < scene%assembly%equations) then
+         call soften_constraints(scene%system)
+         call new_workspace(scene%system, scene%work)
+      end if
+      if (scene%system%model%assembly%static_deflections) call settle_deflections(scene, diagnostics)
    end subroutine assemble_scene
+
+   !> Deflections in equilibrium at the first time: with free frames by their own stiffness, and where drivers hold all frames
+   !> together with the joints.
+   subroutine settle_deflections(scene, diagnostics)
+      type(scene_type), intent(inout) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(held_type) :: held
+      real(wp), allocatable :: q(:), v(:), a(:)
+      logical :: done
+      allocate (q, source=scene%q)
+      allocate (v, source=scene%v)
+      allocate (a, source=scene%v)
+      associate (start => scene%system%model%dynamics%start)
+         call new_held(scene%system, held)
+         call balance_start(scene%system, scene%work, held, start, q, v, done)
+         if (.not. done) then
+            q = scene%q
+            call balance_deflections(scene%system, scene%work, held, start, q, v, a, done)
+         end if
+      end associate
+      if (.not. done) then
+         call diagnostics%add(scene%deck%blocks(scene%deck%find('ASSEMBLY'))%origin_of('INITIAL DEFLECTIONS'), &
+            & 'no equilibrium of the deflections is found', 'the motion is too fast for them to follow; use ZERO or GIVEN')
+         return
+      end if
+      scene%q = q
+      scene%v = v
+   end subroutine settle_deflections
 
    !> Where a joint or driver stands in the deck.
    pure function place_of(scene, constraint) result(origin)

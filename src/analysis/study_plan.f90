@@ -10,6 +10,7 @@ module limber_analysis_study_plan
    use limber_deck_keywords, only: keyword_options, split_values
    use limber_deck_reader, only: read_deck, beside
    use limber_deck_schema, only: option_spec_type
+   use limber_model_analyses, only: single_dynamics
    implicit none
    private
    public :: plan_type, axis_type, setting_type, read_plan, variant, finest, levels, set_fine, control, all_integrators
@@ -81,6 +82,9 @@ contains
       if (allocated(error)) return
       if (.not. scene%system%model%dynamics%wanted) then
          call raise(error, path//': nothing to study; add a *DYNAMICS block (limber help DYNAMICS)', status_deck)
+         return
+      else if (.not. single_dynamics(scene%system%model)) then
+         call raise(error, path//': a study is of a single *DYNAMICS; remove the other analyses', status_deck)
          return
       else if (size(scene%system%model%channels) == 0) then
          call raise(error, path//': nothing to compare; add an *OUTPUT block (limber help OUTPUT)', status_deck)

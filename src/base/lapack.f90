@@ -4,7 +4,8 @@ module limber_base_lapack
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: dgetrf, dgetrs, dpbtrf, dpbtrs, dsyev, dgelsd, dgesvd, dsaupd, dseupd
+   public :: dgetrf, dgetrs, dpbtrf, dpbtrs, dsyev, dsygv, dgeev, dggev, dgeqp3, dorgqr, dgelsd, dgesvd, &
+      & dsaupd, dseupd
 
    interface
 
@@ -54,6 +55,56 @@ module limber_base_lapack
          real(wp), intent(out) :: w(*), work(*)
          integer, intent(out) :: info
       end subroutine dsyev
+
+      !> All eigenvalues and eigenvectors of a symmetric pencil, the second matrix positive definite
+      subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
+         import :: wp
+         character(1), intent(in) :: jobz, uplo
+         integer, intent(in) :: itype, n, lda, ldb, lwork
+         real(wp), intent(inout) :: a(lda, *), b(ldb, *)
+         real(wp), intent(out) :: w(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dsygv
+
+      !> All eigenvalues and eigenvectors of a general matrix
+      subroutine dgeev(jobvl, jobvr, n, a, lda, wr, wi, vl, ldvl, vr, ldvr, work, lwork, info)
+         import :: wp
+         character(1), intent(in) :: jobvl, jobvr
+         integer, intent(in) :: n, lda, ldvl, ldvr, lwork
+         real(wp), intent(inout) :: a(lda, *)
+         real(wp), intent(out) :: wr(*), wi(*), vl(ldvl, *), vr(ldvr, *), work(*)
+         integer, intent(out) :: info
+      end subroutine dgeev
+
+      !> All eigenvalues and eigenvectors of a general pencil
+      subroutine dggev(jobvl, jobvr, n, a, lda, b, ldb, alphar, alphai, beta, vl, ldvl, vr, ldvr, work, lwork, info)
+         import :: wp
+         character(1), intent(in) :: jobvl, jobvr
+         integer, intent(in) :: n, lda, ldb, ldvl, ldvr, lwork
+         real(wp), intent(inout) :: a(lda, *), b(ldb, *)
+         real(wp), intent(out) :: alphar(*), alphai(*), beta(*), vl(ldvl, *), vr(ldvr, *), work(*)
+         integer, intent(out) :: info
+      end subroutine dggev
+
+      !> QR factors with column pivoting
+      subroutine dgeqp3(m, n, a, lda, jpvt, tau, work, lwork, info)
+         import :: wp
+         integer, intent(in) :: m, n, lda, lwork
+         real(wp), intent(inout) :: a(lda, *)
+         integer, intent(inout) :: jpvt(*)
+         real(wp), intent(out) :: tau(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dgeqp3
+
+      !> Columns of the orthogonal factor of a QR factorisation
+      subroutine dorgqr(m, n, k, a, lda, tau, work, lwork, info)
+         import :: wp
+         integer, intent(in) :: m, n, k, lda, lwork
+         real(wp), intent(inout) :: a(lda, *)
+         real(wp), intent(in) :: tau(*)
+         real(wp), intent(out) :: work(*)
+         integer, intent(out) :: info
+      end subroutine dorgqr
 
       !> Minimum-norm least squares by singular values, with the rank
       subroutine dgelsd(m, n, nrhs, a, lda, b, ldb, s, rcond, rank, work, lwork, iwork, info)

@@ -54,7 +54,14 @@ module limber_deck_keywords
       & keyword_type('FRICTION', many, form_none, 0, 0, 'Viscous friction in a joint'), &
       & keyword_type('ASSEMBLY', 1, form_fields, 0, many, &
       &    'How the first position is found from the guesses; data lines: given deflections'), &
-      & keyword_type('DYNAMICS', 1, form_none, 0, 0, 'The motion in a stretch of time'), &
+      & keyword_type('KINEMATICS', many, form_none, 0, 0, &
+      &    'An analysis: the motion of a scene that its drivers move wholly, position by position, and its reactions'), &
+      & keyword_type('INVERSE DYNAMICS', many, form_none, 0, 0, &
+      &    'An analysis: the torques and forces that drivers need for the motion that they prescribe'), &
+      & keyword_type('STATICS', many, form_none, 0, 0, 'An analysis: equilibrium under loads that grow, and its stability'), &
+      & keyword_type('MODES', many, form_none, 0, 0, &
+      &    'An analysis: frequencies and shapes of small vibrations about the present state'), &
+      & keyword_type('DYNAMICS', many, form_none, 0, 0, 'An analysis: the motion in a stretch of time'), &
       & keyword_type('ACCURACY', 1, form_none, 0, 0, 'What is to be known of the error of the results of limber run'), &
       & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
       & keyword_type('OUTPUT', many, form_channels, 0, many, &
@@ -119,6 +126,8 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', '', '', 'number of axial modes; given, it replaces MODES'), &
       & option_spec_type('BEAM', 'SUPPORT', kind_word, supports, &
       &    '', 'PINNED-ROLLER', 'how the ends are held in the floating frame: defines the modes'), &
+      & option_spec_type('BEAM', 'END SHAPES', kind_yes, '', &
+      &    '', '', 'YES: shapes of forces and moments at the ends beside the bending modes, for beams that are welded'), &
       & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
       &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G (the paper), or von Karman with curvature'), &
       & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
@@ -234,9 +243,11 @@ module limber_deck_keywords
       &    'N m s, N s/m', needed, 'torque for each unit of relative spin, force for each unit of sliding speed'), &
       & option_spec_type('ASSEMBLY', 'LARGEST TURN', kind_positive, '', &
       &    'rad', '0.5', 'rotation of a body from its guess beyond which there is a warning: another branch may be meant'), &
-      & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN', &
-      &    '', 'ZERO', 'GIVEN: coordinates of beams start as the data lines say, all others at zero'), &
-      & option_spec_type('DYNAMICS', 'START', kind_real, '', 's', '0', 'first instant'), &
+      & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN|STATIC', &
+      &    '', 'ZERO', 'GIVEN: as the data lines say, others zero; STATIC: in balance with loads and inertia of the motion'), &
+      & option_spec_type('DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
+      & option_spec_type('DYNAMICS', 'START', kind_real, '', &
+      &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
       & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
       & option_spec_type('DYNAMICS', 'OUTPUTS', kind_counting, '', &
       &    '', '100', 'equal intervals between samples of the output: one sample more than intervals'), &
@@ -254,6 +265,8 @@ module limber_deck_keywords
       &    's', '', 'length of every step, whatever its error; TOLERANCE then ends iterations only'), &
       & option_spec_type('DYNAMICS', 'MAXIMUM STEPS', kind_counting, '', &
       &    '', '100000000', 'number of steps after which the run gives up'), &
+      & option_spec_type('DYNAMICS', 'VELOCITIES', kind_word, 'KEPT|REST|DECK', &
+      &    '', '', 'after another analysis: those at its end (default), none, or those that the deck gives the bodies'), &
       & option_spec_type('ACCURACY', 'ESTIMATE', kind_yes, '', &
       &    '', 'NO', 'a dataset beside each channel with its error of time integration, from runs at other tolerances'), &
       & option_spec_type('STUDY', 'REPEATS', kind_counting, '', &
@@ -266,8 +279,41 @@ module limber_deck_keywords
       &    's', '30', 'CPU time of this machine after which a run is given up'), &
       & option_spec_type('OUTPUT', 'MOTION', kind_yes, '', &
       &    '', 'NO', 'the coordinates of all bodies at each sample, and their outlines: what postproc/draw draws')]
+   type(option_spec_type), parameter :: analysis_options(*) = [ &
+      & option_spec_type('KINEMATICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
+      & option_spec_type('KINEMATICS', 'START', kind_real, '', &
+      &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
+      & option_spec_type('KINEMATICS', 'END', kind_real, '', 's', needed, 'last instant'), &
+      & option_spec_type('KINEMATICS', 'OUTPUTS', kind_counting, '', '', '100', 'equal intervals between samples of the output'), &
+      & option_spec_type('KINEMATICS', 'DEFLECTIONS', kind_word, 'HELD|STATIC', &
+      &    '', 'HELD', 'of beams: held as they are, or in equilibrium at each sample with loads and inertia of the motion'), &
+      & option_spec_type('INVERSE DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
+      & option_spec_type('INVERSE DYNAMICS', 'START', kind_real, '', &
+      &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
+      & option_spec_type('INVERSE DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
+      & option_spec_type('INVERSE DYNAMICS', 'OUTPUTS', kind_counting, '', &
+      &    '', '100', 'equal intervals between samples of the output'), &
+      & option_spec_type('INVERSE DYNAMICS', 'DEFLECTIONS', kind_word, 'HELD|STATIC', &
+      &    '', 'STATIC', 'of beams: held as they are, or in equilibrium at each sample with loads and inertia of the motion'), &
+      & option_spec_type('STATICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
+      & option_spec_type('STATICS', 'PERIOD', kind_nonnegative, '', &
+      &    's', '1', 'time that passes; with 0 the equilibrium of this instant is sought'), &
+      & option_spec_type('STATICS', 'INCREMENTS', kind_counting, '', &
+      &    '', '10', 'equal parts of the time, a sample at the end of each; divided further where that is needed'), &
+      & option_spec_type('STATICS', 'RAMP', kind_yes, '', &
+      &    '', '', 'whether weight and constant loads grow from zero; default YES in the first analysis, else NO'), &
+      & option_spec_type('STATICS', 'INSTABILITY', kind_word, 'LEAVE|STAY|STOP', &
+      &    '', 'LEAVE', 'where equilibrium turns unstable: go on with a stable one, stay, or end the run'), &
+      & option_spec_type('STATICS', 'ROTATION', kind_real, '', &
+      &    'rad/s', '0', 'speed at which everything turns about the centre at the end; grows from that before'), &
+      & option_spec_type('STATICS', 'CENTRE X', kind_real, '', 'm', '0', 'x of the centre of ROTATION'), &
+      & option_spec_type('STATICS', 'CENTRE Y', kind_real, '', 'm', '0', 'y of the centre of ROTATION'), &
+      & option_spec_type('MODES', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
+      & option_spec_type('MODES', 'NUMBER', kind_counting, '', '', '10', 'number of modes: those of the lowest frequencies'), &
+      & option_spec_type('MODES', 'DAMPED', kind_yes, '', '', 'NO', 'whether dampers count: frequencies with damping ratios')]
    !> All options in the order of their keywords: kind, values, unit, default, meaning
-   type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, other_options]
+   type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, other_options, &
+      & analysis_options]
    !> The fields of data lines of the form `form_fields`
    type(field_spec_type), parameter :: field_table(*) = [ &
       & field_spec_type('GROUND', 'point', kind_name, '', 'name of the point'), &

@@ -7,6 +7,7 @@ module limber_flex_reduction
    use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
    use limber_flex_axial, only: element_functions, static_functions, axial_basis
+   use limber_flex_end_shapes, only: add_end_shapes
    use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, &
       & project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
@@ -40,6 +41,8 @@ module limber_flex_reduction
       !> Which static functions, and how many modal derivatives
       logical :: end_force = .true., centrifugal = .true.
       integer :: derivatives = 3
+      !> Whether the shapes that forces and moments at the ends make join the bending modes
+      logical :: end_shapes = .false.
       !> Coordinate along the beam of the floating frame's origin [length]
       real(wp) :: origin = 0.0_wp
    end type reduction_type
@@ -68,6 +71,7 @@ contains
 
       field = mesh_beam(beam)
       call compute_modes(beam, choice, field, error)
+      if (choice%end_shapes .and. .not. allocated(error)) call add_end_shapes(beam, choice%support, field, error)
       if (allocated(error)) return
       allocate (x(0:choice%geometric_elements))
       x(:) = element_ends(beam%length, choice%geometric_elements)

@@ -223,6 +223,7 @@ contains
       case ('ELEMENTS'); choice%axial_basis = axial_by_elements
       case ('STATIC'); choice%axial_basis = axial_static
       end select
+      choice%end_shapes = block%yes('END SHAPES')
       choice%end_force = block%yes('END FORCE')
       choice%centrifugal = block%yes('CENTRIFUGAL')
       choice%derivatives = block%integer('MODAL DERIVATIVES')

@@ -2,10 +2,10 @@
 !> here, and every complaint points into the deck. Floor: model.
 module limber_model_build
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
+   use limber_model_analyses, only: add_analyses
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_beam, add_points
    use limber_model_channels, only: add_channels
    use limber_model_first_state, only: read_assembly
@@ -39,11 +39,11 @@ contains
          case ('RIGID BODY'); call add_rigid_body(deck%blocks(i), model, diagnostics)
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
          case ('BEAM'); call add_beam(deck, i, model, diagnostics)
-         case ('DYNAMICS'); call read_dynamics(deck%blocks(i), model, diagnostics)
          case ('ACCURACY'); model%accuracy%estimate = deck%blocks(i)%yes('ESTIMATE')
          end select
       end do
       call trim_lists(model)
+      call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
@@ -65,6 +65,7 @@ contains
          case ('FRICTION'); call add_friction(deck%blocks(i), model, diagnostics)
          end select
       end do
+      call trim_lists(model)
       call resolve_laws(model, diagnostics)
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%keyword == 'OUTPUT') call add_channels(deck%blocks(i), model, diagnostics)
@@ -97,33 +98,6 @@ contains
       model%units%mass = deck%blocks(block)%text('MASS')
    end subroutine read_labels
 
-
-   subroutine read_dynamics(block, model, diagnostics)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
-      associate (dynamics => model%dynamics)
-         dynamics%wanted = .true.
-         dynamics%start = block%real('START')
-         dynamics%end = block%real('END')
-         dynamics%outputs = block%integer('OUTPUTS')
-         dynamics%tolerance = block%real('TOLERANCE')
-         dynamics%integrator = block%word('INTEGRATOR')
-         dynamics%reason = ''
-         dynamics%spectral_radius = block%real('SPECTRAL RADIUS')
-         dynamics%initial_step = block%real('INITIAL STEP')
-         dynamics%maximum_step = block%real('MAXIMUM STEP')
-         dynamics%fixed_step = block%real('FIXED STEP')
-         dynamics%maximum_steps = block%integer('MAXIMUM STEPS')
-         if (dynamics%end <= dynamics%start) call diagnostics%add(block%origin_of('END'), &
-            & 'END='//as_text(dynamics%end)//' is not later than START='//as_text(dynamics%start), 'give a later time')
-         if (dynamics%spectral_radius > 1.0_wp) call diagnostics%add(block%origin_of('SPECTRAL RADIUS'), &
-            & 'SPECTRAL RADIUS='//as_text(dynamics%spectral_radius)//' feeds vibrations', 'give a number from 0 to 1')
-         if (dynamics%tolerance > 0.1_wp .or. dynamics%tolerance < 1.0e-13_wp) call diagnostics%add( &
-            & block%origin_of('TOLERANCE'), 'TOLERANCE='//as_text(dynamics%tolerance)//' cannot be kept', &
-            & 'give a value between 1e-13 and 0.1')
-      end associate
-   end subroutine read_dynamics
 
    !> Characteristic length: the largest body, or where there is none with size, the spread of the guesses; at last 1.
    pure real(wp) function scene_length(model) result(length)

@@ -20,8 +20,10 @@ contains
       type(deflection_type) :: deflection
       integer :: i
       model%assembly%largest_turn = block%real('LARGEST TURN')
+      model%assembly%static_deflections = block%word('INITIAL DEFLECTIONS') == 'STATIC'
       if (size(block%lines) > 0 .and. block%word('INITIAL DEFLECTIONS') /= 'GIVEN') then
-         call diagnostics%add(block%lines(1)%origin, 'data lines give deflections, but INITIAL DEFLECTIONS=ZERO', &
+         call diagnostics%add(block%lines(1)%origin, 'data lines give deflections, but INITIAL DEFLECTIONS='// &
+            & block%word('INITIAL DEFLECTIONS'), &
             & 'write INITIAL DEFLECTIONS=GIVEN')
          return
       end if

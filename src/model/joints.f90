@@ -424,15 +424,26 @@ contains
 
    end subroutine read_driven
 
-   !> Integrals of the law of a velocity or an acceleration over the time of the analysis.
+   !> Integrals of the law of a velocity or an acceleration over the time of all analyses.
    subroutine prepare(model, driver)
       type(model_type), intent(in) :: model
       type(driver_type), intent(inout) :: driver
       real(wp), allocatable :: breaks(:)
-      if (driver%level == 0 .or. .not. model%dynamics%end > model%dynamics%start) return
+      real(wp) :: start, end
+      integer :: i
+      if (driver%level == 0) return
+      start = model%dynamics%start
+      end = model%dynamics%end
+      if (allocated(model%steps)) then
+         do i = 1, size(model%steps)
+            start = min(start, model%steps(i)%dynamics%start)
+            end = max(end, model%steps(i)%dynamics%end)
+         end do
+      end if
+      if (.not. end > start) return
       allocate (breaks(0))
-      call law_breaks(driver%law, model%dynamics%start, model%dynamics%end, breaks)
-      driver%integral = integrate(driver%law, model%dynamics%start, model%dynamics%end, breaks)
+      call law_breaks(driver%law, start, end, breaks)
+      driver%integral = integrate(driver%law, start, end, breaks)
    end subroutine prepare
 
 end module limber_model_joints

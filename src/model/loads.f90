@@ -101,9 +101,9 @@ contains
       type(effort_type) :: effort
       logical :: turning, linear
       turning = block%word('TYPE') == 'ROTATIONAL'
-      if (turning .and. block%given('LENGTH')) call diagnostics%add(block%origin_of('LENGTH'), &
+      if (turning .and. block%real('LENGTH') > 0.0_wp) call diagnostics%add(block%origin_of('LENGTH'), &
          & 'LENGTH is of springs of TYPE=TRANSLATIONAL', 'the free angle is ANGLE')
-      if (.not. turning .and. block%given('ANGLE')) call diagnostics%add(block%origin_of('ANGLE'), &
+      if (.not. turning .and. abs(block%real('ANGLE')) > 0.0_wp) call diagnostics%add(block%origin_of('ANGLE'), &
          & 'ANGLE is of springs of TYPE=ROTATIONAL', 'the free length is LENGTH')
       if (size(block%lines) /= 1) return
       call find_pair(block, model, spring%points, diagnostics)

@@ -14,7 +14,7 @@ module limber_model_scene
    public :: model_type, body_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
    public :: assembly_choice_type, deflection_type
    public :: effort_type, named_load_type
-   public :: dynamics_type, accuracy_type, channel_type, quantity_type, units_type
+   public :: dynamics_type, step_type, accuracy_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
@@ -28,6 +28,12 @@ module limber_model_scene
    !> the coordinates of a point
    integer, parameter, public :: driver_angle = 1, driver_joint_angle = 2, driver_distance = 3, driver_displacement = 4, &
       & driver_x = 5, driver_y = 6
+   !> Kinds of analyses
+   integer, parameter, public :: step_kinematics = 1, step_inverse = 2, step_statics = 3, step_modes = 4, step_dynamics = 5
+   !> What a static analysis does where the equilibrium turns unstable
+   integer, parameter, public :: leave_unstable = 1, stay_unstable = 2, stop_unstable = 3
+   !> Velocities that a dynamic analysis starts with: those at the end of the one before, none, those of the deck
+   integer, parameter, public :: velocities_kept = 1, velocities_none = 2, velocities_of_deck = 3
    !> Index that stands for the ground where a body is expected
    integer, parameter, public :: ground = 0
 
@@ -208,9 +214,9 @@ module limber_model_scene
       type(quantity_type), allocatable :: quantities(:)
    end type channel_type
 
-   !> What a dynamic analysis is asked for
+   !> What an analysis in time is asked for, a dynamic one above all
    type :: dynamics_type
-      !> True if the deck asks for one
+      !> True if the deck asks for an analysis
       logical :: wanted = .false.
       !> First and last time
       real(wp) :: start = 0.0_wp, end = 0.0_wp
@@ -242,9 +248,33 @@ module limber_model_scene
    type :: assembly_choice_type
       !> Rotation from the guess to the first position above which there is a warning [rad]
       real(wp) :: largest_turn = 0.5_wp
+      !> Whether deflections start in equilibrium with loads and inertia
+      logical :: static_deflections = .false.
       !> Deflections that are given; all others start at zero
       type(deflection_type), allocatable :: deflections(:)
    end type assembly_choice_type
+   !> An analysis: a step of the deck, which starts from the end of the one before
+   type :: step_type
+      !> One of the kinds of analyses
+      integer :: kind = step_dynamics
+      !> Name in the results, and index of the deck's block
+      character(:), allocatable :: name
+      integer :: block = 0
+      !> First and last time, samples; of a dynamic analysis all that it is asked for
+      type(dynamics_type) :: dynamics
+      !> Dynamics: the velocities at the start
+      integer :: velocities = velocities_kept
+      !> Kinematics and inverse dynamics: whether deflections are in equilibrium at each sample, or held
+      logical :: static_deflections = .false.
+      !> Statics: whether constant loads grow from zero, and what is done with an unstable equilibrium
+      logical :: ramp = .false.
+      integer :: instability = leave_unstable
+      !> Statics: speed of a steady rotation of everything at the end [rad/time], and its centre [length]
+      real(wp) :: rotation = 0.0_wp, centre(2) = 0.0_wp
+      !> Modes: how many, and whether they are damped
+      integer :: modes = 10
+      logical :: damped = .false.
+   end type step_type
 
    !> What is to be known of the error of the results
    type :: accuracy_type
@@ -283,6 +313,8 @@ module limber_model_scene
       !> True if the coordinates of all bodies are to be sampled, to be drawn
       logical :: motion = .false.
       type(assembly_choice_type) :: assembly
+      !> The analyses in order, none if not allocated; and the one that runs
+      type(step_type), allocatable :: steps(:)
       type(dynamics_type) :: dynamics
       type(accuracy_type) :: accuracy
       !> Characteristic length: the largest size of a body or distance between guessed places [length]

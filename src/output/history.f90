@@ -6,10 +6,12 @@
 !>     /time              (time): scale of every channel; attributes units, long_name
 !>     /component_<k>     1..k: scale of the second dimension of channels of width k, one for each width in use
 !>     /channels/<name>   (time) or (time, k); attributes units, long_name; members in order of definition
+!>     /step              (time): number of the analysis of each sample, if there are several
+!>     /modes/<name>/...  frequencies and shapes of a modal analysis; scale /modes/<name>/mode
 !>     /<group>/<name>    of the same shape, with the same scales: more about a channel, whose attribute <group> is the path
 !>     /motion            what `limber_output_motion` describes, if the deck asks for it
 !>     /bodies/<name>/... small datasets and attributes
-!>     /run               texts (deck, ...), statistics; attributes complete (0, then 1) and status
+!>     /run               texts (deck, ...), statistics, /run/steps/... if there are several analyses; attributes complete (0, then 1) and status
 !>
 !> Samples are gathered in memory and go to the file together, followed at once by a flush, whenever the buffer is
 !> full or some seconds have passed: between two such moments the file on disk is whole, so that a killed run leaves
@@ -61,7 +63,7 @@ module limber_output_history
       logical, private :: failed = .false.
    contains
       procedure :: create, define_time, define_channel, define_series, append, flush => flush_samples, finish
-      procedure :: put_group, put_beside, put_text
+      procedure :: put_group, put_beside, put_text, put_axis, put_steps
       !> `put_real(path, value, units, long_name, error)`: value (:) or (:, :), which h5py sees transposed
       generic :: put_real => put_reals, put_table
       !> `put_attribute(path, name, value, error)`: value a text, integer, long, real or real (:)
@@ -365,6 +367,54 @@ contains
       if (.not. allocated(error)) call write_attribute(self%file, '/channels/'//name, group, path, error)
       call close_series(series)
    end subroutine put_beside
+
+   !> Writes the numbers 1..n as a dimension scale, and makes it that of the slowest dimension of datasets beside it.
+   subroutine put_axis(self, path, n, long_name, names, error)
+      !> Open history
+      class(history_type), intent(in) :: self
+      !> Absolute path of the scale
+      character(*), intent(in) :: path
+      integer, intent(in) :: n
+      !> One line for people
+      character(*), intent(in) :: long_name
+      !> Datasets of the same group
+      character(*), intent(in) :: names(:)
+      !> Allocated if it cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      integer(hid_t) :: scale, dataset
+      integer :: i, status, ignored
+      call self%put_integer(path, [(i, i=1, n)], long_name, error)
+      if (allocated(error)) return
+      call h5dopen_f(self%file, path, scale, status)
+      if (status >= 0) call h5dsset_scale_f(scale, status, path(index(path, '/', back=.true.) + 1:))
+      do i = 1, size(names)
+         if (status < 0) exit
+         call h5dopen_f(self%file, path(:index(path, '/', back=.true.))//trim(names(i)), dataset, status)
+         if (status < 0) exit
+         call h5dsattach_scale_f(dataset, scale, 1, status)
+         call h5dclose_f(dataset, ignored)
+      end do
+      if (status < 0) call hdf5_error(error, self%file, 'cannot make '//path//' a dimension scale')
+      call h5dclose_f(scale, ignored)
+   end subroutine put_axis
+
+   !> Writes the number of the analysis that each sample belongs to, as /step beside the time.
+   subroutine put_steps(self, steps, error)
+      !> Open history; its samples should all be there
+      class(history_type), intent(in) :: self
+      !> Analysis of each sample
+      integer, intent(in) :: steps(:)
+      !> Allocated if it cannot be written
+      type(error_type), allocatable, intent(out) :: error
+      integer(hid_t) :: dataset
+      integer :: status, ignored
+      call self%put_integer('/step', steps, 'number of the analysis', error)
+      if (allocated(error)) return
+      call h5dopen_f(self%file, '/step', dataset, status)
+      if (status >= 0) call h5dsattach_scale_f(dataset, self%time%id, 1, status)
+      if (status < 0) call hdf5_error(error, self%file, 'cannot attach the time to /step')
+      call h5dclose_f(dataset, ignored)
+   end subroutine put_steps
 
    !> Writes a text as a dataset, replacing an older one.
    subroutine put_text(self, path, text, error)

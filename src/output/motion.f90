@@ -14,6 +14,7 @@
 !>     /motion/connection_names, /motion/connection_types   texts, one line for each joint and spring
 !>     /motion/connection_places      pairs of numbers of places: what each connects
 !>     /motion/connection_angles      (connection): direction of a line, in the frame of the second place's body [rad]
+!>     /motion/connection_radii       pairs of radii of wheels around the two places, 0 where there is none
 module limber_output_motion
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_kinds, only: wp
@@ -42,6 +43,8 @@ module limber_output_motion
       character(longest_name), allocatable :: connection_types(:)
       integer, allocatable :: connection_places(:, :)
       real(wp), allocatable :: connection_angles(:)
+      !> Radii of wheels around the two places (2, connections) [length]
+      real(wp), allocatable :: connection_radii(:, :)
       !> Follows from the rest (`prepare`): first coordinate of each body, first entry in `shapes` of each place, first place of
       !> each stroke, and two places of each body that are connected to others, or 0: (2, bodies)
       integer, allocatable :: first(:), first_shape(:), first_place(:), anchors(:, :)
@@ -141,6 +144,8 @@ contains
       call put_integers('connection_places', reshape(geometry%connection_places, [size(geometry%connection_places)]), &
          & 'pairs of places that joints and springs connect')
       call put_reals('connection_angles', geometry%connection_angles, 'directions of lines in the frame of the second body')
+      call put_reals('connection_radii', reshape(geometry%connection_radii, [size(geometry%connection_radii)]), &
+         & 'pairs of radii of wheels')
 
    contains
 
@@ -167,7 +172,7 @@ contains
       type(motion_type), intent(out) :: motion
       !> Allocated if the file has none, or it cannot be read
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: pairs(:)
+      real(wp), allocatable :: pairs(:), radii(:)
       if (.not. reader%has('/motion')) then
          call raise(error, reader%path//' has no motion to draw; run its deck with *OUTPUT, MOTION=YES', status_deck)
          return
@@ -191,9 +196,11 @@ contains
          call read_lines('connection_types', g%connection_types)
          call read_reals('connection_places', pairs)
          call read_reals('connection_angles', g%connection_angles)
+         call read_reals('connection_radii', radii)
          if (allocated(error)) return
          if (size(motion%time) > size(motion%coordinates, 2)) motion%time = motion%time(:size(motion%coordinates, 2))
-         allocate (g%connection_places(2, size(pairs)/2))
+         allocate (g%connection_places(2, size(pairs)/2), g%connection_radii(2, size(pairs)/2))
+         g%connection_radii = reshape(radii, shape(g%connection_radii))
          g%connection_places = reshape(nint(pairs), shape(g%connection_places))
          call prepare(g)
       end associate

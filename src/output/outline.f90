@@ -3,7 +3,9 @@
 module limber_output_outline
    use limber_base_kinds, only: wp
    use limber_flex_reduction, only: point_shape
-   use limber_model_scene, only: model_type, body_point, body_flexible, joint_revolute, joint_point_on_line
+   use limber_model_scene, only: model_type, joint_type, body_point, body_flexible, &
+      & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
+      & joint_rack, joint_belt
    use limber_output_motion, only: geometry_type, prepare
    use limber_system_algebra, only: cross
    use limber_system_kinematics, only: layout_type
@@ -13,6 +15,8 @@ module limber_output_outline
 
    !> Least number of stretches of a beam's outline, and stretches for each bending coordinate
    integer, parameter :: least_stretches = 24, stretches_per_mode = 6
+   !> Stretches of a curve between two of its points
+   integer, parameter :: per_knot = 8
    !> Points that bodies have, and those that beams have, without the deck's naming them
    character(*), parameter :: points_of_bodies = ' origin centre ', points_of_beams = ' origin start middle end '
 
@@ -47,6 +51,9 @@ contains
             call add_outline(order(first(body):first(body + 1) - 1), drawn, geometry, filled)
          end if
       end do
+      do i = 1, size(model%joints)
+         call add_curve(model, model%joints(i), geometry, place, shape, filled)
+      end do
       geometry%stroke_places = geometry%stroke_places(:filled(2))
       call prepare(geometry)
    end function geometry_of
@@ -70,6 +77,12 @@ contains
          shapes = shapes + 2*layout%n(body)*(stretches(model, body) + 1)
       end do
       strokes = count(model%bodies%kind /= body_point)
+      do i = 1, size(model%joints)
+         if (places_of_curve(model%joints(i)) == 0) cycle
+         strokes = strokes + 1
+         places = places + places_of_curve(model%joints(i))
+         shapes = shapes + places_of_curve(model%joints(i))*size(model%points(model%joints(i)%points(2))%phi)
+      end do
       allocate (geometry%places(2, places), geometry%place_bodies(places), geometry%place_names(places), geometry%shapes(shapes))
       allocate (geometry%stroke_widths(strokes), geometry%stroke_closed(strokes), geometry%stroke_places(places))
       geometry%place_names = ''
@@ -134,32 +147,86 @@ contains
       end associate
    end subroutine add_stations
 
-   !> What joints and springs connect.
+   !> What joints and springs connect; couplers have no points.
    subroutine take_connections(model, geometry)
       type(model_type), intent(in) :: model
       type(geometry_type), intent(inout) :: geometry
-      integer :: i, joints, n
-      joints = size(model%joints)
-      n = joints + size(model%springs)
+      integer :: i, k, n
+      n = size(model%springs)
+      do i = 1, size(model%joints)
+         if (all(model%joints(i)%points > 0)) n = n + 1
+      end do
       allocate (geometry%connections(n), geometry%connection_types(n), geometry%connection_places(2, n), &
-         & geometry%connection_angles(n))
+         & geometry%connection_angles(n), geometry%connection_radii(2, n))
       geometry%connection_angles = 0.0_wp
-      do i = 1, joints
-         geometry%connections(i) = model%joints(i)%name
-         geometry%connection_places(:, i) = model%joints(i)%points
-         geometry%connection_angles(i) = model%joints(i)%angle
-         select case (model%joints(i)%kind)
-         case (joint_revolute); geometry%connection_types(i) = 'REVOLUTE'
-         case (joint_point_on_line); geometry%connection_types(i) = 'POINT ON LINE'
-         case default; geometry%connection_types(i) = 'JOINT'
-         end select
+      geometry%connection_radii = 0.0_wp
+      k = 0
+      do i = 1, size(model%joints)
+         if (any(model%joints(i)%points == 0)) cycle
+         k = k + 1
+         geometry%connections(k) = model%joints(i)%name
+         geometry%connection_types(k) = type_name(model%joints(i))
+         geometry%connection_places(:, k) = model%joints(i)%points
+         geometry%connection_angles(k) = model%joints(i)%angle
+         geometry%connection_radii(:, k) = model%joints(i)%radius
       end do
       do i = 1, size(model%springs)
-         geometry%connections(joints + i) = model%springs(i)%name
-         geometry%connection_places(:, joints + i) = model%springs(i)%points
-         geometry%connection_types(joints + i) = 'SPRING'
+         geometry%connections(k + i) = model%springs(i)%name
+         geometry%connection_types(k + i) = 'SPRING'
+         geometry%connection_places(:, k + i) = model%springs(i)%points
       end do
    end subroutine take_connections
+
+   !> What a joint is called; a belt that is crossed has a name of its own.
+   pure function type_name(joint) result(name)
+      type(joint_type), intent(in) :: joint
+      character(:), allocatable :: name
+      select case (joint%kind)
+      case (joint_revolute); name = 'REVOLUTE'
+      case (joint_point_on_line); name = 'POINT ON LINE'
+      case (joint_translational); name = 'TRANSLATIONAL'
+      case (joint_weld); name = 'WELD'
+      case (joint_rod); name = 'ROD'
+      case (joint_curve); name = 'POINT ON CURVE'
+      case (joint_sliding); name = 'SLIDING'
+      case (joint_gear); name = 'GEAR'
+      case (joint_rack); name = 'RACK'
+      case (joint_belt)
+         name = 'BELT'
+         if (.not. joint%same_direction) name = 'CROSSED BELT'
+      case default; name = 'JOINT'
+      end select
+   end function type_name
+
+   !> Number of places along the curve of a joint; 0 if it has none, or one that has no ends, y of x.
+   pure integer function places_of_curve(joint) result(places)
+      type(joint_type), intent(in) :: joint
+      places = 0
+      if (joint%kind == joint_curve .and. .not. joint%curve%explicit) places = per_knot*(size(joint%curve%x%x) - 1) + 1
+   end function places_of_curve
+
+   !> Adds the curve of a joint, which belongs to the body of its second point.
+   subroutine add_curve(model, joint, geometry, place, shape, filled)
+      type(model_type), intent(in) :: model
+      type(joint_type), intent(in) :: joint
+      type(geometry_type), intent(inout) :: geometry
+      integer, intent(inout) :: place, shape, filled(2)
+      real(wp) :: x(0:2), y(0:2), s, gap
+      integer :: i, n
+      n = places_of_curve(joint)
+      if (n == 0) return
+      call add_stroke(geometry, filled, [(i, i=place + 1, place + n)], .false.)
+      associate (point => model%points(joint%points(2)), knots => joint%curve%x%x)
+         do i = 1, n
+            s = knots(1) + (knots(size(knots)) - knots(1))*(i - 1)/(n - 1)
+            x = joint%curve%x%evaluate(s)
+            y = joint%curve%y%evaluate(s)
+            call add_place(point%body, point%p0 + [x(0), y(0)], point%phi, geometry, place, shape)
+         end do
+      end associate
+      gap = norm2(geometry%places(:, place) - geometry%places(:, place - n + 1))
+      if (gap <= 1.0e-9_wp*norm2(geometry%places(:, place - n/2) - geometry%places(:, place))) geometry%stroke_closed(filled(1)) = 1
+   end subroutine add_curve
 
    !> Numbers of the points of each body in their order: order(first(body):first(body + 1) - 1).
    pure subroutine sort_points(model, order, first)

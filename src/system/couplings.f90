@@ -10,7 +10,8 @@ module limber_system_couplings
    use limber_system_drivers, only: driven_angle_type
    use limber_system_joints, only: revolute_type, point_on_line_type
    use limber_system_kernel, only: kernel_type, linear_type, most_vectors
-   use limber_system_measures, only: measure_type, measure_component, measure_along, measure_cross, measure_distance, measure_angle
+   use limber_system_measures, only: measure_type, measure_component, measure_along, measure_cross, measure_distance, &
+      & measure_angle, measure_slope
    use limber_system_paths, only: curve_joint_type, sliding_type, set_line
    use limber_system_registry, only: registry_type, marker_of, frame_marker, direction_of, frame_direction, angle_of, bend_of, &
       & guessed_angle, guessed_turn, guessed_position
@@ -299,7 +300,27 @@ contains
       second = direction_of(system, joint%points(2), angle)
       call add_measure(item, measure_type(kind=measure_cross, vectors=[vector(item, second), vector(item, first), 0]), &
          & system%model%length, row)
+      call add_slope(system, item, joint%points(1), system%model%length, row)
+      call add_slope(system, item, joint%points(2), -system%model%length, row)
    end subroutine add_parallel
+
+   !> Adds what the angle of a section of a beam is more than that of its direction (1, slope) in the frame, to third order: the
+   !> slope is the sine of the angle in the model FULL, the angle itself in the others.
+   subroutine add_slope(system, item, point, coefficient, row)
+      class(registry_type), intent(inout) :: system
+      type(linear_type), intent(inout) :: item
+      integer, intent(in) :: point, row
+      real(wp), intent(in) :: coefficient
+      integer :: vectors(3), body
+      body = system%model%points(point)%body
+      if (body == ground) return
+      if (.not. any(abs(system%model%points(point)%psi) > 0.0_wp)) return
+      vectors = 0
+      vectors(1) = vector(item, frame_direction(system, body, 0.0_wp))
+      vectors(2) = vector(item, direction_of(system, point, 0.0_wp))
+      call add_measure(item, measure_type(kind=measure_slope, vectors=vectors), &
+         & coefficient*merge(0.5_wp, 1.0_wp/3, system%model%bodies(body)%reduced%full), row)
+   end subroutine add_slope
 
    !> Adds the distance along an axis of space from the second point to the first; without the second (0), from the origin.
    subroutine add_component(system, item, points, axis, row)

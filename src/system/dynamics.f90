@@ -128,6 +128,7 @@ contains
          associate (load => system%loads(i)%item, force => work%loads(i)%force)
             force = 0.0_wp
             call load%add_force(work%kinematics, force)
+            if (load%is_scaled) force = load%share*force
             do side = 1, size(load%bodies)
                call add_to_body(system, work, load%bodies(side), &
                   & force(load%offsets(side) + 1:load%offsets(side) + load%rates(side)))

@@ -18,6 +18,9 @@ module limber_system_loads
       integer, allocatable :: rates(:), offsets(:)
       !> False if all that it does is in the energy that it stores
       logical :: powered = .true.
+      !> Whether it is multiplied at present by a share, as by a static analysis in which it grows, and that
+      logical :: is_scaled = .false.
+      real(wp) :: share = 1.0_wp
    contains
       !> Forces on the bodies
       procedure(force_interface), deferred :: add_force

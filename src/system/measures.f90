@@ -9,9 +9,10 @@ module limber_system_measures
    private
    public :: measure_type, measure_value, measure_gradient, measure_hessian
 
-   !> axis.(v1 - v2); (v1 - v2).v3; v1 x v2; |v1 - v2|; the angle of v1 - v2, followed over turns
+   !> axis.(v1 - v2); (v1 - v2).v3; v1 x v2; |v1 - v2|; the angle of v1 - v2, followed over turns; (v1 x v2)(v2.v2 - v1.v1), the cube
+   !> of the slope of a section whose direction is v2 in the frame of direction v1
    integer, parameter, public :: measure_component = 1, measure_along = 2, measure_cross = 3, measure_distance = 4, &
-      & measure_angle = 5
+      & measure_angle = 5, measure_slope = 6
 
    !> One measure
    type :: measure_type
@@ -38,6 +39,7 @@ contains
       case (measure_along); value = dot_product(v(:, 1) - v(:, 2), v(:, 3))
       case (measure_cross); value = cross(v(:, 1), v(:, 2))
       case (measure_distance); value = norm2(v(:, 1) - v(:, 2))
+      case (measure_slope); value = cross(v(:, 1), v(:, 2))*excess(v(:, 1), v(:, 2))
       case default; value = atan2(v(2, 1) - v(2, 2), v(1, 1) - v(1, 2))
       end select
    end function measure_value
@@ -49,7 +51,7 @@ contains
       real(wp), intent(in) :: y(:, :), rate(:, :)
       !> Length of the step; 0: an instant
       real(wp), intent(in) :: span
-      real(wp) :: g(2, 3), v(2, 3), w(2, 3), gap(2), half(2), length
+      real(wp) :: g(2, 3), v(2, 3), w(2, 3), gap(2), half(2), length, turned, longer
       v = own(measure, y)
       gap = v(:, 1) - v(:, 2)
       g = 0.0_wp
@@ -62,6 +64,18 @@ contains
       case (measure_cross)
          g(:, 1) = -turn(v(:, 2))
          g(:, 2) = turn(v(:, 1))
+         return
+      case (measure_slope)
+         ! Of a product over a step: the mean of one factor times the change of the other, both ways
+         turned = cross(v(:, 1), v(:, 2))
+         longer = excess(v(:, 1), v(:, 2))
+         if (span > 0.0_wp) then
+            w = 0.5_wp*span*own(measure, rate)
+            turned = 0.5_wp*(cross(v(:, 1) - w(:, 1), v(:, 2) - w(:, 2)) + cross(v(:, 1) + w(:, 1), v(:, 2) + w(:, 2)))
+            longer = 0.5_wp*(excess(v(:, 1) - w(:, 1), v(:, 2) - w(:, 2)) + excess(v(:, 1) + w(:, 1), v(:, 2) + w(:, 2)))
+         end if
+         g(:, 1) = -longer*turn(v(:, 2)) - 2*turned*v(:, 1)
+         g(:, 2) = longer*turn(v(:, 1)) + 2*turned*v(:, 2)
          return
       case (measure_distance)
          length = norm2(gap)
@@ -82,7 +96,7 @@ contains
    pure function measure_hessian(measure, y) result(h)
       type(measure_type), intent(in) :: measure
       real(wp), intent(in) :: y(:, :)
-      real(wp) :: h(6, 6), v(2, 3), gap(2), part(2, 2), length
+      real(wp) :: h(6, 6), v(2, 3), gap(2), part(2, 2), length, turning(2, 2), lengthening(2, 2)
       integer :: i, j
       h = 0.0_wp
       v = own(measure, y)
@@ -101,6 +115,21 @@ contains
          h(4, 1) = 1.0_wp
          h(2, 3) = -1.0_wp
          h(3, 2) = -1.0_wp
+      case (measure_slope)
+         turning(:, 1) = -turn(v(:, 2))
+         turning(:, 2) = turn(v(:, 1))
+         lengthening(:, 1) = -2*v(:, 1)
+         lengthening(:, 2) = 2*v(:, 2)
+         do j = 1, 4
+            do i = 1, 4
+               h(i, j) = entry(turning, i)*entry(lengthening, j) + entry(lengthening, i)*entry(turning, j)
+            end do
+            h(j, j) = h(j, j) + merge(-2.0_wp, 2.0_wp, j <= 2)*cross(v(:, 1), v(:, 2))
+         end do
+         h(1, 4) = h(1, 4) + excess(v(:, 1), v(:, 2))
+         h(4, 1) = h(4, 1) + excess(v(:, 1), v(:, 2))
+         h(2, 3) = h(2, 3) - excess(v(:, 1), v(:, 2))
+         h(3, 2) = h(3, 2) - excess(v(:, 1), v(:, 2))
       case default
          if (measure%kind == measure_distance) then
             length = norm2(gap)
@@ -118,6 +147,19 @@ contains
          h(3:4, 1:2) = -part
       end select
    end function measure_hessian
+
+   !> Square of the second vector less that of the first.
+   pure real(wp) function excess(a, b)
+      real(wp), intent(in) :: a(2), b(2)
+      excess = dot_product(b, b) - dot_product(a, a)
+   end function excess
+
+   !> Entry of two vectors, one after the other.
+   pure real(wp) function entry(vectors, i)
+      real(wp), intent(in) :: vectors(2, 2)
+      integer, intent(in) :: i
+      entry = vectors(modulo(i - 1, 2) + 1, (i + 1)/2)
+   end function entry
 
    !> The vectors of a measure (2,3); zero where there is none.
    pure function own(measure, y) result(v)

@@ -19,7 +19,8 @@ module limber_system_tangent
    implicit none
    private
    public :: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, times_mass, &
-      & times_stiffness, copy_rows, add_reaction_stiffness, gather, give_way
+      & times_damping, times_stiffness, copy_rows, add_reaction_stiffness, gather, give_way, &
+      & static_softness, solve_refined
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
    type :: body_tangent_type
@@ -300,6 +301,9 @@ contains
          tangent%loads(i)%stiffness = 0.0_wp
          tangent%loads(i)%damping = 0.0_wp
          call system%loads(i)%item%add_tangent(work%kinematics, tangent%loads(i)%stiffness, tangent%loads(i)%damping)
+         if (.not. system%loads(i)%item%is_scaled) cycle
+         tangent%loads(i)%stiffness = system%loads(i)%item%share*tangent%loads(i)%stiffness
+         tangent%loads(i)%damping = system%loads(i)%item%share*tangent%loads(i)%damping
       end do
       call gather(tangent)
    end subroutine linearise_motion
@@ -464,6 +468,36 @@ contains
       end if
    end subroutine combine
 
+   !> Solves with the factors at hand. What redundant constraints give way is taken out again, eq. (R6).
+   subroutine solve_refined(tangent, nw, solution, correction)
+      type(tangent_type), intent(inout) :: tangent
+      !> Number of rates
+      integer, intent(in) :: nw
+      !> Right-hand side, then solution; scratch (nw + nc)
+      real(wp), contiguous, intent(inout) :: solution(:), correction(:)
+      integer, parameter :: rounds = 2
+      integer :: round
+      call tangent%matrix%solve(solution)
+      if (size(tangent%slack) == 0) return
+      correction(nw + 1:) = solution(nw + 1:)
+      do round = 1, rounds
+         correction(:nw) = 0.0_wp
+         correction(nw + 1:) = -tangent%softness*tangent%slack*correction(nw + 1:)
+         call tangent%matrix%solve(correction)
+         solution = solution + correction
+      end do
+   end subroutine solve_refined
+
+   !> Softness of redundant constraints beside the stiffness instead of the mass: the ratio of the two.
+   pure real(wp) function static_softness(tangent) result(softness)
+      type(tangent_type), intent(in) :: tangent
+      real(wp) :: stiffest
+      softness = 1.0_wp
+      if (size(tangent%slack) == 0) return
+      stiffest = maxval(abs(tangent%parts(:, 3)))
+      if (stiffest > 0.0_wp) softness = maxval(abs(tangent%parts(:, 1)))/stiffest
+   end function static_softness
+
    !> Takes from the residual of the constraints what redundant ones give way under their multipliers, eq. (R7).
    pure subroutine give_way(tangent, lambda, residual)
       type(tangent_type), intent(in) :: tangent
@@ -493,6 +527,33 @@ contains
          end associate
       end do
    end subroutine times_mass
+
+   !> product = product + factor D vector, in the layout of the rates.
+   subroutine times_damping(system, tangent, factor, vector, product)
+      type(system_type), intent(in) :: system
+      type(tangent_type), intent(in) :: tangent
+      real(wp), intent(in) :: factor, vector(:)
+      real(wp), intent(inout) :: product(:)
+      integer :: i, j, k, first
+      do i = 1, size(tangent%bodies)
+         first = system%layout%w(i)
+         associate (damping => tangent%bodies(i)%damping)
+            do j = 1, size(damping, 2)
+               product(first:first + size(damping, 1) - 1) = product(first:first + size(damping, 1) - 1) &
+                  & + factor*vector(first + j - 1)*damping(:, j)
+            end do
+         end associate
+      end do
+      do i = 1, size(tangent%loads)
+         associate (load => tangent%loads(i))
+            do j = 1, size(load%unknowns)
+               do k = 1, size(load%unknowns)
+                  product(load%unknowns(k)) = product(load%unknowns(k)) + factor*load%damping(k, j)*vector(load%unknowns(j))
+               end do
+            end do
+         end associate
+      end do
+   end subroutine times_damping
 
    !> product = product + factor K vector, in the layout of the rates.
    subroutine times_stiffness(system, tangent, factor, vector, product)

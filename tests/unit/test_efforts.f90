@@ -4,6 +4,7 @@ program test_efforts
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: newline
+   use limber_deck_effective, only: effective_deck
    use limber_deck_reader, only: read_deck_text, deck_type, diagnostics_type
    use limber_model_build, only: build_model
    use limber_model_scene, only: ground, model_type
@@ -58,6 +59,7 @@ program test_efforts
    call test_steps()
    call test_reactions()
    call test_complaints()
+   call test_effective()
    call finish()
 
 contains
@@ -370,6 +372,21 @@ contains
          & '*FRICTION, NAME=f, JOINT=w, COEFFICIENT=1', "there is no friction in joint 'w'")
       call complains('*FRICTION, NAME=f, JOINT=nowhere, COEFFICIENT=1', "there is no *JOINT named 'nowhere'")
    end subroutine test_complaints
+
+   !> The effective deck, defaults and all, is a deck of the same loads.
+   subroutine test_effective()
+      type(deck_type) :: deck, again
+      type(diagnostics_type) :: diagnostics
+      type(model_type) :: model, same
+      call read_deck_text('zoo.inp', bodies//driven//stored, deck, diagnostics)
+      call build_model(deck, model, diagnostics)
+      call read_deck_text('effective.inp', effective_deck(deck), again, diagnostics)
+      call build_model(again, same, diagnostics)
+      call check(diagnostics%count == 0, 'the effective deck is good')
+      if (diagnostics%count > 0) print '(a)', diagnostics%render(again%source)
+      call check(size(same%efforts) == size(model%efforts) .and. size(same%loads) == size(model%loads), 'all loads again')
+      call check(all(abs(same%efforts%factor - model%efforts%factor) <= 1.0e-15_wp*abs(model%efforts%factor)), 'same loads')
+   end subroutine test_effective
 
    subroutine complains(lines, message)
       character(*), intent(in) :: lines, message

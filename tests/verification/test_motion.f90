@@ -13,7 +13,7 @@ program test_motion
    character(*), parameter :: nl = new_line('a')
    !> Layers of a drawing
    character(*), parameter :: layers(*) = [character(10) :: 'paths', 'ground', 'guides', 'areas', 'bars', 'undeformed', 'beams', &
-      & 'springs', 'blocks', 'masses', 'joints']
+      & 'springs', 'blocks', 'masses', 'joints', 'wheels']
    character(256) :: results
 
    call get_command_argument(1, results)
@@ -22,6 +22,7 @@ program test_motion
    call test_squeezer(trim(results))
    call test_pendulum(trim(results))
    call test_quick_return(trim(results))
+   call test_wheels(trim(results))
    call finish()
 
 contains
@@ -240,6 +241,33 @@ contains
       call check_close(norm2(ends(:2, 1)), shortest - 2*symbol(4)/0.8_wp, 1.0e-7_wp, 'where the line begins')
       call check_close(norm2(ends(:2, 2)), longest + 2*symbol(4)/0.8_wp, 1.0e-7_wp, 'where the line ends')
    end subroutine test_quick_return
+
+   !> Gears, a rack, a belt, a cam: strokes counted; the belt touches its wheels, and stands upright on their radii there.
+   subroutine test_wheels(path)
+      character(*), intent(in) :: path
+      type(history_reader_type) :: reader
+      character(:), allocatable :: text
+      type(error_type), allocatable :: error
+      character(4) :: none(0)
+      real(wp) :: ends(3, 2), radius(2, 2)
+      integer :: i
+      call run_changed('verification/wheels.inp', path, none, none, reader)
+      call reader%close()
+      call check_counts(path, choice_type(sample=4), [0, 0, 4, 1, 2, 0, 0, 0, 2, 5, 8, 5], 'wheels')
+      call drawn(path, choice_type(sample=4), text, error)
+      ! The belt's two strokes are the first guides
+      text = layer_of(text, 'guides')
+      do i = 1, 2
+         read (text, *) ends
+         radius(:, 1) = ends(:2, 1) - [0.5_wp, 0.0_wp]
+         radius(:, 2) = ends(:2, 2) - [1.6_wp, 0.0_wp]
+         call check_close(norm2(radius(:, 1)), 0.1_wp, 1.0e-7_wp, 'belt on the first wheel')
+         call check_close(norm2(radius(:, 2)), 0.25_wp, 1.0e-7_wp, 'belt on the second wheel')
+         call check_close(dot_product(ends(:2, 2) - ends(:2, 1), radius(:, 1)), 0.0_wp, 1.0e-7_wp, 'belt along the first wheel')
+         call check_close(dot_product(ends(:2, 2) - ends(:2, 1), radius(:, 2)), 0.0_wp, 1.0e-7_wp, 'belt along the second wheel')
+         text = text(index(text, nl//nl) + 2:)
+      end do
+   end subroutine test_wheels
 
    !> Counts strokes, or circles, in each layer but the ground.
    subroutine check_counts(path, choice, expected, title)

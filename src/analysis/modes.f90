@@ -1,0 +1,268 @@
+!> The modal analysis: frequencies, damping and shapes of small vibrations about the present state, at rest or in steady
+!> rotation, preloaded as a static analysis has left it. Floor: analysis. Source: doc/theory, eqs. (A11)-(A14).
+module limber_analysis_modes
+   use limber_base_kinds, only: wp, long
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_dynamics, only: outcome_type, check_residuals
+   use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_model_scene, only: step_type, ground
+   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   use limber_output_history, only: history_type
+   use limber_system_algebra, only: turn, along
+   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, linearise_balance
+   use limber_system_freedom, only: find_freedom
+   use limber_system_held, only: held_type, new_held, rest_multipliers
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_krylov, only: is_large
+   use limber_system_system, only: system_type
+   use limber_system_tangent, only: gather
+   use limber_system_vibrations, only: vibrations_type, find_vibrations, find_large_vibrations, add_rotation_damping, &
+      & no_damping, gyroscopic, all_damping
+   implicit none
+   private
+   public :: run_modes
+
+contains
+
+   !> Finds the modes and writes them to /modes/<name>.
+   subroutine run_modes(scene, step, history, outcome, report, error)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      class(history_type), intent(inout) :: history
+      type(outcome_type), intent(out) :: outcome
+      !> A table
+      character(:), allocatable, intent(out) :: report
+      type(error_type), allocatable, intent(out) :: error
+      type(equilibrium_type) :: balance
+      type(vibrations_type) :: vibrations
+      integer(long) :: tick
+      real(wp) :: cpu
+      call system_clock(tick)
+      call cpu_time(cpu)
+      outcome%cpu = -cpu
+      outcome%reached = step%dynamics%start
+      report = ''
+      call new_equilibrium(scene%system, balance)
+      call linearise_state(scene, step, balance, outcome, error)
+      if (allocated(error)) return
+      if (is_large(scene%system) .and. terms(step, balance) == no_damping) then
+         call find_large_vibrations(scene%system, balance%tangent, step%modes, vibrations, error)
+      else
+         call find_freedom(scene%system, scene%work, .false., balance%freedom)
+         call find_vibrations(scene%system, balance%tangent, balance%freedom, terms(step, balance), step%modes, vibrations, error)
+      end if
+      if (.not. allocated(error)) call sample(scene, step, balance, history, outcome, error)
+      if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
+      if (allocated(error)) return
+      report = table(scene, vibrations)
+      call cpu_time(cpu)
+      outcome%cpu = outcome%cpu + cpu
+      outcome%wall = seconds_since(tick)
+   end subroutine run_modes
+
+   !> Velocity terms that count.
+   pure integer function terms(step, balance)
+      type(step_type), intent(in) :: step
+      type(equilibrium_type), intent(in) :: balance
+      terms = no_damping
+      if (abs(balance%rotation) > 0.0_wp) terms = gyroscopic
+      if (step%damped) terms = all_damping
+   end function terms
+
+   !> Mass, damping and stiffness at the state: that of a static analysis with its multipliers and rotation; any other at rest.
+   subroutine linearise_state(scene, step, balance, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(equilibrium_type), intent(inout) :: balance
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      type(held_type) :: held
+      logical :: done
+      integer :: i
+      associate (system => scene%system, work => scene%work, t => step%dynamics%start)
+         if (scene%last%balanced) then
+            work%lambda = scene%last%lambda
+            balance%rotation = scene%last%rotation
+            balance%centre = scene%last%centre
+         else
+            call new_held(system, held)
+            call rest_multipliers(system, work, held, t, scene%q, done)
+            if (.not. done) then
+               call raise(error, 'mass and constraints make a singular system: a constraint is redundant, or a body without'// &
+                  & ' mass is free to move')
+               return
+            end if
+            work%lambda = held%lambda
+         end if
+         call linearise_balance(system, work, balance, t, scene%q, work%lambda)
+         if (maxval(abs(balance%motion*balance%scale)) > 1.0e-6_wp*largest_force(scene, balance)) &
+            & outcome%warnings = "warning: the state of *MODES '"//step%name//"' is not in equilibrium; put *STATICS before it"// &
+            & newline
+         if (.not. abs(balance%rotation) > 0.0_wp) return
+         do i = 1, size(balance%tangent%bodies)
+            call add_rotation_damping(balance%rotation, balance%tangent%bodies(i)%mass, balance%tangent%bodies(i)%damping)
+         end do
+         call gather(balance%tangent)
+      end associate
+   end subroutine linearise_state
+
+   !> Largest force in the scene, in scaled rates, of which a residual is a part.
+   pure real(wp) function largest_force(scene, balance) result(largest)
+      type(scene_type), intent(in) :: scene
+      type(equilibrium_type), intent(in) :: balance
+      integer :: i, first
+      largest = tiny(largest)
+      do i = 1, size(scene%work%bodies)
+         first = scene%system%layout%w(i)
+         largest = max(largest, maxval(abs(scene%work%bodies(i)%force(:scene%system%layout%rates(i)) &
+            & *balance%scale(first:first + scene%system%layout%rates(i) - 1))))
+      end do
+   end function largest_force
+
+   !> The channels at the state.
+   subroutine sample(scene, step, balance, history, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(equilibrium_type), intent(inout) :: balance
+      class(history_type), intent(inout) :: history
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      type(recorder_type) :: recorder
+      real(wp), allocatable :: values(:)
+      associate (system => scene%system, work => scene%work)
+         recorder = new_recorder(system, scene%q)
+         if (allocated(scene%angle)) recorder%angle = scene%angle
+         call follow_angles(recorder, system, scene%q)
+         allocate (values(sample_width(system)))
+         call place_frames(system%model, system%layout, step%dynamics%start, scene%q, work%kinematics)
+         call move_frames(system%model, system%layout, scene%q, balance%v, work%kinematics)
+         call check_residuals(system, work, .false., balance%v, outcome)
+         call channel_values(recorder, system, work, step%dynamics%start, scene%q, balance%v, balance%a, values)
+         scene%last%q = scene%q
+         scene%last%v = scene%v
+         scene%last%angle = recorder%angle
+      end associate
+      call history%append(step%dynamics%start, values, error)
+      outcome%samples = 1
+   end subroutine sample
+
+   !> Writes frequencies, damping ratios and shapes.
+   subroutine record_modes(scene, step, balance, vibrations, history, error)
+      type(scene_type), intent(in) :: scene
+      type(step_type), intent(in) :: step
+      type(equilibrium_type), intent(in) :: balance
+      type(vibrations_type), intent(in) :: vibrations
+      class(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: group, names
+      real(wp), allocatable :: ratio(:), places(:, :)
+      complex(wp), allocatable :: moves(:, :)
+      integer :: count
+      group = '/modes/'//step%name
+      allocate (ratio(size(vibrations%frequency)))
+      ratio = damping_ratio(vibrations%frequency, vibrations%growth)
+      call point_moves(scene%system, scene%q, vibrations%shape, names, places, moves, count)
+      associate (units => scene%system%model%units)
+         call history%put_real(group//'/frequency', vibrations%frequency, 'rad/'//units%time, &
+            & 'circular frequency of each mode', error)
+         if (.not. allocated(error)) call history%put_real(group//'/damping_ratio', ratio, '1', &
+            & 'part of critical damping of each mode; negative: it grows', error)
+         if (.not. allocated(error)) call history%put_real(group//'/growth', vibrations%growth, '1/'//units%time, &
+            & 'rate at which each mode grows', error)
+         if (.not. allocated(error)) call history%put_real(group//'/shape_real', real(vibrations%shape, wp), '1', &
+            & 'shapes in the rates of all bodies: x, y, rotation, deflection coordinates', error)
+         if (.not. allocated(error)) call history%put_real(group//'/shape_imaginary', aimag(vibrations%shape), '1', &
+            & 'their imaginary parts', error)
+         if (.not. allocated(error)) call history%put_text(group//'/points', names, error)
+         if (.not. allocated(error)) call history%put_real(group//'/point_place', places, units%length, &
+            & 'places of the named points: x and y of each', error)
+         if (.not. allocated(error)) call history%put_real(group//'/point_real', real(moves, wp), '1', &
+            & 'displacements of the named points in each mode: x and y of each', error)
+         if (.not. allocated(error)) call history%put_real(group//'/point_imaginary', aimag(moves), '1', &
+            & 'their imaginary parts', error)
+         if (.not. allocated(error)) call history%put_axis(group//'/mode', size(ratio), 'number of the mode', &
+            & [character(16) :: 'frequency', 'damping_ratio', 'growth', 'shape_real', 'shape_imaginary', 'point_real', &
+            & 'point_imaginary'], error)
+         if (.not. allocated(error)) call history%put_attribute(group, 'rotation', balance%rotation, error)
+         if (.not. allocated(error)) call history%put_attribute(group, 'time', step%dynamics%start, error)
+      end associate
+   end subroutine record_modes
+
+   !> Part of critical damping.
+   elemental real(wp) function damping_ratio(frequency, growth) result(ratio)
+      real(wp), intent(in) :: frequency, growth
+      ratio = 0.0_wp
+      if (abs(growth) > 0.0_wp) ratio = -growth/sqrt(frequency**2 + growth**2)
+   end function damping_ratio
+
+   !> Displacements of all named points of bodies in the shapes.
+   subroutine point_moves(system, q, shape, names, places, moves, count)
+      type(system_type), intent(in) :: system
+      !> Coordinates (nq); shapes (nw, modes)
+      real(wp), intent(in) :: q(:)
+      complex(wp), intent(in) :: shape(:, :)
+      !> Names, one in a line; places (2, points); displacements x, y of one after the other (2 points, modes); their number
+      character(:), allocatable, intent(out) :: names
+      real(wp), allocatable, intent(out) :: places(:, :)
+      complex(wp), allocatable, intent(out) :: moves(:, :)
+      integer, intent(out) :: count
+      real(wp) :: arm(2), u(2)
+      integer :: i, k, j, first, at
+      names = ''
+      count = 0
+      do i = 1, size(system%model%points)
+         if (system%model%points(i)%body /= ground) count = count + 1
+      end do
+      allocate (places(2, count), moves(2*count, size(shape, 2)))
+      count = 0
+      do i = 1, size(system%model%points)
+         associate (point => system%model%points(i))
+            if (point%body == ground) cycle
+            count = count + 1
+            if (count > 1) names = names//newline
+            names = names//point%name
+            first = system%layout%q(point%body)
+            at = system%layout%w(point%body)
+            places(:, count) = q(first:first + 1)
+            do j = 1, size(shape, 2)
+               moves(2*count - 1:2*count, j) = shape(at:at + 1, j)
+            end do
+            if (.not. system%layout%framed(point%body)) cycle
+            u = q(first + 2:first + 3)
+            arm = along(point%p0, u)
+            do k = 1, system%layout%n(point%body)
+               arm = arm + along(point%phi(:, k), u)*q(first + 3 + k)
+            end do
+            places(:, count) = places(:, count) + arm
+            do j = 1, size(shape, 2)
+               moves(2*count - 1:2*count, j) = moves(2*count - 1:2*count, j) + turn(arm)*shape(at + 2, j)
+               do k = 1, system%layout%n(point%body)
+                  moves(2*count - 1:2*count, j) = moves(2*count - 1:2*count, j) + along(point%phi(:, k), u)*shape(at + 2 + k, j)
+               end do
+            end do
+         end associate
+      end do
+   end subroutine point_moves
+
+   !> Lines with the modes.
+   function table(scene, vibrations) result(text)
+      type(scene_type), intent(in) :: scene
+      type(vibrations_type), intent(in) :: vibrations
+      character(:), allocatable :: text
+      character(100) :: line
+      integer :: i
+      real(wp), parameter :: turn_once = 2*acos(-1.0_wp)
+      associate (unit => scene%system%model%units%time)
+         line = '      mode   frequency [rad/'//unit//']   [1/'//unit//']'
+         write (line(46:), '(a)') 'damping ratio'
+         text = newline//trim(line)
+         do i = 1, size(vibrations%frequency)
+            write (line, '(i10,2es17.7,es16.4)') i, vibrations%frequency(i), vibrations%frequency(i)/turn_once, &
+               & damping_ratio(vibrations%frequency(i), vibrations%growth(i))
+            text = text//newline//trim(line)
+         end do
+      end associate
+   end function table
+
+end module limber_analysis_modes

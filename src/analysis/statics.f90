@@ -1,0 +1,424 @@
+!> The static analysis: equilibrium under loads that grow, increment by increment, with its stability. Where it turns unstable
+!> the instant is found, and the scene goes on to a stable equilibrium, without a hint of where that is. Floor: analysis.
+!> Source: doc/theory, eqs. (A6)-(A10).
+module limber_analysis_statics
+   use limber_base_kinds, only: wp, long
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_dynamics, only: outcome_type, check_residuals
+   use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_model_scene, only: step_type, leave_unstable, stop_unstable
+   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   use limber_output_progress, only: progress_type
+   use limber_output_sink, only: sink_type
+   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium, judge, descend, steady_motion
+   use limber_system_freedom, only: motion_text
+   use limber_system_kinematics, only: advance, place_frames, move_frames, settle_angles
+   use limber_system_efforts, only: effort_load_type
+   use limber_system_loads, only: load_type, dead_force_type, body_torque_type
+   use limber_system_multiplier, only: update_jacobians
+   implicit none
+   private
+   public :: run_statics
+
+   !> Part of a step below which an increment is not divided further
+   real(wp), parameter :: least_part = 1.0e-6_wp
+
+   !> A static analysis under way
+   type :: statics_type
+      type(equilibrium_type) :: balance
+      type(recorder_type) :: recorder
+      !> Part of the step that is done, and the state there: coordinates (nq), multipliers (nc); a trial of both
+      real(wp) :: part = 0.0_wp
+      real(wp), allocatable :: q(:), lambda(:), trial(:), trial_lambda(:), values(:)
+      !> Whether equilibrium was stable there; and whether that is known
+      logical :: stable = .false., known = .false.
+      !> True if the step ends before its time
+      logical :: stopped = .false.
+      !> Weight of the deck (2), and rotation at the start of the step
+      real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
+      !> What the user is told
+      character(:), allocatable :: report
+   end type statics_type
+
+contains
+
+   !> Runs all increments.
+   subroutine run_statics(scene, step, history, progress, outcome, report, error)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      class(sink_type), intent(inout) :: history
+      type(progress_type), intent(inout) :: progress
+      type(outcome_type), intent(out) :: outcome
+      !> Lines about instabilities
+      character(:), allocatable, intent(out) :: report
+      !> No equilibrium: what moves, and when
+      type(error_type), allocatable, intent(out) :: error
+      type(statics_type) :: statics
+      integer(long) :: tick
+      real(wp) :: cpu
+      call system_clock(tick)
+      call cpu_time(cpu)
+      outcome%cpu = -cpu
+      outcome%reached = step%dynamics%start
+      call start(scene, statics)
+      call pass_increments(scene, step, statics, history, progress, outcome, error)
+      call load_scene(scene, step, 1.0_wp, statics)
+      scene%system%model%gravity = statics%gravity
+      call scale_loads(scene, .false., 1.0_wp)
+      scene%last%q = statics%q
+      scene%last%v = statics%balance%v
+      scene%last%angle = statics%recorder%angle
+      scene%last%balanced = .true.
+      scene%last%lambda = statics%lambda
+      scene%last%rotation = statics%balance%rotation
+      scene%last%centre = statics%balance%centre
+      report = statics%report
+      call cpu_time(cpu)
+      outcome%cpu = outcome%cpu + cpu
+      outcome%wall = seconds_since(tick)
+   end subroutine run_statics
+
+   subroutine start(scene, statics)
+      type(scene_type), intent(in) :: scene
+      type(statics_type), intent(inout) :: statics
+      call new_equilibrium(scene%system, statics%balance)
+      statics%recorder = new_recorder(scene%system, scene%q)
+      if (allocated(scene%angle)) statics%recorder%angle = scene%angle
+      allocate (statics%q, source=scene%q)
+      allocate (statics%trial, source=scene%q)
+      allocate (statics%lambda(scene%system%nc), statics%trial_lambda(scene%system%nc))
+      allocate (statics%values(sample_width(scene%system)))
+      statics%lambda = 0.0_wp
+      if (allocated(scene%last%lambda)) statics%lambda = scene%last%lambda
+      statics%gravity = scene%system%model%gravity
+      statics%first_rotation = scene%last%rotation
+      statics%report = ''
+   end subroutine start
+
+   !> Sets time-dependent loads, the part of constant ones, and the rotation, to a part of the step.
+   subroutine load_scene(scene, step, part, statics)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: part
+      type(statics_type), intent(inout) :: statics
+      if (step%ramp) then
+         scene%system%model%gravity = part*statics%gravity
+         call scale_loads(scene, .true., part)
+      end if
+      statics%balance%rotation = statics%first_rotation + part*(step%rotation - statics%first_rotation)
+      statics%balance%centre = step%centre
+   end subroutine load_scene
+
+   !> Multiplies loads that are constant in time.
+   subroutine scale_loads(scene, is_scaled, factor)
+      type(scene_type), intent(inout) :: scene
+      logical, intent(in) :: is_scaled
+      real(wp), intent(in) :: factor
+      integer :: i
+      do i = 1, size(scene%system%loads)
+         associate (load => scene%system%loads(i)%item)
+            if (.not. is_steady(load)) cycle
+            load%is_scaled = is_scaled
+            load%share = factor
+         end associate
+      end do
+   end subroutine scale_loads
+
+   !> Whether a load is constant in time, so that it may grow from zero.
+   logical function is_steady(load)
+      class(load_type), intent(in) :: load
+      is_steady = .false.
+      select type (load)
+      type is (dead_force_type); is_steady = load%law_x%is_constant() .and. load%law_y%is_constant()
+      type is (body_torque_type); is_steady = load%law%is_constant()
+      type is (effort_load_type)
+         is_steady = load%driven .and. .not. (load%stores .or. load%stiffness > 0.0_wp .or. load%damping > 0.0_wp)
+         if (is_steady) is_steady = load%law%is_constant()
+      end select
+   end function is_steady
+
+   pure real(wp) function time_of(step, part) result(t)
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: part
+      t = step%dynamics%start + part*(step%dynamics%end - step%dynamics%start)
+      if (part >= 1.0_wp) t = step%dynamics%end
+   end function time_of
+
+   !> All increments, with a sample at the end of each.
+   subroutine pass_increments(scene, step, statics, history, progress, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      class(sink_type), intent(inout) :: history
+      type(progress_type), intent(inout) :: progress
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      logical :: takes_time
+      integer :: k
+      takes_time = step%dynamics%end > step%dynamics%start
+      call try_start(scene, step, statics)
+      if (takes_time) call sample(scene, step, statics, history, outcome, error)
+      do k = 1, step%dynamics%outputs
+         if (allocated(error)) return
+         call advance_to(scene, step, real(k, wp)/step%dynamics%outputs, statics, history, takes_time, outcome, error)
+         if (allocated(error) .or. statics%stopped) exit
+         if (takes_time .or. k == step%dynamics%outputs) call sample(scene, step, statics, history, outcome, error)
+         call progress%update(outcome%reached)
+      end do
+      if (.not. allocated(error) .and. statics%stopped .and. .not. takes_time) &
+         & call sample(scene, step, statics, history, outcome, error)
+   end subroutine pass_increments
+
+   !> Equilibrium at the start of the step, if there is one: a scene that is nowhere near it is left as it is.
+   subroutine try_start(scene, step, statics)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      logical :: done
+      associate (balance => statics%balance)
+         call load_scene(scene, step, 0.0_wp, statics)
+         statics%trial = statics%q
+         statics%trial_lambda = statics%lambda
+         call find_equilibrium(scene%system, scene%work, balance, time_of(step, 0.0_wp), statics%trial, statics%trial_lambda, done)
+         if (.not. done) return
+         call judge(scene%system, scene%work, balance, statics%trial_lambda)
+         if (.not. balance%stable) return
+         statics%known = .true.
+         statics%stable = .true.
+         call accept(scene, statics, 0.0_wp)
+      end associate
+   end subroutine try_start
+
+   !> Makes the trial the state.
+   subroutine accept(scene, statics, part)
+      type(scene_type), intent(inout) :: scene
+      type(statics_type), intent(inout) :: statics
+      real(wp), intent(in) :: part
+      statics%q = statics%trial
+      statics%lambda = statics%trial_lambda
+      statics%part = part
+      call follow_angles(statics%recorder, scene%system, statics%q)
+      if (size(scene%work%kinematics%angles) == 0) return
+      call place_frames(scene%system%model, scene%system%layout, scene%work%kinematics%time, statics%q, scene%work%kinematics)
+      call settle_angles(scene%work%kinematics)
+   end subroutine accept
+
+   !> Equilibrium at a part of the step; increments are divided where Newton's method fails.
+   subroutine advance_to(scene, step, target, statics, history, takes_time, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: target
+      type(statics_type), intent(inout) :: statics
+      class(sink_type), intent(inout) :: history
+      logical, intent(in) :: takes_time
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: increment, next
+      logical :: done
+      increment = target - statics%part
+      do while (statics%part < target)
+         next = statics%part + increment
+         if (target - next < 0.5_wp*least_part) next = target
+         call try(scene, step, next, statics, done)
+         if (.not. done .and. increment > least_part) then
+            increment = 0.25_wp*increment
+            cycle
+         end if
+         if (done .and. is_acceptable(step, statics)) then
+            ! At the very critical load it counts as stable: what follows tells
+            statics%stable = statics%balance%stable .or. (statics%balance%neutral .and. statics%stable)
+            statics%known = .true.
+            call accept(scene, statics, next)
+            increment = min(2*increment, target - statics%part)
+            cycle
+         end if
+         call pass_instability(scene, step, next, target, done, statics, history, takes_time, outcome, error)
+         if (allocated(error) .or. statics%stopped) return
+         increment = target - statics%part
+      end do
+   end subroutine advance_to
+
+   !> Whether the equilibrium of the last trial is one to go on with.
+   pure logical function is_acceptable(step, statics)
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(in) :: statics
+      is_acceptable = statics%balance%stable
+      if (.not. statics%known) return
+      if (statics%stable) then
+         is_acceptable = is_acceptable .or. statics%balance%neutral
+      else
+         is_acceptable = is_acceptable .or. step%instability /= leave_unstable
+      end if
+   end function is_acceptable
+
+   !> Newton's method at a part of the step from the present state, and the stability there.
+   subroutine try(scene, step, part, statics, done)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: part
+      type(statics_type), intent(inout) :: statics
+      logical, intent(out) :: done
+      statics%trial = statics%q
+      statics%trial_lambda = statics%lambda
+      call load_scene(scene, step, part, statics)
+      call find_equilibrium(scene%system, scene%work, statics%balance, time_of(step, part), statics%trial, &
+         & statics%trial_lambda, done)
+      if (done) call judge(scene%system, scene%work, statics%balance, statics%trial_lambda)
+   end subroutine try
+
+   !> What happens where the next equilibrium is unstable, or there is none.
+   subroutine pass_instability(scene, step, next, target, found, statics, history, takes_time, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      !> The part of the step that was tried, and the end of the increment
+      real(wp), intent(in) :: next, target
+      !> Whether there is an equilibrium, which then is the trial
+      logical, intent(in) :: found
+      type(statics_type), intent(inout) :: statics
+      class(sink_type), intent(inout) :: history
+      logical, intent(in) :: takes_time
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: motion(:)
+      character(:), allocatable :: kind
+      logical :: done
+      real(wp) :: goal
+      !> Part of a radian, or of the scene, by which an unstable equilibrium is left
+      real(wp), parameter :: push = 1.0e-2_wp
+      allocate (motion, source=statics%balance%softest)
+      kind = 'no equilibrium is near: a limit point'
+      goal = target
+      if (found) goal = next
+      if (statics%known .and. statics%stable) then
+         if (found) then
+            call find_critical(scene, step, next, statics)
+            motion = statics%balance%softest
+            kind = 'another equilibrium branches off'
+         end if
+         call tell(statics, 'equilibrium turns unstable at t = '//as_text(time_of(step, statics%part), 8)// &
+            & ' ('//kind//'): '//motion_text(scene%system, motion))
+         if (takes_time) call sample(scene, step, statics, history, outcome, error)
+         if (allocated(error)) return
+         statics%stable = .false.
+         statics%stopped = step%instability == stop_unstable
+         if (statics%stopped .or. step%instability /= leave_unstable .and. found) return
+      else if (found .and. statics%balance%neutral) then
+         call raise_neutral(scene, time_of(step, next), motion, error)
+         return
+      end if
+      statics%known = .true.
+      statics%trial = statics%q
+      statics%trial_lambda = statics%lambda
+      call load_scene(scene, step, goal, statics)
+      if (found .or. statics%part > 0.0_wp) call advance(scene%system%layout, statics%q, push*motion, statics%trial)
+      call descend(scene%system, scene%work, statics%balance, time_of(step, goal), &
+         & step%instability == leave_unstable, statics%trial, statics%trial_lambda, done)
+      if (.not. done) then
+         call raise(error, 'no stable equilibrium is found at t = '//as_text(time_of(step, goal), 8)//': '// &
+            & motion_text(scene%system, statics%balance%softest)//' without end, or back and forth; is something missing that'// &
+            & ' holds it?')
+         return
+      else if (statics%balance%neutral) then
+         call raise_neutral(scene, time_of(step, goal), statics%balance%softest, error)
+         return
+      else if (statics%balance%has_left) then
+         call tell(statics, 'at t = '//as_text(time_of(step, goal), 8)//' the loads were in balance, but not stably, as at a'// &
+            & ' dead centre: '//motion_text(scene%system, statics%balance%left)//'; left for a stable equilibrium')
+      end if
+      statics%stable = statics%balance%stable
+      if (.not. statics%stable) call tell(statics, 'at t = '//as_text(time_of(step, goal), 8)//' the loads are in balance, but'// &
+         & ' not stably, as at a dead centre: '//motion_text(scene%system, statics%balance%softest))
+      statics%stopped = .not. statics%stable .and. step%instability == stop_unstable
+      call accept(scene, statics, goal)
+      if (statics%stopped .and. takes_time) call sample(scene, step, statics, history, outcome, error)
+   end subroutine pass_instability
+
+   subroutine raise_neutral(scene, t, motion, error)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: t, motion(:)
+      type(error_type), allocatable, intent(out) :: error
+      call raise(error, 'nothing holds the scene at t = '//as_text(t, 8)//': '//motion_text(scene%system, motion)// &
+         & ' freely, without a force against it (a free motion, or a dead centre, where the loads have no leverage); add a'// &
+         & ' driver, a spring or a joint')
+   end subroutine raise_neutral
+
+   !> The part of the step where the lowest stiffness is zero, between the present state and an unstable one: it becomes the
+   !> present state. Regula falsi with halved weights (Illinois).
+   subroutine find_critical(scene, step, next, statics)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: next
+      type(statics_type), intent(inout) :: statics
+      integer, parameter :: most = 60
+      real(wp) :: left, right, of_left, of_right, middle, width
+      logical :: done
+      integer :: round, side
+      left = statics%part
+      right = next
+      of_right = statics%balance%lowest
+      call try(scene, step, left, statics, done)
+      if (.not. done) return
+      of_left = statics%balance%lowest
+      side = 0
+      do round = 1, most
+         width = right - left
+         if (width <= 1.0e-12_wp) exit
+         middle = left + width*of_left/(of_left - of_right)
+         if (round > 30 .or. middle <= left .or. middle >= right) middle = left + 0.5_wp*width
+         call try(scene, step, middle, statics, done)
+         if (.not. done) exit
+         if (abs(statics%balance%lowest) <= 1.0e-14_wp*statics%balance%largest) then
+            call accept(scene, statics, middle)
+            exit
+         end if
+         if (statics%balance%lowest > 0.0_wp) then
+            left = middle
+            of_left = statics%balance%lowest
+            if (side == 1) of_right = 0.5_wp*of_right
+            side = 1
+            call accept(scene, statics, middle)
+         else
+            right = middle
+            of_right = statics%balance%lowest
+            if (side == -1) of_left = 0.5_wp*of_left
+            side = -1
+         end if
+      end do
+      call load_scene(scene, step, statics%part, statics)
+   end subroutine find_critical
+
+   !> Adds a line to what the user is told.
+   pure subroutine tell(statics, text)
+      type(statics_type), intent(inout) :: statics
+      character(*), intent(in) :: text
+      statics%report = statics%report//newline//'      '//text
+   end subroutine tell
+
+   !> The channels at the present state.
+   subroutine sample(scene, step, statics, history, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      class(sink_type), intent(inout) :: history
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: t
+      t = time_of(step, statics%part)
+      call load_scene(scene, step, statics%part, statics)
+      associate (system => scene%system, work => scene%work, balance => statics%balance)
+         call steady_motion(system, balance, statics%q)
+         call place_frames(system%model, system%layout, t, statics%q, work%kinematics)
+         call move_frames(system%model, system%layout, statics%q, balance%v, work%kinematics)
+         call update_jacobians(system, work)
+         work%lambda = statics%lambda
+         call check_residuals(system, work, .false., balance%v, outcome)
+         statics%recorder%work = 0.0_wp
+         call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)
+      end associate
+      call history%append(t, statics%values, error)
+      outcome%samples = outcome%samples + 1
+      outcome%reached = t
+   end subroutine sample
+
+end module limber_analysis_statics

@@ -1,0 +1,193 @@
+!> The analyses of a deck one after another, each from the end of the one before, into one results file. Floor: analysis.
+module limber_analysis_steps
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
+   use limber_analysis_kinematics, only: run_kinematics
+   use limber_analysis_modes, only: run_modes
+   use limber_analysis_scene, only: scene_type, settle_integrator
+   use limber_analysis_statics, only: run_statics
+   use limber_integrator_integrator, only: integrator_type
+   use limber_integrator_statistics, only: step_statistics_type
+   use limber_model_analyses, only: kind_names
+   use limber_model_scene, only: step_type, step_kinematics, step_inverse, step_statics, step_modes, step_dynamics, stop_unstable, &
+      & velocities_none, velocities_of_deck
+   use limber_output_history, only: history_type
+   use limber_output_progress, only: progress_type
+   use limber_system_assembly, only: assemble, first_guess
+   use limber_system_dynamics, only: linearise, worst_constraint
+   use limber_system_projection, only: settle
+   implicit none
+   private
+   public :: run_steps, passed_type
+
+   !> What the analyses that have run were
+   type :: passed_type
+      !> Samples of each, their first and last times (steps)
+      integer, allocatable :: samples(:)
+      real(wp), allocatable :: start(:), end(:)
+      !> Number of them
+      integer :: count = 0
+   end type passed_type
+
+contains
+
+   !> Runs all analyses of a deck.
+   subroutine run_steps(scene, path, quiet, history, passed, outcome, statistics, report, error)
+      type(scene_type), intent(inout) :: scene
+      !> Of the deck, for the progress
+      character(*), intent(in) :: path
+      logical, intent(in) :: quiet
+      class(history_type), intent(inout) :: history
+      type(passed_type), intent(out) :: passed
+      !> Of all together: sums, and the worst
+      type(outcome_type), intent(out) :: outcome
+      type(step_statistics_type), intent(inout) :: statistics
+      !> Some lines for each analysis
+      character(:), allocatable, intent(out) :: report
+      !> Which analysis could not finish, and why
+      type(error_type), allocatable, intent(out) :: error
+      type(outcome_type) :: part
+      type(progress_type) :: progress
+      character(:), allocatable :: lines
+      integer :: i, steps
+      steps = size(scene%system%model%steps)
+      allocate (passed%samples(steps), passed%start(steps), passed%end(steps))
+      passed%samples = 0
+      report = ''
+      do i = 1, steps
+         associate (step => scene%system%model%steps(i))
+            call enter_step(scene, i, error)
+            if (allocated(error)) exit
+            if (.not. quiet) call progress%start(step%dynamics%start, step%dynamics%end, path)
+            call run_step(scene, i, history, progress, part, statistics, lines, error)
+            if (.not. quiet) call progress%finish()
+            passed%count = i
+            passed%samples(i) = int(part%samples)
+            passed%start(i) = step%dynamics%start
+            passed%end(i) = part%reached
+            call add_outcome(part, i == 1, outcome)
+            report = report//newline//'   '//title(step)//': t = '//as_text(step%dynamics%start, 6)//' to '// &
+               & as_text(part%reached, 6)//' '//scene%system%model%units%time//', '//as_text(part%samples)//' samples'//lines
+            if (allocated(error)) exit
+            if (step%kind == step_statics .and. step%instability == stop_unstable .and. lines /= '') then
+               if (i < steps) report = report//newline//'   the analyses behind it are not run'
+               exit
+            end if
+         end associate
+      end do
+      if (allocated(error)) error%message = title(scene%system%model%steps(i))//': '//error%message
+   end subroutine run_steps
+
+   !> Keyword and name of an analysis.
+   pure function title(step) result(text)
+      type(step_type), intent(in) :: step
+      character(:), allocatable :: text
+      text = '*'//trim(kind_names(step%kind))//" '"//step%name//"'"
+   end function title
+
+   !> Runs one analysis.
+   subroutine run_step(scene, i, history, progress, part, statistics, lines, error)
+      type(scene_type), intent(inout) :: scene
+      integer, intent(in) :: i
+      class(history_type), intent(inout) :: history
+      type(progress_type), intent(inout) :: progress
+      type(outcome_type), intent(out) :: part
+      type(step_statistics_type), intent(inout) :: statistics
+      character(:), allocatable, intent(out) :: lines
+      type(error_type), allocatable, intent(out) :: error
+      class(integrator_type), allocatable :: integrator
+      type(step_type) :: step
+      step = scene%system%model%steps(i)
+      lines = ''
+      select case (step%kind)
+      case (step_kinematics, step_inverse)
+         call run_kinematics(scene, step, history, progress, part, lines, error)
+      case (step_statics)
+         call run_statics(scene, step, history, progress, part, lines, error)
+      case (step_modes)
+         call run_modes(scene, step, history, part, lines, error)
+      case (step_dynamics)
+         call new_integrator(scene%system%model%dynamics, integrator)
+         call run_dynamics(scene, integrator, history, progress, part, error)
+         lines = newline//'      '//scene%system%model%dynamics%integrator//', '//as_text(integrator%statistics%steps)// &
+            & ' steps ('//as_text(integrator%statistics%rejected)//' rejected), energy balance '//as_text(part%imbalance, 2)// &
+            & ' of at most '//as_text(part%largest_energy, 3)
+         call add_statistics(integrator%statistics, statistics)
+      end select
+      if (allocated(part%warnings)) scene%warnings = scene%warnings//part%warnings
+   end subroutine run_step
+
+   !> Makes the end of the analysis before the start of the next: its time, its velocities, the constraints satisfied.
+   subroutine enter_step(scene, i, error)
+      type(scene_type), intent(inout) :: scene
+      !> Index of the next
+      integer, intent(in) :: i
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: guess(:), change(:)
+      real(wp) :: residual
+      integer :: culprit
+      !> Residual relative to the scales beyond which a scene is put together anew
+      real(wp), parameter :: jump = 1.0e-6_wp
+      if (i == 1) return
+      associate (system => scene%system, step => scene%system%model%steps(i))
+         scene%q = scene%last%q
+         scene%v = scene%last%v
+         scene%angle = scene%last%angle
+         system%model%dynamics = step%dynamics
+         if (step%kind /= step_dynamics) return
+         scene%last%rotation = 0.0_wp
+         allocate (guess(size(scene%q)), change(size(scene%q)))
+         if (step%velocities == velocities_none) scene%v = 0.0_wp
+         if (step%velocities == velocities_of_deck) call first_guess(system, step%dynamics%start, guess, scene%v)
+         residual = 0.0_wp
+         if (system%nc > 0) then
+            call linearise(system, scene%work, step%dynamics%start, scene%q, error)
+            if (allocated(error)) return
+            call worst_constraint(system, scene%work, culprit, residual)
+            residual = residual/system%constraints(culprit)%item%scale
+         end if
+         if (residual > jump) then
+            call assemble(system, scene%work, step%dynamics%start, scene%q, scene%v, error, culprit)
+         else
+            call settle(system, scene%work, step%dynamics%start, scene%q, scene%v, change, .true., residual, error)
+         end if
+         if (.not. allocated(error)) call settle_integrator(scene)
+      end associate
+   end subroutine enter_step
+
+   !> Adds the outcome of an analysis to that of all.
+   pure subroutine add_outcome(part, is_first, outcome)
+      type(outcome_type), intent(in) :: part
+      logical, intent(in) :: is_first
+      type(outcome_type), intent(inout) :: outcome
+      outcome%reached = part%reached
+      outcome%samples = outcome%samples + part%samples
+      outcome%wall = outcome%wall + part%wall
+      outcome%cpu = outcome%cpu + part%cpu
+      outcome%position_residual = max(outcome%position_residual, part%position_residual)
+      outcome%velocity_residual = max(outcome%velocity_residual, part%velocity_residual)
+      if (is_first) outcome%first_energy = part%first_energy
+      outcome%last_energy = part%last_energy
+      outcome%work = outcome%work + part%work
+      outcome%imbalance = max(outcome%imbalance, part%imbalance)
+      outcome%largest_energy = max(outcome%largest_energy, part%largest_energy)
+   end subroutine add_outcome
+
+   !> Adds the counts of an integrator to those of all.
+   pure subroutine add_statistics(part, statistics)
+      type(step_statistics_type), intent(in) :: part
+      type(step_statistics_type), intent(inout) :: statistics
+      statistics%steps = statistics%steps + part%steps
+      statistics%rejected = statistics%rejected + part%rejected
+      statistics%failed_projections = statistics%failed_projections + part%failed_projections
+      statistics%evaluations = statistics%evaluations + part%evaluations
+      statistics%jacobians = statistics%jacobians + part%jacobians
+      statistics%factorisations = statistics%factorisations + part%factorisations
+      statistics%highest_order = max(statistics%highest_order, part%highest_order)
+      statistics%smallest_step = min(statistics%smallest_step, part%smallest_step)
+      statistics%largest_step = max(statistics%largest_step, part%largest_step)
+   end subroutine add_statistics
+
+end module limber_analysis_steps

@@ -1,0 +1,270 @@
+!> Small vibrations about a state: the lowest eigenvalues s and shapes of (s^2 M + s D + K) phi = 0 on the motions that the
+!> constraints leave. Dense: LAPACK. Floor: system. Source: doc/theory, eqs. (A11)-(A14); Meirovitch 1967, chapter 9.
+module limber_system_vibrations
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_lapack, only: dsygv, dgeev, dgetrf, dgetrs
+   use limber_base_text, only: as_text
+   use limber_system_freedom, only: freedom_type, rate_scales
+   use limber_system_krylov, only: nearest_eigenvalues, by_mass
+   use limber_system_system, only: system_type
+   use limber_system_tangent, only: tangent_type, times_mass, times_damping, times_stiffness
+   implicit none
+   private
+   public :: vibrations_type, find_vibrations, find_large_vibrations, add_rotation_damping, quadratic_modes, symmetric_modes
+
+   !> Velocity terms that count: none, those that do no work (gyroscopic ones), all
+   integer, parameter, public :: no_damping = 0, gyroscopic = 1, all_damping = 2
+
+   !> Modes in ascending |s|, of a conjugate pair that with positive frequency
+   type :: vibrations_type
+      !> Circular frequency Im s and growth Re s (modes) [rad/time], [1/time]
+      real(wp), allocatable :: frequency(:), growth(:)
+      !> Shapes in the layout of the rates (nw, modes), phi^H M phi = 1, the largest entry real and positive
+      complex(wp), allocatable :: shape(:, :)
+   end type vibrations_type
+
+contains
+
+   !> The lowest modes.
+   subroutine find_vibrations(system, tangent, freedom, damping, wanted, vibrations, error)
+      type(system_type), intent(in) :: system
+      !> Mass, damping and stiffness at the state
+      type(tangent_type), intent(in) :: tangent
+      type(freedom_type), intent(in) :: freedom
+      !> Which velocity terms count
+      integer, intent(in) :: damping
+      !> Most modes
+      integer, intent(in) :: wanted
+      type(vibrations_type), intent(out) :: vibrations
+      !> The eigenvalues could not be found
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: mass(:, :), damper(:, :), stiffness(:, :), product(:)
+      complex(wp), allocatable :: value(:), vector(:, :)
+      logical :: is_symmetric
+      integer :: n, j
+      n = size(freedom%basis, 2)
+      allocate (mass(n, n), damper(n, n), stiffness(n, n), product(system%layout%nw))
+      do j = 1, n
+         product = 0.0_wp
+         call times_mass(system, tangent, 1.0_wp, freedom%basis(:, j), product)
+         mass(:, j) = matmul(product, freedom%basis)
+         product = 0.0_wp
+         call times_damping(system, tangent, 1.0_wp, freedom%basis(:, j), product)
+         damper(:, j) = matmul(product, freedom%basis)
+         product = 0.0_wp
+         call times_stiffness(system, tangent, 1.0_wp, freedom%basis(:, j), product)
+         stiffness(:, j) = matmul(product, freedom%basis)
+      end do
+      if (damping == no_damping) damper = 0.0_wp
+      if (damping == gyroscopic) damper = 0.5_wp*(damper - transpose(damper))
+      is_symmetric = n == 0
+      if (n > 0) is_symmetric = maxval(abs(stiffness - transpose(stiffness))) <= 1.0e-10_wp*maxval(abs(stiffness)) &
+         & .and. maxval(abs(damper)) <= 0.0_wp
+      if (is_symmetric) call symmetric_modes(mass, stiffness, wanted, value, vector)
+      if (.not. allocated(value)) call quadratic_modes(mass, damper, stiffness, wanted, value, vector)
+      if (.not. allocated(value)) then
+         call raise(error, 'the eigenvalues of the '//as_text(n)//' free motions are not found (LAPACK)')
+         return
+      end if
+      allocate (vibrations%frequency(size(value)), vibrations%growth(size(value)), vibrations%shape(system%layout%nw, size(value)))
+      vibrations%frequency = aimag(value)
+      vibrations%growth = real(value, wp)
+      do j = 1, size(value)
+         call normalise(mass, vector(:, j))
+         vibrations%shape(:, j) = cmplx(matmul(freedom%basis, real(vector(:, j), wp)), &
+            & matmul(freedom%basis, aimag(vector(:, j))), wp)
+         call turn_phase(rate_scales(system), vibrations%shape(:, j))
+      end do
+   end subroutine find_vibrations
+
+   !> The lowest undamped modes of a large scene with a symmetric stiffness, by ARPACK.
+   subroutine find_large_vibrations(system, tangent, wanted, vibrations, error)
+      type(system_type), intent(in) :: system
+      !> Its matrix is factored anew
+      type(tangent_type), intent(inout) :: tangent
+      integer, intent(in) :: wanted
+      type(vibrations_type), intent(out) :: vibrations
+      !> No convergence
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: value(:), motion(:, :), product(:)
+      real(wp) :: shift
+      logical :: done
+      integer :: count, j
+      count = min(wanted, system%layout%nw - system%nc - 1)
+      allocate (value(count), motion(system%layout%nw, count), product(system%layout%nw))
+      call nearest_eigenvalues(system, tangent, by_mass, 0.0_wp, count, value, motion, done)
+      if (.not. done) then
+         ! Something moves freely: a shift below zero
+         shift = -1.0e-8_wp*maxval(abs(tangent%parts(:, 3)))/maxval(abs(tangent%parts(:, 1)))
+         call nearest_eigenvalues(system, tangent, by_mass, min(shift, -tiny(shift)), count, value, motion, done)
+      end if
+      if (.not. done) then
+         call raise(error, 'the eigenvalues of the scene are not found (ARPACK)')
+         return
+      end if
+      allocate (vibrations%frequency(count), vibrations%growth(count), vibrations%shape(system%layout%nw, count))
+      vibrations%frequency = sqrt(max(value, 0.0_wp))
+      vibrations%growth = sqrt(max(-value, 0.0_wp))
+      do j = 1, count
+         product = 0.0_wp
+         call times_mass(system, tangent, 1.0_wp, motion(:, j), product)
+         vibrations%shape(:, j) = cmplx(motion(:, j)/sqrt(max(dot_product(product, motion(:, j)), tiny(1.0_wp))), 0.0_wp, wp)
+         call turn_phase(rate_scales(system), vibrations%shape(:, j))
+      end do
+   end subroutine find_large_vibrations
+
+   !> Adds what a steady rotation adds to the damping of a body, whose place is told in turning axes: 2 speed M J on r.
+   pure subroutine add_rotation_damping(speed, mass, damping)
+      real(wp), intent(in) :: speed, mass(:, :)
+      real(wp), intent(inout) :: damping(:, :)
+      damping(:, 1) = damping(:, 1) + 2*speed*mass(:, 2)
+      damping(:, 2) = damping(:, 2) - 2*speed*mass(:, 1)
+   end subroutine add_rotation_damping
+
+   !> Unit modal mass, unless the shape has none.
+   pure subroutine normalise(mass, vector)
+      real(wp), intent(in) :: mass(:, :)
+      complex(wp), intent(inout) :: vector(:)
+      real(wp) :: modal
+      integer :: j
+      modal = 0.0_wp
+      do j = 1, size(vector)
+         modal = modal + real(conjg(vector(j))*sum(mass(:, j)*vector), wp)
+      end do
+      if (modal > 0.0_wp) vector = vector/sqrt(modal)
+   end subroutine normalise
+
+   !> Turns the phase so that the largest entry, each relative to its scale, is real and positive.
+   pure subroutine turn_phase(scale, shape)
+      real(wp), intent(in) :: scale(:)
+      complex(wp), intent(inout) :: shape(:)
+      integer :: i
+      i = maxloc(abs(shape)/scale, 1)
+      if (abs(shape(i)) > 0.0_wp) shape = shape*conjg(shape(i))/abs(shape(i))
+   end subroutine turn_phase
+
+   !> Modes of K phi = omega^2 M phi, both symmetric, lowest |omega^2| first. M may be singular if K is definite. Nothing is
+   !> allocated if neither is definite.
+   subroutine symmetric_modes(mass, stiffness, wanted, value, vector)
+      !> (n, n)
+      real(wp), intent(in) :: mass(:, :), stiffness(:, :)
+      integer, intent(in) :: wanted
+      !> s = sqrt(-omega^2) (modes), shapes (n, modes)
+      complex(wp), allocatable, intent(out) :: value(:), vector(:, :)
+      real(wp), allocatable :: a(:, :), b(:, :), theta(:), scratch(:)
+      real(wp) :: omega2
+      logical :: is_inverse
+      integer :: n, info, count, j, from
+      n = size(mass, 1)
+      allocate (a(n, n), b(n, n), theta(n), scratch(64*n + 64))
+      ! The lowest frequencies are the largest eigenvalues of M against K: they are not lost in the rounding of the highest
+      a = 0.5_wp*(mass + transpose(mass))
+      b = 0.5_wp*(stiffness + transpose(stiffness))
+      is_inverse = .true.
+      call dsygv(1, 'V', 'L', n, a, n, b, n, theta, scratch, size(scratch), info)
+      if (info /= 0) then
+         is_inverse = .false.
+         a = 0.5_wp*(stiffness + transpose(stiffness))
+         b = 0.5_wp*(mass + transpose(mass))
+         call dsygv(1, 'V', 'L', n, a, n, b, n, theta, scratch, size(scratch), info)
+         if (info /= 0) return
+      end if
+      count = 0
+      do j = 1, n
+         from = merge(n + 1 - j, j, is_inverse)
+         if (is_inverse .and. theta(from) <= 1.0e-14_wp*theta(n)) exit
+         count = count + 1
+      end do
+      count = min(count, wanted)
+      allocate (value(count), vector(n, count))
+      do j = 1, count
+         from = merge(n + 1 - j, j, is_inverse)
+         omega2 = theta(from)
+         if (is_inverse) omega2 = 1/theta(from)
+         value(j) = cmplx(0.0_wp, sqrt(abs(omega2)), wp)
+         if (omega2 < 0.0_wp) value(j) = cmplx(sqrt(-omega2), 0.0_wp, wp)
+         vector(:, j) = a(:, from)
+      end do
+   end subroutine symmetric_modes
+
+   !> Modes of (s^2 M + s D + K) phi = 0 by the eigenvalues 1/(s - sigma) of a matrix of twice the size, with a shift sigma where K
+   !> is singular. Of a conjugate pair the one with positive frequency. Nothing is allocated if LAPACK fails.
+   subroutine quadratic_modes(mass, damping, stiffness, wanted, value, vector)
+      !> (n, n)
+      real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :)
+      integer, intent(in) :: wanted
+      !> s (modes), shapes (n, modes)
+      complex(wp), allocatable, intent(out) :: value(:), vector(:, :)
+      real(wp), allocatable :: pencil(:, :), factors(:, :), right(:, :), re(:), im(:), left(:, :), basis(:, :), scratch(:)
+      complex(wp), allocatable :: all_values(:)
+      integer, allocatable :: pivot(:), order(:)
+      real(wp) :: shift, largest
+      integer :: n, info, i, j, k, count
+      n = size(mass, 1)
+      allocate (pencil(2*n, 2*n), factors(n, n), right(n, 2*n), pivot(n), re(2*n), im(2*n), left(1, 2*n), basis(2*n, 2*n))
+      allocate (scratch(128*n + 64), all_values(2*n), order(2*n))
+      shift = 0.0_wp
+      do
+         factors = stiffness + shift*damping + shift**2*mass
+         call dgetrf(n, n, factors, n, pivot, info)
+         largest = 0.0_wp
+         do i = 1, n
+            largest = max(largest, abs(factors(i, i)))
+         end do
+         do i = 1, n
+            if (abs(factors(i, i)) <= 1.0e-12_wp*largest) info = 1
+         end do
+         if (info == 0) exit
+         if (shift > 0.0_wp) return
+         shift = 1.0e-3_wp*sqrt(maxval(abs(stiffness))/maxval(abs(mass)))
+         if (.not. shift > 0.0_wp) shift = 1.0_wp
+      end do
+      right(:, :n) = -damping - 2*shift*mass
+      right(:, n + 1:) = -mass
+      call dgetrs('N', n, 2*n, factors, n, pivot, right, n, info)
+      pencil(:n, :) = right
+      pencil(n + 1:, :) = 0.0_wp
+      do i = 1, n
+         pencil(n + i, i) = 1.0_wp
+      end do
+      call dgeev('N', 'V', 2*n, pencil, 2*n, re, im, left, 1, basis, 2*n, scratch, size(scratch), info)
+      if (info /= 0) return
+      largest = maxval(re**2 + im**2)
+      count = 0
+      do j = 1, 2*n
+         all_values(j) = huge(1.0_wp)
+         ! Infinite frequencies of motions without mass, and the conjugates: 1/s has the imaginary part of the other sign
+         if (re(j)**2 + im(j)**2 <= 1.0e-26_wp*largest .or. im(j) > 0.0_wp) cycle
+         all_values(j) = shift + 1/cmplx(re(j), im(j), wp)
+         count = count + 1
+      end do
+      call sort(abs(all_values), order)
+      count = min(count, wanted)
+      allocate (value(count), vector(n, count))
+      do j = 1, count
+         k = order(j)
+         value(j) = all_values(k)
+         vector(:, j) = basis(:n, k)
+         ! Of a pair the vectors stand as real and imaginary part of the first, which has the positive imaginary part
+         if (im(k) < 0.0_wp) vector(:, j) = cmplx(basis(:n, k - 1), -basis(:n, k), wp)
+      end do
+   end subroutine quadratic_modes
+
+   !> Indices in ascending order, by insertion.
+   pure subroutine sort(key, order)
+      real(wp), intent(in) :: key(:)
+      integer, intent(out) :: order(:)
+      integer :: i, j, item
+      order = [(i, i=1, size(key))]
+      do i = 2, size(key)
+         item = order(i)
+         do j = i - 1, 1, -1
+            if (key(order(j)) <= key(item)) exit
+            order(j + 1) = order(j)
+         end do
+         order(j + 1) = item
+      end do
+   end subroutine sort
+
+end module limber_system_vibrations

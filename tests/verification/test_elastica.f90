@@ -1,0 +1,109 @@
+!> Large deflections by dividing a beam: a cantilever under an axial load above Euler's, which it finds its way past alone, and
+!> under a transverse load, against elliptic integrals. Usage, in tests/: test_elastica RESULT_FILE
+program test_elastica
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, channel
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   !> Tip (x, y) of the elastica at 1.1 and 1.5 times Euler's load, and under P L^2/(E I) = 1 and 10 across
+   real(wp), parameter :: axial(2, 2) = reshape([0.82029593994878_wp, 0.50853415829037_wp, 0.36358822492179_wp, &
+      & 0.78857580569254_wp], [2, 2])
+   real(wp), parameter :: across(2, 2) = reshape([0.94356676371662_wp, 0.30172077379981_wp, 0.44500440224625_wp, &
+      & 0.8106091024889_wp], [2, 2])
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_elastica()
+   call check_cantilever()
+   call check_order()
+   call finish()
+
+contains
+
+   subroutine check_elastica()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: ratio(:), x(:), y(:)
+      call run_changed('../input/elastica.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (ratio, source=channel(reader, 'ratio'))
+      allocate (x, source=channel(reader, 'x_tip'))
+      allocate (y, source=channel(reader, 'y_tip'))
+      call check(size(x) == 17, 'a sample at the critical load')
+      call check_close(ratio(12), 1.0_wp, 1.0e-4_wp, 'Euler load')
+      call check_close(maxval(abs(y(:12))), 0.0_wp, 1.0e-9_wp, 'straight below it')
+      call check_close(ratio(13), 1.1_wp, 1.0e-12_wp, 'the increment behind it')
+      call check_close(x(13)/axial(1, 1), 1.0_wp, 1.0e-3_wp, 'x of the tip at 1.1')
+      call check_close(y(13)/axial(2, 1), 1.0_wp, 1.0e-3_wp, 'y of the tip at 1.1')
+      call check_close(x(17)/axial(1, 2), 1.0_wp, 1.0e-3_wp, 'x of the tip at 1.5')
+      call check_close(y(17)/axial(2, 2), 1.0_wp, 1.0e-3_wp, 'y of the tip at 1.5')
+      call reader%close()
+   end subroutine check_elastica
+
+   subroutine check_cantilever()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: x(:), y(:)
+      call run_changed('../input/cantilever_large.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (x, source=channel(reader, 'x_tip'))
+      allocate (y, source=channel(reader, 'y_tip'))
+      call check_close(maxval(abs([x(2), y(2)]/across(:, 1) - 1)), 0.0_wp, 2.0e-5_wp, 'tip under P L^2/(E I) = 1')
+      call check_close(maxval(abs([x(11), y(11)]/across(:, 2) - 1)), 0.0_wp, 2.0e-4_wp, 'tip under P L^2/(E I) = 10')
+      call reader%close()
+   end subroutine check_cantilever
+
+   !> Errors fall at least with the square of the length of a piece.
+   subroutine check_order()
+      real(wp) :: coarse(2), fine(2)
+      integer :: k
+      character(3), parameter :: ratio(2) = ['1.1', '1.5']
+      do k = 1, 2
+         call tip(4, ratio(k), coarse)
+         call tip(8, ratio(k), fine)
+         coarse = abs(coarse - axial(:, k))
+         fine = abs(fine - axial(:, k))
+         print '(3a,4es10.2)', 'ratio ', ratio(k), ': errors with 4 and 8 pieces', coarse, fine
+         call check(all(log(coarse/fine)/log(2.0_wp) > 2.0_wp), 'order of the tip, ratio '//ratio(k))
+      end do
+   end subroutine check_order
+
+   !> Tip of an elastica in equal pieces.
+   subroutine tip(pieces, ratio, place)
+      integer, intent(in) :: pieces
+      character(*), intent(in) :: ratio
+      real(wp), intent(out) :: place(2)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report, last
+      integer :: unit, i
+      open (newunit=unit, file=trim(results)//'.inp', action='write', status='replace')
+      write (unit, '(a)') '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1', &
+         & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'
+      do i = 1, pieces
+         write (unit, '(a)') '*BEAM, NAME=b'//as_text(i)//', MATERIAL=stuff, SECTION=bar, LENGTH=1/'//as_text(pieces)// &
+            & ', ELEMENTS=4, GEOMETRIC=FULL, BENDING MODES=0, END SHAPES=YES, X='//as_text(i - 1)//'/'//as_text(pieces)
+         last = 'ground.origin'
+         if (i > 1) last = 'b'//as_text(i - 1)//'.end'
+         write (unit, '(a)') '*JOINT, NAME=w'//as_text(i)//', TYPE=WELD, TURN=0', ' b'//as_text(i)//'.start, '//last
+      end do
+      last = 'b'//as_text(pieces)//'.end'
+      write (unit, '(a)') '*FORCE, NAME=load, POINT='//last, ' -'//ratio//'*pi**2/4, 0', '*STATICS, INCREMENTS=4', '*OUTPUT', &
+         & ' x = x('//last//'), y = y('//last//')'
+      close (unit)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, 'elastica in '//as_text(pieces)//' pieces')
+      place = 0.0_wp
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      place(1) = last_of(channel(reader, 'x'))
+      place(2) = last_of(channel(reader, 'y'))
+      call reader%close()
+   end subroutine tip
+
+   pure real(wp) function last_of(values)
+      real(wp), intent(in) :: values(:)
+      last_of = values(size(values))
+   end function last_of
+
+end program test_elastica

@@ -1,0 +1,210 @@
+!> Static analysis against beam theory: the table of a cantilever, Euler's load and what follows it, a pendulum that finds its
+!> place, steady rotation; and scenes that nothing holds. Usage, in tests/: test_statics RESULT_FILE
+program test_statics
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, change_deck, channel
+   use testing, only: check, check_close, finish
+   implicit none
+   real(wp), parameter :: pi = acos(-1.0_wp)
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_cantilever()
+   call check_euler()
+   call check_pendulum()
+   call check_extension()
+   call check_free()
+   call check_dead_centre()
+   call check_redundant()
+   call check_end_shapes()
+   call check_first_deflections()
+   call finish()
+
+contains
+
+   subroutine check_cantilever()
+      type(history_reader_type) :: reader
+      real(wp), parameter :: length = 2.0_wp, load = 0.01_wp, weight = 0.01_wp
+      real(wp), allocatable :: y(:), slope(:), force(:), torque(:), kinetic(:)
+      real(wp) :: lumped, x
+      integer :: k
+      call run_changed('../input/cantilever_statics.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (y, source=channel(reader, 'y_tip'))
+      allocate (slope, source=channel(reader, 'slope'))
+      allocate (force, source=channel(reader, 'wall_force'))
+      allocate (torque, source=channel(reader, 'wall_torque'))
+      allocate (kinetic, source=channel(reader, 'kinetic'))
+      call check(size(y) == 5 + 5 + 11, 'samples of three analyses')
+      call check_close(y(5), -weight*length**4/8, 2.0e-3_wp*weight*length**4/8, 'weight: tip')
+      lumped = 0.0_wp
+      do k = 1, 20
+         x = length*k/20
+         lumped = lumped + merge(0.5_wp, 1.0_wp, k == 20)*weight*length/20*x**2*(3*length - x)/6
+      end do
+      call check_close(y(5), -lumped, 1.0e-9_wp*lumped, 'weight of lumped masses: tip')
+      call check_close(y(3), -0.5_wp*lumped, 1.0e-9_wp*lumped, 'half the weight')
+      call check_close(force(5), weight*length, 1.0e-12_wp, 'weight: wall')
+      call check_close(torque(5), weight*length**2/2, 1.0e-12_wp, 'weight: clamp')
+      call check_close(y(10) - y(5), -load*length**3/3, 1.0e-9_wp, 'load at the tip: tip')
+      call check_close(y(8) - y(5), -0.5_wp*load*length**3/3, 1.0e-9_wp, 'half the load')
+      call check_close(slope(10) - slope(5), -load*length**2/2, 1.0e-9_wp, 'load at the tip: slope')
+      call check_close(torque(10) - torque(5), load*length, 1.0e-12_wp, 'load at the tip: clamp')
+      call check_close(maxval(abs(y(11:) - y(10))), 0.0_wp, 1.0e-10_wp, 'released, it stays')
+      call check_close(maxval(kinetic), 0.0_wp, 1.0e-18_wp, 'released, it has no speed')
+      call reader%close()
+   end subroutine check_cantilever
+
+   !> The load within 0.1 %, found as an instant of the ramp; the deflection behind it grows as a root.
+   subroutine check_euler()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: load(:), middle(:)
+      integer :: k
+      character(4), parameter :: fidelity(2) = [character(4) :: 'FULL', 'K_G']
+      character(40) :: changed(3)
+      changed(3) = 'BENDING MODES=3, AXIAL BASIS=STATIC'
+      do k = 1, 2
+         ! K_G has no equilibrium behind the load: it does not know that bending shortens the column
+         changed(1) = 'GEOMETRIC='//fidelity(k)
+         changed(2) = merge('INSTABILITY=LEAVE', 'INSTABILITY=STOP ', k == 1)
+         call run_changed('../input/euler_buckling.inp', trim(results), [character(20) :: 'GEOMETRIC=FULL', &
+            & 'INSTABILITY=LEAVE', 'BENDING MODES=3'], changed, reader)
+         allocate (load, source=channel(reader, 'load'))
+         allocate (middle, source=channel(reader, 'middle'))
+         call check_close(load(11), pi**2, 1.0e-5_wp*pi**2, 'Euler load, '//fidelity(k))
+         call check_close(maxval(abs(middle(:11))), 0.0_wp, 1.0e-12_wp, 'straight below it, '//fidelity(k))
+         if (k == 1) then
+            ! (w/L)^2 = 2/pi^2 (P/P_E - 1) + ..., from the energy of one frame: four times less than that of the elastica, for
+            ! which a column is divided
+            call check_close(middle(12)**2, 2/pi**2*(10/pi**2 - 1), 0.02_wp*2/pi**2*(10/pi**2 - 1), 'deflection behind it')
+            call check_close(sqrt(abs(middle(13)**2/middle(12)**2)), sqrt((11 - pi**2)/(10 - pi**2)), 0.2_wp, 'it grows as a root')
+         else
+            call check(size(load) == 11, 'INSTABILITY=STOP ends the run at the load')
+         end if
+         call reader%close()
+         deallocate (load, middle)
+      end do
+   end subroutine check_euler
+
+   !> From a horizontal start a pendulum finds its lower equilibrium, not the upper one.
+   subroutine check_pendulum()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: angle(:), force(:), frequency(:)
+      call run_changed('verification/hanging.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (angle, source=channel(reader, 'angle_bar'))
+      allocate (force, source=channel(reader, 'force_y_hinge'))
+      call check_close(angle(3), -0.5_wp*pi, 1.0e-12_wp, 'a pendulum hangs')
+      call check_close(force(3), 9.81_wp, 1.0e-12_wp, 'its hinge carries it')
+      call reader%read_numbers('/modes/modes/frequency', frequency, error)
+      call check_close(frequency(1), sqrt(1.5_wp*9.81_wp), 1.0e-12_wp, 'frequency of a hanging bar')
+      call reader%close()
+   end subroutine check_pendulum
+
+   !> A bar in steady rotation is stretched by L (tan(kL)/(kL) - 1), k^2 = speed^2 rho/E.
+   subroutine check_extension()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: x(:)
+      real(wp) :: k
+      call run_changed('verification/rotating_bar.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (x, source=channel(reader, 'x_bar_end'))
+      k = 6*sqrt(1.2_wp/2.8e7_wp)
+      call check_close(x(2) - 10, 10*(tan(10*k)/(10*k) - 1), 1.0e-4_wp*10*(tan(10*k)/(10*k) - 1), 'stretched by its rotation')
+      call reader%close()
+   end subroutine check_extension
+
+   !> Nothing holds a bar on a hinge without weight, and nothing balances a torque on it.
+   subroutine check_free()
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call change_deck('verification/hanging.inp', trim(results)//'.inp', [character(8) :: '*GRAVITY'], [character(2) :: '**'])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(allocated(error), 'a free bar has no equilibrium of its own')
+      if (allocated(error)) call check(index(error%message, "nothing holds the scene") > 0 &
+         & .and. index(error%message, "body 'bar' turns freely") > 0, 'what is free: '//error%message)
+      call change_deck('verification/hanging.inp', trim(results)//'.inp', [character(8) :: '*GRAVITY'], &
+         & [character(40) :: '*TORQUE, NAME=wind, BODY=bar'//new_line('a')//' 10'])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(allocated(error), 'a torque on a free bar has no equilibrium')
+      if (allocated(error)) call check(index(error%message, "no stable equilibrium is found") > 0 &
+         & .and. index(error%message, "body 'bar' turns") > 0, 'what turns: '//error%message)
+   end subroutine check_free
+
+   !> A slider-crank at its dead centre: pulled it stays, pushed it folds over and says so, without a load nothing holds it.
+   subroutine check_dead_centre()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: x(:)
+      call run_changed('verification/dead_centre.inp', trim(results), [character(6) :: '-100,'], [character(6) :: '100,'], reader)
+      allocate (x, source=channel(reader, 'x_slider'))
+      call check_close(x(size(x)), 3.0_wp, 1.0e-12_wp, 'pulled at its dead centre it stays')
+      call reader%close()
+      deallocate (x)
+      call change_deck('verification/dead_centre.inp', trim(results)//'.inp', [character(1) ::], [character(1) ::])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(.not. allocated(error), 'pushed at its dead centre it finds another place')
+      call check(index(report, "as at a dead centre: body 'crank' turns, body 'rod' turns; left for") > 0, &
+         & 'a dead centre is told: '//report)
+      call reader%open(trim(results), error)
+      allocate (x, source=channel(reader, 'x_slider'))
+      call check_close(x(size(x)), 1.0_wp, 1.0e-10_wp, 'pushed at its dead centre it folds over')
+      call reader%close()
+      call change_deck('verification/dead_centre.inp', trim(results)//'.inp', [character(6) :: '-100,'], [character(6) :: '0,'])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(allocated(error), 'without a load nothing holds it')
+      if (allocated(error)) call check(index(error%message, "body 'crank' turns, body 'rod' turns freely") > 0 &
+         & .and. index(error%message, 'dead centre') > 0, 'what is free: '//error%message)
+   end subroutine check_dead_centre
+
+   !> The parallelogram with five cranks hangs under its weight, its pins share the weight of the coupler and of half the cranks,
+   !> and it swings as one pendulum.
+   subroutine check_redundant()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: pin(:), frequency(:)
+      character(80) :: changed(1)
+      changed(1) = '*STATICS, INCREMENTS=1'//new_line('a')//'*MODES'//new_line('a')//'*DYNAMICS, START=0, END=1,'
+      call run_changed('../input/parallelogram_five_cranks.inp', trim(results), [character(20) :: '*DYNAMICS, END=10,'], changed, &
+         & reader)
+      allocate (pin, source=channel(reader, 'pin3_y'))
+      call check_close(pin(2), -4*9.81_wp/5, 1.0e-7_wp, 'five pins share the coupler')
+      call reader%read_numbers('/modes/modes/frequency', frequency, error)
+      call check_close(frequency(1), sqrt((4 + 2.5_wp)*9.81_wp/(4 + 5/3.0_wp)), 1.0e-6_wp, 'they swing together')
+      call reader%close()
+   end subroutine check_redundant
+
+   !> With the shapes of its ends and no mode at all a cantilever has the deflection and the slope of a load at its tip.
+   subroutine check_end_shapes()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: y(:), slope(:)
+      call run_changed('../input/cantilever_statics.inp', trim(results), [character(32) :: 'BENDING MODES=20'], &
+         & [character(32) :: 'BENDING MODES=0, END SHAPES=YES'], reader)
+      allocate (y, source=channel(reader, 'y_tip'))
+      allocate (slope, source=channel(reader, 'slope'))
+      call check_close(y(10) - y(5), -0.01_wp*2.0_wp**3/3, 1.0e-12_wp, 'shapes of the ends: tip')
+      call check_close(slope(10) - slope(5), -0.01_wp*2.0_wp**2/2, 1.0e-12_wp, 'shapes of the ends: slope')
+      call reader%close()
+   end subroutine check_end_shapes
+
+   !> A beam on a hinge, let go from the horizontal with the deflection that its weight and its acceleration make: relative to its
+   !> chord that of the load rho A g (1 - 3x/2L). Let go undeflected, it rings.
+   subroutine check_first_deflections()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: middle(:), smooth(:)
+      real(wp), parameter :: expected = -9.81_wp*0.5_wp/100*(1/384.0_wp - 1/2560.0_wp - 1/192.0_wp + 1/160.0_wp)
+      call run_changed('verification/falling_beam.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (smooth, source=channel(reader, 'deflection_beam_middle'))
+      call check_close(smooth(1), expected, 2.0e-3_wp*abs(expected), 'deflection of a beam that begins to fall')
+      call reader%close()
+      call run_changed('verification/falling_beam.inp', trim(results), [character(6) :: 'STATIC'], [character(6) :: 'ZERO'], reader)
+      allocate (middle, source=channel(reader, 'deflection_beam_middle'))
+      call check_close(middle(1), 0.0_wp, 1.0e-15_wp, 'without it there is none')
+      call check(maxval(abs(middle - smooth)) > 0.8_wp*abs(expected), 'and it rings')
+      call check(maxval(abs(smooth - smooth(1))) < 0.2_wp*abs(expected), 'with it it does not')
+      call reader%close()
+   end subroutine check_first_deflections
+
+end program test_statics

@@ -1,0 +1,97 @@
+!> Modal analysis against theory: rotating cantilever at many speeds, a damped oscillator, a free bar, a loaded column.
+!> Usage, in tests/: test_vibrations RESULT_FILE
+program test_vibrations
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   !> Speeds, and the first two frequencies of flapping [sqrt(EI/(rho A L^4))]
+   integer, parameter :: speeds(10) = [0, 1, 2, 3, 4, 5, 6, 8, 10, 12]
+   real(wp), parameter :: flap(2, 10) = reshape([3.5160152685_wp, 22.0344915647_wp, 3.6816468140_wp, 22.1810111506_wp, &
+      & 4.1373195730_wp, 22.6149219565_wp, 4.7972785324_wp, 23.3202636743_wp, 5.5850014209_wp, 24.2733493944_wp, &
+      & 6.4495447486_wp, 25.4460803580_wp, 7.3603730193_wp, 26.8090816785_wp, 9.2568376005_wp, 29.9953818916_wp, &
+      & 11.2023277622_wp, 33.6403658542_wp, 13.1701504875_wp, 37.6031123312_wp], [2, 10])
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_campbell()
+   call check_oscillator()
+   call check_column()
+   call finish()
+
+contains
+
+   !> Lag is flap less the speed, in squares: frequencies of the plane of rotation.
+   subroutine check_campbell()
+      real(wp) :: worst(2)
+      call campbell('3', '8', '100', worst)
+      print '(a,2f8.4,a)', 'three modes, 8 k_G elements:', 100*worst, ' %'
+      call check(worst(1) < 0.005_wp, 'first frequency within 0.5 % with three modes and 8 k_G elements')
+      call check(worst(2) < 0.0085_wp, 'second frequency within 0.85 % with three modes and 8 k_G elements')
+      call campbell('8', '64', '128', worst)
+      print '(a,2f8.4,a)', 'eight modes, 64 k_G elements:', 100*worst, ' %'
+      call check(all(worst < 0.0005_wp), 'both frequencies within 0.05 % with eight modes and 64 k_G elements')
+   end subroutine check_campbell
+
+   subroutine campbell(modes, elements, fine, worst)
+      !> Bending modes, k_G elements, elements for the modes
+      character(*), intent(in) :: modes, elements, fine
+      !> Largest relative errors of both frequencies over all speeds
+      real(wp), intent(out) :: worst(2)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: lag(:)
+      character(24) :: changed(3)
+      integer :: k
+      changed(1) = 'BENDING MODES='//modes
+      changed(2) = 'GEOMETRIC ELEMENTS='//elements
+      changed(3) = 'ELEMENTS='//fine
+      call run_changed('../input/campbell.inp', trim(results), [character(24) :: 'BENDING MODES=3', 'GEOMETRIC ELEMENTS=8', &
+         & 'ELEMENTS=100'], changed, reader)
+      worst = 0.0_wp
+      do k = 1, size(speeds)
+         call reader%read_numbers('/modes/speed_'//as_text(speeds(k))//'/frequency', lag, error)
+         call check_no_error(error, 'frequencies')
+         worst = max(worst, abs(sqrt(lag(:2)**2 + speeds(k)**2)/flap(:, k) - 1))
+      end do
+      call reader%close()
+   end subroutine campbell
+
+   !> Mass, spring and damper: s = -zeta omega + i omega sqrt(1 - zeta^2).
+   subroutine check_oscillator()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:), ratio(:), growth(:)
+      real(wp), parameter :: omega = sqrt(100/2.0_wp), zeta = 3/(2*sqrt(100*2.0_wp))
+      call run_changed('verification/oscillator.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      call reader%read_numbers('/modes/undamped/frequency', frequency, error)
+      call check_no_error(error, 'frequency')
+      call check(size(frequency) == 1, 'an oscillator has one mode')
+      call check_close(frequency(1), omega, 1.0e-11_wp, 'undamped frequency')
+      call reader%read_numbers('/modes/damped/frequency', frequency, error)
+      call reader%read_numbers('/modes/damped/damping_ratio', ratio, error)
+      call reader%read_numbers('/modes/damped/growth', growth, error)
+      call check_close(frequency(1), omega*sqrt(1 - zeta**2), 1.0e-11_wp, 'damped frequency')
+      call check_close(ratio(1), zeta, 1.0e-11_wp, 'damping ratio')
+      call check_close(growth(1), -zeta*omega, 1.0e-11_wp, 'decay')
+      call reader%close()
+   end subroutine check_oscillator
+
+   !> A compressed column: omega^2 falls with the load as 1 - P/P_E.
+   subroutine check_column()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:)
+      real(wp), parameter :: pi = acos(-1.0_wp)
+      call run_changed('../input/euler_buckling.inp', trim(results), [character(40) :: 'GEOMETRIC=FULL, GEOMETRIC ELEMENTS=8', &
+         & 'PERIOD=1.2'], [character(42) :: 'AXIAL BASIS=STATIC, GEOMETRIC ELEMENTS=8', 'PERIOD=0.5'], reader)
+      call reader%read_numbers('/modes/modes/frequency', frequency, error)
+      call check_no_error(error, 'frequency')
+      call check_close(frequency(1), pi**2*sqrt(1 - 5/pi**2), 1.0e-4_wp*frequency(1), 'frequency of a compressed column')
+      call reader%close()
+   end subroutine check_column
+
+end program test_vibrations

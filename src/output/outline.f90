@@ -2,6 +2,7 @@
 !> Floor: output; model -> geometry of `limber_output_motion`.
 module limber_output_outline
    use limber_base_kinds, only: wp
+   use limber_base_spline, only: spline_at
    use limber_flex_reduction, only: point_shape
    use limber_model_scene, only: model_type, joint_type, body_point, body_flexible, &
       & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
@@ -202,7 +203,7 @@ contains
    pure integer function places_of_curve(joint) result(places)
       type(joint_type), intent(in) :: joint
       places = 0
-      if (joint%kind == joint_curve .and. .not. joint%curve%explicit) places = per_knot*(size(joint%curve%x%x) - 1) + 1
+      if (joint%kind == joint_curve .and. .not. joint%curve%explicit) places = per_knot*(size(joint%curve%s) - 1) + 1
    end function places_of_curve
 
    !> Adds the curve of a joint, which belongs to the body of its second point.
@@ -216,11 +217,11 @@ contains
       n = places_of_curve(joint)
       if (n == 0) return
       call add_stroke(geometry, filled, [(i, i=place + 1, place + n)], .false.)
-      associate (point => model%points(joint%points(2)), knots => joint%curve%x%x)
+      associate (point => model%points(joint%points(2)), curve => joint%curve)
          do i = 1, n
-            s = knots(1) + (knots(size(knots)) - knots(1))*(i - 1)/(n - 1)
-            x = joint%curve%x%evaluate(s)
-            y = joint%curve%y%evaluate(s)
+            s = curve%s(1) + (curve%s(size(curve%s)) - curve%s(1))*(i - 1)/(n - 1)
+            x = spline_at(curve%ends, curve%s, curve%x, curve%x_bent, s)
+            y = spline_at(curve%ends, curve%s, curve%y, curve%y_bent, s)
             call add_place(point%body, point%p0 + [x(0), y(0)], point%phi, geometry, place, shape)
          end do
       end associate

@@ -250,7 +250,44 @@ class FourBars(Scene):
         return table[:, 0], {"x_b0": table[:, 1], "y_b0": table[:, 2]}
 
 
-SCENES = {"S1": SliderCrank, "S2": SpinUp, "S3": Squeezer, "S4": FourBars}
+class Chain(Scene):
+    """S5: bars of 1 m and 1 kg, pinned one to the next, released along the horizontal; rigid or ANCF beams."""
+
+    end = 1.0
+    samples = 10
+
+    def __init__(self, setting):
+        self.end = setting.get("end", self.end)
+        super().__init__(setting)
+
+    def build(self, setting):
+        bars, elements = setting["bars"], setting.get("elements", 0)
+        last = self.point(self.ground, (0, 0))
+        bodies = []
+        for i in range(bars):
+            if elements:
+                nodes, members = self.beam(elements, 1.0, 1e6, 1e3, 1.0, float(i))
+                start, end = (self.mbs.AddMarker(MarkerNodePosition(nodeNumber=nodes[k])) for k in (0, -1))
+                bodies += members
+            else:
+                node, body = self.rigid((i + 0.5, 0), 0.0, 1.0, 1/12)
+                start, end = self.point(body, (-0.5, 0)), self.point(body, (0.5, 0))
+                bodies.append(body)
+            self.revolute(last, start)
+            last = end
+        self.weigh(bodies)
+        if elements:
+            self.watch_node(nodes[-1])
+        else:
+            self.sensors.append(self.mbs.AddSensor(SensorBody(bodyNumber=body, localPosition=[0.5, 0, 0], storeInternal=True,
+                                                              writeToFile=False, outputVariableType=POSITION)))
+
+    def columns(self):
+        table = self.kept()[0]
+        return table[:, 0], {"x_end": table[:, 1], "y_end": table[:, 2]}
+
+
+SCENES = {"S1": SliderCrank, "S2": SpinUp, "S3": Squeezer, "S4": FourBars, "S5": Chain}
 
 
 def simulation_settings(scene, setting):

@@ -3,7 +3,6 @@
 module limber_analysis_record
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_base_text, only: newline
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_analysis_dynamics, only: outcome_type
    use limber_analysis_scene, only: scene_type
@@ -50,15 +49,9 @@ contains
       type(scene_type), intent(in) :: scene
       type(history_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: deck
-      integer :: i
-      deck = ''
-      associate (file => scene%deck%source%files(1))
-         do i = 1, size(file%lines)
-            deck = deck//file%lines(i)%text//newline
-         end do
+      associate (source => scene%deck%source)
+         call history%put_text('/run/deck', source%text_of(1, 1, size(source%files(1)%lines)), error)
       end associate
-      call history%put_text('/run/deck', deck, error)
       if (.not. allocated(error)) call history%put_text('/run/effective_deck', effective_deck(scene%deck), error)
       if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'heading', scene%system%model%heading, error)

@@ -142,6 +142,8 @@ contains
       character(*), intent(in) :: path
       character(:), allocatable, intent(out) :: report
       type(error_type), allocatable, intent(out) :: error
+      !> Of more bodies than this only the first ones and the last one are shown
+      integer, parameter :: most_lines = 30, head = 10
       type(scene_type) :: scene
       integer :: i
       call read_scene(path, scene, error)
@@ -149,6 +151,10 @@ contains
       associate (model => scene%system%model)
          report = scene%warnings//path//': '//model%heading
          do i = 1, size(model%bodies)
+            if (size(model%bodies) > most_lines .and. i > head .and. i < size(model%bodies)) then
+               if (i == head + 1) report = report//newline//'   ... '//as_text(size(model%bodies) - head - 1)//' bodies between'
+               cycle
+            end if
             report = report//newline//'   '//body_line(model%bodies(i), model%units)
          end do
          report = report//newline//'   '//as_text(size(model%joints))//' joints, '//as_text(size(model%drivers))//' drivers, '// &

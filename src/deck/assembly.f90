@@ -13,7 +13,7 @@ module limber_deck_assembly
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_schema, only: option_spec_type, needed, kind_yes
    use limber_deck_keywords, only: keyword_table, keyword_options, find_keyword
-   use limber_deck_content, only: deck_type, block_type, line_type
+   use limber_deck_content, only: deck_type, block_type, line_type, resize_blocks
    use limber_deck_values, only: read_option, suggestion
    use limber_deck_data_lines, only: read_line, expected_line
    implicit none
@@ -21,7 +21,7 @@ module limber_deck_assembly
    public :: assembly_type, begin_block, add_line, end_block
 
    !> Limits of a deck; beyond them the reading stops with an error
-   integer, parameter :: max_blocks = 10000, max_lines = 200000
+   integer, parameter :: max_blocks = 200000, max_lines = 1000000
 
    !> The block that is being put together
    type :: assembly_type
@@ -36,6 +36,8 @@ module limber_deck_assembly
       integer :: seen = 0, kept = 0
       !> Blocks in the deck, and data lines of all blocks
       integer :: blocks = 0, lines = 0
+      !> Turn of *REPEAT that is being read, as an index into those of the source; 0: none
+      integer :: turn = 0
       !> A limit was exceeded: reading is to stop
       logical :: full = .false.
    end type assembly_type
@@ -57,7 +59,8 @@ contains
       if (self%skipping) then
          call complain_keyword(parts(1), diagnostics)
       else if (self%blocks >= max_blocks) then
-         call diagnostics%add(parts(1)%origin, 'the deck has more than '//as_text(max_blocks)//' blocks')
+         call diagnostics%add(parts(1)%origin, 'the deck has more than '//as_text(max_blocks)//' blocks', &
+            & 'each turn of a *REPEAT counts')
          self%full = .true.
          self%row = 0
       else
@@ -136,7 +139,7 @@ contains
       if (allocated(block%options)) deallocate (block%options)
       allocate (block%options(size(specs)))
       do i = 1, size(specs)
-         block%options(i)%name = trim(specs(i)%name)
+         block%options(i)%name = specs(i)%name
          block%options(i)%kind = specs(i)%kind
          block%options(i)%text = ''
       end do
@@ -318,7 +321,6 @@ contains
       type(assembly_type), intent(inout) :: self
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(block_type), allocatable :: longer(:)
       type(line_type), allocatable :: lines(:)
       self%skipping = .false.
       if (self%row == 0) return
@@ -331,13 +333,14 @@ contains
       allocate (lines(self%kept))
       lines = self%block%lines(:self%kept)
       call move_alloc(lines, self%block%lines)
-      if (self%blocks == size(deck%blocks)) then
-         allocate (longer(max(8, 2*self%blocks)))
-         longer(:self%blocks) = deck%blocks
-         call move_alloc(longer, deck%blocks)
-      end if
+      if (self%blocks == size(deck%blocks)) call resize_blocks(deck%blocks, max(8, 2*self%blocks))
       self%blocks = self%blocks + 1
-      deck%blocks(self%blocks) = self%block
+      associate (block => deck%blocks(self%blocks))
+         block%keyword = self%block%keyword
+         block%origin = self%block%origin
+         call move_alloc(self%block%options, block%options)
+         call move_alloc(self%block%lines, block%lines)
+      end associate
    end subroutine end_block
 
 end module limber_deck_assembly

@@ -1,6 +1,7 @@
 !> Checks of a deck as a whole, after all its files were read: names that are defined twice or not at
 !> all, blocks that may occur once. Floor: deck.
 module limber_deck_checks
+   use limber_base_names, only: name_index_type
    use limber_base_text, only: nearest_name
    use limber_deck_origin, only: origin_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -12,17 +13,10 @@ module limber_deck_checks
    private
    public :: check_deck
 
-   !> A name in use
-   type :: entry_type
-      !> Names of one scope must differ
-      character(name_length) :: scope = '', name = ''
-      type(origin_type) :: origin
-   end type entry_type
-
-   !> All names so far; only the first `count` are in use
+   !> All names so far, each behind its scope, within which they must differ, and where they stand; only the first ones are in use
    type :: register_type
-      type(entry_type), allocatable :: entries(:)
-      integer :: count = 0
+      type(name_index_type) :: names
+      type(origin_type), allocatable :: origins(:)
    end type register_type
 
 contains
@@ -84,26 +78,27 @@ contains
       character(*), intent(in) :: scope, name
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(entry_type), allocatable :: longer(:)
+      type(origin_type), allocatable :: longer(:)
       integer :: i
       if (scope == 'bodies' .and. name == 'ground' .or. scope == 'points of ground' .and. name == 'origin') then
          call diagnostics%add(origin, "the name '"//name//"' is reserved", 'give it another name')
          return
       end if
-      if (.not. allocated(register%entries)) allocate (register%entries(16))
-      do i = 1, register%count
-         if (register%entries(i)%name /= name .or. register%entries(i)%scope /= scope) cycle
+      i = register%names%find(scope//' '//name)
+      if (i > 0) then
          call diagnostics%add(origin, "the name '"//name//"' is used twice among the "//scope, 'give it another name', &
-            & register%entries(i)%origin, 'first defined here')
+            & register%origins(i), 'first defined here')
          return
-      end do
-      if (register%count == size(register%entries)) then
-         allocate (longer(2*register%count))
-         longer(:register%count) = register%entries
-         call move_alloc(longer, register%entries)
       end if
-      register%count = register%count + 1
-      register%entries(register%count) = entry_type(scope, name, origin)
+      i = register%names%count + 1
+      call register%names%add(scope//' '//name, i)
+      if (.not. allocated(register%origins)) allocate (register%origins(16))
+      if (i > size(register%origins)) then
+         allocate (longer(2*size(register%origins)))
+         longer(:i - 1) = register%origins
+         call move_alloc(longer, register%origins)
+      end if
+      register%origins(i) = origin
    end subroutine claim
 
    !> Reports a reference to an object that does not exist or is of another kind.
@@ -113,11 +108,12 @@ contains
       character(*), intent(in) :: name
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(name_length) :: names(size(deck%blocks))
+      character(name_length), allocatable :: names(:)
       character(:), allocatable :: kinds, label
       integer :: i, count, other
       if (deck%find_named(trim(spec%values), name) > 0) return
       kinds = alternatives(trim(spec%values))
+      allocate (names(size(deck%blocks)))
       count = 0
       other = 0
       do i = 1, size(deck%blocks)
@@ -160,7 +156,7 @@ contains
       integer, intent(in) :: i
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register
-      if (deck%blocks(i)%keyword == 'GROUND') return
+      if (deck%blocks(i)%keyword == 'GROUND' .or. size(deck%blocks(i)%lines) < 2) return
       call claim_points(deck, i, 'points of '//deck%blocks(i)%name(), register, diagnostics)
    end subroutine check_lines
 

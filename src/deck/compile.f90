@@ -63,6 +63,11 @@ contains
       call skip_blanks(c)
       if (.not. c%failed .and. c%at <= len(text)) call complain_rest(c)
       ok = .not. c%failed
+      ! Where names have been filled in, columns of the text are not those of the line
+      if (len(text) /= origin%last - origin%first + 1) then
+         c%where = origin
+         c%slots%origin = origin
+      end if
       if (ok) then
          expression%codes = c%codes(:c%count)
          expression%operands = c%operands(:c%count)

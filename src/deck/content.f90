@@ -2,22 +2,25 @@
 !> with its origin. The model builder works on this. Floor: deck.
 module limber_deck_content
    use limber_base_kinds, only: wp
+   use limber_base_names, only: name_index_type
    use limber_base_text, only: as_text, lowercase
    use limber_deck_origin, only: origin_type
    use limber_deck_source, only: source_type
    use limber_deck_parameters, only: parameter_list_type
    use limber_deck_expression, only: expression_type
    use limber_deck_schema, only: kind_yes, kind_word, is_integer_kind
-   use limber_deck_keywords, only: contains_value
    use limber_deck_lexer, only: collapsed
    implicit none
    private
-   public :: deck_type, block_type, option_type, line_type, field_type
+   public :: deck_type, block_type, option_type, line_type, field_type, repeat_type, resize_blocks
+
+   !> Longest name of an option
+   integer, parameter :: option_length = 20
 
    !> An option of a block
    type :: option_type
       !> Name in upper case
-      character(:), allocatable :: name
+      character(option_length) :: name = ''
       integer :: kind = 0
       !> Value as text: a word in upper case, a name in lower case, a number or path as written; empty: none
       character(:), allocatable :: text
@@ -81,16 +84,29 @@ module limber_deck_content
       procedure, private :: position
    end type block_type
 
+   !> A *REPEAT that stands in no other
+   type :: repeat_type
+      !> First and last of the blocks that came of it
+      integer :: first_block = 0, last_block = 0
+      !> Its file, and its first and last line there
+      integer :: file = 0, first_line = 0, last_line = 0
+   end type repeat_type
+
    !> A deck
    type :: deck_type
       !> All its lines, for showing errors
       type(source_type) :: source
       type(parameter_list_type) :: parameters
-      !> All blocks but *INCLUDE, in the order of reading
+      !> All blocks but *INCLUDE and *REPEAT, those in a *REPEAT once for each turn, in the order of reading
       type(block_type), allocatable :: blocks(:)
+      !> The outer ones of *REPEAT, in the order of reading
+      type(repeat_type), allocatable :: repeats(:)
+      !> Blocks by 'KEYWORD name'; empty until the whole deck has been read
+      type(name_index_type) :: names
    contains
       procedure :: find
       procedure :: find_named
+      procedure :: index_names
       procedure :: indices
       procedure :: set_option
       procedure :: set_number
@@ -242,12 +258,43 @@ contains
       character(*), intent(in) :: keywords
       !> In any case
       character(*), intent(in) :: name
-      do found = 1, size(self%blocks)
-         if (.not. contains_value(keywords, self%blocks(found)%keyword)) cycle
-         if (self%blocks(found)%name() == lowercase(name)) return
-      end do
+      integer :: first, bar, at
       found = 0
+      first = 1
+      do while (first <= len(keywords))
+         bar = index(keywords(first:), '|')
+         if (bar == 0) bar = len(keywords) - first + 2
+         at = self%names%find(keywords(first:first + bar - 2)//' '//lowercase(name))
+         if (at > 0 .and. (found == 0 .or. at < found)) found = at
+         first = first + bar
+      end do
    end function find_named
+
+   !> Enters the names of all blocks, so that they can be found; of equal ones the first counts.
+   pure subroutine index_names(self)
+      class(deck_type), intent(inout) :: self
+      integer :: i
+      call self%names%shorten(0)
+      do i = size(self%blocks), 1, -1
+         if (self%blocks(i)%name() /= '') call self%names%add(self%blocks(i)%keyword//' '//self%blocks(i)%name(), i)
+      end do
+   end subroutine index_names
+
+   !> Gives a list of blocks another length; what it holds is moved, not copied.
+   pure subroutine resize_blocks(blocks, length)
+      type(block_type), allocatable, intent(inout) :: blocks(:)
+      integer, intent(in) :: length
+      type(block_type), allocatable :: resized(:)
+      integer :: i
+      allocate (resized(length))
+      do i = 1, min(length, size(blocks))
+         call move_alloc(blocks(i)%keyword, resized(i)%keyword)
+         resized(i)%origin = blocks(i)%origin
+         call move_alloc(blocks(i)%options, resized(i)%options)
+         call move_alloc(blocks(i)%lines, resized(i)%lines)
+      end do
+      call move_alloc(resized, blocks)
+   end subroutine resize_blocks
 
    !> Indices of all blocks of a keyword in order.
    pure function indices(self, keyword) result(list)

@@ -8,6 +8,7 @@ module limber_deck_data_lines
    use limber_deck_parameters, only: parameter_type, max_parameters
    use limber_deck_compile, only: compile, is_reserved
    use limber_deck_operations, only: op_slot
+   use limber_deck_template, only: fill_in
    use limber_deck_schema, only: field_spec_type, list_spec_type, option_spec_type, form_text, form_fields, form_assignments, &
       & form_channels, form_lists
    use limber_deck_keywords, only: keyword_table, keyword_fields, keyword_lists, keyword_options
@@ -128,18 +129,22 @@ contains
    end subroutine read_list
 
    !> A value of a list: a name, or what the option takes.
-   subroutine read_list_value(list, part, deck, field, ok, diagnostics)
+   subroutine read_list_value(list, written, deck, field, ok, diagnostics)
       type(list_spec_type), intent(in) :: list
-      type(part_type), intent(in) :: part
+      type(part_type), intent(in) :: written
       type(deck_type), intent(in) :: deck
       type(field_type), intent(out) :: field
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
       type(option_spec_type), allocatable :: specs(:)
       type(option_type) :: option
+      type(part_type) :: part
+      part = written
+      call fill_in(part, deck%parameters, ok, diagnostics)
       field%origin = part%origin
       field%name = ''
       field%text = lowercase(part%text)
+      if (.not. ok) return
       ok = len(part%text) > 0
       if (.not. ok) then
          call diagnostics%add(part%origin, 'a value is missing between two commas', trim(list%meaning))
@@ -211,7 +216,10 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(part_type) :: name, value
       call split_assignment(part, name, value, field)
-      ok = .true.
+      call fill_in(name, deck%parameters, ok, diagnostics)
+      if (ok) call fill_in(value, deck%parameters, ok, diagnostics)
+      if (.not. ok) return
+      field%text = value%text
       if (len(part%text) == 0) then
          call diagnostics%add(part%origin, 'a channel is missing between two commas')
          ok = .false.

@@ -98,6 +98,9 @@ contains
       type(diagnostic_type), intent(in) :: item
       type(diagnostic_type), allocatable :: longer(:)
       if (self%kept == max_kept) return
+      if (item%origin%turn > 0) then
+         if (is_kept(self, item)) return
+      end if
       if (.not. allocated(self%items)) allocate (self%items(8))
       if (self%kept == size(self%items)) then
          allocate (longer(2*self%kept))
@@ -107,6 +110,20 @@ contains
       self%kept = self%kept + 1
       self%items(self%kept) = item
    end subroutine keep
+
+   !> Whether the same has been said of an earlier turn of a *REPEAT.
+   pure logical function is_kept(self, item)
+      class(diagnostics_type), intent(in) :: self
+      type(diagnostic_type), intent(in) :: item
+      integer :: i
+      is_kept = .false.
+      do i = 1, self%kept
+         associate (a => self%items(i)%origin, b => item%origin)
+            is_kept = a%file == b%file .and. a%line == b%line .and. a%first == b%first .and. self%items(i)%message == item%message
+         end associate
+         if (is_kept) return
+      end do
+   end function is_kept
 
    !> Everything as text, sorted by file and line, without a trailing newline; empty if there is nothing.
    function render(self, source) result(text)
@@ -160,6 +177,7 @@ contains
       kind = 'error: '
       if (item%is_warning) kind = 'warning: '
       text = place(item%origin, source)//kind//item%message
+      if (item%origin%turn > 0) text = text//' (*REPEAT, '//source%turn_label(item%origin%turn)//')'
       if (item%origin%line > 0) then
          text = text//newline//pointed(item%origin, item%label, source)
       else if (len(item%label) > 0) then

@@ -5,7 +5,9 @@ module limber_deck_effective
    use limber_deck_schema, only: form_none, form_text, form_assignments, kind_text, kind_path, &
       & is_number_kind, is_integer_kind, is_expression_kind, field_spec_type
    use limber_deck_keywords, only: keyword_table, keyword_fields, find_keyword
-   use limber_deck_content, only: deck_type, block_type, option_type, line_type
+   use limber_deck_content, only: deck_type, block_type, option_type, line_type, repeat_type
+   use limber_deck_lexer, only: is_comment, is_keyword_line, keyword_of
+   use limber_deck_origin, only: origin_type
    implicit none
    private
    public :: effective_deck
@@ -16,16 +18,96 @@ module limber_deck_effective
 contains
 
    !> The text of the effective deck, ending with a line feed. Parameters are kept, each with its value; an
-   !> expression of time or of quantities stands as it was written.
+   !> expression of time or of quantities stands as it was written, and so does all that a *REPEAT repeats.
    function effective_deck(deck) result(text)
       type(deck_type), intent(in) :: deck
       character(:), allocatable :: text
-      integer :: i
+      integer :: i, next, length
       text = ''
-      do i = 1, size(deck%blocks)
-         text = text//block_text(deck%blocks(i))
+      length = 0
+      next = 1
+      i = 1
+      do while (i <= size(deck%blocks))
+         do while (next <= size(deck%repeats))
+            if (deck%repeats(next)%last_block >= i) exit
+            next = next + 1
+         end do
+         if (next <= size(deck%repeats)) then
+            if (deck%repeats(next)%first_block == i) then
+               call append(text, length, repeat_text(deck, deck%repeats(next)))
+               i = deck%repeats(next)%last_block + 1
+               cycle
+            end if
+         end if
+         call append(text, length, block_text(deck%blocks(i)))
+         i = i + 1
       end do
+      text = text(:length)
    end function effective_deck
+
+   !> Adds to a text that has room ahead.
+   pure subroutine append(text, length, part)
+      character(:), allocatable, intent(inout) :: text
+      !> Characters in use
+      integer, intent(inout) :: length
+      character(*), intent(in) :: part
+      character(:), allocatable :: longer
+      if (length + len(part) > len(text)) then
+         allocate (character(2*(length + len(part))) :: longer)
+         longer(:length) = text(:length)
+         call move_alloc(longer, text)
+      end if
+      text(length + 1:length + len(part)) = part
+      length = length + len(part)
+   end subroutine append
+
+   !> A *REPEAT as it was written, with the files that it includes in their places.
+   function repeat_text(deck, repeat) result(text)
+      type(deck_type), intent(in) :: deck
+      type(repeat_type), intent(in) :: repeat
+      character(:), allocatable :: text
+      text = source_text(deck, repeat%file, repeat%first_line, repeat%last_line)
+   end function repeat_text
+
+   recursive function source_text(deck, file, first, last) result(text)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: file, first, last
+      character(:), allocatable :: text
+      integer :: i, begin, inner, end
+      text = ''
+      begin = first
+      do i = first, last
+         if (.not. is_include(deck%source%line_at(origin_type(file, i)))) cycle
+         ! The block may go on in lines that follow
+         inner = 0
+         end = i
+         do while (inner == 0 .and. end <= last)
+            inner = included_file(deck, file, end)
+            end = end + 1
+         end do
+         if (inner == 0) cycle
+         text = text//deck%source%text_of(file, begin, i - 1)//source_text(deck, inner, 1, size(deck%source%files(inner)%lines))
+         begin = end
+      end do
+      text = text//deck%source%text_of(file, begin, last)
+   end function source_text
+
+   !> Whether a line begins an *INCLUDE.
+   pure logical function is_include(line)
+      character(*), intent(in) :: line
+      is_include = .false.
+      if (.not. is_keyword_line(line) .or. is_comment(line)) return
+      is_include = keyword_of(line) == 'INCLUDE'
+   end function is_include
+
+   !> The file that was included by a line; 0: none.
+   pure integer function included_file(deck, file, line) result(inner)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: file, line
+      do inner = deck%source%count, 1, -1
+         if (deck%source%files(inner)%included_at%file == file .and. deck%source%files(inner)%included_at%line == line) return
+      end do
+   end function included_file
 
    function block_text(block) result(text)
       type(block_type), intent(in) :: block
@@ -51,7 +133,7 @@ contains
       line = '*'//block%keyword
       do i = 1, size(block%options)
          if (.not. block%options(i)%has_value) cycle
-         item = block%options(i)%name//'='//value_text(block%options(i))
+         item = trim(block%options(i)%name)//'='//value_text(block%options(i))
          line = line//','
          if (len(line) + len(item) + 2 > width) then
             text = text//line//newline

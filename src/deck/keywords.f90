@@ -20,6 +20,9 @@ module limber_deck_keywords
       & keyword_type('PARAMETER', many, form_assignments, 1, many, &
       &    'Named numbers, name = expression; usable behind their definition wherever a number is'), &
       & keyword_type('INCLUDE', many, form_none, 0, 0, 'Reads another file as if it stood here'), &
+      & keyword_type('REPEAT', many, form_none, 0, 0, &
+      &    'Repeats all up to its *END REPEAT; in names and texts <i>, <i - 1>, ... is a whole number'), &
+      & keyword_type('END REPEAT', many, form_none, 0, 0, 'The end of a *REPEAT, which may hold others'), &
       & keyword_type('UNITS', 1, form_none, 0, 0, 'Units of the numbers of this deck; they only label the results'), &
       & keyword_type('MATERIAL', many, form_none, 0, 0, 'An elastic material'), &
       & keyword_type('SECTION', many, form_none, 0, 0, 'The cross-section of a beam'), &
@@ -66,6 +69,10 @@ module limber_deck_keywords
    !> Options: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: setting_options(*) = [ &
       & option_spec_type('INCLUDE', 'FILE', kind_path, '', '', needed, 'path, relative to the folder of this file'), &
+      & option_spec_type('REPEAT', 'COUNT', kind_count, '', '', needed, 'number of turns'), &
+      & option_spec_type('REPEAT', 'INDEX', kind_name, 'parameters', '', needed, &
+      &    'parameter that counts the turns; it ends with them, as do parameters that are defined between'), &
+      & option_spec_type('REPEAT', 'FROM', kind_count, '', '', '1', 'value of the index in the first turn'), &
       & option_spec_type('UNITS', 'LENGTH', kind_text, '', '', 'm', 'unit of length'), &
       & option_spec_type('UNITS', 'TIME', kind_text, '', '', 's', 'unit of time'), &
       & option_spec_type('UNITS', 'MASS', kind_text, '', '', 'kg', 'unit of mass'), &

@@ -7,7 +7,7 @@ module limber_deck_lexer
    implicit none
    private
    public :: part_type, trimmed, split_fields, comment_start, find_outside, is_comment, is_keyword_line, collapsed, &
-      & is_name, is_parameter_name, is_point, first_foreign, name_characters, unquoted, blanks
+      & is_name, is_parameter_name, keyword_of, is_point, first_foreign, name_characters, unquoted, blanks
 
    !> Blank and tab
    character(2), parameter :: blanks = ' '//achar(9)
@@ -127,6 +127,17 @@ contains
       is_keyword_line = .false.
       if (i > 0) is_keyword_line = line(i:i) == '*'
    end function is_keyword_line
+
+   !> The keyword of a line that begins a block, in upper case, without the asterisk.
+   pure function keyword_of(line) result(word)
+      character(*), intent(in) :: line
+      character(:), allocatable :: word
+      type(origin_type) :: nowhere
+      type(part_type) :: part
+      part = trimmed(line(:min(comment_start(line), index(line//',', ',')) - 1), nowhere, 1, &
+         & min(comment_start(line), index(line//',', ',')) - 1)
+      word = collapsed(part%text(2:))
+   end function keyword_of
 
    !> A keyword, option or word in the form that is compared: upper case, one blank between words.
    pure function collapsed(text) result(word)

@@ -13,6 +13,8 @@ module limber_deck_origin
       integer :: line = 0
       !> First and last column; the last may lie one behind the end of the line ("missing here")
       integer :: first = 1, last = 1
+      !> Index into the turns of *REPEAT of the source; 0: outside of any
+      integer :: turn = 0
    end type origin_type
 
 contains
@@ -24,14 +26,14 @@ contains
       !> Characters of the text, counted from 1
       integer, intent(in) :: i, j
       type(origin_type) :: part
-      part = origin_type(whole%file, whole%line, whole%first + i - 1, whole%first + max(i, j) - 1)
+      part = origin_type(whole%file, whole%line, whole%first + i - 1, whole%first + max(i, j) - 1, whole%turn)
    end function part_of
 
    !> The one column behind an origin: where something is missing.
    elemental function after(whole) result(part)
       type(origin_type), intent(in) :: whole
       type(origin_type) :: part
-      part = origin_type(whole%file, whole%line, whole%last + 1, whole%last + 1)
+      part = origin_type(whole%file, whole%line, whole%last + 1, whole%last + 1, whole%turn)
    end function after
 
 end module limber_deck_origin

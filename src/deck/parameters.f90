@@ -1,6 +1,7 @@
 !> The named numbers that a deck defines with *PARAMETER. Floor: deck.
 module limber_deck_parameters
    use limber_base_kinds, only: wp
+   use limber_base_names, only: name_index_type
    use limber_base_text, only: lowercase
    use limber_deck_origin, only: origin_type
    implicit none
@@ -37,12 +38,14 @@ module limber_deck_parameters
       !> Only the first `count` are in use
       type(parameter_type), allocatable :: items(:)
       integer :: count = 0
+      type(name_index_type), private :: names
       type(named_table_type), allocatable :: tables(:)
    contains
       procedure :: find_table
       procedure :: define_table
       procedure :: find
       procedure :: define
+      procedure :: shorten
    end type parameter_list_type
 
 contains
@@ -52,12 +55,7 @@ contains
       class(parameter_list_type), intent(in) :: self
       !> In any case
       character(*), intent(in) :: name
-      integer :: i
-      found = 0
-      do i = 1, self%count
-         if (self%items(i)%name == lowercase(name)) found = i
-         if (found > 0) return
-      end do
+      found = self%names%find(lowercase(name))
    end function find
 
    !> Index of a table; 0 if there is none of this name.
@@ -101,6 +99,16 @@ contains
       end if
       self%count = self%count + 1
       self%items(self%count) = item
+      call self%names%add(trim(item%name), self%count)
    end subroutine define
+
+   !> Forgets all parameters but the first ones.
+   pure subroutine shorten(self, count)
+      class(parameter_list_type), intent(inout) :: self
+      !> How many are left
+      integer, intent(in) :: count
+      self%count = min(self%count, count)
+      call self%names%shorten(self%count)
+   end subroutine shorten
 
 end module limber_deck_parameters

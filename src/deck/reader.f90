@@ -4,16 +4,19 @@
 !>     call read_deck('rod.inp', deck, diagnostics)
 !>     if (diagnostics%count > 0) print '(a)', diagnostics%render(deck%source)
 module limber_deck_reader
+   use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_origin, only: origin_type, after
    use limber_deck_source, only: source_file_type, beside
-   use limber_deck_lexer, only: part_type, trimmed, split_fields, comment_start, is_comment, is_keyword_line, first_foreign
+   use limber_deck_lexer, only: part_type, trimmed, split_fields, comment_start, is_comment, is_keyword_line, first_foreign, &
+      & is_parameter_name, keyword_of
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_deck_compile, only: looks_like_expression
+   use limber_deck_compile, only: looks_like_expression, is_reserved
+   use limber_deck_parameters, only: parameter_type
    use limber_deck_schema, only: form_text
    use limber_deck_keywords, only: keyword_table
-   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_content, only: deck_type, block_type, repeat_type, resize_blocks
    use limber_deck_assembly, only: assembly_type, begin_block, add_line, end_block
    use limber_deck_checks, only: check_deck
    implicit none
@@ -22,6 +25,8 @@ module limber_deck_reader
 
    !> Longest line, deepest nesting of *INCLUDE and greatest number of files
    integer, parameter :: max_line = 4096, max_nesting = 20, max_files = 200
+   !> Most turns of all *REPEAT together
+   integer, parameter :: max_turns = 200000
 
 contains
 
@@ -61,13 +66,12 @@ contains
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(assembly_type) :: assembly
-      type(block_type), allocatable :: blocks(:)
+      allocate (deck%repeats(0))
       call read_lines(1, 1, assembly, deck, diagnostics)
-      allocate (blocks(assembly%blocks))
-      blocks = deck%blocks(:assembly%blocks)
-      call move_alloc(blocks, deck%blocks)
+      call resize_blocks(deck%blocks, assembly%blocks)
       if (assembly%blocks == 0 .and. diagnostics%count == 0) &
          & call diagnostics%add(origin_type(file=1), 'the deck is empty')
+      call deck%index_names()
       call check_deck(deck, diagnostics)
    end subroutine read_all
 
@@ -78,33 +82,164 @@ contains
       type(assembly_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(part_type), allocatable :: parts(:)
-      type(part_type) :: content
-      integer :: i
-      logical :: ok, broken
       if (is_binary(deck%source%files(file))) then
          call diagnostics%add(origin_type(file=file), 'this file is not a text: it holds bytes that are 0')
          return
       end if
-      i = 0
-      do while (i < size(deck%source%files(file)%lines) .and. .not. assembly%full)
+      call read_stretch(file, 1, size(deck%source%files(file)%lines), nesting, assembly, deck, diagnostics)
+   end subroutine read_lines
+
+   !> Reads some lines of a file.
+   recursive subroutine read_stretch(file, first, last, nesting, assembly, deck, diagnostics)
+      !> Index of the file, first and last line, how deep it is included
+      integer, intent(in) :: file, first, last, nesting
+      type(assembly_type), intent(inout) :: assembly
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(part_type), allocatable :: parts(:)
+      type(part_type) :: content
+      integer :: i, head
+      logical :: ok, broken
+      i = first - 1
+      do while (i < last .and. .not. assembly%full)
          i = i + 1
-         call clean_line(file, i, is_free_text(assembly), deck, content, ok, broken, diagnostics)
+         call clean_line(file, i, is_free_text(assembly), assembly%turn, deck, content, ok, broken, diagnostics)
          if (broken) call skip_broken(is_keyword_line(deck%source%files(file)%lines(i)%text), assembly, deck, diagnostics)
          if (.not. ok) cycle
          if (is_keyword_line(content%text)) then
             call end_block(assembly, deck, diagnostics)
-            call read_keyword_line(file, i, content, deck, parts, diagnostics)
+            head = i
+            call read_keyword_line(file, i, last, content, deck, parts, diagnostics)
             call begin_block(assembly, parts, deck, diagnostics)
             if (assembly%row > 0) then
-               if (assembly%block%keyword == 'INCLUDE') call include(file, nesting, assembly, deck, diagnostics)
+               select case (assembly%block%keyword)
+               case ('INCLUDE'); call include(file, nesting, assembly, deck, diagnostics)
+               case ('REPEAT'); call repeat_lines(file, head, i, last, nesting, assembly, deck, diagnostics)
+               case ('END REPEAT')
+                  call diagnostics%add(assembly%block%origin, 'there is no *REPEAT that this *END REPEAT ends')
+                  call drop_block(assembly, deck, diagnostics)
+               end select
             end if
          else
             call add_line(assembly, content, deck, diagnostics)
          end if
       end do
       call end_block(assembly, deck, diagnostics)
-   end subroutine read_lines
+   end subroutine read_stretch
+
+   !> Closes the open block without keeping it.
+   subroutine drop_block(assembly, deck, diagnostics)
+      type(assembly_type), intent(inout) :: assembly
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      call end_block(assembly, deck, diagnostics)
+      assembly%blocks = assembly%blocks - 1
+   end subroutine drop_block
+
+   !> Reads what an open *REPEAT repeats, once for each turn.
+   recursive subroutine repeat_lines(file, head, line, last, nesting, assembly, deck, diagnostics)
+      !> File, line of the *REPEAT
+      integer, intent(in) :: file, head
+      !> Last line of its options; on return that of its *END REPEAT
+      integer, intent(inout) :: line
+      !> Line to end before or at; how deep the file is included
+      integer, intent(in) :: last, nesting
+      type(assembly_type), intent(inout) :: assembly
+      type(deck_type), intent(inout) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(repeat_type) :: stretch
+      type(parameter_type) :: counter
+      character(:), allocatable :: outside
+      integer :: i, from, turns, outer, known, end
+      call begin_repeat(assembly, deck, counter, from, turns, diagnostics)
+      end = end_of_repeat(deck%source%files(file), line, last)
+      if (end > last) call diagnostics%add(assembly%block%origin, 'this *REPEAT has no *END REPEAT', &
+         & 'it stands in the same file, and each *REPEAT within has its own')
+      call drop_block(assembly, deck, diagnostics)
+      outer = assembly%turn
+      outside = deck%source%turn_label(outer)
+      if (outer > 0) outside = outside//', '
+      known = deck%parameters%count
+      stretch = repeat_type(assembly%blocks + 1, 0, file, head, end)
+      do i = from, from + turns - 1
+         if (assembly%full) exit
+         if (deck%source%turn_count >= max_turns) then
+            call diagnostics%add(counter%origin, 'the deck has more than '//as_text(max_turns)//' turns of *REPEAT')
+            assembly%full = .true.
+            exit
+         end if
+         call deck%source%add_turn(outside//trim(counter%name)//' = '//as_text(i))
+         assembly%turn = deck%source%turn_count
+         counter%value = real(i, wp)
+         call deck%parameters%define(counter)
+         call read_stretch(file, line + 1, end - 1, nesting, assembly, deck, diagnostics)
+         call deck%parameters%shorten(known)
+      end do
+      assembly%turn = outer
+      stretch%last_block = assembly%blocks
+      if (outer == 0 .and. stretch%last_block >= stretch%first_block) call keep_repeat(deck, stretch)
+      line = end
+   end subroutine repeat_lines
+
+   !> Index and number of turns of an open *REPEAT.
+   subroutine begin_repeat(assembly, deck, counter, from, turns, diagnostics)
+      type(assembly_type), intent(in) :: assembly
+      type(deck_type), intent(in) :: deck
+      !> The index, yet without a value
+      type(parameter_type), intent(out) :: counter
+      !> First value; one turn if what is to be repeated is in error, for the errors in there
+      integer, intent(out) :: from, turns
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: taken
+      associate (block => assembly%block)
+         counter%name = block%name('INDEX')
+         counter%origin = block%origin_of('INDEX')
+         from = block%integer('FROM')
+         turns = block%integer('COUNT')
+         if (.not. block%has('COUNT')) turns = 1
+         turns = min(turns, huge(turns) - from)
+         if (.not. block%has('INDEX')) return
+         taken = deck%parameters%find(trim(counter%name))
+         if (.not. is_parameter_name(trim(counter%name)) .or. is_reserved(trim(counter%name))) then
+            call diagnostics%add(counter%origin, "'"//trim(counter%name)//"' cannot be an index", &
+               & 'a letter, then letters, digits and _; t, pi and the functions are reserved')
+         else if (taken > 0) then
+            call diagnostics%add(counter%origin, "the index '"//trim(counter%name)//"' is a parameter already", &
+               & 'give it another name', deck%parameters%items(taken)%origin, 'first defined here')
+         end if
+      end associate
+   end subroutine begin_repeat
+
+   !> Line of the *END REPEAT that belongs to a *REPEAT; one behind the last line if there is none.
+   pure integer function end_of_repeat(file, line, last) result(end)
+      type(source_file_type), intent(in) :: file
+      !> Last line of the *REPEAT and its options; line to stop at
+      integer, intent(in) :: line, last
+      integer :: depth
+      depth = 1
+      do end = line + 1, last
+         if (.not. is_keyword_line(file%lines(end)%text)) cycle
+         if (is_comment(file%lines(end)%text)) cycle
+         select case (keyword_of(file%lines(end)%text))
+         case ('REPEAT'); depth = depth + 1
+         case ('END REPEAT'); depth = depth - 1
+         end select
+         if (depth == 0) return
+      end do
+   end function end_of_repeat
+
+   !> Takes note of a *REPEAT in no other, for the effective deck.
+   pure subroutine keep_repeat(deck, stretch)
+      type(deck_type), intent(inout) :: deck
+      type(repeat_type), intent(in) :: stretch
+      type(repeat_type), allocatable :: longer(:)
+      integer :: count
+      count = size(deck%repeats)
+      allocate (longer(count + 1))
+      longer(:count) = deck%repeats
+      longer(count + 1) = stretch
+      call move_alloc(longer, deck%repeats)
+   end subroutine keep_repeat
 
    !> Takes note of a line in error, so that what it leaves out is not reported as missing.
    subroutine skip_broken(keyword, assembly, deck, diagnostics)
@@ -140,10 +275,12 @@ contains
    end function is_free_text
 
    !> The content of a line without comment and blanks around.
-   subroutine clean_line(file, number, free_text, deck, content, ok, broken, diagnostics)
+   subroutine clean_line(file, number, free_text, turn, deck, content, ok, broken, diagnostics)
       integer, intent(in) :: file, number
       !> Whether the line may be free text
       logical, intent(in) :: free_text
+      !> Turn of a *REPEAT that it is read in
+      integer, intent(in) :: turn
       type(deck_type), intent(in) :: deck
       type(part_type), intent(out) :: content
       !> Whether there is a content; whether that is for an error in the line
@@ -151,7 +288,7 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(origin_type) :: start
       integer :: last, foreign
-      start = origin_type(file, number, 1, 1)
+      start = origin_type(file, number, 1, 1, turn)
       broken = .false.
       ok = .false.
       associate (line => deck%source%files(file)%lines(number)%text)
@@ -167,7 +304,7 @@ contains
             call check_power(line, last + 1, start, deck, broken, diagnostics)
             foreign = first_foreign(line(:last))
             if (foreign > 0) then
-               call diagnostics%add(origin_type(file, number, foreign, foreign), 'this character cannot stand here', &
+               call diagnostics%add(origin_type(file, number, foreign, foreign, turn), 'this character cannot stand here', &
                   & 'only comments and *HEADING take others than plain ASCII')
                broken = .true.
             end if
@@ -193,16 +330,18 @@ contains
       last = column + 1 + comment_start(line(column + 2:)) - 1
       if (.not. looks_like_expression(line(column + 2:last), deck%parameters)) return
       broken = .true.
-      call diagnostics%add(origin_type(start%file, start%line, column, column + 1), &
+      call diagnostics%add(origin_type(start%file, start%line, column, column + 1, start%turn), &
          & "'**' behind a blank begins a comment, but this looks like a power", &
          & 'write a power without the blank, t**2, or begin the comment with a word')
    end subroutine check_power
 
    !> The fields of a keyword line and of the lines that continue it.
-   subroutine read_keyword_line(file, number, first, deck, parts, diagnostics)
+   subroutine read_keyword_line(file, number, end, first, deck, parts, diagnostics)
       integer, intent(in) :: file
       !> Number of the line; on return that of the last line that belongs to it
       integer, intent(inout) :: number
+      !> Line to stop at
+      integer, intent(in) :: end
       !> Content of the first line
       type(part_type), intent(in) :: first
       type(deck_type), intent(in) :: deck
@@ -217,9 +356,9 @@ contains
       next = number
       do while (size(parts) > 1 .and. len(parts(size(parts))%text) == 0)
          ok = .false.
-         do while (.not. ok .and. next < size(deck%source%files(file)%lines))
+         do while (.not. ok .and. next < end)
             next = next + 1
-            call clean_line(file, next, .false., deck, content, ok, broken, diagnostics)
+            call clean_line(file, next, .false., first%origin%turn, deck, content, ok, broken, diagnostics)
             if (broken) return
          end do
          if (ok) ok = .not. is_keyword_line(content%text)
@@ -259,16 +398,22 @@ contains
       type(error_type), allocatable :: error
       type(origin_type) :: origin
       character(:), allocatable :: path
+      integer :: again
       path = assembly%block%text('FILE')
       origin = assembly%block%origin_of('FILE')
-      call end_block(assembly, deck, diagnostics)
-      assembly%blocks = assembly%blocks - 1
+      call drop_block(assembly, deck, diagnostics)
       if (len(path) == 0) return
       path = beside(deck%source%files(file)%path, path)
+      again = 0
+      if (origin%turn > 0) again = opened(origin, deck)
       if (is_open(path, file, deck)) then
          call diagnostics%add(origin, "the file '"//path//"' includes itself", chain(file, deck)//' -> '//path)
       else if (nesting >= max_nesting) then
          call diagnostics%add(origin, '*INCLUDE is nested more than '//as_text(max_nesting)//' deep', chain(file, deck))
+      else if (again > 0) then
+         if (deck%source%files(again)%path /= path) call diagnostics%add(origin, 'another file than in an earlier turn', &
+            & 'each turn of a *REPEAT includes the same files')
+         call read_lines(again, nesting + 1, assembly, deck, diagnostics)
       else if (deck%source%count >= max_files) then
          call diagnostics%add(origin, 'the deck has more than '//as_text(max_files)//' files')
          assembly%full = .true.
@@ -295,6 +440,17 @@ contains
          i = deck%source%files(i)%included_at%file
       end do
    end function is_open
+
+   !> Index of the file that an *INCLUDE at an origin has brought in already, in an earlier turn; 0: none.
+   pure integer function opened(origin, deck) result(file)
+      type(origin_type), intent(in) :: origin
+      type(deck_type), intent(in) :: deck
+      do file = deck%source%count, 1, -1
+         associate (at => deck%source%files(file)%included_at)
+            if (at%file == origin%file .and. at%line == origin%line) return
+         end associate
+      end do
+   end function opened
 
    !> 'deck -> included -> included', down to a file.
    pure function chain(file, deck) result(text)

@@ -2,12 +2,12 @@
 !> may have to be shown. Floor: deck.
 module limber_deck_source
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_text, only: as_text
+   use limber_base_text, only: as_text, newline
    use limber_base_kinds, only: long
    use limber_deck_origin, only: origin_type
    implicit none
    private
-   public :: source_type, source_file_type, text_line_type, max_file_bytes, beside
+   public :: source_type, source_file_type, text_line_type, turn_type, max_file_bytes, beside
 
    !> A file longer than this is no deck
    integer, parameter :: max_file_bytes = 32*1024*1024
@@ -27,15 +27,27 @@ module limber_deck_source
       type(origin_type) :: included_at
    end type source_file_type
 
+   !> One turn of a *REPEAT
+   type :: turn_type
+      !> Indices and their values, for messages: 'i = 3, j = 1'
+      character(:), allocatable :: label
+   end type turn_type
+
    !> All files of a deck in the order of opening
    type :: source_type
       !> Only the first `count` are in use
       type(source_file_type), allocatable :: files(:)
       !> Number of files
       integer :: count = 0
+      !> Turns of *REPEAT; only the first `turn_count` are in use
+      type(turn_type), allocatable :: turns(:)
+      integer :: turn_count = 0
    contains
       procedure :: read_file
       procedure :: add_text
+      procedure :: add_turn
+      procedure :: turn_label
+      procedure :: text_of
       procedure :: line_at
       procedure :: path_of
    end type source_type
@@ -82,6 +94,56 @@ contains
       if (present(included_at)) self%files(self%count)%included_at = included_at
       call split_lines(text, self%files(self%count)%lines)
    end subroutine add_text
+
+   !> Adds a turn of a *REPEAT as the last one.
+   pure subroutine add_turn(self, label)
+      class(source_type), intent(inout) :: self
+      !> Indices and their values
+      character(*), intent(in) :: label
+      type(turn_type), allocatable :: longer(:)
+      integer :: i
+      if (.not. allocated(self%turns)) allocate (self%turns(16))
+      if (self%turn_count == size(self%turns)) then
+         allocate (longer(2*self%turn_count))
+         do i = 1, self%turn_count
+            call move_alloc(self%turns(i)%label, longer(i)%label)
+         end do
+         call move_alloc(longer, self%turns)
+      end if
+      self%turn_count = self%turn_count + 1
+      self%turns(self%turn_count)%label = label
+   end subroutine add_turn
+
+   !> Indices and their values in a turn; empty if there is none.
+   pure function turn_label(self, turn) result(label)
+      class(source_type), intent(in) :: self
+      integer, intent(in) :: turn
+      character(:), allocatable :: label
+      label = ''
+      if (turn >= 1 .and. turn <= self%turn_count) label = self%turns(turn)%label
+   end function turn_label
+
+   !> Lines of a file as one text, each with a line feed at its end.
+   pure function text_of(self, file, first, last) result(text)
+      class(source_type), intent(in) :: self
+      !> Index of the file; first and last line
+      integer, intent(in) :: file, first, last
+      character(:), allocatable :: text
+      integer :: i, length, at
+      length = 0
+      do i = first, last
+         length = length + len(self%files(file)%lines(i)%text) + 1
+      end do
+      allocate (character(length) :: text)
+      at = 0
+      do i = first, last
+         associate (line => self%files(file)%lines(i)%text)
+            text(at + 1:at + len(line)) = line
+            at = at + len(line) + 1
+            text(at:at) = newline
+         end associate
+      end do
+   end function text_of
 
    !> The text of the line at an origin; empty if there is none.
    pure function line_at(self, origin) result(text)

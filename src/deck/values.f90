@@ -8,6 +8,7 @@ module limber_deck_values
    use limber_deck_parameters, only: parameter_list_type, name_length
    use limber_deck_expression, only: expression_type
    use limber_deck_compile, only: compile
+   use limber_deck_template, only: fill_in
    use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_positive, kind_nonnegative, kind_count, &
       & kind_counting, kind_word, kind_point, kind_yes, kind_law, kind_spring_law, kind_shape, kind_curve, &
       & is_number_kind, is_integer_kind, is_expression_kind
@@ -31,6 +32,7 @@ contains
       type(option_type), intent(inout) :: option
       type(diagnostics_type), intent(inout) :: diagnostics
       type(expression_type) :: expression
+      type(part_type) :: filled
       logical :: ok
       option%text = part%text
       option%origin = part%origin
@@ -40,39 +42,55 @@ contains
             & option%value, ok, diagnostics)
          if (ok .and. is_integer_kind(spec%kind)) option%whole = nint(option%value)
       else
-         select case (spec%kind)
-         case (kind_word)
-            call read_word(spec, trim(spec%values), part, option, ok, diagnostics)
-         case (kind_yes)
-            call read_word(spec, 'YES|NO', part, option, ok, diagnostics)
-         case (kind_name, kind_reference)
-            option%text = lowercase(part%text)
-            call check_name(part, ok, diagnostics)
-         case (kind_point)
-            option%text = lowercase(part%text)
-            call check_point(part, ok, diagnostics)
-         case default
-            option%text = unquoted(part%text)
-         end select
+         filled = part
+         call fill_in(filled, parameters, ok, diagnostics)
+         if (ok) call read_words(spec, filled, option, ok, diagnostics)
       end if
       option%has_value = ok
    end subroutine read_option
 
+   !> Reads the value of an option that is no number.
+   subroutine read_words(spec, part, option, ok, diagnostics)
+      type(option_spec_type), intent(in) :: spec
+      type(part_type), intent(in) :: part
+      type(option_type), intent(inout) :: option
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      ok = .true.
+      select case (spec%kind)
+      case (kind_word)
+         call read_word(spec, trim(spec%values), part, option, ok, diagnostics)
+      case (kind_yes)
+         call read_word(spec, 'YES|NO', part, option, ok, diagnostics)
+      case (kind_name, kind_reference)
+         option%text = lowercase(part%text)
+         call check_name(part, ok, diagnostics)
+      case (kind_point)
+         option%text = lowercase(part%text)
+         call check_point(part, ok, diagnostics)
+      case default
+         option%text = unquoted(part%text)
+      end select
+   end subroutine read_words
+
    !> Reads a field of a data line.
-   subroutine read_field(what, kind, meaning, part, parameters, field, ok, diagnostics)
+   subroutine read_field(what, kind, meaning, written, parameters, field, ok, diagnostics)
       !> What the field is called, its kind and meaning: as in the table
       character(*), intent(in) :: what, meaning
       integer, intent(in) :: kind
       !> Field as written; may be empty
-      type(part_type), intent(in) :: part
+      type(part_type), intent(in) :: written
       type(parameter_list_type), intent(in) :: parameters
       type(field_type), intent(out) :: field
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
+      type(part_type) :: part
+      part = written
+      call fill_in(part, parameters, ok, diagnostics)
       field%text = part%text
       field%origin = part%origin
       field%name = ''
-      ok = .true.
+      if (.not. ok) return
       if (len(part%text) == 0) then
          ok = .false.
          call diagnostics%add(part%origin, "the field '"//what//"' is empty", meaning)

@@ -8,8 +8,10 @@ module limber_integrator_adams
    use limber_base_error, only: error_type
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales
+   use limber_system_kinematics, only: place_frames
    use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_projection, only: project_position, project_velocity
+   use limber_system_recursion, only: recursion_type, new_recursion, recursive_accelerations, recursive_settle
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -18,6 +20,10 @@ module limber_integrator_adams
    !> Highest order
    integer, parameter :: most = 12
    !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
+   !> Components that are updated together, so that all their differences stay at hand
+   integer, parameter :: block = 128
+   !> Least number of bodies whose accelerations are found by recursion
+   integer, parameter :: many = 10
    real(wp), parameter :: gamma_star(13) = [0.5_wp, 0.0833_wp, 0.0417_wp, 0.0264_wp, 0.0188_wp, 0.0143_wp, 0.0114_wp, &
       & 0.00936_wp, 0.00789_wp, 0.00679_wp, 0.00592_wp, 0.00524_wp, 0.00468_wp]
 
@@ -33,6 +39,8 @@ module limber_integrator_adams
       real(wp), allocatable :: change(:)
       !> Scales of the local error
       type(scales_type) :: scales
+      !> The bodies of an open chain or tree, whose accelerations need no matrix
+      type(recursion_type) :: tree
       !> Next step, last step
       real(wp) :: h = 0.0_wp, h_last = 0.0_wp
       !> Next order, last order, steps taken with the same h
@@ -74,6 +82,7 @@ contains
       self%t = t
       self%t_before = t
       if (.not. allocated(self%scales%value)) self%scales = new_scales(system, duration, .false.)
+      if (size(system%layout%q) >= many) call new_recursion(system, self%tree)
       call update_scales(system, q, v, self%scales)
       call evaluate(self, system, work, t, self%y, self%yp, error)
       if (allocated(error)) return
@@ -99,7 +108,7 @@ contains
       real(wp), contiguous, intent(in) :: y(:)
       real(wp), contiguous, intent(inout) :: yp(:)
       type(error_type), allocatable, intent(out) :: error
-      call linearise(system, work, t, y(:self%nq), error)
+      if (.not. self%tree%usable) call linearise(system, work, t, y(:self%nq), error)
       if (allocated(error)) return
       call differentiate(self, system, work, y, yp)
    end subroutine evaluate
@@ -113,7 +122,12 @@ contains
       real(wp), contiguous, intent(inout) :: yp(:)
       integer :: nq
       nq = self%nq
-      call accelerations(system, work, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq))
+      if (self%tree%usable) then
+         call recursive_accelerations(self%tree, system%model%gravity, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq))
+         work%evaluations = work%evaluations + 1
+      else
+         call accelerations(system, work, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq))
+      end if
       yp(:nq) = y(nq + 1:2*nq)
       if (system%powered) yp(self%ny) = input_power(system, work, y(:nq), y(nq + 1:2*nq))
    end subroutine differentiate
@@ -147,6 +161,7 @@ contains
          if (self%fixed_step > 0.0_wp .and. failures == 0) self%h = self%fixed_step
          if (self%t + self%h > stop) self%h = stop - self%t
          if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+            if (self%tree%usable) call place_frames(system%model, system%layout, self%t, self%y(:self%nq), work%kinematics)
             i = maxloc(abs((self%yp(:2*self%nq) - self%phi(:2*self%nq, 1))/self%scales%value), dim=1)
             call self%step_too_small(system, work, count(system%layout%q <= modulo(i - 1, self%nq) + 1), error)
             return
@@ -222,20 +237,23 @@ contains
    !> Predicted state p; the differences become those at the new point (block 2).
    subroutine predict(self)
       class(adams_type), intent(inout) :: self
-      integer :: i, j, k
+      integer :: i, j, k, a, b
       k = self%k
-      do i = self%ns + 1, k
-         self%phi(:, i) = self%beta(i)*self%phi(:, i)
+      do a = 1, self%ny, block
+         b = min(self%ny, a + block - 1)
+         do i = self%ns + 1, k
+            self%phi(a:b, i) = self%beta(i)*self%phi(a:b, i)
+         end do
+         self%phi(a:b, k + 2) = self%phi(a:b, k + 1)
+         self%phi(a:b, k + 1) = 0.0_wp
+         self%p(a:b) = 0.0_wp
+         do j = 1, k
+            i = k + 1 - j
+            self%p(a:b) = self%p(a:b) + self%g(i)*self%phi(a:b, i)
+            self%phi(a:b, i) = self%phi(a:b, i) + self%phi(a:b, i + 1)
+         end do
+         self%p(a:b) = self%y(a:b) + self%h*self%p(a:b)
       end do
-      self%phi(:, k + 2) = self%phi(:, k + 1)
-      self%phi(:, k + 1) = 0.0_wp
-      self%p = 0.0_wp
-      do j = 1, k
-         i = k + 1 - j
-         self%p = self%p + self%g(i)*self%phi(:, i)
-         self%phi(:, i) = self%phi(:, i) + self%phi(:, i + 1)
-      end do
-      self%p = self%y + self%h*self%p
    end subroutine predict
 
    !> Local error of this step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).
@@ -305,6 +323,13 @@ contains
       integer :: nq
       nq = self%nq
       self%p = self%p + self%h*self%g(self%k + 1)*(self%yp - self%phi(:, 1))
+      if (self%tree%usable) then
+         accepted = .true.
+         call recursive_settle(self%tree, self%p(:nq), self%p(nq + 1:2*nq))
+         self%y = self%p
+         call differentiate(self, system, work, self%y, self%yp)
+         return
+      end if
       call project_position(system, work, t, self%p(:nq), self%change, constraint_tolerance, before, residual)
       accepted = residual <= constraint_limit
       if (.not. accepted) return
@@ -319,12 +344,15 @@ contains
    !> Differences of all orders at the new point (block 4).
    subroutine finish_differences(self)
       class(adams_type), intent(inout) :: self
-      integer :: i, k
+      integer :: i, k, a, b
       k = self%k
-      self%phi(:, k + 1) = self%yp - self%phi(:, 1)
-      self%phi(:, k + 2) = self%phi(:, k + 1) - self%phi(:, k + 2)
-      do i = 1, k
-         self%phi(:, i) = self%phi(:, i) + self%phi(:, k + 1)
+      do a = 1, self%ny, block
+         b = min(self%ny, a + block - 1)
+         self%phi(a:b, k + 1) = self%yp(a:b) - self%phi(a:b, 1)
+         self%phi(a:b, k + 2) = self%phi(a:b, k + 1) - self%phi(a:b, k + 2)
+         do i = 1, k
+            self%phi(a:b, i) = self%phi(a:b, i) + self%phi(a:b, k + 1)
+         end do
       end do
    end subroutine finish_differences
 

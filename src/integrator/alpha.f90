@@ -151,7 +151,8 @@ contains
             end if
          end if
          if (good) then
-            call estimate_error(self, system, err)
+            err = 0.0_wp
+            if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, err)
             good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
             if (.not. good) factor = min(factor, 0.9_wp)

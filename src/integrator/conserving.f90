@@ -21,6 +21,8 @@ module limber_integrator_conserving
    public :: conserving_type
 
    integer, parameter :: most_iterations = 20
+   !> Number of rates above which round-off of the corrections grows with it
+   real(wp), parameter :: many_rates = 200.0_wp
    !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
    !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off
    real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
@@ -154,7 +156,8 @@ contains
             call iterate(self, system, work, good)
          end if
          if (good) then
-            call estimate_error(self, system, err)
+            err = 0.0_wp
+            if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, err)
             good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
          else
@@ -248,7 +251,8 @@ contains
       converged = .false.
       fresh = .false.
       if (abs(self%trial%h - self%h_factors) > same_step*self%trial%h) self%h_factors = 0.0_wp
-      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*self%scales%speed))
+      ! Rounding of one joint moves all that follows in a chain
+      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*self%scales%speed))*max(1.0_wp, nw/many_rates)
       size_last = 0.0_wp
       do round = 1, most_iterations
          call step_residual(system, work, self%trial, self%y, self%lambda, self%motion, self%phi)

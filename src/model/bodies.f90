@@ -10,7 +10,8 @@ module limber_model_bodies
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, point_shape, fidelity_linear, fidelity_kg, &
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
-   use limber_model_points, only: add_point
+   use limber_model_lists, only: append
+   use limber_model_points, only: add_point, enter_name, find_named
    use limber_model_scene, only: model_type, body_type, body_point, body_rigid, body_flexible
    implicit none
    private
@@ -43,10 +44,9 @@ contains
       body%reduced = rigid_reduced(block%real('MASS'), block%real('INERTIA'), centre)
       if (block%real('INERTIA') > 0.0_wp .and. .not. block%real('MASS') > 0.0_wp) call diagnostics%warn( &
          & block%origin_of('INERTIA'), "body '"//body%name//"' has an inertia but no mass")
-      model%bodies = [model%bodies, body]
-      index = size(model%bodies)
-      call add_point(model%points, body%name//'.origin', index, [0.0_wp, 0.0_wp])
-      call add_point(model%points, body%name//'.centre', index, centre)
+      call append_body(model, body, index)
+      call add_point(model, body%name//'.origin', index, [0.0_wp, 0.0_wp])
+      call add_point(model, body%name//'.centre', index, centre)
       call add_points(block, body%name, index, model, diagnostics)
       model%bodies(index)%size = extent(model, index)
    end subroutine add_rigid_body
@@ -55,11 +55,23 @@ contains
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(body_type) :: body
+      integer :: index
       body = new_body(block, body_point)
       body%reduced = rigid_reduced(block%real('MASS'), 0.0_wp, [0.0_wp, 0.0_wp])
-      model%bodies = [model%bodies, body]
-      call add_point(model%points, body%name//'.origin', size(model%bodies), [0.0_wp, 0.0_wp])
+      call append_body(model, body, index)
+      call add_point(model, body%name//'.origin', index, [0.0_wp, 0.0_wp])
    end subroutine add_point_mass
+
+   !> Appends a body.
+   subroutine append_body(model, body, index)
+      type(model_type), intent(inout) :: model
+      type(body_type), intent(in) :: body
+      !> Its index
+      integer, intent(out) :: index
+      call append(model%bodies, model%counts%bodies, body)
+      index = model%counts%bodies
+      call enter_name(model, 'body', body%name, index)
+   end subroutine append_body
 
    !> Named points of the ground and of rigid bodies, `name, x, y` a line.
    subroutine add_points(block, owner, index, model, diagnostics)
@@ -72,7 +84,7 @@ contains
       do i = 1, size(block%lines)
          associate (line => block%lines(i))
             if (.not. is_new_point(model, owner//'.'//line%text(1), line%origin_of(1), diagnostics)) cycle
-            call add_point(model%points, owner//'.'//line%text(1), index, [line%number(2), line%number(3)])
+            call add_point(model, owner//'.'//line%text(1), index, [line%number(2), line%number(3)])
          end associate
       end do
    end subroutine add_points
@@ -85,11 +97,7 @@ contains
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
       character(6), parameter :: own_names(5) = [character(6) :: 'origin', 'centre', 'start', 'middle', 'end']
-      integer :: i
-      is_new_point = .true.
-      do i = 1, size(model%points)
-         if (model%points(i)%name == name) is_new_point = .false.
-      end do
+      is_new_point = find_named(model, 'point', name) == 0
       if (is_new_point) return
       if (any(own_names == name(index(name, '.') + 1:))) call diagnostics%add(origin, &
          & "point '"//name//"' is there without being defined", 'choose another name')
@@ -104,10 +112,17 @@ contains
       type(body_type) :: body
       type(error_type), allocatable :: error
       logical :: usable
+      integer :: twin, added
       body = new_body(deck%blocks(index), body_flexible)
       call read_beam(deck, index, body, diagnostics, usable)
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
-         call reduce_beam(body%beam, body%choice, body%reduced, body%field, error)
+         twin = find_twin(model, body)
+         if (twin > 0) then
+            body%reduced = model%bodies(twin)%reduced
+            body%field = model%bodies(twin)%field
+         else
+            call reduce_beam(body%beam, body%choice, body%reduced, body%field, error)
+         end if
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "beam '"//body%name//"': "//error%message)
          usable = .not. allocated(error)
       else
@@ -122,9 +137,30 @@ contains
          if (body%reduced%n > 0) body%largest_shape = max(maxval(abs(body%field%w)), maxval(abs(body%field%u)))
       end if
       body%size = body%beam%length
-      model%bodies = [model%bodies, body]
+      call append_body(model, body, added)
+      if (usable) call enter_name(model, 'beam', fingerprint(body), added)
       call add_beam_points(deck%blocks(index), model, diagnostics)
    end subroutine add_beam
+
+   !> Index of a beam that was reduced already and is the same to the bit; 0: none.
+   pure integer function find_twin(model, body) result(twin)
+      type(model_type), intent(in) :: model
+      type(body_type), intent(in) :: body
+      twin = find_named(model, 'beam', fingerprint(body))
+   end function find_twin
+
+   !> All that the reduction of a beam follows from, as one text: beams with the same one have the same modes.
+   pure function fingerprint(body) result(text)
+      type(body_type), intent(in) :: body
+      character(:), allocatable :: text
+      character(200) :: buffer
+      associate (beam => body%beam, choice => body%choice)
+         write (buffer, '(5(z16, 1x), 8(i0, 1x), 9l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
+            & choice%modes, choice%bending, choice%axial, choice%fidelity, choice%geometric_elements, choice%axial_basis, &
+            & choice%derivatives, choice%support, choice%nodal, choice%end_force, choice%centrifugal
+      end associate
+      text = trim(buffer)
+   end function fingerprint
 
    !> Rigidities, mesh and choices of a beam.
    subroutine read_beam(deck, index, body, diagnostics, usable)
@@ -292,14 +328,14 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i, index
       real(wp) :: length
-      index = size(model%bodies)
+      index = model%counts%bodies
       length = model%bodies(index)%beam%length
       call place('origin', model%bodies(index)%choice%origin)
       call place('start', 0.0_wp)
-      model%bodies(index)%start_point = size(model%points)
+      model%bodies(index)%start_point = model%counts%points
       call place('middle', 0.5_wp*length)
       call place('end', length)
-      model%bodies(index)%end_point = size(model%points)
+      model%bodies(index)%end_point = model%counts%points
       do i = 1, size(block%lines)
          associate (line => block%lines(i))
             if (line%number(2) < 0.0_wp .or. line%number(2) > length) then
@@ -323,21 +359,22 @@ contains
          whole = model%bodies(index)%name//'.'//name
          p0 = [s - model%bodies(index)%choice%origin, 0.0_wp]
          if (model%bodies(index)%kind == body_flexible) call point_shape(model%bodies(index)%field, s, phi, psi)
-         call add_point(model%points, whole, index, p0, phi, psi)
+         call add_point(model, whole, index, p0, phi, psi)
       end subroutine place
 
    end subroutine add_beam_points
 
-   !> Largest distance between two points of a body [length].
+   !> Largest distance between two points of the body that was added last [length].
    pure real(wp) function extent(model, body)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
       integer :: i, j
       extent = 0.0_wp
-      do i = 1, size(model%points)
-         if (model%points(i)%body /= body) cycle
-         do j = 1, i - 1
-            if (model%points(j)%body == body) extent = max(extent, norm2(model%points(i)%p0 - model%points(j)%p0))
+      do i = model%counts%points, 1, -1
+         if (model%points(i)%body /= body) exit
+         do j = i - 1, 1, -1
+            if (model%points(j)%body /= body) exit
+            extent = max(extent, norm2(model%points(i)%p0 - model%points(j)%p0))
          end do
       end do
    end function extent

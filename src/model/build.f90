@@ -10,9 +10,10 @@ module limber_model_build
    use limber_model_channels, only: add_channels
    use limber_model_first_state, only: read_assembly
    use limber_model_joints, only: add_joint, add_coupler, add_driver
+   use limber_model_lists, only: trim_lists
    use limber_model_loads, only: add_force, add_torque, add_spring, add_bushing, add_distributed, add_friction, add_damping, &
       & resolve_laws
-   use limber_model_points, only: add_point, find_point, find_body
+   use limber_model_points, only: add_point
    use limber_model_scene, only: model_type, ground
    implicit none
    private
@@ -30,7 +31,7 @@ contains
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
       allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0), model%assembly%deflections(0))
       call read_labels(deck, model)
-      call add_point(model%points, 'ground.origin', ground, [0.0_wp, 0.0_wp])
+      call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
          case ('GROUND'); call add_points(deck%blocks(i), 'ground', ground, model, diagnostics)
@@ -41,6 +42,7 @@ contains
          case ('ACCURACY'); model%accuracy%estimate = deck%blocks(i)%yes('ESTIMATE')
          end select
       end do
+      call trim_lists(model)
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)
@@ -55,6 +57,7 @@ contains
          case ('DAMPING'); call add_damping(deck%blocks(i), model, diagnostics)
          end select
       end do
+      call trim_lists(model)
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
          case ('COUPLER'); call add_coupler(deck%blocks(i), model, diagnostics)
@@ -62,10 +65,12 @@ contains
          case ('FRICTION'); call add_friction(deck%blocks(i), model, diagnostics)
          end select
       end do
+      call trim_lists(model)
       call resolve_laws(model, diagnostics)
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%keyword == 'OUTPUT') call add_channels(deck%blocks(i), model, diagnostics)
       end do
+      call trim_lists(model)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS or *BEAM')
    end subroutine build_model

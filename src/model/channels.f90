@@ -6,7 +6,8 @@ module limber_model_channels
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type, is_binary
    use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide
-   use limber_model_points, only: find_point, find_body
+   use limber_model_lists, only: append
+   use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
       & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate
    use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, ground, joint_coupler, &
@@ -35,7 +36,9 @@ contains
          do j = 1, size(block%lines(i)%fields)
             before = diagnostics%count
             call new_channel(block%lines(i)%fields(j), model, channel, diagnostics)
-            if (diagnostics%count == before) model%channels = [model%channels, channel]
+            if (diagnostics%count > before) cycle
+            call append(model%channels, model%counts%channels, channel)
+            call enter_name(model, 'channel', channel%name, model%counts%channels)
          end do
       end do
    end subroutine add_channels
@@ -50,10 +53,8 @@ contains
       channel%name = field%name
       channel%long_name = trim(adjustl(field%text))
       if (channel%name == '') channel%name = default_name(field)
-      do i = 1, merge(size(model%channels), 0, field%name == '')
-         if (model%channels(i)%name == channel%name) call diagnostics%add(field%origin, "channel '"//channel%name// &
-            & "' is asked for twice", 'give one of them another name: name = '//channel%long_name)
-      end do
+      if (field%name == '' .and. find_named(model, 'channel', channel%name) > 0) call diagnostics%add(field%origin, &
+         & "channel '"//channel%name//"' is asked for twice", 'give one of them another name: name = '//channel%long_name)
       allocate (channel%quantities(size(field%expression%slots)))
       do i = 1, size(channel%quantities)
          call find_quantity(field%expression%slots(i), model, channel%quantities(i), diagnostics)
@@ -123,9 +124,7 @@ contains
             call diagnostics%add(slot%origin, "'"//slot%argument//"' is a point mass and has no angle")
          end if
       case (of_joint, of_pusher)
-         do i = size(model%joints), 1, -1
-            if (model%joints(i)%name == slot%argument) exit
-         end do
+         i = find_named(model, 'joint', slot%argument)
          quantity%of = i
          if (i == 0 .and. quantities(quantity%kind)%of == of_pusher) call find_load(model, slot, [load_bushing], quantity)
          if (quantity%of == 0) then
@@ -137,9 +136,7 @@ contains
                & slot%name//' is a quantity of joints')
          end if
       case (of_driver, of_turner, of_powered)
-         do i = size(model%drivers), 1, -1
-            if (model%drivers(i)%name == slot%argument) exit
-         end do
+         i = find_named(model, 'driver', slot%argument)
          quantity%of = i
          if (i == 0 .and. quantities(quantity%kind)%of == of_turner) call find_load(model, slot, [load_rotational], quantity)
          if (i == 0 .and. quantities(quantity%kind)%of == of_powered) call find_load(model, slot, [load_force, load_torque, &
@@ -211,11 +208,13 @@ contains
    pure function body_list(model) result(text)
       type(model_type), intent(in) :: model
       character(:), allocatable :: text
+      integer, parameter :: most = 30
       integer :: i
       text = 'bodies:'
-      do i = 1, size(model%bodies)
+      do i = 1, min(most, size(model%bodies))
          text = text//' '//model%bodies(i)%name
       end do
+      if (size(model%bodies) > most) text = text//' ... '//as_text(size(model%bodies))//' in all'
    end function body_list
 
    !> Units of a channel from the dimensions of its quantities; 'unknown' where they do not fit together.

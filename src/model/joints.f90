@@ -7,7 +7,8 @@ module limber_model_joints
    use limber_model_breaks, only: law_breaks
    use limber_model_curve, only: curve_type, spline_curve, expression_curve
    use limber_model_integral, only: integrate
-   use limber_model_points, only: find_point, find_body
+   use limber_model_lists, only: append
+   use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_scene, only: model_type, joint_type, driver_type, term_type, body_point, body_flexible, ground, &
       & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
       & joint_rack, joint_belt, joint_coupler, coordinate_angle, coordinate_joint_angle, coordinate_displacement, driver_angle, &
@@ -56,13 +57,12 @@ contains
    integer function new_joint(model, block) result(index)
       type(model_type), intent(inout) :: model
       type(block_type), intent(in) :: block
-      type(joint_type), allocatable :: longer(:)
-      index = size(model%joints) + 1
-      allocate (longer(index))
-      longer(:index - 1) = model%joints
-      call move_alloc(longer, model%joints)
+      type(joint_type) :: empty
+      empty%name = block%name()
+      call append(model%joints, model%counts%joints, empty)
+      index = model%counts%joints
+      call enter_name(model, 'joint', empty%name, index)
       associate (joint => model%joints(index))
-         joint%name = block%name()
          joint%kind = joint_coupler
          if (block%keyword == 'COUPLER') return
          joint%kind = kind_of(block%word('TYPE'))
@@ -327,9 +327,9 @@ contains
    pure integer function find_joint(model, name) result(found)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: name
-      do found = size(model%joints), 1, -1
-         if (model%joints(found)%name == name .and. model%joints(found)%kind /= joint_coupler) return
-      end do
+      found = find_named(model, 'joint', name)
+      if (found == 0) return
+      if (model%joints(found)%kind == joint_coupler) found = 0
    end function find_joint
 
    !> A motion prescribed in time; joints are there.
@@ -357,6 +357,7 @@ contains
       end associate
       if (diagnostics%count == before) then
          call prepare(model, model%drivers(index))
+         call enter_name(model, 'driver', model%drivers(index)%name, index)
       else
          allocate (longer(index - 1))
          longer(:) = model%drivers(:index - 1)

@@ -10,7 +10,7 @@ module limber_model_loads
    use limber_deck_origin, only: origin_type
    use limber_flex_reduction, only: point_shape
    use limber_model_channels, only: find_quantity
-   use limber_model_points, only: add_point, find_point, find_body
+   use limber_model_points, only: add_point, find_point, find_named, find_body
    use limber_model_quantities, only: quantities, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, &
       & quantity_spin, quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, &
       & quantity_joint_spin, quantity_displacement, quantity_sliding_speed
@@ -166,25 +166,24 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(effort_type) :: effort
       integer :: i
-      do i = 1, size(model%joints)
-         if (model%joints(i)%name /= block%name('JOINT')) cycle
-         associate (joint => model%joints(i))
-            select case (joint%kind)
-            case (joint_revolute)
-               effort = new_effort(effort_angle, joint%points(1), joint%points(2))
-            case (joint_point_on_line, joint_translational)
-               effort = new_effort(effort_slide, joint%points(1), joint%points(2))
-               effort%angle = joint%angle
-            case default
-               call diagnostics%add(block%origin_of('JOINT'), "there is no friction in joint '"//joint%name//"'", &
-                  & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
-               return
-            end select
-            effort%damping = block%real('COEFFICIENT')
-            call append_effort(model, effort)
-            call name_load(block, load_friction, in_efforts, size(model%efforts), model)
-         end associate
-      end do
+      i = find_named(model, 'joint', block%name('JOINT'))
+      if (i == 0) return
+      associate (joint => model%joints(i))
+         select case (joint%kind)
+         case (joint_revolute)
+            effort = new_effort(effort_angle, joint%points(1), joint%points(2))
+         case (joint_point_on_line, joint_translational)
+            effort = new_effort(effort_slide, joint%points(1), joint%points(2))
+            effort%angle = joint%angle
+         case default
+            call diagnostics%add(block%origin_of('JOINT'), "there is no friction in joint '"//joint%name//"'", &
+               & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
+            return
+         end select
+         effort%damping = block%real('COEFFICIENT')
+         call append_effort(model, effort)
+         call name_load(block, load_friction, in_efforts, size(model%efforts), model)
+      end associate
    end subroutine add_friction
 
    !> Ratios of damping of the coordinates of a beam: eq. (L8).
@@ -278,8 +277,8 @@ contains
          type(effort_type) :: effort
          real(wp) :: psi(size(shape, 2))
          psi = 0.0_wp
-         call add_point(model%points, ' '//block%name(), body, [at, 0.0_wp], shape, psi)
-         effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), size(model%points), 0)
+         call add_point(model, ' '//block%name(), body, [at, 0.0_wp], shape, psi)
+         effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), model%counts%points, 0)
          effort%angle = (component - 1)*quarter
          if (line%count() > 2) then
             call set_law(effort, line%fields(3)%expression, force)
@@ -531,8 +530,8 @@ contains
       allocate (phi(2, model%bodies(body)%reduced%n), psi(model%bodies(body)%reduced%n))
       phi = 0.0_wp
       psi = 0.0_wp
-      call add_point(model%points, ' '//model%bodies(body)%name, body, [0.0_wp, 0.0_wp], phi, psi)
-      point = size(model%points)
+      call add_point(model, ' '//model%bodies(body)%name, body, [0.0_wp, 0.0_wp], phi, psi)
+      point = model%counts%points
    end function frame_point
 
    !> Whether a body, or the ground, is a beam.

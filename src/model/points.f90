@@ -1,19 +1,20 @@
-!> The list of named points: adding to it, and finding points and bodies that a deck refers to. Floor: model.
+!> Named points, and finding points, bodies and the like that a deck refers to. Floor: model.
 module limber_model_points
    use limber_base_kinds, only: wp
    use limber_base_text, only: nearest_name, lowercase
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
+   use limber_model_lists, only: append
    use limber_model_scene, only: model_type, point_type
    implicit none
    private
-   public :: add_point, find_point, find_body
+   public :: add_point, find_point, find_body, find_named, enter_name
 
 contains
 
-   !> Appends a point.
-   subroutine add_point(points, name, body, p0, phi, psi)
-      type(point_type), allocatable, intent(inout) :: points(:)
+   !> Appends a point; its index is then the number of points in `counts`.
+   subroutine add_point(model, name, body, p0, phi, psi)
+      type(model_type), intent(inout) :: model
       !> Name of the body and of the point: 'rod.middle'
       character(*), intent(in) :: name
       !> Index of the body, or `ground`
@@ -22,22 +23,42 @@ contains
       real(wp), intent(in) :: p0(2)
       !> Displacement (2,n) and rotation (n) for each coordinate of a flexible body
       real(wp), intent(in), optional :: phi(:, :), psi(:)
-      type(point_type), allocatable :: longer(:)
-      integer :: n
-      n = size(points) + 1
-      allocate (longer(n))
-      longer(:n - 1) = points
-      longer(n)%name = name
-      longer(n)%body = body
-      longer(n)%p0 = p0
+      type(point_type) :: point
+      point%name = name
+      point%body = body
+      point%p0 = p0
       if (present(phi)) then
-         longer(n)%phi = phi
-         longer(n)%psi = psi
+         allocate (point%phi, source=phi)
+         allocate (point%psi, source=psi)
       else
-         allocate (longer(n)%phi(2, 0), longer(n)%psi(0))
+         allocate (point%phi(2, 0), point%psi(0))
       end if
-      call move_alloc(longer, points)
+      call append(model%points, model%counts%points, point)
+      call enter_name(model, 'point', name, model%counts%points)
    end subroutine add_point
+
+   !> Makes an object known by its name; of equal names the first one counts.
+   subroutine enter_name(model, kind, name, index)
+      type(model_type), intent(inout) :: model
+      !> 'point', 'body', 'joint', ...; its name, and its index in the list of its kind
+      character(*), intent(in) :: kind, name
+      integer, intent(in) :: index
+      if (model%names%find(kind//' '//name) == 0) call model%names%add(kind//' '//name, index)
+   end subroutine enter_name
+
+   !> Index of an object of a kind; 0 if there is none of this name.
+   pure integer function find_named(model, kind, name) result(found)
+      type(model_type), intent(in) :: model
+      character(*), intent(in) :: kind, name
+      found = model%names%find(kind//' '//name)
+   end function find_named
+
+   !> Index of a body; 0 if there is none of this name.
+   pure integer function find_body(model, name) result(found)
+      type(model_type), intent(in) :: model
+      character(*), intent(in) :: name
+      found = find_named(model, 'body', name)
+   end function find_body
 
    !> Index of the point that a deck names `object.point`, or `object` for the origin of its frame; 0 with a complaint if
    !> there is none.
@@ -47,52 +68,39 @@ contains
       !> Where it is named
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: whole, owner
-      character(64), allocatable :: own(:), all(:)
-      integer :: i, near
+      character(:), allocatable :: whole
       whole = lowercase(name)
       if (index(whole, '.') == 0) whole = whole//'.origin'
-      do found = 1, size(model%points)
-         if (model%points(found)%name == whole) return
-      end do
-      found = 0
-      owner = whole(:index(whole, '.'))
-      allocate (own(0), all(0))
-      do i = 1, size(model%points)
-         all = [character(64) :: all, model%points(i)%name]
-         if (index(model%points(i)%name, owner) == 1) own = [character(64) :: own, model%points(i)%name]
-      end do
-      if (size(own) > 0) then
-         call diagnostics%add(origin, "there is no point '"//lowercase(name)//"'", 'valid: '//listed(own))
-      else
-         near = nearest_name(whole, all)
-         if (near > 0) then
-            call diagnostics%add(origin, "there is no point '"//lowercase(name)//"'", "did you mean '"//trim(all(near))//"'?")
-         else
-            call diagnostics%add(origin, "there is no point '"//lowercase(name)//"'", &
-               & 'no body or ground point of this name is defined')
-         end if
-      end if
+      found = find_named(model, 'point', whole)
+      if (found == 0) call complain(model, lowercase(name), whole, origin, diagnostics)
    end function find_point
 
-   !> Index of a body; 0 if there is none of this name.
-   pure integer function find_body(model, name) result(found)
+   !> Says that there is no such point, and what there is.
+   subroutine complain(model, name, whole, origin, diagnostics)
       type(model_type), intent(in) :: model
-      character(*), intent(in) :: name
-      do found = size(model%bodies), 1, -1
-         if (model%bodies(found)%name == name) return
+      !> As it is written, and with its point
+      character(*), intent(in) :: name, whole
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: valid, hint
+      character(64), allocatable :: all(:)
+      integer :: i, near
+      allocate (all(model%counts%points))
+      valid = ''
+      do i = 1, size(all)
+         all(i) = model%points(i)%name
+         if (index(model%points(i)%name, whole(:index(whole, '.'))) /= 1) cycle
+         if (valid /= '') valid = valid//', '
+         valid = valid//model%points(i)%name
       end do
-   end function find_body
-
-   !> Names separated by commas.
-   pure function listed(names) result(text)
-      character(*), intent(in) :: names(:)
-      character(:), allocatable :: text
-      integer :: i
-      text = trim(names(1))
-      do i = 2, size(names)
-         text = text//', '//trim(names(i))
-      end do
-   end function listed
+      hint = 'no body or ground point of this name is defined'
+      if (valid /= '') then
+         hint = 'valid: '//valid
+      else
+         near = nearest_name(whole, all)
+         if (near > 0) hint = "did you mean '"//trim(all(near))//"'?"
+      end if
+      call diagnostics%add(origin, "there is no point '"//name//"'", hint)
+   end subroutine complain
 
 end module limber_model_points

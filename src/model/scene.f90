@@ -2,6 +2,7 @@
 !> neither the deck's text nor any state. Floor: model.
 module limber_model_scene
    use limber_base_kinds, only: wp
+   use limber_base_names, only: name_index_type
    use limber_deck_expression, only: expression_type
    use limber_flex_mesh, only: beam_type, field_type
    use limber_model_curve, only: curve_type
@@ -286,6 +287,11 @@ module limber_model_scene
       character(:), allocatable :: length, time, mass
    end type units_type
 
+   !> Numbers of what has been added to the lists of a model, which may be longer while it is built
+   type :: counts_type
+      integer :: bodies = 0, points = 0, joints = 0, channels = 0
+   end type counts_type
+
    !> The whole model
    type :: model_type
       !> Text of *HEADING
@@ -313,6 +319,9 @@ module limber_model_scene
       type(accuracy_type) :: accuracy
       !> Characteristic length: the largest size of a body or distance between guessed places [length]
       real(wp) :: length = 0.0_wp
+      !> Of use while the model is built: lengths of the lists, and where in them a name stands: 'body rod', 'point rod.end', ...
+      type(counts_type) :: counts
+      type(name_index_type) :: names
    end type model_type
 
 end module limber_model_scene

@@ -14,7 +14,8 @@ module limber_system_body
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
-   public :: body_mass, body_tangent, velocity_forces, gravity_forces, kinetic_energy, weight_potential, centre_moment
+   public :: rigid_mass, rigid_forces, body_mass, body_tangent, velocity_forces, gravity_forces, kinetic_energy, weight_potential, &
+      & centre_moment
 
 contains
 
@@ -30,6 +31,31 @@ contains
          c(2) = c(2) + body%c(2, k)*eta(k)
       end do
    end function centre_moment
+
+   !> The mass matrix of (r'', alpha) of a body without coordinates.
+   pure subroutine rigid_mass(inertia, u, frame)
+      !> Mass, first moment (2) and second moment of mass about the origin of the frame
+      real(wp), intent(in) :: inertia(4)
+      !> Unit vector of the frame (2)
+      real(wp), intent(in) :: u(2)
+      real(wp), intent(out) :: frame(3, 3)
+      real(wp) :: arm(2)
+      arm = along(inertia(2:3), u)
+      frame(:, 1) = [inertia(1), 0.0_wp, -arm(2)]
+      frame(:, 2) = [0.0_wp, inertia(1), arm(1)]
+      frame(:, 3) = [-arm(2), arm(1), inertia(4)]
+   end subroutine rigid_mass
+
+   !> Velocity terms and weight of a body without coordinates.
+   pure subroutine rigid_forces(inertia, gravity, u, omega, on_frame)
+      !> As in `rigid_mass`; acceleration of gravity (2), unit vector of the frame (2), angular velocity
+      real(wp), intent(in) :: inertia(4), gravity(2), u(2), omega
+      real(wp), intent(out) :: on_frame(3)
+      real(wp) :: arm(2)
+      on_frame(1:2) = along(omega**2*inertia(2:3), u) + inertia(1)*gravity
+      arm = along(inertia(2:3), u)
+      on_frame(3) = cross(arm, gravity)
+   end subroutine rigid_forces
 
    !> The mass matrix of (r'', alpha) and its coupling with eta''.
    pure subroutine body_mass(body, u, eta, frame, coupling)

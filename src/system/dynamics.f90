@@ -7,7 +7,7 @@ module limber_system_dynamics
    use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
    use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn
-   use limber_system_body, only: velocity_forces, gravity_forces, kinetic_energy, weight_potential
+   use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system, recover_multipliers
    use limber_system_system, only: system_type, workspace_type
@@ -106,7 +106,10 @@ contains
          associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced, frame => work%kinematics%frames(i))
             body%force = 0.0_wp
             if (.not. system%layout%framed(i)) then
-               if (heavy) body%force(1:2) = reduced%mass*system%model%gravity
+               if (heavy) body%force(1:2) = system%inertia(1, i)*system%model%gravity
+               cycle
+            else if (system%layout%n(i) == 0) then
+               call rigid_forces(system%inertia(:, i), system%model%gravity, frame%u, frame%omega, body%force)
                cycle
             end if
             first = system%layout%q(i) + 4

@@ -51,10 +51,12 @@ module limber_system_kinematics
       real(wp) :: position(2) = 0.0_wp, velocity(2) = 0.0_wp
       !> J A(p) u
       real(wp) :: lever(2) = 0.0_wp
-      !> A(phi_k) u (2,n)
-      real(wp), allocatable :: shape(:, :)
       !> What velocities alone contribute to its acceleration
       real(wp) :: bias(2) = 0.0_wp
+      !> Undeformed place in the body frame, that of the point
+      real(wp) :: p0(2) = 0.0_wp
+      !> A(phi_k) u (2,n)
+      real(wp), allocatable :: shape(:, :)
    end type marker_type
 
    !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to its anchor
@@ -139,6 +141,7 @@ contains
       do m = 1, size(points)
          kinematics%markers(m)%point = points(m)
          kinematics%markers(m)%body = model%points(points(m))%body
+         kinematics%markers(m)%p0 = model%points(points(m))%p0
          kinematics%markers(m)%direction = model%points(points(m))%direction
          kinematics%markers(m)%carrier = merge(ground, kinematics%markers(m)%body, kinematics%markers(m)%direction)
          allocate (kinematics%markers(m)%shape(2, size(model%points(points(m))%psi)))
@@ -206,7 +209,7 @@ contains
          associate (marker => kinematics%markers(m))
             if (marker%carrier == ground) cycle
             if (layout%n(marker%carrier) == 0) then
-               call place_rigid_marker(model%points(marker%point)%p0, kinematics%frames(marker%carrier), marker)
+               call place_rigid_marker(marker%p0, kinematics%frames(marker%carrier), marker)
                cycle
             end if
             first = layout%q(marker%carrier) + 4
@@ -418,7 +421,7 @@ contains
       type(marker_type), intent(inout) :: marker
       real(wp) :: arm(2)
       integer :: k
-      arm = along(point%p0, frame%u)
+      arm = along(marker%p0, frame%u)
       do k = 1, size(eta)
          marker%shape(:, k) = along(point%phi(:, k), frame%u)
          arm = arm + marker%shape(:, k)*eta(k)
@@ -436,7 +439,7 @@ contains
       type(marker_type), intent(inout) :: marker
       real(wp) :: p(2), drift(2)
       integer :: k
-      p = point%p0
+      p = marker%p0
       drift = 0.0_wp
       do k = 1, size(eta)
          p = p + point%phi(:, k)*eta(k)

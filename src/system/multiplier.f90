@@ -11,7 +11,7 @@
 module limber_system_multiplier
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
-   use limber_system_body, only: body_mass
+   use limber_system_body, only: body_mass, rigid_mass
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -49,13 +49,15 @@ contains
       integer :: i, first
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced)
-            if (system%layout%framed(i)) then
+            if (system%layout%framed(i) .and. system%layout%n(i) == 0) then
+               call rigid_mass(system%inertia(:, i), work%kinematics%frames(i)%u, body%mass)
+            else if (system%layout%framed(i)) then
                first = system%layout%q(i) + 4
                call body_mass(reduced, work%kinematics%frames(i)%u, q(first:first + reduced%n - 1), body%mass, body%coupling)
             else
                body%mass = 0.0_wp
-               body%mass(1, 1) = reduced%mass
-               body%mass(2, 2) = reduced%mass
+               body%mass(1, 1) = system%inertia(1, i)
+               body%mass(2, 2) = system%inertia(1, i)
             end if
          end associate
       end do
@@ -481,8 +483,10 @@ contains
                      & *work%solution(body%rows(j))
                end do
             end associate
-            do j = k + 1, size(tree%order)
-               if (tree%carrier(tree%order(j)) == i) call take_joint(system, work, tree%order(j), left)
+            j = tree%first(i)
+            do while (j > 0)
+               call take_joint(system, work, j, left)
+               j = tree%next(j)
             end do
             if (tree%joint(i) > 0) then
                row = system%constraints(tree%joint(i))%item%first

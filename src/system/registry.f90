@@ -18,6 +18,9 @@ module limber_system_registry
       type(layout_type) :: layout
       !> Points of the markers that joints and loads use
       integer, allocatable :: marker_points(:)
+      !> Number of markers, to which the list is cut when all is there; marker of each point, 0: none
+      integer :: markers = 0
+      integer, allocatable :: point_marker(:)
       !> Angles that they use, with their values in the first guess
       type(angle_type), allocatable :: angles(:)
       !> Bodies whose deflections they use
@@ -32,6 +35,7 @@ contains
       type(model_type), intent(in) :: model
       system%model = model
       system%layout = new_layout(model)
+      allocate (system%point_marker(size(model%points)), source=0)
       allocate (system%marker_points(0), system%angles(0), system%bends(0))
    end subroutine start_registry
 
@@ -39,11 +43,25 @@ contains
    integer function marker_of(system, point) result(marker)
       class(registry_type), intent(inout) :: system
       integer, intent(in) :: point
-      do marker = 1, size(system%marker_points)
-         if (system%marker_points(marker) == point) return
-      end do
-      system%marker_points = [system%marker_points, point]
+      if (point > size(system%point_marker)) call lengthen(system%point_marker, point)
+      marker = system%point_marker(point)
+      if (marker > 0) return
+      system%markers = system%markers + 1
+      marker = system%markers
+      if (marker > size(system%marker_points)) call lengthen(system%marker_points, marker)
+      system%marker_points(marker) = point
+      system%point_marker(point) = marker
    end function marker_of
+
+   !> Makes a list longer than it has to be; zeros follow.
+   pure subroutine lengthen(list, least)
+      integer, allocatable, intent(inout) :: list(:)
+      integer, intent(in) :: least
+      integer, allocatable :: longer(:)
+      allocate (longer(max(least, 2*size(list))), source=0)
+      longer(:size(list)) = list
+      call move_alloc(longer, list)
+   end subroutine lengthen
 
    !> Index of the marker that is the direction at an angle in the section at a point; a new one if there is none yet. A point
    !> mass does not turn: its directions are those of the ground.

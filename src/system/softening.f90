@@ -30,6 +30,9 @@ contains
          tree%side = 0
          tree%carrier = 0
          tree%marker = 0
+         tree%first = 0
+         tree%next = 0
+         tree%body = 0
          tree%plain = .true.
          tree%columns = 0
          tree%free = 0

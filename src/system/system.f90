@@ -22,6 +22,9 @@ module limber_system_system
       type(constraint_item_type), allocatable :: constraints(:)
       !> Forces first, then torques, springs and efforts, in the order of the model
       type(load_item_type), allocatable :: loads(:)
+      !> Of each body mass, first moment (2) and second moment of mass about the origin of its frame, undeformed; side by side,
+      !> since they are all that the steps of a rigid body need (4, bodies)
+      real(wp), allocatable :: inertia(:, :)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
@@ -39,11 +42,11 @@ module limber_system_system
       real(wp) :: mass(3, 3) = 0.0_wp, force(3) = 0.0_wp
       !> The force after condensation of eta, and the accelerations that solve the system
       real(wp) :: condensed(3) = 0.0_wp, acceleration(3) = 0.0_wp
+      !> Of a frame that hangs on another, or is driven: its accelerations are hanging . unknowns + bias (rates, count)
+      real(wp) :: bias(3) = 0.0_wp
+      real(wp), allocatable :: hanging(:, :)
       !> Coupling (n,3) of eta'' with the frame, and forces on eta (n)
       real(wp), allocatable :: coupling(:, :), eta_force(:)
-      !> Of a frame that hangs on another, or is driven: its accelerations are hanging . unknowns + bias (rates, count)
-      real(wp), allocatable :: hanging(:, :)
-      real(wp) :: bias(3) = 0.0_wp
       !> Scratch of the elastic force (pairs)
       real(wp), allocatable :: z(:), s(:)
       !> Constraint equations with multipliers that act on the body: their places among the unknowns (rows), where each comes
@@ -90,6 +93,12 @@ contains
       type(load_item_type), allocatable :: loads(:)
       integer :: i, count
       call start_registry(system, model)
+      allocate (system%inertia(4, size(model%bodies)))
+      do i = 1, size(model%bodies)
+         associate (body => model%bodies(i)%reduced)
+            system%inertia(:, i) = [body%mass, body%c0(1), body%c0(2), body%i0]
+         end associate
+      end do
       allocate (system%constraints(size(model%joints) + size(model%drivers)))
       count = 0
       do i = 1, size(model%joints)
@@ -106,6 +115,7 @@ contains
       end do
       call new_loads(system, loads)
       call move_alloc(loads, system%loads)
+      system%marker_points = system%marker_points(:system%markers)
       system%tree = new_tree(model, system%layout, system%constraints, system%marker_points, system%nc)
       system%powered = .false.
       do i = 1, size(system%constraints)

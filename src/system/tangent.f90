@@ -134,9 +134,15 @@ contains
             & constraint%second_drift(item%rows, n))
          constraint%first_range = [1, m]
          constraint%second_range = [1, n]
-         if (any(tree%joint == i .and. tree%side == 1)) constraint%first_range = [1, 2]
-         if (any(tree%joint == i .and. tree%side == 2)) constraint%second_range = [1, 2]
-         if (any(tree%driver == i)) constraint%first_range = [3, 3]
+         if (tree%body(i) > 0) then
+            if (tree%driver(tree%body(i)) == i) then
+               constraint%first_range = [3, 3]
+            else if (tree%side(tree%body(i)) == 1) then
+               constraint%first_range = [1, 2]
+            else
+               constraint%second_range = [1, 2]
+            end if
+         end if
          if (.not. item%couples()) then
             m = 0
             n = 0

@@ -28,6 +28,10 @@ module limber_system_tree
       logical, allocatable :: plain(:)
       !> Number of unknowns on which the frame's accelerations depend, and their indices (most, bodies)
       integer, allocatable :: count(:), columns(:, :)
+      !> First body that hangs on a body, and the next one on the same carrier, in the order of `order`; 0: none
+      integer, allocatable :: first(:), next(:)
+      !> Body that a constraint places or whose angle it gives; 0: none (constraints)
+      integer, allocatable :: body(:)
       !> Number of unknown accelerations
       integer :: free = 0
       !> Place of each constraint equation among the unknowns; 0: solved in closed form (nc)
@@ -35,6 +39,17 @@ module limber_system_tree
       !> Number of all unknowns
       integer :: unknowns = 0
    end type tree_type
+
+   !> Bodies that could hang on others, by the joint
+   type :: candidates_type
+      !> First candidate on each body or the ground (0:bodies), and the next one on the same (2 constraints); 0: none
+      integer, allocatable :: first(:), next(:)
+      !> Candidates whose carriers are in the tree, as a heap; only the first `count` are in use
+      integer, allocatable :: heap(:)
+      integer :: count = 0
+      !> Whether a body is in the tree (bodies)
+      logical, allocatable :: done(:)
+   end type candidates_type
 
 contains
 
@@ -48,10 +63,12 @@ contains
       !> Number of constraint equations
       integer, intent(in) :: nc
       type(tree_type) :: tree
-      integer :: bodies, done, i
+      type(candidates_type) :: candidates
+      integer :: bodies, done, i, left
       bodies = size(layout%q)
       allocate (tree%order(bodies), tree%joint(bodies), tree%driver(bodies), tree%side(bodies), tree%carrier(bodies), &
-         & tree%marker(bodies), tree%plain(bodies), tree%count(bodies), tree%columns(most, bodies), tree%row(nc))
+         & tree%marker(bodies), tree%plain(bodies), tree%count(bodies), tree%columns(most, bodies), tree%row(nc), &
+         & tree%first(bodies), tree%next(bodies), tree%body(size(constraints)))
       tree%order = 0
       tree%joint = 0
       tree%driver = 0
@@ -61,13 +78,17 @@ contains
       tree%count = 0
       tree%columns = 0
       call find_drivers(constraints, tree)
-      done = 0
-      do while (done < bodies)
-         call hang_next(model, layout, constraints, marker_points, tree, done, i)
-         done = done + 1
+      call find_candidates(model, constraints, marker_points, bodies, candidates)
+      call release(candidates, ground)
+      left = 1
+      do done = 1, bodies
+         call hang_next(constraints, candidates, tree, left, i)
          tree%order(done) = i
+         candidates%done(i) = .true.
          call number_unknowns(layout, i, tree)
+         if (can_carry(layout, tree, i)) call release(candidates, i)
       end do
+      call find_children(tree)
       call number_rows(constraints, tree)
    end function new_tree
 
@@ -85,37 +106,100 @@ contains
       end do
    end subroutine find_drivers
 
-   !> The next body: one that can be hung on what is there, else the first that is left, free.
-   subroutine hang_next(model, layout, constraints, marker_points, tree, done, body)
+   !> What could hang where: number 2 (c - 1) + s is side s of constraint c, a revolute joint at the origin of that side's frame.
+   subroutine find_candidates(model, constraints, marker_points, bodies, candidates)
       type(model_type), intent(in) :: model
-      type(layout_type), intent(in) :: layout
       type(constraint_item_type), intent(in) :: constraints(:)
-      integer, intent(in) :: marker_points(:)
-      type(tree_type), intent(inout) :: tree
-      !> Number of bodies in the tree
-      integer, intent(in) :: done
-      integer, intent(out) :: body
-      integer :: i, own
-      do i = 1, size(constraints)
+      integer, intent(in) :: marker_points(:), bodies
+      type(candidates_type), intent(out) :: candidates
+      integer :: i, own, number
+      allocate (candidates%first(0:bodies), source=0)
+      allocate (candidates%next(2*size(constraints)), candidates%heap(2*size(constraints)), &
+         & candidates%done(bodies))
+      candidates%next = 0
+      candidates%done = .false.
+      do i = size(constraints), 1, -1
          select type (item => constraints(i)%item)
          type is (revolute_type)
-            do own = 1, 2
-               body = item%bodies(own)
-               if (body == ground) cycle
-               if (any(tree%order(:done) == body)) cycle
+            do own = 2, 1, -1
+               if (item%bodies(own) == ground) cycle
                if (.not. at_origin(model, marker_points(item%markers(own)))) cycle
-               if (.not. can_carry(layout, tree, done, item%bodies(3 - own))) cycle
-               tree%joint(body) = i
-               tree%side(body) = own
-               tree%carrier(body) = item%bodies(3 - own)
-               tree%marker(body) = item%markers(3 - own)
-               return
+               number = 2*(i - 1) + own
+               candidates%next(number) = candidates%first(item%bodies(3 - own))
+               candidates%first(item%bodies(3 - own)) = number
             end do
          end select
       end do
-      do body = 1, size(tree%order)
-         if (.not. any(tree%order(:done) == body)) return
+   end subroutine find_candidates
+
+   !> Puts all that could hang on a body, or the ground, into the heap: least number first.
+   pure subroutine release(candidates, body)
+      type(candidates_type), intent(inout) :: candidates
+      integer, intent(in) :: body
+      integer :: number, i
+      number = candidates%first(body)
+      do while (number > 0)
+         candidates%count = candidates%count + 1
+         i = candidates%count
+         do while (i > 1)
+            if (candidates%heap(i/2) <= number) exit
+            candidates%heap(i) = candidates%heap(i/2)
+            i = i/2
+         end do
+         candidates%heap(i) = number
+         number = candidates%next(number)
       end do
+   end subroutine release
+
+   !> Takes the least number out of the heap.
+   pure subroutine take(candidates, number)
+      type(candidates_type), intent(inout) :: candidates
+      integer, intent(out) :: number
+      integer :: i, child, last
+      number = candidates%heap(1)
+      last = candidates%heap(candidates%count)
+      candidates%count = candidates%count - 1
+      i = 1
+      do while (2*i <= candidates%count)
+         child = 2*i
+         if (child < candidates%count) then
+            if (candidates%heap(child + 1) < candidates%heap(child)) child = child + 1
+         end if
+         if (candidates%heap(child) >= last) exit
+         candidates%heap(i) = candidates%heap(child)
+         i = child
+      end do
+      candidates%heap(i) = last
+   end subroutine take
+
+   !> The next body: one that can be hung on what is there, by the first joint that does; else the first that is left, free.
+   subroutine hang_next(constraints, candidates, tree, left, body)
+      type(constraint_item_type), intent(in) :: constraints(:)
+      type(candidates_type), intent(inout) :: candidates
+      type(tree_type), intent(inout) :: tree
+      !> No body before this one is left
+      integer, intent(inout) :: left
+      integer, intent(out) :: body
+      integer :: number, i, own
+      do while (candidates%count > 0)
+         call take(candidates, number)
+         i = (number + 1)/2
+         own = number - 2*(i - 1)
+         select type (item => constraints(i)%item)
+         type is (revolute_type)
+            body = item%bodies(own)
+            if (candidates%done(body)) cycle
+            tree%joint(body) = i
+            tree%side(body) = own
+            tree%carrier(body) = item%bodies(3 - own)
+            tree%marker(body) = item%markers(3 - own)
+            return
+         end select
+      end do
+      do while (candidates%done(left))
+         left = left + 1
+      end do
+      body = left
    end subroutine hang_next
 
    !> Whether a point is the origin of its body's frame, whatever the deflection.
@@ -125,15 +209,30 @@ contains
       at_origin = .not. (any(abs(model%points(point)%p0) > 0.0_wp) .or. any(abs(model%points(point)%phi) > 0.0_wp))
    end function at_origin
 
-   !> Whether a frame can hang on a body: the ground, or a rigid body in the tree with few unknowns.
-   pure logical function can_carry(layout, tree, done, body)
+   !> Whether a frame can hang on a body of the tree: on a rigid one with few unknowns.
+   pure logical function can_carry(layout, tree, body)
       type(layout_type), intent(in) :: layout
       type(tree_type), intent(in) :: tree
-      integer, intent(in) :: done, body
-      can_carry = body == ground
-      if (can_carry) return
-      can_carry = any(tree%order(:done) == body) .and. layout%framed(body) .and. layout%n(body) == 0 .and. tree%count(body) < most
+      integer, intent(in) :: body
+      can_carry = layout%framed(body) .and. layout%n(body) == 0 .and. tree%count(body) < most
    end function can_carry
+
+   !> What hangs on each body, and what each constraint places or drives.
+   pure subroutine find_children(tree)
+      type(tree_type), intent(inout) :: tree
+      integer :: k, body
+      tree%first = 0
+      tree%next = 0
+      tree%body = 0
+      do k = size(tree%order), 1, -1
+         body = tree%order(k)
+         if (tree%joint(body) > 0) tree%body(tree%joint(body)) = body
+         if (tree%driver(body) > 0) tree%body(tree%driver(body)) = body
+         if (tree%carrier(body) == ground) cycle
+         tree%next(body) = tree%first(tree%carrier(body))
+         tree%first(tree%carrier(body)) = body
+      end do
+   end subroutine find_children
 
    !> Unknowns of a body that has just been put into the tree: those of its carrier, then its own.
    subroutine number_unknowns(layout, body, tree)
@@ -164,7 +263,7 @@ contains
       tree%unknowns = tree%free
       tree%row = 0
       do i = 1, size(constraints)
-         if (any(tree%joint == i) .or. any(tree%driver == i)) cycle
+         if (tree%body(i) > 0) cycle
          do row = constraints(i)%item%first, constraints(i)%item%first + constraints(i)%item%rows - 1
             tree%unknowns = tree%unknowns + 1
             tree%row(row) = tree%unknowns

@@ -17,12 +17,14 @@ program test_deck
    character(20), parameter :: bad_decks(*) = [character(20) :: 'binary', 'characters', 'comments_only', 'continuation', &
       & 'crlf', 'duplicate_names', 'empty', 'expressions', 'fields', 'include_cycle', 'include_duplicate', &
       & 'include_missing', 'long_line', 'many', 'missing_comma', 'names', 'nesting', 'no_keyword', 'once', &
-      & 'option_value', 'output', 'parameters', 'power_comment', 'range', 'references', 'required', 'tables', 'unknown_keyword', &
+      & 'option_value', 'output', 'parameters', 'power_comment', 'range', 'references', 'repeat', 'required', 'tables', &
+      & 'unknown_keyword', &
       & 'unknown_option', 'values', 'words']
    call test_options()
    call test_data_lines()
    call test_round_trip()
    call test_set_option()
+   call test_repeat()
    call test_tolerance()
    call test_bad_decks()
    call test_bad_paths()
@@ -122,6 +124,37 @@ contains
       call check(.not. deck%blocks(deck%find('BEAM'))%given('AXIAL BASIS'), 'set is not given')
       call check(index(effective_deck(deck), 'AXIAL BASIS=MODES') > 0, 'it is in the effective deck')
    end subroutine test_set_option
+
+   !> Blocks that are repeated, one in the other, with parameters of their own and a file; they stand as written in the effective deck.
+   subroutine test_repeat()
+      type(deck_type) :: deck, again
+      type(diagnostics_type) :: diagnostics
+      character(:), allocatable :: first, text
+      integer :: i
+      call read_deck('decks/repeat.inp', deck, diagnostics)
+      call check_text(diagnostics%render(deck%source), '', 'repetitions have no errors')
+      call check(size(deck%indices('RIGID BODY')) == 6 .and. size(deck%indices('POINT MASS')) == 3, 'numbers of blocks')
+      i = deck%find_named('RIGID BODY', 'bar2-3')
+      call check(i > 0, 'a block by its name')
+      if (i == 0) return
+      call check_close(deck%blocks(i)%real('X'), 23.0_wp, 1.0e-14_wp, 'indices in a number')
+      call check_close(deck%blocks(i)%real('MASS'), 2.5_wp, 1.0e-14_wp, 'a parameter of the turn')
+      call check_text(deck%blocks(i)%lines(1)%text(1), 'p5', 'an index in a data line')
+      call check_text(deck%blocks(deck%find('OUTPUT'))%lines(2)%fields(2)%name, 'y_6', 'name of a channel')
+      text = ''
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword == 'OUTPUT') text = text//' '//deck%blocks(i)%lines(1)%fields(1)%expression%slots(1)%argument
+      end do
+      call check_text(text, ' bar2-3 m0 m2 m4', 'objects of channels')
+      call check(deck%parameters%find('i') == 0 .and. deck%parameters%find('half') == 0 .and. deck%parameters%find('n') == 1, &
+         & 'parameters of turns end with them')
+      first = effective_deck(deck)
+      call read_deck_text('effective.inp', first, again, diagnostics)
+      call check_text(diagnostics%render(again%source), '', 'the effective deck of repetitions has no errors')
+      call check_text(effective_deck(again), first, 'the effective deck of an effective deck of repetitions')
+      call check(size(again%blocks) == size(deck%blocks), 'as many blocks with repetitions')
+      call check_text(first, text_of('decks/repeat.txt'), 'the effective deck of repetitions')
+   end subroutine test_repeat
 
    !> Tabs, CR LF, byte-order mark, no line end, blanks around: all the same deck.
    subroutine test_tolerance()

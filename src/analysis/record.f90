@@ -2,6 +2,7 @@
 !> Floor: analysis.
 module limber_analysis_record
    use limber_base_kinds, only: wp
+   use limber_base_text, only: newline
    use limber_base_error, only: error_type
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_analysis_dynamics, only: outcome_type

@@ -89,7 +89,8 @@ contains
          write (unit, '(a)') '*JOINT, NAME=w'//as_text(i)//', TYPE=WELD, TURN=0', ' b'//as_text(i)//'.start, '//trim(last)
       end do
       last = 'b'//as_text(pieces)//'.end'
-      write (unit, '(a)') '*FORCE, NAME=load, POINT='//trim(last), ' -'//ratio//'*pi**2/4, 0', '*STATICS, INCREMENTS=4', '*OUTPUT', &
+      write (unit, '(a)') '*FORCE, NAME=load, POINT='//trim(last), ' -'//ratio//'*pi**2/4, 0', &
+         & '*STATICS, INCREMENTS=4', '*OUTPUT', &
          & ' x = x('//trim(last)//'), y = y('//trim(last)//')'
       close (unit)
       call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)

@@ -14,6 +14,7 @@ module limber_analysis_dynamics
    use limber_model_breaks, only: break_times
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   use limber_output_internal_forces, only: effort_type
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
@@ -40,6 +41,8 @@ module limber_analysis_dynamics
       real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
+      !> Envelopes of internal forces (bodies)
+      type(effort_type), allocatable :: efforts(:)
    end type outcome_type
 
    !> Scratch of the sampling, allocated once
@@ -102,6 +105,7 @@ contains
       scene%last%angle = recorder%angle
       scene%last%balanced = .false.
       scene%last%rotation = 0.0_wp
+      if (allocated(recorder%efforts)) call move_alloc(recorder%efforts, outcome%efforts)
       outcome%wall = seconds_since(tick)
       outcome%cpu = cpu_now() - cpu
       associate (statistics => integrator%statistics)

@@ -66,6 +66,7 @@ contains
       scene%last%q = motion%q
       scene%last%v = motion%v
       scene%last%angle = motion%recorder%angle
+      if (allocated(motion%recorder%efforts)) call move_alloc(motion%recorder%efforts, outcome%efforts)
       scene%last%balanced = .false.
       scene%last%rotation = 0.0_wp
       if (step%kind == step_inverse) report = driver_report(scene, motion)

@@ -4,8 +4,10 @@ module limber_analysis_record
    use limber_base_kinds, only: wp
    use limber_base_text, only: newline
    use limber_base_error, only: error_type
+   use limber_base_text, only: newline
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_analysis_dynamics, only: outcome_type
+   use limber_analysis_envelope, only: record_envelope
    use limber_analysis_scene, only: scene_type
    use limber_analysis_steps, only: passed_type
    use limber_deck_effective, only: effective_deck
@@ -113,16 +115,14 @@ contains
       call history%put_attribute(group, 'bending_coordinates', body%reduced%bending, error)
       if (.not. allocated(error)) call history%put_attribute(group, 'axial_coordinates', &
          & body%reduced%n - body%reduced%bending, error)
-      if (.not. allocated(error)) call history%put_attribute(group, 'elements', body%beam%elements, error)
-      if (.not. allocated(error)) call history%put_attribute(group, 'geometric_elements', body%choice%geometric_elements, error)
       if (.not. allocated(error)) call history%put_real(group//'/frequency', sqrt(body%reduced%omega2), 'rad/'//units%time, &
          & 'circular frequency of each coordinate, bending first, then axial', error)
-      if (.not. allocated(error)) call history%put_real(group//'/nodes', body%field%s, units%length, &
-         & 'coordinate of each node along the beam', error)
-      if (.not. allocated(error)) call history%put_real(group//'/deflection_shapes', transpose(body%field%w), &
-         & '1/sqrt('//units%mass//')', 'deflection of the nodes in each bending coordinate', error)
-      if (.not. allocated(error)) call history%put_real(group//'/axial_shapes', transpose(body%field%u), &
-         & '1/sqrt('//units%mass//')', 'axial displacement of the nodes in each axial coordinate', error)
+      if (allocated(error)) return
+      if (body%is_frame) then
+         call record_frame(body, units, group, history, error)
+      else
+         call record_beam(body, units, group, history, error)
+      end if
       if (.not. allocated(error)) call history%put_real(group//'/c', body%reduced%c, 'sqrt('//units%mass//')', 'invariant C', error)
       if (.not. allocated(error)) call history%put_real(group//'/d', body%reduced%d, 'sqrt('//units%mass//') '//units%length, &
          & 'invariant d', error)
@@ -130,6 +130,45 @@ contains
          & 'invariant e', error)
       if (.not. allocated(error)) call history%put_real(group//'/skew', body%reduced%skew, '1', 'invariant E', error)
    end subroutine record_coordinates
+
+   !> Mesh and shapes of a beam.
+   subroutine record_beam(body, units, group, history, error)
+      type(body_type), intent(in) :: body
+      type(units_type), intent(in) :: units
+      character(*), intent(in) :: group
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      call history%put_attribute(group, 'elements', body%beam%elements, error)
+      if (.not. allocated(error)) call history%put_attribute(group, 'geometric_elements', body%choice%geometric_elements, error)
+      if (.not. allocated(error)) call history%put_real(group//'/nodes', body%field%s, units%length, &
+         & 'coordinate of each node along the beam', error)
+      if (.not. allocated(error)) call history%put_real(group//'/deflection_shapes', transpose(body%field%w), &
+         & '1/sqrt('//units%mass//')', 'deflection of the nodes in each bending coordinate', error)
+      if (.not. allocated(error)) call history%put_real(group//'/axial_shapes', transpose(body%field%u), &
+         & '1/sqrt('//units%mass//')', 'axial displacement of the nodes in each axial coordinate', error)
+   end subroutine record_beam
+
+   !> Mesh and shapes of a frame.
+   subroutine record_frame(body, units, group, history, error)
+      type(body_type), intent(in) :: body
+      type(units_type), intent(in) :: units
+      character(*), intent(in) :: group
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      call history%put_attribute(group, 'elements', size(body%mesh%member), error)
+      if (.not. allocated(error)) call history%put_attribute(group, 'geometric_elements', body%frame_choice%geometric_elements, &
+         & error)
+      if (.not. allocated(error)) call history%put_real(group//'/nodes', body%mesh%place, units%length, &
+         & 'place of each node in the body frame', error)
+      if (.not. allocated(error)) call history%put_real(group//'/element_nodes', real(body%mesh%ends, wp), '1', &
+         & 'first and second node of each element, counted from 1', error)
+      if (.not. allocated(error)) call history%put_real(group//'/shapes_x', transpose(body%shape(1, :, :)), &
+         & '1/sqrt('//units%mass//')', 'displacement of the nodes along the first axis in each coordinate', error)
+      if (.not. allocated(error)) call history%put_real(group//'/shapes_y', transpose(body%shape(2, :, :)), &
+         & '1/sqrt('//units%mass//')', 'displacement of the nodes along the second axis in each coordinate', error)
+      if (.not. allocated(error)) call history%put_real(group//'/shapes_rotation', transpose(body%shape(3, :, :)), &
+         & '1/(sqrt('//units%mass//') '//units%length//')', 'rotation of the nodes in each coordinate', error)
+   end subroutine record_frame
 
    !> Name of the fidelity of a body.
    pure function fidelity(body) result(name)
@@ -191,6 +230,7 @@ contains
       call put_counts()
       if (.not. allocated(error)) call put_seconds()
       if (.not. allocated(error)) call put_checks()
+      if (.not. allocated(error)) call put_envelopes()
       if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
       if (allocated(error)) return
       if (message == '') then
@@ -215,6 +255,15 @@ contains
          call history%put_attribute('/run', 'smallest_step', statistics%smallest_step, error)
          if (.not. allocated(error)) call history%put_attribute('/run', 'largest_step', statistics%largest_step, error)
       end subroutine put_counts
+
+      subroutine put_envelopes()
+         integer :: i
+         if (.not. allocated(outcome%efforts)) return
+         do i = 1, size(outcome%efforts)
+            if (.not. allocated(error)) call record_envelope(scene%system%model%bodies(i), outcome%efforts(i), &
+               & scene%system%model%units, history, error)
+         end do
+      end subroutine put_envelopes
 
       subroutine put_seconds()
          call history%put_attribute('/run', 'seconds_reading', scene%reading, error)

@@ -73,6 +73,7 @@ contains
       scene%last%lambda = statics%lambda
       scene%last%rotation = statics%balance%rotation
       scene%last%centre = statics%balance%centre
+      if (allocated(statics%recorder%efforts)) call move_alloc(statics%recorder%efforts, outcome%efforts)
       report = statics%report
       call cpu_time(cpu)
       outcome%cpu = outcome%cpu + cpu

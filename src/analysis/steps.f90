@@ -14,6 +14,7 @@ module limber_analysis_steps
    use limber_model_scene, only: step_type, step_kinematics, step_inverse, step_statics, step_modes, step_dynamics, stop_unstable, &
       & velocities_none, velocities_of_deck
    use limber_output_history, only: history_type
+   use limber_output_internal_forces, only: join_envelopes
    use limber_output_progress, only: progress_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: linearise, worst_constraint
@@ -158,10 +159,11 @@ contains
    end subroutine enter_step
 
    !> Adds the outcome of an analysis to that of all.
-   pure subroutine add_outcome(part, is_first, outcome)
+   subroutine add_outcome(part, is_first, outcome)
       type(outcome_type), intent(in) :: part
       logical, intent(in) :: is_first
       type(outcome_type), intent(inout) :: outcome
+      call join_envelopes(part%efforts, outcome%efforts)
       outcome%reached = part%reached
       outcome%samples = outcome%samples + part%samples
       outcome%wall = outcome%wall + part%wall

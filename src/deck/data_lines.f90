@@ -70,17 +70,23 @@ contains
       type(field_spec_type), allocatable :: specs(:)
       character(:), allocatable :: wanted
       logical :: field_ok
-      integer :: i, least
+      integer :: i, least, most, which
       allocate (specs, source=keyword_fields(keyword))
       least = count(.not. specs%optional)
-      ok = size(parts) >= least .and. size(parts) <= size(specs)
+      most = size(specs)
+      if (specs(most)%repeated) most = huge(1)
+      ok = size(parts) >= least .and. size(parts) <= most
       if (.not. ok) then
          wanted = ''
          do i = 1, size(specs)
             wanted = wanted//', '//trim(specs(i)%name)
          end do
-         wanted = counted(size(specs))//' ('//wanted(3:)//'), not '//as_text(size(parts))
-         if (least < size(specs)) wanted = as_text(least)//' to '//wanted
+         if (specs(size(specs))%repeated) then
+            wanted = 'at least '//counted(least)//' ('//wanted(3:)//'), not '//as_text(size(parts))
+         else
+            wanted = counted(size(specs))//' ('//wanted(3:)//'), not '//as_text(size(parts))
+            if (least < size(specs)) wanted = as_text(least)//' to '//wanted
+         end if
          wanted = 'a data line of *'//keyword//' has '//wanted
          if (size(parts) < least) then
             call diagnostics%add(after(line%origin), wanted, trim(specs(size(parts) + 1)%name)//' is missing')
@@ -90,7 +96,8 @@ contains
          return
       end if
       do i = 1, size(parts)
-         call read_field(trim(specs(i)%name), specs(i)%kind, trim(specs(i)%meaning), parts(i), deck%parameters, &
+         which = min(i, size(specs))
+         call read_field(trim(specs(which)%name), specs(which)%kind, trim(specs(which)%meaning), parts(i), deck%parameters, &
             & line%fields(i), field_ok, diagnostics)
          ok = ok .and. field_ok
       end do

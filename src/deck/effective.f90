@@ -2,7 +2,7 @@
 !> be read again. It is stored with the results. Floor: deck.
 module limber_deck_effective
    use limber_base_text, only: as_text, newline
-   use limber_deck_schema, only: form_none, form_text, form_assignments, kind_text, kind_path, &
+   use limber_deck_schema, only: form_none, form_text, form_assignments, kind_text, kind_path, kind_label, &
       & is_number_kind, is_integer_kind, is_expression_kind, field_spec_type
    use limber_deck_keywords, only: keyword_table, keyword_fields, find_keyword
    use limber_deck_content, only: deck_type, block_type, option_type, line_type, repeat_type
@@ -173,8 +173,8 @@ contains
          if (len(line%fields(i)%name) > 0) text = text//line%fields(i)%name//' = '
          if (form == form_assignments) then
             text = text//as_text(line%fields(i)%value)
-         else if (i <= size(specs)) then
-            text = text//field_text(line, i, specs(i)%kind)
+         else if (size(specs) > 0) then
+            text = text//field_text(line, i, specs(min(i, size(specs)))%kind)
          else
             text = text//line%fields(i)%text
          end if
@@ -186,7 +186,7 @@ contains
       integer, intent(in) :: i, kind
       character(:), allocatable :: text
       text = line%fields(i)%text
-      if (is_number_kind(kind)) text = as_text(line%fields(i)%value)
+      if (is_number_kind(kind) .or. kind == kind_label .and. len(text) == 0) text = as_text(line%fields(i)%value)
       if (is_expression_kind(kind)) then
          if (line%fields(i)%expression%is_constant()) text = as_text(line%fields(i)%expression%constant_value())
       end if

@@ -136,7 +136,10 @@ contains
       list = ''
       do i = 1, size(specs)
          if (i > 1) text = text//', '
+         if (specs(i)%optional) text = text//'['
          text = text//trim(specs(i)%name)
+         if (specs(i)%optional) text = text//']'
+         if (specs(i)%repeated) text = text//', ...'
          if (markdown) then
             list = list//newline//'- *'//trim(specs(i)%name)//'*: '//field_sentence(specs(i))
          else

@@ -4,7 +4,7 @@ module limber_deck_keywords
    use limber_deck_lexer, only: collapsed
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
-      & kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, kind_curve, &
+      & kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, kind_curve, kind_label, &
       & form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    implicit none
    private
@@ -13,6 +13,7 @@ module limber_deck_keywords
 
    character(*), parameter :: supports = 'PINNED-ROLLER|PINNED-PINNED|CLAMPED-FREE|CLAMPED-ROLLER|CLAMPED-PINNED' &
       & //'|CLAMPED-CLAMPED|FREE-FREE'
+   character(*), parameter :: of_frame = 'frame that they belong to; default the last *FRAME above'
 
    !> All keywords, in the order of the manual
    type(keyword_type), parameter :: keyword_table(*) = [ &
@@ -33,6 +34,18 @@ module limber_deck_keywords
       & keyword_type('POINT MASS', many, form_none, 0, 0, 'A mass without extent and rotation'), &
       & keyword_type('BEAM', many, form_fields, 0, many, &
       &    'A flexible beam in a floating frame of reference; data lines: its named points'), &
+      & keyword_type('FRAME', many, form_fields, 0, many, &
+      &    'A flexible body of straight members, rigidly joined; data lines: its named points along members'), &
+      & keyword_type('NODE', many, form_fields, 1, many, 'Nodes of a frame'), &
+      & keyword_type('ELEMENT', many, form_fields, 1, many, 'Straight members of a frame'), &
+      & keyword_type('NSET', many, form_fields, 1, many, 'A set of nodes of a frame; several blocks of one set add up'), &
+      & keyword_type('ELSET', many, form_fields, 1, many, 'A set of members of a frame; several blocks of one set add up'), &
+      & keyword_type('BEAM SECTION', many, form_none, 0, 0, 'Material and cross-section of a set of members'), &
+      & keyword_type('BOUNDARY', many, form_fields, 1, many, &
+      &    'What holds nodes of a frame in its floating frame: defines the modes'), &
+      & keyword_type('MASS', many, form_fields, 1, many, 'Concentrated masses on nodes of a frame or points of a beam'), &
+      & keyword_type('ATTACHMENT', many, form_fields, 1, many, &
+      &    'Functions of a frame beside its modes: static responses to a unit force or couple on nodes'), &
       & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
       & keyword_type('TABLE', many, form_fields, 0, many, &
       &    'A function of one argument for expressions behind it, name(x): its points; beyond them it keeps its last value'), &
@@ -50,7 +63,7 @@ module limber_deck_keywords
       & keyword_type('DISTRIBUTED LOAD', many, form_fields, 1, many, &
       &    'A load along a beam; several data lines are added'), &
       & keyword_type('DAMPING', many, form_fields, 0, many, &
-      &    'Damping of the coordinates of a beam; data lines: modes with a ratio of their own'), &
+      &    'Damping of the coordinates of a beam or frame; data lines: modes with a ratio of their own'), &
       & keyword_type('FRICTION', many, form_none, 0, 0, 'Viscous friction in a joint'), &
       & keyword_type('ASSEMBLY', 1, form_fields, 0, many, &
       &    'How the first position is found from the guesses; data lines: given deflections'), &
@@ -90,6 +103,9 @@ module limber_deck_keywords
       & option_spec_type('SECTION', 'AREA', kind_positive, '', 'm^2', '', 'area of GENERAL'), &
       & option_spec_type('SECTION', 'INERTIA', kind_positive, '', &
       &    'm^4', '', 'second moment of area of GENERAL for bending in the plane'), &
+      & option_spec_type('SECTION', 'TOP', kind_positive, '', &
+      &    'm', '', 'GENERAL: distance from the axis of the extreme fibre to the left of the beam, for stresses'), &
+      & option_spec_type('SECTION', 'BOTTOM', kind_positive, '', 'm', '', 'GENERAL: the same to the right; if not given, TOP'), &
       & option_spec_type('GRAVITY', 'X', kind_real, '', 'm/s^2', '0', 'along x'), &
       & option_spec_type('GRAVITY', 'Y', kind_real, '', 'm/s^2', '-9.81', 'along y')]
    type(option_spec_type), parameter :: body_options(*) = [ &
@@ -132,8 +148,8 @@ module limber_deck_keywords
       &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G (the paper), or von Karman with curvature'), &
       & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
       &    '', '2', 'elements for the geometric part, independent of ELEMENTS'), &
-      & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT', &
-      &    '', 'EXACT', 'slope in a geometric element: from its own two ends, or integrated over the modes'), &
+      & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &
+      &    '', 'EXACT', 'slope in an element: from its two ends, or integrated; LINEAR: and tension not constant (K_G only)'), &
       & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|ELEMENTS|STATIC', &
       &    '', '', 'modes, a function for each geometric element, or static functions; default STATIC with FULL, else MODES'), &
       & option_spec_type('BEAM', 'END FORCE', kind_yes, '', '', 'YES', 'STATIC: include the response to an end force'), &
@@ -149,6 +165,46 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
       & option_spec_type('BEAM', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess'), &
       & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess')]
+   type(option_spec_type), parameter :: frame_options(*) = [ &
+      & option_spec_type('FRAME', 'NAME', kind_name, 'bodies', '', needed, 'name of the frame'), &
+      & option_spec_type('FRAME', 'MATERIAL', kind_reference, 'MATERIAL', '', '', 'material of members that are given no other'), &
+      & option_spec_type('FRAME', 'SECTION', kind_reference, 'SECTION', &
+      &    '', '', 'cross-section of members that are given no other'), &
+      & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member'), &
+      & option_spec_type('FRAME', 'MODES', kind_count, '', '', '6', 'number of vibration modes'), &
+      & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
+      &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G, or von Karman with curvature'), &
+      & option_spec_type('FRAME', 'GEOMETRIC ELEMENTS', kind_counting, '', &
+      &    '', '2', 'elements for the geometric part in each member, independent of DIVISIONS'), &
+      & option_spec_type('FRAME', 'STATIC FUNCTIONS', kind_word, 'NONE|CENTRIFUGAL|ACCELERATIONS', &
+      &    '', '', 'responses beside the modes: to rotation, and also to accelerations; default CENTRIFUGAL, with LINEAR NONE'), &
+      & option_spec_type('FRAME', 'MODAL DERIVATIVES', kind_count, '', &
+      &    '', '3', 'FULL: responses to the foreshortening by mode pairs 11, 12, 22, 13, ...'), &
+      & option_spec_type('FRAME', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &
+      & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame, a guess'), &
+      & option_spec_type('FRAME', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the floating frame, a guess'), &
+      & option_spec_type('FRAME', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
+      & option_spec_type('FRAME', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess'), &
+      & option_spec_type('FRAME', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess'), &
+      & option_spec_type('NODE', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
+      & option_spec_type('NODE', 'NSET', kind_text, '', '', '', 'set that these nodes join'), &
+      & option_spec_type('ELEMENT', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
+      & option_spec_type('ELEMENT', 'ELSET', kind_text, '', '', '', 'set that these members join'), &
+      & option_spec_type('ELEMENT', 'MATERIAL', kind_reference, 'MATERIAL', '', '', 'their material; default that of the frame'), &
+      & option_spec_type('ELEMENT', 'SECTION', kind_reference, 'SECTION', '', '', 'their section; default that of the frame'), &
+      & option_spec_type('ELEMENT', 'DIVISIONS', kind_counting, '', '', '', 'finite elements in each; default as the frame has'), &
+      & option_spec_type('NSET', 'NSET', kind_text, '', '', needed, 'name of the set'), &
+      & option_spec_type('NSET', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
+      & option_spec_type('ELSET', 'ELSET', kind_text, '', '', needed, 'name of the set'), &
+      & option_spec_type('ELSET', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
+      & option_spec_type('BEAM SECTION', 'ELSET', kind_text, '', '', needed, 'set of members'), &
+      & option_spec_type('BEAM SECTION', 'SECTION', kind_reference, 'SECTION', '', needed, 'their cross-section'), &
+      & option_spec_type('BEAM SECTION', 'MATERIAL', kind_reference, 'MATERIAL', '', '', 'their material; default as it was'), &
+      & option_spec_type('BEAM SECTION', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
+      & option_spec_type('BOUNDARY', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
+      & option_spec_type('MASS', 'BODY', kind_reference, 'FRAME|BEAM', &
+      &    '', '', 'frame or beam that it belongs to; default the last one above'), &
+      & option_spec_type('ATTACHMENT', 'BODY', kind_reference, 'FRAME', '', '', of_frame)]
    type(option_spec_type), parameter :: other_options(*) = [ &
       & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the joint'), &
       & option_spec_type('JOINT', 'TYPE', kind_word, &
@@ -178,7 +234,7 @@ module limber_deck_keywords
       & option_spec_type('DRIVER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the driver'), &
       & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE|DISTANCE|DISPLACEMENT|X|Y', &
       &    '', needed, 'angle of BODY or JOINT, distance of POINT and TO, displacement of JOINT, x or y of POINT'), &
-      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM', '', '', 'ANGLE: body that is driven'), &
+      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', '', '', 'ANGLE: body that is driven'), &
       & option_spec_type('DRIVER', 'JOINT', kind_reference, 'JOINT', &
       &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven'), &
       & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven'), &
@@ -194,7 +250,7 @@ module limber_deck_keywords
       & option_spec_type('FORCE', 'FOLLOWER', kind_yes, '', &
       &    '', 'NO', 'components along the axes of the body''s frame, of a beam: of its section at the point'), &
       & option_spec_type('TORQUE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the torque'), &
-      & option_spec_type('TORQUE', 'BODY', kind_reference, 'RIGID BODY|BEAM', &
+      & option_spec_type('TORQUE', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', &
       &    '', '', 'body that it acts on; of a beam: its floating frame; this or POINT'), &
       & option_spec_type('TORQUE', 'POINT', kind_point, '', '', '', 'section of a beam that it acts on; this or BODY'), &
       & option_spec_type('TORQUE', 'REACTION', kind_point, '', &
@@ -230,7 +286,7 @@ module limber_deck_keywords
       & option_spec_type('DISTRIBUTED LOAD', 'START', kind_nonnegative, '', 'm', '0', 'coordinate s where it begins'), &
       & option_spec_type('DISTRIBUTED LOAD', 'END', kind_positive, '', &
       &    'm', '', 'coordinate s where it ends; if not given, the end of the beam'), &
-      & option_spec_type('DAMPING', 'BODY', kind_reference, 'BEAM', '', needed, 'beam that is damped'), &
+      & option_spec_type('DAMPING', 'BODY', kind_reference, 'BEAM|FRAME', '', needed, 'beam or frame that is damped'), &
       & option_spec_type('DAMPING', 'RAYLEIGH ALPHA', kind_nonnegative, '', &
       &    '1/s', '0', 'damping for each unit of modal mass'), &
       & option_spec_type('DAMPING', 'RAYLEIGH BETA', kind_nonnegative, '', &
@@ -277,6 +333,8 @@ module limber_deck_keywords
       & option_spec_type('STUDY', 'ERROR', kind_positive, '', '', '0.01', 'relative error that the advice aims at'), &
       & option_spec_type('STUDY', 'LIMIT', kind_positive, '', &
       &    's', '30', 'CPU time of this machine after which a run is given up'), &
+      & option_spec_type('OUTPUT', 'ENVELOPE', kind_reference, 'BEAM|FRAME', &
+      &    '', '', 'least and greatest internal forces and stresses along it over all samples, in bodies/<name>/envelope'), &
       & option_spec_type('OUTPUT', 'MOTION', kind_yes, '', &
       &    '', 'NO', 'the coordinates of all bodies at each sample, and their outlines: what postproc/draw draws')]
    type(option_spec_type), parameter :: analysis_options(*) = [ &
@@ -312,8 +370,8 @@ module limber_deck_keywords
       & option_spec_type('MODES', 'NUMBER', kind_counting, '', '', '10', 'number of modes: those of the lowest frequencies'), &
       & option_spec_type('MODES', 'DAMPED', kind_yes, '', '', 'NO', 'whether dampers count: frequencies with damping ratios')]
    !> All options in the order of their keywords: kind, values, unit, default, meaning
-   type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, other_options, &
-      & analysis_options]
+   type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, frame_options, &
+      & other_options, analysis_options]
    !> The fields of data lines of the form `form_fields`
    type(field_spec_type), parameter :: field_table(*) = [ &
       & field_spec_type('GROUND', 'point', kind_name, '', 'name of the point'), &
@@ -328,6 +386,29 @@ module limber_deck_keywords
       & field_spec_type('ASSEMBLY', 'coordinate', kind_counting, '', 'its number: bending first, then axial, by frequency'), &
       & field_spec_type('ASSEMBLY', 'value', kind_real, 'm kg^0.5', 'deflection in units of the mass-normalised shape'), &
       & field_spec_type('ASSEMBLY', 'rate', kind_real, '', 'its rate'), &
+      & field_spec_type('FRAME', 'point', kind_name, '', 'name of the point, used as frame.point'), &
+      & field_spec_type('FRAME', 'member', kind_counting, '', 'number of the member'), &
+      & field_spec_type('FRAME', 'coordinate', kind_real, 'm', 'coordinate along the undeformed member from its first node'), &
+      & field_spec_type('NODE', 'number', kind_counting, '', 'number of the node'), &
+      & field_spec_type('NODE', 'x', kind_real, 'm', 'place in the body frame'), &
+      & field_spec_type('NODE', 'y', kind_real, 'm', 'place in the body frame'), &
+      & field_spec_type('NODE', 'point', kind_name, '', 'name of a point there, used as frame.point', optional=.true.), &
+      & field_spec_type('ELEMENT', 'number', kind_counting, '', 'number of the member'), &
+      & field_spec_type('ELEMENT', 'first node', kind_counting, '', 'number of the node at its start'), &
+      & field_spec_type('ELEMENT', 'second node', kind_counting, '', 'number of the node at its end'), &
+      & field_spec_type('ELEMENT', 'section', kind_name, '', 'its cross-section, if not that of the block', optional=.true.), &
+      & field_spec_type('NSET', 'node', kind_counting, '', 'numbers of nodes', repeated=.true.), &
+      & field_spec_type('ELSET', 'member', kind_counting, '', 'numbers of members', repeated=.true.), &
+      & field_spec_type('BOUNDARY', 'node', kind_label, '', 'number of a node, or a set of nodes'), &
+      & field_spec_type('BOUNDARY', 'first', kind_counting, '', 'first degree of freedom held: 1 is x, 2 is y, 6 the rotation'), &
+      & field_spec_type('BOUNDARY', 'last', kind_counting, '', 'last one held; if not given, only the first', optional=.true.), &
+      & field_spec_type('MASS', 'place', kind_label, '', &
+      &    'number of a node or a set of nodes; of a beam: a coordinate or one of its points'), &
+      & field_spec_type('MASS', 'mass', kind_nonnegative, 'kg', 'mass on each'), &
+      & field_spec_type('MASS', 'inertia', kind_nonnegative, 'kg m^2', &
+      &    'moment of inertia about the node, turning with its section', optional=.true.), &
+      & field_spec_type('ATTACHMENT', 'node', kind_label, '', 'number of a node, or a set of nodes'), &
+      & field_spec_type('ATTACHMENT', 'freedom', kind_counting, '', 'degree of freedom: 1 is x, 2 is y, 6 the rotation'), &
       & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
       & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &
       & field_spec_type('TABLE', 'x', kind_real, '', 'argument, greater than the one before'), &

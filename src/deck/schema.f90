@@ -5,7 +5,7 @@ module limber_deck_schema
    public :: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed
    public :: kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, &
       & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, &
-      & kind_curve
+      & kind_curve, kind_label
    public :: form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    public :: is_number_kind, is_integer_kind, is_expression_kind
 
@@ -27,6 +27,8 @@ module limber_deck_schema
    integer, parameter :: kind_law = 14, kind_spring_law = 15, kind_shape = 16
    !> An expression of x alone
    integer, parameter :: kind_curve = 17
+   !> A name or a constant number
+   integer, parameter :: kind_label = 18
 
    !> Forms of data lines: none, free text, one row of fields in each line, name = expression,
    !> channels of the output, named lists of values
@@ -74,8 +76,8 @@ module limber_deck_schema
       integer :: kind
       character(8) :: unit
       character(90) :: meaning
-      !> Whether a line may end before it
-      logical :: optional = .false.
+      !> Whether a line may end before it; whether any number of fields of its kind may follow, if it is the last
+      logical :: optional = .false., repeated = .false.
    end type field_spec_type
 
    !> A list that a data line of the form `form_lists` gives: its name, then values of an option of the table

@@ -10,7 +10,7 @@ module limber_deck_values
    use limber_deck_compile, only: compile
    use limber_deck_template, only: fill_in
    use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_positive, kind_nonnegative, kind_count, &
-      & kind_counting, kind_word, kind_point, kind_yes, kind_law, kind_spring_law, kind_shape, kind_curve, &
+      & kind_counting, kind_word, kind_point, kind_yes, kind_law, kind_spring_law, kind_shape, kind_curve, kind_label, &
       & is_number_kind, is_integer_kind, is_expression_kind
    use limber_deck_keywords, only: split_values, contains_value
    use limber_deck_content, only: option_type, field_type
@@ -95,6 +95,9 @@ contains
          ok = .false.
          call diagnostics%add(part%origin, "the field '"//what//"' is empty", meaning)
       else if (is_number_kind(kind)) then
+         call read_number(what, kind, meaning, part, parameters, field%expression, field%value, ok, diagnostics)
+      else if (kind == kind_label .and. .not. is_name(part%text)) then
+         field%text = ''
          call read_number(what, kind, meaning, part, parameters, field%expression, field%value, ok, diagnostics)
       else if (is_expression_kind(kind)) then
          call read_expression(kind, part, parameters, field%expression, ok, diagnostics)

@@ -34,12 +34,12 @@ contains
          end do
       end do
       if (.not. body%full) return
-      do j = 1, body%n - body%bending
+      do j = 1, body%n - body%offset
          total = 0.0_wp
          do p = 1, size(body%cubic, 1)
             total = total + body%cubic(p, j)*z(p)
          end do
-         f(body%bending + j) = f(body%bending + j) + total
+         f(body%offset + j) = f(body%offset + j) + total
       end do
    end subroutine elastic_force
 
@@ -67,23 +67,23 @@ contains
          end do
       end do
       do column = 1, body%n
-         if (column <= body%bending) then
-            if (.not. body%full) cycle
+         slope(:, 2) = 0.0_wp
+         if (column > body%offset) slope(:, 2) = body%cubic(:, column - body%offset)
+         if (column <= body%bending .and. body%full) then
             call pair_slope(body, eta, column, slope(:, 1))
-            slope(:, 2) = 0.0_wp
             do j = 1, size(body%quartic, 2)
                if (.not. abs(slope(j, 1)) > 0.0_wp) cycle
                do p = 1, size(body%quartic, 1)
                   slope(p, 2) = slope(p, 2) + body%quartic(p, j)*slope(j, 1)
                end do
             end do
-            do j = 1, body%n - body%bending
+            do j = 1, body%n - body%offset
                do p = 1, size(body%cubic, 1)
-                  k(body%bending + j, column) = k(body%bending + j, column) + body%cubic(p, j)*slope(p, 1)
+                  k(body%offset + j, column) = k(body%offset + j, column) + body%cubic(p, j)*slope(p, 1)
                end do
             end do
-         else
-            slope(:, 2) = body%cubic(:, column - body%bending)
+         else if (column <= body%offset) then
+            cycle
          end if
          p = 0
          do j = 1, body%bending
@@ -121,9 +121,9 @@ contains
       real(wp), intent(inout) :: z(:), s(:)
       integer :: j, p
       s(:size(body%cubic, 1)) = 0.0_wp
-      do j = 1, body%n - body%bending
+      do j = 1, body%n - body%offset
          do p = 1, size(body%cubic, 1)
-            s(p) = s(p) + body%cubic(p, j)*eta(body%bending + j)
+            s(p) = s(p) + body%cubic(p, j)*eta(body%offset + j)
          end do
       end do
       if (.not. body%full) return
@@ -169,8 +169,8 @@ contains
       call pair_tension(body, eta, z, s)
       do p = 1, size(body%cubic, 1)
          tension = 0.0_wp
-         do j = 1, body%n - body%bending
-            tension = tension + body%cubic(p, j)*eta(body%bending + j)
+         do j = 1, body%n - body%offset
+            tension = tension + body%cubic(p, j)*eta(body%offset + j)
          end do
          energy = energy + 0.5_wp*z(p)*(s(p) + tension)
       end do

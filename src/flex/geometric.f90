@@ -14,7 +14,8 @@ module limber_flex_geometric
    use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
    implicit none
    private
-   public :: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature, pair_index
+   public :: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, element_ends, project_cubic
+   public :: project_membrane, project_curvature, pair_index
 
 contains
 
@@ -66,6 +67,55 @@ contains
          b(:, :, g) = 0.5_wp*(b(:, :, g) + transpose(b(:, :, g)))
       end do
    end function mean_slopes
+
+   !> First moments of w'^2 over the k_G elements: eta_b.B eta_b is the mean of xi w'^2 with xi from -1 to 1 within element g,
+   !> eq. (F12).
+   pure function slope_moments(field, x) result(b)
+      type(field_type), intent(in) :: field
+      !> Ends of the k_G elements (0:elements) [length]
+      real(wp), intent(in) :: x(0:)
+      real(wp) :: b(size(field%w, 2), size(field%w, 2), size(x) - 1), l, xi
+      real(wp), allocatable :: place(:), weight(:), slope(:)
+      integer :: g, k, j
+      b = 0.0_wp
+      do g = 1, size(x) - 1
+         l = x(g) - x(g - 1)
+         call quadrature(field%s, x(g - 1), x(g), place, weight)
+         do k = 1, size(place)
+            slope = slope_at(field, place(k), bending_slope)
+            xi = (2*place(k) - x(g) - x(g - 1))/l
+            do j = 1, size(slope)
+               b(:, j, g) = b(:, j, g) + slope*(slope(j)*xi*weight(k)/l)
+            end do
+         end do
+      end do
+   end function slope_moments
+
+   !> Means over k_G elements of strains that are constant in each of so many equal pieces of them (elements, number).
+   pure function joined_strains(strain, pieces) result(mean)
+      !> (pieces of all elements, number)
+      real(wp), intent(in) :: strain(:, :)
+      integer, intent(in) :: pieces
+      real(wp) :: mean(size(strain, 1)/pieces, size(strain, 2))
+      integer :: g
+      do g = 1, size(mean, 1)
+         mean(g, :) = sum(strain((g - 1)*pieces + 1:g*pieces, :), dim=1)/pieces
+      end do
+   end function joined_strains
+
+   !> Slopes e of the strains e xi that are nearest to them beside their means (elements, number).
+   pure function strain_moments(strain, pieces) result(moment)
+      real(wp), intent(in) :: strain(:, :)
+      integer, intent(in) :: pieces
+      real(wp) :: moment(size(strain, 1)/pieces, size(strain, 2))
+      integer :: g, i
+      moment = 0.0_wp
+      do g = 1, size(moment, 1)
+         do i = 1, pieces
+            moment(g, :) = moment(g, :) + 3*((2*i - 1 - pieces)/real(pieces, wp))*strain((g - 1)*pieces + i, :)/pieces
+         end do
+      end do
+   end function strain_moments
 
    !> Mean axial strain of each axial coordinate over each k_G element (elements, number).
    pure function mean_strains(field, x) result(a)

@@ -9,7 +9,8 @@ module limber_flex_mesh
    implicit none
    private
    public :: beam_type, support_type, field_type, new_support, mesh_beam, count_bending_modes, count_axial_modes
-   public :: bending_modes, axial_modes, nodal_masses, deflection_at, slope_at, extension_at, element_of
+   public :: concentrate, bending_modes, axial_modes, nodal_masses, nodal_inertias, deflection_at, slope_at, extension_at
+   public :: element_of
 
    !> A straight uniform beam along the body's x axis and its division into elements
    type :: beam_type
@@ -19,6 +20,9 @@ module limber_flex_mesh
       real(wp) :: length = 0.0_wp
       !> Number of elements for the modes
       integer :: elements = 0
+      !> Of a beam with concentrated masses: places of the nodes, which need not be equally far from each other, mass and moment
+      !> of inertia added to each (0:elements); otherwise unallocated
+      real(wp), allocatable :: place(:), mass(:), inertia(:)
    end type beam_type
 
    !> What holds the beam, relative to its floating frame, when its modes are computed: true where held
@@ -66,20 +70,93 @@ contains
       integer :: i
       allocate (field%s(0:beam%elements))
       field%s = [(beam%length*i/beam%elements, i=0, beam%elements)]
+      if (allocated(beam%place)) field%s = beam%place
       allocate (field%w(0:beam%elements, 0), field%theta(0:beam%elements, 0), field%u(0:beam%elements, 0))
       allocate (field%omega2_bending(0), field%omega2_axial(0))
    end function mesh_beam
+
+   !> Adds a concentrated mass to a beam: the nearest inner node moves to it, or another element is made if that node carries one.
+   pure subroutine concentrate(beam, x, mass, inertia)
+      type(beam_type), intent(inout) :: beam
+      !> Coordinate along the beam [length]
+      real(wp), intent(in) :: x
+      !> Mass, and moment of inertia about its centre
+      real(wp), intent(in) :: mass, inertia
+      type(field_type) :: field
+      integer :: i, n
+      if (.not. allocated(beam%place)) then
+         field = mesh_beam(beam)
+         allocate (beam%place(0:beam%elements), beam%mass(0:beam%elements), beam%inertia(0:beam%elements))
+         beam%place(:) = field%s
+         beam%mass = 0.0_wp
+         beam%inertia = 0.0_wp
+      end if
+      n = beam%elements
+      i = minloc(abs(beam%place - x), dim=1) - 1
+      if (abs(beam%place(i) - x) > 1.0e-9_wp*beam%length) then
+         if (i == 0 .or. i == n .or. beam%mass(i) > 0.0_wp .or. beam%inertia(i) > 0.0_wp) then
+            i = count(beam%place < x)
+            call insert(beam%place, i, x)
+            call insert(beam%mass, i, 0.0_wp)
+            call insert(beam%inertia, i, 0.0_wp)
+            beam%elements = n + 1
+         end if
+         beam%place(i) = x
+      end if
+      beam%mass(i) = beam%mass(i) + mass
+      beam%inertia(i) = beam%inertia(i) + inertia
+   end subroutine concentrate
+
+   !> Puts a value before entry i of a list that begins with 0.
+   pure subroutine insert(list, i, value)
+      real(wp), allocatable, intent(inout) :: list(:)
+      integer, intent(in) :: i
+      real(wp), intent(in) :: value
+      real(wp), allocatable :: longer(:)
+      integer :: last
+      last = ubound(list, 1)
+      allocate (longer(0:last + 1))
+      longer(:i - 1) = list(:i - 1)
+      longer(i) = value
+      longer(i + 1:) = list(i:)
+      call move_alloc(longer, list)
+   end subroutine insert
 
    !> Lumped masses of the nodes (0:elements).
    pure function nodal_masses(beam) result(mass)
       type(beam_type), intent(in) :: beam
       real(wp) :: mass(0:beam%elements)
       real(wp) :: half
+      integer :: e
+      if (allocated(beam%place)) then
+         mass = beam%mass
+         do e = 1, beam%elements
+            half = lumped_mass(beam%rho_a, beam%place(e) - beam%place(e - 1))
+            mass(e - 1:e) = mass(e - 1:e) + half
+         end do
+         return
+      end if
       half = lumped_mass(beam%rho_a, beam%length/beam%elements)
       mass = 2*half
       mass(0) = half
       mass(beam%elements) = half
    end function nodal_masses
+
+   !> Moments of inertia of the nodes (0:elements): those of concentrated masses only.
+   pure function nodal_inertias(beam) result(inertia)
+      type(beam_type), intent(in) :: beam
+      real(wp) :: inertia(0:beam%elements)
+      inertia = 0.0_wp
+      if (allocated(beam%inertia)) inertia = beam%inertia
+   end function nodal_inertias
+
+   !> Length of an element; of all elements of a beam without concentrated masses the same.
+   pure real(wp) function element_length(beam, e) result(length)
+      type(beam_type), intent(in) :: beam
+      integer, intent(in) :: e
+      length = beam%length/beam%elements
+      if (allocated(beam%place)) length = beam%place(e) - beam%place(e - 1)
+   end function element_length
 
    !> Number of bending modes that the lumped mass gives under these supports.
    pure integer function count_bending_modes(beam, support)
@@ -106,12 +183,14 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), whole(:, :), mass(:)
       logical :: free(2*(beam%elements + 1))
-      real(wp) :: k(4, 4), shift
+      real(wp) :: k(4, 4, beam%elements), shift
       integer :: n, i, j
       n = 2*(beam%elements + 1)
       free = bending_free(beam, support)
       mass = pack(bending_masses(beam), free)
-      k = bending_stiffness(beam%ei, beam%length/beam%elements)
+      do i = 1, beam%elements
+         k(:, :, i) = bending_stiffness(beam%ei, element_length(beam, i))
+      end do
       allocate (rigid(n, 2), phi(size(mass), wanted), whole(n, wanted))
       do i = 0, beam%elements
          rigid(2*i + 1:2*i + 2, 1) = [1.0_wp, 0.0_wp]
@@ -144,14 +223,17 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), mass(:)
       logical :: free(beam%elements + 1)
-      real(wp) :: shift
-      integer :: j
+      real(wp) :: k(2, 2, beam%elements), shift
+      integer :: i, j
       free = axial_free(beam, support)
       mass = pack(nodal_masses(beam), free)
       allocate (rigid(size(mass), rigid_axial(support)), phi(size(mass), wanted))
       rigid = 1.0_wp
       shift = merge(-beam%ea/(beam%rho_a*beam%length**2), 0.0_wp, rigid_axial(support) > 0)
-      band = assemble_band(beam%elements, 1, axial_stiffness(beam%ea, beam%length/beam%elements), free)
+      do i = 1, beam%elements
+         k(:, :, i) = axial_stiffness(beam%ea, element_length(beam, i))
+      end do
+      band = assemble_band(beam%elements, 1, k, free)
       if (allocated(field%omega2_axial)) deallocate (field%omega2_axial)
       allocate (field%omega2_axial(wanted))
       call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_axial, phi, error)
@@ -216,10 +298,10 @@ contains
       u = (1 - part)*field%u(e - 1, :) + part*field%u(e, :)
    end function extension_at
 
-   !> Lower band of the free part of a chain of equal elements with `dofs` coordinates a node.
+   !> Lower band of the free part of a chain of elements with `dofs` coordinates a node.
    pure function assemble_band(elements, dofs, k, free) result(band)
       integer, intent(in) :: elements, dofs
-      real(wp), intent(in) :: k(:, :)
+      real(wp), intent(in) :: k(:, :, :)
       logical, intent(in) :: free(:)
       real(wp), allocatable :: band(:, :)
       integer :: place(size(free)), e, i, j, row, column
@@ -238,7 +320,7 @@ contains
             if (column == 0) cycle
             do i = 1, 2*dofs
                row = place((e - 1)*dofs + i)
-               if (row >= column) band(1 + row - column, column) = band(1 + row - column, column) + k(i, j)
+               if (row >= column) band(1 + row - column, column) = band(1 + row - column, column) + k(i, j, e)
             end do
          end do
       end do
@@ -249,6 +331,7 @@ contains
       real(wp) :: mass(2*(beam%elements + 1))
       mass = 0.0_wp
       mass(1::2) = nodal_masses(beam)
+      mass(2::2) = nodal_inertias(beam)
    end function bending_masses
 
    pure function bending_free(beam, support) result(free)

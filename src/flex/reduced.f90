@@ -4,12 +4,15 @@ module limber_flex_reduced
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: reduced_type, rigid_reduced, add_inertia
+   public :: reduced_type, rigid_reduced, start_inertia, add_inertia, add_rotary, rotary_row, rotary_square
 
-   !> Constants of a body. Its coordinates eta (n) are mass-normalised, the bending ones first, then the axial.
+   !> Constants of a body. Its coordinates eta (n) are mass-normalised. Those of a straight beam bend it first, then stretch it;
+   !> those of a frame do both.
    type :: reduced_type
       !> Number of coordinates eta, and how many of them are bending
       integer :: n = 0, bending = 0
+      !> Number of coordinates before the first that carries tension: `bending` of a straight beam, 0 of a frame
+      integer :: offset = 0
       !> Mass [mass]
       real(wp) :: mass = 0.0_wp
       !> First moment of mass, sum m p0 [mass length]
@@ -22,6 +25,9 @@ module limber_flex_reduced
       real(wp), allocatable :: d(:), e(:)
       !> E (n,n) = sum m phi_j x phi_k, skew
       real(wp), allocatable :: skew(:, :)
+      !> True if nodes have a rotary inertia J; then R (n,n) = sum J psi psi^T, otherwise (0,0)
+      logical :: spinning = .false.
+      real(wp), allocatable :: rotary(:, :)
       !> Diagonal of K_E: squared circular frequencies (n) [1/time^2]
       real(wp), allocatable :: omega2(:)
       !> True if tension acts on the bending (models k_g and full)
@@ -31,7 +37,7 @@ module limber_flex_reduced
       !> True if the coordinates are damped, each by itself, and the factors of their rates then (n) [1/time]
       logical :: damped = .false.
       real(wp), allocatable :: damping(:)
-      !> Geometric part (pairs, n - bending) and (pairs, pairs), pairs = bending (bending + 1)/2; see limber_flex_geometric
+      !> Geometric part (pairs, n - offset) and (pairs, pairs), pairs = bending (bending + 1)/2; see limber_flex_geometric
       real(wp), allocatable :: cubic(:, :), quartic(:, :)
    end type reduced_type
 
@@ -48,7 +54,21 @@ contains
       body%c0 = mass*centre
       body%i0 = inertia + mass*dot_product(centre, centre)
       allocate (body%c(2, 0), body%d(0), body%e(0), body%skew(0, 0), body%omega2(0), body%cubic(0, 0), body%quartic(0, 0))
+      allocate (body%rotary(0, 0))
    end function rigid_reduced
+
+   !> Inertia invariants of a body without mass.
+   pure subroutine start_inertia(body, n)
+      type(reduced_type), intent(inout) :: body
+      !> Number of its coordinates
+      integer, intent(in) :: n
+      body%n = n
+      allocate (body%c(2, n), body%d(n), body%e(n), body%skew(n, n), body%rotary(0, 0))
+      body%c = 0.0_wp
+      body%d = 0.0_wp
+      body%e = 0.0_wp
+      body%skew = 0.0_wp
+   end subroutine start_inertia
 
    !> Adds one lumped mass to the inertia invariants.
    pure subroutine add_inertia(body, mass, p0, phi)
@@ -70,5 +90,49 @@ contains
          body%skew(:, k) = body%skew(:, k) + mass*(phi(1, :)*phi(2, k) - phi(2, :)*phi(1, k))
       end do
    end subroutine add_inertia
+
+   !> Adds the inertia of a node that turns with its section, eq. (F2).
+   pure subroutine add_rotary(body, inertia, psi)
+      type(reduced_type), intent(inout) :: body
+      !> Moment of inertia about the node [mass length^2]
+      real(wp), intent(in) :: inertia
+      !> Rotation of the section for each coordinate (n)
+      real(wp), intent(in) :: psi(:)
+      integer :: k
+      if (.not. body%spinning) then
+         deallocate (body%rotary)
+         allocate (body%rotary(body%n, body%n))
+         body%rotary = 0.0_wp
+         body%spinning = .true.
+      end if
+      body%i0 = body%i0 + inertia
+      body%e = body%e + inertia*psi
+      do k = 1, body%n
+         body%rotary(:, k) = body%rotary(:, k) + inertia*psi*psi(k)
+      end do
+   end subroutine add_rotary
+
+   !> eta.R eta; of a spinning body only.
+   pure real(wp) function rotary_square(body, eta) result(square)
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: eta(:)
+      integer :: k
+      square = 0.0_wp
+      do k = 1, body%n
+         square = square + eta(k)*rotary_row(body, k, eta)
+      end do
+   end function rotary_square
+
+   !> Row k of R times eta; of a spinning body only.
+   pure real(wp) function rotary_row(body, k, eta) result(part)
+      type(reduced_type), intent(in) :: body
+      integer, intent(in) :: k
+      real(wp), intent(in) :: eta(:)
+      integer :: j
+      part = 0.0_wp
+      do j = 1, body%n
+         part = part + body%rotary(j, k)*eta(j)
+      end do
+   end function rotary_row
 
 end module limber_flex_reduced

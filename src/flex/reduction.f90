@@ -8,11 +8,11 @@ module limber_flex_reduction
    use limber_flex_beam, only: bending_slope
    use limber_flex_axial, only: element_functions, static_functions, axial_basis
    use limber_flex_end_shapes, only: add_end_shapes
-   use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, &
-      & project_curvature
+   use limber_flex_geometric, only: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, element_ends, &
+      & project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
-      & count_bending_modes, count_axial_modes, deflection_at, slope_at, extension_at
-   use limber_flex_reduced, only: reduced_type, add_inertia
+      & nodal_inertias, count_bending_modes, count_axial_modes, deflection_at, slope_at, extension_at
+   use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
    implicit none
    private
    public :: reduction_type, reduce_beam, available_modes, point_shape
@@ -36,6 +36,8 @@ module limber_flex_reduction
       integer :: geometric_elements = 2
       !> True: w'^2 of a k_G element from w and theta at its own ends; false: the exact integral
       logical :: nodal = .false.
+      !> True: the tension changes linearly within a k_G element, which the model k_g only can have
+      logical :: linear = .false.
       !> axial_by_modes, axial_by_elements or axial_static
       integer :: axial_basis = axial_by_modes
       !> Which static functions, and how many modal derivatives
@@ -68,19 +70,25 @@ contains
       !> More modes asked for than there are, or no convergence
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: x(:), slopes(:, :, :), strains(:, :)
+      integer :: pieces
 
       field = mesh_beam(beam)
       call compute_modes(beam, choice, field, error)
+      if (choice%end_shapes .and. any(nodal_inertias(beam) > 0.0_wp) .and. .not. allocated(error)) call raise(error, &
+         & 'END SHAPES cannot be used beside concentrated moments of inertia')
       if (choice%end_shapes .and. .not. allocated(error)) call add_end_shapes(beam, choice%support, field, error)
       if (allocated(error)) return
-      allocate (x(0:choice%geometric_elements))
-      x(:) = element_ends(beam%length, choice%geometric_elements)
+      ! Axial functions on pieces of the k_G elements, if the tension may vary within these
+      pieces = 1
+      if (choice%linear) pieces = max(1, beam%elements/choice%geometric_elements)
+      allocate (x(0:choice%geometric_elements*pieces))
+      x(:) = element_ends(beam%length, choice%geometric_elements*pieces)
       slopes = mean_slopes(field, x, choice%nodal)
       select case (choice%axial_basis)
       case (axial_by_modes)
          strains = mean_strains(field, x)
       case (axial_by_elements)
-         call axial_basis(beam, choice%support, x, element_functions(choice%geometric_elements), field, strains, error)
+         call axial_basis(beam, choice%support, x, element_functions(size(x) - 1), field, strains, error)
       case (axial_static)
          call axial_basis(beam, choice%support, x, static_functions(x, slopes, load_origin(beam, choice), &
             & choice%end_force, choice%centrifugal, choice%derivatives), field, strains, error)
@@ -91,7 +99,11 @@ contains
       body%omega2 = [field%omega2_bending, field%omega2_axial]
       body%geometric = choice%fidelity /= fidelity_linear .and. body%bending > 0
       body%full = choice%fidelity == fidelity_full .and. body%bending > 0
-      if (body%geometric) then
+      if (body%geometric .and. choice%linear) then
+         x = x(::pieces)
+         body%cubic = project_cubic(beam%ea, x, joined_strains(strains, pieces), mean_slopes(field, x, .false.)) &
+            & + project_cubic(beam%ea, x, strain_moments(strains, pieces), slope_moments(field, x))
+      else if (body%geometric) then
          body%cubic = project_cubic(beam%ea, x, strains, slopes)
       else
          allocate (body%cubic(0, body%n - body%bending))
@@ -203,22 +215,24 @@ contains
       real(wp), intent(in) :: origin
       type(field_type), intent(in) :: field
       type(reduced_type), intent(out) :: body
-      real(wp) :: mass(0:beam%elements)
-      real(wp), allocatable :: phi(:, :)
+      real(wp) :: mass(0:beam%elements), inertia(0:beam%elements)
+      real(wp), allocatable :: phi(:, :), psi(:)
       integer :: i
       body%bending = size(field%w, 2)
-      body%n = body%bending + size(field%u, 2)
-      allocate (body%c(2, body%n), body%d(body%n), body%e(body%n), body%skew(body%n, body%n), phi(2, body%n))
-      body%c = 0.0_wp
-      body%d = 0.0_wp
-      body%e = 0.0_wp
-      body%skew = 0.0_wp
+      body%offset = body%bending
+      call start_inertia(body, body%bending + size(field%u, 2))
+      allocate (phi(2, body%n), psi(body%n))
       mass = nodal_masses(beam)
+      inertia = nodal_inertias(beam)
       do i = 0, beam%elements
          phi = 0.0_wp
          phi(2, :body%bending) = field%w(i, :)
          phi(1, body%bending + 1:) = field%u(i, :)
          call add_inertia(body, mass(i), [field%s(i) - origin, 0.0_wp], phi)
+         if (.not. inertia(i) > 0.0_wp) cycle
+         psi = 0.0_wp
+         psi(:body%bending) = field%theta(i, :)
+         call add_rotary(body, inertia(i), psi)
       end do
    end subroutine sum_inertia
 

@@ -3,19 +3,21 @@ module limber_model_bodies
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
-   use limber_flex_mesh, only: new_support
+   use limber_flex_mesh, only: new_support, concentrate
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, point_shape, fidelity_linear, fidelity_kg, &
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
    use limber_model_lists, only: append
+   use limber_model_parts, only: is_part
    use limber_model_points, only: add_point, enter_name, find_named
    use limber_model_scene, only: model_type, body_type, body_point, body_rigid, body_flexible
+   use limber_model_sections, only: read_section
    implicit none
    private
-   public :: add_rigid_body, add_point_mass, add_beam, add_points
+   public :: add_rigid_body, add_point_mass, add_beam, add_points, new_body, append_body, is_new_point
 
 contains
 
@@ -111,10 +113,11 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(body_type) :: body
       type(error_type), allocatable :: error
+      real(wp) :: rigid(3)
       logical :: usable
       integer :: twin, added
       body = new_body(deck%blocks(index), body_flexible)
-      call read_beam(deck, index, body, diagnostics, usable)
+      call read_beam(deck, index, body, rigid, diagnostics, usable)
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          twin = find_twin(model, body)
          if (twin > 0) then
@@ -130,8 +133,7 @@ contains
       end if
       if (.not. usable) then
          body%kind = body_rigid
-         body%reduced = rigid_reduced(body%beam%rho_a*body%beam%length, body%beam%rho_a*body%beam%length**3/12, &
-            & [0.5_wp*body%beam%length - body%choice%origin, 0.0_wp])
+         body%reduced = rigid_reduced(rigid(1), rigid(3), [rigid(2) - body%choice%origin, 0.0_wp])
       else
          call warn_of_basis(deck%blocks(index), body, diagnostics)
          if (body%reduced%n > 0) body%largest_shape = max(maxval(abs(body%field%w)), maxval(abs(body%field%u)))
@@ -154,38 +156,49 @@ contains
       type(body_type), intent(in) :: body
       character(:), allocatable :: text
       character(200) :: buffer
+      integer :: i
       associate (beam => body%beam, choice => body%choice)
-         write (buffer, '(5(z16, 1x), 8(i0, 1x), 9l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
+         write (buffer, '(5(z16, 1x), 8(i0, 1x), 11l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
             & choice%modes, choice%bending, choice%axial, choice%fidelity, choice%geometric_elements, choice%axial_basis, &
-            & choice%derivatives, choice%support, choice%nodal, choice%end_force, choice%centrifugal
+            & choice%derivatives, choice%support, choice%nodal, choice%end_force, choice%centrifugal, &
+            & choice%end_shapes, choice%linear
+         text = trim(buffer)
+         if (.not. allocated(beam%place)) return
+         do i = 0, beam%elements
+            write (buffer, '(3(1x, z16))') beam%place(i), beam%mass(i), beam%inertia(i)
+            text = text//trim(buffer)
+         end do
       end associate
-      text = trim(buffer)
    end function fingerprint
 
    !> Rigidities, mesh and choices of a beam.
-   subroutine read_beam(deck, index, body, diagnostics, usable)
+   subroutine read_beam(deck, index, body, rigid, diagnostics, usable)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: index
       type(body_type), intent(inout) :: body
+      !> Mass, coordinate of the centre of mass, moment of inertia about it of the rigid beam
+      real(wp), intent(out) :: rigid(3)
       type(diagnostics_type), intent(inout) :: diagnostics
       !> False if it cannot be reduced
       logical, intent(out) :: usable
-      real(wp) :: area, inertia
       integer :: material, section, before
       before = diagnostics%count
       material = deck%find_named('MATERIAL', deck%blocks(index)%name('MATERIAL'))
       section = deck%find_named('SECTION', deck%blocks(index)%name('SECTION'))
-      area = 1.0_wp
-      inertia = 1.0_wp
+      allocate (body%strength(4, 1))
+      body%strength(:, 1) = [1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp]
       body%beam%rho_a = 1.0_wp
-      if (section > 0) call read_section(deck%blocks(section), area, inertia, diagnostics)
+      if (section > 0) call read_section(deck%blocks(section), body%strength(:, 1), diagnostics)
       if (material > 0) then
-         body%beam%ea = area*deck%blocks(material)%real('YOUNG')
-         body%beam%ei = inertia*deck%blocks(material)%real('YOUNG')
-         body%beam%rho_a = area*deck%blocks(material)%real('DENSITY')
+         body%beam%ea = body%strength(1, 1)*deck%blocks(material)%real('YOUNG')
+         body%beam%ei = body%strength(2, 1)*deck%blocks(material)%real('YOUNG')
+         body%beam%rho_a = body%strength(1, 1)*deck%blocks(material)%real('DENSITY')
       end if
       body%beam%length = deck%blocks(index)%real('LENGTH')
       body%beam%elements = deck%blocks(index)%integer('ELEMENTS')
+      rigid(1) = body%beam%rho_a*body%beam%length
+      rigid(2:3) = [0.5_wp*body%beam%length, body%beam%rho_a*body%beam%length**3/12]
+      call read_masses(deck, index, body, rigid, diagnostics)
       if (deck%blocks(index)%word('AXIAL BASIS') == '') call deck%set_option(index, 'AXIAL BASIS', &
          & merge('STATIC', 'MODES ', deck%blocks(index)%word('GEOMETRIC') == 'FULL'))
       associate (block => deck%blocks(index))
@@ -193,12 +206,71 @@ contains
          if (body%choice%origin < 0.0_wp .or. body%choice%origin > body%beam%length) call diagnostics%add( &
             & block%origin_of('ORIGIN'), "the origin of the frame lies outside beam '"//body%name//"'", &
             & 'give a coordinate from 0 to '//as_text(body%beam%length))
+         if (body%choice%linear .and. body%choice%fidelity == fidelity_full) call diagnostics%add( &
+            & block%origin_of('GEOMETRIC INTEGRAL'), "beam '"//body%name//"': FULL needs a tension that is constant in each "// &
+            & 'geometric element', 'use GEOMETRIC INTEGRAL=EXACT, or GEOMETRIC=K_G')
          usable = section > 0 .and. material > 0 .and. diagnostics%count == before .and. body%beam%length > 0.0_wp &
             & .and. body%beam%elements > 0 .and. body%choice%geometric_elements > 0
          if (usable) call check_modes(block, body, diagnostics)
          usable = usable .and. diagnostics%count == before
       end associate
    end subroutine read_beam
+
+   !> Masses that *MASS puts on a beam.
+   subroutine read_masses(deck, index, body, rigid, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(body_type), intent(inout) :: body
+      real(wp), intent(inout) :: rigid(3)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k, before
+      real(wp) :: x, inertia, centre
+      if (.not. (body%beam%length > 0.0_wp .and. body%beam%elements > 0)) return
+      do i = 1, size(deck%blocks)
+         if (.not. is_part(deck, i, index)) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            associate (line => deck%blocks(i)%lines(k))
+               before = diagnostics%count
+               x = beam_place(deck%blocks(index), line, diagnostics)
+               if (diagnostics%count == before .and. (x < 0.0_wp .or. x > body%beam%length)) call diagnostics%add( &
+                  & line%origin_of(1), 'the mass lies outside the beam', 'give a coordinate from 0 to '//as_text(body%beam%length))
+               if (diagnostics%count > before) cycle
+               inertia = 0.0_wp
+               if (line%count() > 2) inertia = line%number(3)
+               call concentrate(body%beam, x, line%number(2), inertia)
+               centre = (rigid(1)*rigid(2) + line%number(2)*x)/(rigid(1) + line%number(2))
+               rigid(3) = rigid(3) + inertia + rigid(1)*(rigid(2) - centre)**2 + line%number(2)*(x - centre)**2
+               rigid(1:2) = [rigid(1) + line%number(2), centre]
+            end associate
+         end do
+      end do
+   end subroutine read_masses
+
+   !> Coordinate along a beam that the first field of a line gives as a number or as the name of a point.
+   real(wp) function beam_place(block, line, diagnostics) result(x)
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      type(line_type), intent(in) :: line
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      x = line%number(1)
+      select case (line%text(1))
+      case (''); return
+      case ('start'); x = 0.0_wp
+      case ('middle'); x = 0.5_wp*block%real('LENGTH')
+      case ('end'); x = block%real('LENGTH')
+      case ('origin'); x = block%real('ORIGIN')
+      case default
+         do i = 1, size(block%lines)
+            if (block%lines(i)%text(1) == line%text(1)) then
+               x = block%lines(i)%number(2)
+               return
+            end if
+         end do
+         call diagnostics%add(line%origin_of(1), "beam '"//block%name()//"' has no point '"//line%text(1)//"'", &
+            & 'give a coordinate, or a point that the beam names')
+      end select
+   end function beam_place
 
    !> What the block says of the reduction.
    function new_choice(block) result(choice)
@@ -218,6 +290,7 @@ contains
       end select
       choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
       choice%nodal = block%word('GEOMETRIC INTEGRAL') == 'NODAL'
+      choice%linear = block%word('GEOMETRIC INTEGRAL') == 'LINEAR'
       select case (block%word('AXIAL BASIS'))
       case ('MODES'); choice%axial_basis = axial_by_modes
       case ('ELEMENTS'); choice%axial_basis = axial_by_elements
@@ -269,58 +342,6 @@ contains
          & 'use AXIAL BASIS=STATIC or ELEMENTS')
    end subroutine warn_of_basis
 
-   !> Area and second moment of area of a section.
-   subroutine read_section(block, area, inertia, diagnostics)
-      type(block_type), intent(in) :: block
-      !> [length^2], [length^4]
-      real(wp), intent(out) :: area, inertia
-      type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp), parameter :: pi = acos(-1.0_wp)
-      real(wp) :: d, inner
-      area = 1.0_wp
-      inertia = 1.0_wp
-      d = block%real('DIAMETER')
-      select case (block%word('SHAPE'))
-      case ('CIRCLE')
-         if (.not. has_all(['DIAMETER'])) return
-         area = pi*d**2/4
-         inertia = pi*d**4/64
-      case ('RECTANGLE')
-         if (.not. has_all(['WIDTH ', 'HEIGHT'])) return
-         area = block%real('WIDTH')*block%real('HEIGHT')
-         inertia = block%real('WIDTH')*block%real('HEIGHT')**3/12
-      case ('TUBE')
-         if (.not. has_all(['DIAMETER ', 'THICKNESS'])) return
-         inner = d - 2*block%real('THICKNESS')
-         if (inner < 0.0_wp) then
-            call diagnostics%add(block%origin_of('THICKNESS'), "the wall of section '"//block%name()// &
-               & "' is thicker than its radius", 'at most '//as_text(0.5_wp*d))
-            return
-         end if
-         area = pi*(d**2 - inner**2)/4
-         inertia = pi*(d**4 - inner**4)/64
-      case ('GENERAL')
-         if (.not. has_all(['AREA   ', 'INERTIA'])) return
-         area = block%real('AREA')
-         inertia = block%real('INERTIA')
-      end select
-
-   contains
-
-      logical function has_all(options)
-         character(*), intent(in) :: options(:)
-         integer :: i
-         has_all = .true.
-         do i = 1, size(options)
-            if (block%has(trim(options(i)))) cycle
-            has_all = .false.
-            call diagnostics%add(block%origin, "section '"//block%name()//"' of SHAPE="//block%word('SHAPE')//' needs '// &
-               & trim(options(i)), 'add '//trim(options(i))//'=')
-         end do
-      end function has_all
-
-   end subroutine read_section
-
    !> Points of the beam that was added last: start, middle, end, and the named ones, `name, coordinate` a line.
    subroutine add_beam_points(block, model, diagnostics)
       type(block_type), intent(in) :: block
@@ -360,6 +381,8 @@ contains
          p0 = [s - model%bodies(index)%choice%origin, 0.0_wp]
          if (model%bodies(index)%kind == body_flexible) call point_shape(model%bodies(index)%field, s, phi, psi)
          call add_point(model, whole, index, p0, phi, psi)
+         model%points(model%counts%points)%member = 1
+         model%points(model%counts%points)%along = s
       end subroutine place
 
    end subroutine add_beam_points

@@ -9,12 +9,15 @@ module limber_model_build
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_beam, add_points
    use limber_model_channels, only: add_channels
    use limber_model_first_state, only: read_assembly
+   use limber_model_frames, only: add_frame
    use limber_model_joints, only: add_joint, add_coupler, add_driver
    use limber_model_lists, only: trim_lists
    use limber_model_loads, only: add_force, add_torque, add_spring, add_bushing, add_distributed, add_friction, add_damping, &
       & resolve_laws
-   use limber_model_points, only: add_point
-   use limber_model_scene, only: model_type, ground
+   use limber_model_parts, only: check_parts
+   use limber_model_points, only: add_point, find_body
+   use limber_model_scene, only: model_type, body_flexible, ground
+   use limber_model_stresses, only: add_recoveries
    implicit none
    private
    public :: build_model
@@ -39,9 +42,11 @@ contains
          case ('RIGID BODY'); call add_rigid_body(deck%blocks(i), model, diagnostics)
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
          case ('BEAM'); call add_beam(deck, i, model, diagnostics)
+         case ('FRAME'); call add_frame(deck, i, model, diagnostics)
          case ('ACCURACY'); model%accuracy%estimate = deck%blocks(i)%yes('ESTIMATE')
          end select
       end do
+      call check_parts(deck, diagnostics)
       call trim_lists(model)
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
@@ -71,9 +76,27 @@ contains
          if (deck%blocks(i)%keyword == 'OUTPUT') call add_channels(deck%blocks(i), model, diagnostics)
       end do
       call trim_lists(model)
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword == 'OUTPUT') call want_envelope(deck%blocks(i), model, diagnostics)
+      end do
+      if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
-         & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS or *BEAM')
+         & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_model
+
+   !> Notes that an envelope of a body's internal forces is asked for.
+   subroutine want_envelope(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: body
+      if (.not. block%has('ENVELOPE')) return
+      body = find_body(model, block%name('ENVELOPE'))
+      if (body == 0) return
+      model%bodies(body)%envelope = .true.
+      if (model%bodies(body)%kind /= body_flexible) call diagnostics%add(block%origin_of('ENVELOPE'), "'"// &
+         & model%bodies(body)%name//"' is rigid: its internal forces are not computed", 'use GEOMETRIC=LINEAR, K_G or FULL')
+   end subroutine want_envelope
 
    !> Heading and units.
    subroutine read_labels(deck, model)

@@ -1,6 +1,7 @@
 !> Requested channels: the quantities in their expressions are found in the model, their units worked out.
 !> Floor: model.
 module limber_model_channels
+   use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, nearest_name
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -9,8 +10,10 @@ module limber_model_channels
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
-      & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate
-   use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, ground, joint_coupler, &
+      & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
+      & of_flexible_point, of_section, quantity_stress_top, quantity_stress_bottom
+   use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, body_flexible, ground, &
+      & joint_coupler, &
       & driver_angle, driver_joint_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
       & load_distributed, load_friction
    implicit none
@@ -30,8 +33,8 @@ contains
       integer :: i, j, before
       type(channel_type) :: channel
       model%motion = model%motion .or. block%yes('MOTION')
-      if (size(block%lines) == 0 .and. .not. block%yes('MOTION')) call diagnostics%add(block%origin, &
-         & '*OUTPUT asks for nothing', 'add lines of channels below it, or MOTION=YES')
+      if (size(block%lines) == 0 .and. .not. (block%yes('MOTION') .or. block%has('ENVELOPE'))) call diagnostics%add( &
+         & block%origin, '*OUTPUT asks for nothing', 'add lines of channels below it, or MOTION=YES, or ENVELOPE=')
       do i = 1, size(block%lines)
          do j = 1, size(block%lines(i)%fields)
             before = diagnostics%count
@@ -114,6 +117,9 @@ contains
       case (of_beam_point)
          quantity%of = find_point(model, slot%argument, slot%origin, diagnostics)
          if (quantity%of > 0) call need_beam(model, model%points(quantity%of)%body, slot, quantity, diagnostics)
+      case (of_flexible_point, of_section)
+         quantity%of = find_point(model, slot%argument, slot%origin, diagnostics)
+         if (quantity%of > 0) call need_section(model, slot, quantity, diagnostics)
       case (of_body, of_beam)
          quantity%of = find_body(model, slot%argument)
          if (quantity%of == 0) then
@@ -205,6 +211,39 @@ contains
       call diagnostics%add(slot%origin, "'"//slot%argument//"' is not on a beam", slot%name//' is a quantity of beams')
    end subroutine need_beam
 
+   !> Complains of a point that is not on a beam or frame, or where internal forces are not known.
+   subroutine need_section(model, slot, quantity, diagnostics)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      type(quantity_type), intent(inout) :: quantity
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: point
+      point = quantity%of
+      if (model%points(point)%member == 0) then
+         quantity%of = -1
+         call diagnostics%add(slot%origin, "'"//slot%argument//"' is not on a beam or frame", &
+            & slot%name//' is a quantity of beams and frames')
+         return
+      end if
+      if (quantities(quantity%kind)%of /= of_section) return
+      associate (body => model%bodies(model%points(point)%body))
+         if (body%kind /= body_flexible) then
+            quantity%of = -1
+            call diagnostics%add(slot%origin, "'"//body%name//"' is rigid: its internal forces are not computed", &
+               & 'use GEOMETRIC=LINEAR, K_G or FULL')
+         else if (model%points(point)%meeting /= 1) then
+            quantity%of = -1
+            call diagnostics%add(slot%origin, as_text(model%points(point)%meeting)//" members meet at '"//slot%argument//"'", &
+               & 'name a point of one of them in a data line of *FRAME: point, member, coordinate')
+         else if (any(quantity%kind == [quantity_stress_top, quantity_stress_bottom]) .and. &
+               & .not. all(body%strength(3:4, model%points(point)%member) > 0.0_wp)) then
+            quantity%of = -1
+            call diagnostics%add(slot%origin, "the section of '"//body%name//"' does not say where its extreme fibres are", &
+               & 'add TOP= and BOTTOM= to its *SECTION')
+         end if
+      end associate
+   end subroutine need_section
+
    pure function body_list(model) result(text)
       type(model_type), intent(in) :: model
       character(:), allocatable :: text
@@ -285,6 +324,7 @@ contains
          text = ''
          if (all(dimension == [1, -2, 1])) text = 'N'
          if (all(dimension == [2, -2, 1])) text = 'J'
+         if (all(dimension == [-1, -2, 1])) text = 'Pa'
          if (text /= '') return
       end if
       text = power(units%mass, dimension(3))//power(units%length, dimension(1))//power(units%time, dimension(2))

@@ -534,12 +534,12 @@ contains
       point = model%counts%points
    end function frame_point
 
-   !> Whether a body, or the ground, is a beam.
+   !> Whether a body, or the ground, is a beam or a frame.
    pure logical function is_beam(model, body)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
       is_beam = .false.
-      if (body /= ground) is_beam = model%bodies(body)%end_point > 0
+      if (body /= ground) is_beam = model%bodies(body)%end_point > 0 .or. model%bodies(body)%is_frame
    end function is_beam
 
 end module limber_model_loads

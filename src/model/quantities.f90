@@ -4,11 +4,12 @@ module limber_model_quantities
    use limber_base_text, only: newline
    implicit none
    private
-   public :: quantity_spec_type, quantities, quantity_help, quantity_manual
+   public :: quantity_spec_type, quantities, quantity_help, quantity_manual, is_internal_force
 
    !> What a quantity is asked of
    integer, parameter, public :: of_point = 1, of_body = 2, of_beam_point = 3, of_beam = 4, of_joint = 5, of_driver = 6, &
-      & of_system = 7, of_spring = 8, of_translational = 9, of_turner = 10, of_pusher = 11, of_powered = 12
+      & of_system = 7, of_spring = 8, of_translational = 9, of_turner = 10, of_pusher = 11, of_powered = 12, &
+      & of_flexible_point = 13, of_section = 14
 
    !> The quantities
    integer, parameter, public :: quantity_x = 1, quantity_y = 2, quantity_vx = 3, quantity_vy = 4, quantity_ax = 5, &
@@ -18,7 +19,9 @@ module limber_model_quantities
       & quantity_tension = 20, &
       & quantity_force_1 = 21, quantity_force_2 = 22, quantity_moment = 23, quantity_joint_angle = 24, &
       & quantity_joint_spin = 25, quantity_displacement = 26, quantity_sliding_speed = 27, &
-      & quantity_force = 28, quantity_power = 29, quantity_elongation = 30, quantity_rate = 31
+      & quantity_force = 28, quantity_power = 29, quantity_elongation = 30, quantity_rate = 31, &
+      & quantity_axial_force = 32, quantity_shear_force = 33, quantity_bending_moment = 34, quantity_stress_top = 35, &
+      & quantity_stress_bottom = 36, quantity_momentum_x = 37, quantity_momentum_y = 38, quantity_angular_momentum = 39
 
    !> One row
    type :: quantity_spec_type
@@ -34,7 +37,7 @@ module limber_model_quantities
       character(100) :: meaning
    end type quantity_spec_type
 
-   type(quantity_spec_type), parameter :: quantities(31) = [ &
+   type(quantity_spec_type), parameter :: quantities(39) = [ &
       & quantity_spec_type('x', of_point, [1, 0, 0], .false., 'position of a point along the fixed x axis'), &
       & quantity_spec_type('y', of_point, [1, 0, 0], .false., 'position of a point along the fixed y axis'), &
       & quantity_spec_type('vx', of_point, [1, -1, 0], .false., 'velocity of a point along x'), &
@@ -59,12 +62,12 @@ module limber_model_quantities
       &    'energy of beams, springs and weight of the whole: potential_energy(system)'), &
       & quantity_spec_type('work', of_system, [2, -2, 1], .false., &
       &    'work put in by drivers, forces and torques since the start, less that of dampers: work(system)'), &
-      & quantity_spec_type('u1', of_beam_point, [1, 0, 0], .false., &
-      &    'displacement of a beam''s point along the first axis of the beam''s frame'), &
-      & quantity_spec_type('u2', of_beam_point, [1, 0, 0], .false., &
-      &    'displacement of a beam''s point along the second axis of the beam''s frame'), &
-      & quantity_spec_type('rotation', of_beam_point, [0, 0, 0], .true., &
-      &    'slope of a beam at a point within the beam''s frame'), &
+      & quantity_spec_type('u1', of_flexible_point, [1, 0, 0], .false., &
+      &    'displacement of a point of a beam or frame along the first axis of the body''s frame'), &
+      & quantity_spec_type('u2', of_flexible_point, [1, 0, 0], .false., &
+      &    'displacement of a point of a beam or frame along the second axis of the body''s frame'), &
+      & quantity_spec_type('rotation', of_flexible_point, [0, 0, 0], .true., &
+      &    'rotation of the section at a point of a beam or frame within the body''s frame'), &
       & quantity_spec_type('tension', of_translational, [1, -2, 1], .false., &
       &    'pull of a spring and its damper on their points'), &
       & quantity_spec_type('force_1', of_joint, [1, -2, 1], .false., &
@@ -84,9 +87,32 @@ module limber_model_quantities
       &    'power that a driver puts in, or that a load gives to the bodies, from its energy or not'), &
       & quantity_spec_type('elongation', of_spring, [1, 0, 0], .false., &
       &    'length of a spring less its free length, or angle less its free angle'), &
-      & quantity_spec_type('rate', of_spring, [1, -1, 0], .false., 'rate of the elongation of a spring')]
+      & quantity_spec_type('rate', of_spring, [1, -1, 0], .false., 'rate of the elongation of a spring'), &
+      & quantity_spec_type('axial_force', of_section, [1, -2, 1], .false., &
+      &    'tension in a beam or member just before a point, at its start just behind'), &
+      & quantity_spec_type('shear_force', of_section, [1, -2, 1], .false., &
+      &    'force to the left that the part behind the section exerts on the part before it'), &
+      & quantity_spec_type('bending_moment', of_section, [2, -2, 1], .false., &
+      &    'E I times curvature, positive if the beam bends to the left'), &
+      & quantity_spec_type('stress_top', of_section, [-1, -2, 1], .false., &
+      &    'axial stress in the extreme fibre to the left of the axis'), &
+      & quantity_spec_type('stress_bottom', of_section, [-1, -2, 1], .false., &
+      &    'axial stress in the extreme fibre to the right of the axis'), &
+      & quantity_spec_type('momentum_x', of_system, [1, -1, 1], .false., &
+      &    'momentum of all bodies along x: momentum_x(system)'), &
+      & quantity_spec_type('momentum_y', of_system, [1, -1, 1], .false., &
+      &    'momentum of all bodies along y: momentum_y(system)'), &
+      & quantity_spec_type('angular_momentum', of_system, [2, -1, 1], .false., &
+      &    'angular momentum of all bodies about the fixed origin: angular_momentum(system)')]
 
 contains
+
+   !> Whether a quantity, by its index, is one of the internal forces of a beam.
+   elemental logical function is_internal_force(kind)
+      integer, intent(in) :: kind
+      is_internal_force = .false.
+      if (kind > 0) is_internal_force = quantities(kind)%of == of_section
+   end function is_internal_force
 
    !> Lines for `limber help OUTPUT`.
    function quantity_help() result(text)
@@ -112,9 +138,10 @@ contains
 
    pure function argument(of) result(name)
       integer, intent(in) :: of
-      character(16) :: name
-      character(16), parameter :: names(12) = [character(16) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
-         & 'driver', 'system', 'spring', 'spring', 'driver, spring', 'joint, bushing', 'driver, load']
+      character(24) :: name
+      character(24), parameter :: names(14) = [character(24) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
+         & 'driver', 'system', 'spring', 'spring', 'driver, spring', 'joint, bushing', 'driver, load', &
+         & 'point of a beam or frame', 'point of a beam or frame']
       name = names(of)
    end function argument
 

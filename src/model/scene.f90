@@ -4,9 +4,12 @@ module limber_model_scene
    use limber_base_kinds, only: wp
    use limber_base_names, only: name_index_type
    use limber_deck_expression, only: expression_type
+   use limber_flex_frame, only: frame_type
+   use limber_flex_frame_reduction, only: frame_choice_type
    use limber_flex_mesh, only: beam_type, field_type
    use limber_model_curve, only: curve_type
    use limber_model_integral, only: integral_type
+   use limber_flex_recovery, only: recovery_type
    use limber_flex_reduced, only: reduced_type
    use limber_flex_reduction, only: reduction_type
    implicit none
@@ -83,6 +86,19 @@ module limber_model_scene
       type(field_type) :: field
       !> Indices of the points at a beam's two ends
       integer :: start_point = 0, end_point = 0
+      !> True for a frame; its mesh, what was chosen of it, and its shapes at the nodes (3, nodes, n)
+      logical :: is_frame = .false.
+      type(frame_type) :: mesh
+      type(frame_choice_type) :: frame_choice
+      real(wp), allocatable :: shape(:, :, :)
+      !> Cross-section of each member, of a beam its only one: area [length^2], second moment of area [length^4], distances from the
+      !> axis of the extreme fibres to the left and to the right [length], zero if not known (4, members)
+      real(wp), allocatable :: strength(:, :)
+      !> Internal forces at the sections that are asked for: those of points, then, if an envelope is, those along the whole body
+      type(recovery_type) :: recovery
+      logical :: envelope = .false.
+      !> Number of the sections of points
+      integer :: point_sections = 0
    end type body_type
 
    !> A named point of a body, or of the ground
@@ -98,6 +114,11 @@ module limber_model_scene
       !> True for a direction of the section, which does not move with the origin of the frame: p0 a unit vector, phi what psi
       !> makes of it; the system makes these of points
       logical :: direction = .false.
+      !> Of a point of a beam or frame: its member, how many members meet there, and its coordinate along that one [length]
+      integer :: member = 0, meeting = 1
+      real(wp) :: along = 0.0_wp
+      !> Index among the sections of its body where internal forces are asked for; 0: none are
+      integer :: section = 0
    end type point_type
 
    !> A term of a coupler

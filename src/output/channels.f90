@@ -5,12 +5,14 @@ module limber_output_channels
    use limber_model_laws, only: driven_motion
    use limber_deck_operations, only: jet_type
    use limber_model_scene, only: quantity_type, driver_angle, ground
+   use limber_output_internal_forces, only: effort_type, new_efforts, gather_efforts, section_forces, stresses
    use limber_output_joints, only: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, &
       & section_rotation, joint_spin, driver_effort, driver_power
    use limber_output_loads, only: load_value
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
+   use limber_system_momentum, only: total_momentum
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -23,11 +25,16 @@ module limber_output_channels
       !> Bodies whose angle a channel asks for
       integer, allocatable :: turning(:)
       !> True if a channel needs velocities; accelerations or multipliers; energies
-      logical :: needs_velocities = .false., needs_accelerations = .false., needs_energy = .false.
+      logical :: needs_velocities = .false., needs_accelerations = .false., needs_energy = .false., needs_momentum = .false.
+      !> True if a channel needs internal forces; what acts on the bodies then
+      logical :: needs_sections = .false.
+      type(effort_type), allocatable :: efforts(:)
       !> Scratch: values of one expression's slots
       real(wp), allocatable :: slots(:)
       !> Kinetic and potential energy, and work, at the sample
       real(wp) :: kinetic = 0.0_wp, potential = 0.0_wp, work = 0.0_wp
+      !> Momentum along x and y, and about the fixed origin
+      real(wp) :: momentum(3) = 0.0_wp
    end type recorder_type
 
 contains
@@ -54,15 +61,26 @@ contains
                      & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power, &
                      & quantity_elongation, quantity_rate)
                   recorder%needs_accelerations = .true.
+               case (quantity_axial_force, quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
+                     & quantity_stress_bottom)
+                  recorder%needs_accelerations = .true.
+                  recorder%needs_sections = .true.
                case (quantity_vx, quantity_vy, quantity_spin, quantity_joint_spin, quantity_sliding_speed)
                   recorder%needs_velocities = .true.
                case (quantity_kinetic, quantity_potential); recorder%needs_energy = .true.
+               case (quantity_momentum_x, quantity_momentum_y, quantity_angular_momentum); recorder%needs_momentum = .true.
                end select
             end associate
          end do
       end do
-      recorder%needs_velocities = recorder%needs_velocities .or. recorder%needs_accelerations .or. recorder%needs_energy
+      if (any(system%model%bodies%envelope)) then
+         recorder%needs_accelerations = .true.
+         recorder%needs_sections = .true.
+      end if
+      recorder%needs_velocities = recorder%needs_velocities .or. recorder%needs_accelerations .or. recorder%needs_energy &
+         & .or. recorder%needs_momentum
       allocate (recorder%slots(most))
+      allocate (recorder%efforts, source=new_efforts(system))
       do i = 1, size(recorder%angle)
          recorder%angle(i) = system%model%bodies(i)%angle
       end do
@@ -150,6 +168,8 @@ contains
       real(wp), intent(inout) :: values(:)
       integer :: i, j
       if (recorder%needs_energy) call mechanical_energy(system, work, q, v, recorder%kinetic, recorder%potential)
+      if (recorder%needs_momentum) call total_momentum(system, q, v, recorder%momentum)
+      if (recorder%needs_sections) call gather_efforts(recorder%efforts, system, work, q, v, a)
       do i = 1, size(system%model%channels)
          associate (channel => system%model%channels(i))
             do j = 1, size(channel%quantities)
@@ -168,7 +188,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       real(wp), intent(in) :: t, q(:), v(:), a(:)
-      real(wp) :: vector(2)
+      real(wp) :: vector(2), force(3)
       if (quantity%kind == 0) then
          value = t
          return
@@ -213,6 +233,12 @@ contains
       case (quantity_displacement); value = joint_displacement(system, quantity%of, q)
       case (quantity_sliding_speed); value = joint_sliding(system, quantity%of, q, v)
       case (quantity_power); value = driver_power(system, work, quantity%of)
+      case (quantity_axial_force, quantity_shear_force, quantity_bending_moment, quantity_stress_top, quantity_stress_bottom)
+         force = section_forces(recorder%efforts, system, quantity%of, q)
+         value = section_value(quantity%kind, force, system, quantity%of)
+      case (quantity_momentum_x); value = recorder%momentum(1)
+      case (quantity_momentum_y); value = recorder%momentum(2)
+      case (quantity_angular_momentum); value = recorder%momentum(3)
       case (quantity_kinetic); value = recorder%kinetic
       case (quantity_potential); value = recorder%potential
       case (quantity_work); value = recorder%work
@@ -222,6 +248,26 @@ contains
       case (quantity_y, quantity_vy, quantity_ay, quantity_force_y, quantity_u2, quantity_force_2); value = vector(2)
       end select
    end function quantity_value
+
+   !> One of the internal forces at a point, or a stress in an extreme fibre.
+   pure real(wp) function section_value(kind, force, system, point) result(value)
+      integer, intent(in) :: kind
+      !> Axial force, shear force, bending moment
+      real(wp), intent(in) :: force(3)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: point
+      real(wp) :: stress(2)
+      associate (strength => system%model%bodies(system%model%points(point)%body)%strength(:, system%model%points(point)%member))
+         stress = stresses(force, strength)
+         select case (kind)
+         case (quantity_axial_force); value = force(1)
+         case (quantity_shear_force); value = force(2)
+         case (quantity_bending_moment); value = force(3)
+         case (quantity_stress_top); value = stress(1)
+         case default; value = stress(2)
+         end select
+      end associate
+   end function section_value
 
    !> Signed distance of a beam's point from the chord through the beam's ends.
    pure real(wp) function deflection(system, point, q)

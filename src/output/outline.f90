@@ -3,6 +3,8 @@
 module limber_output_outline
    use limber_base_kinds, only: wp
    use limber_base_spline, only: spline_at
+   use limber_flex_frame, only: member_length
+   use limber_flex_frame_reduction, only: frame_point_shape
    use limber_flex_reduction, only: point_shape
    use limber_model_scene, only: model_type, joint_type, body_point, body_flexible, &
       & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
@@ -18,6 +20,8 @@ module limber_output_outline
    integer, parameter :: least_stretches = 24, stretches_per_mode = 6
    !> Stretches of a curve between two of its points
    integer, parameter :: per_knot = 8
+   !> Stretches of each member of a frame that bends
+   integer, parameter :: member_stretches = 12
    !> Points that bodies have, and those that beams have, without the deck's naming them
    character(*), parameter :: points_of_bodies = ' origin centre ', points_of_beams = ' origin start middle end '
 
@@ -30,7 +34,7 @@ contains
       type(geometry_type) :: geometry
       integer, allocatable :: order(:), first(:)
       logical, allocatable :: drawn(:)
-      integer :: i, body, place, shape, filled(2)
+      integer :: i, body, member, place, shape, filled(2)
       call size_geometry(model, layout, geometry)
       place = 0
       shape = 0
@@ -48,6 +52,11 @@ contains
          if (is_bent_beam(model, body)) then
             call add_stroke(geometry, filled, [(i, i=place + 1, place + stretches(model, body) + 1)], .false.)
             call add_stations(model, body, geometry, place, shape)
+         else if (model%bodies(body)%is_frame) then
+            do member = 1, members(model, body)
+               call add_stroke(geometry, filled, [(i, i=place + 1, place + stretches(model, body) + 1)], .false.)
+               call add_member_stations(model, body, member, geometry, place, shape)
+            end do
          else
             call add_outline(order(first(body):first(body + 1) - 1), drawn, geometry, filled)
          end if
@@ -73,11 +82,14 @@ contains
       allocate (geometry%bodies(size(model%bodies)), geometry%widths(size(model%bodies)))
       do body = 1, size(model%bodies)
          geometry%widths(body) = merge(4, 2, layout%framed(body)) + layout%n(body)
-         if (.not. is_bent_beam(model, body)) cycle
-         places = places + stretches(model, body) + 1
-         shapes = shapes + 2*layout%n(body)*(stretches(model, body) + 1)
+         if (.not. (is_bent_beam(model, body) .or. model%bodies(body)%is_frame)) cycle
+         places = places + members(model, body)*(stretches(model, body) + 1)
+         shapes = shapes + 2*layout%n(body)*members(model, body)*(stretches(model, body) + 1)
       end do
-      strokes = count(model%bodies%kind /= body_point)
+      strokes = 0
+      do body = 1, size(model%bodies)
+         if (model%bodies(body)%kind /= body_point) strokes = strokes + members(model, body)
+      end do
       do i = 1, size(model%joints)
          if (places_of_curve(model%joints(i)) == 0) cycle
          strokes = strokes + 1
@@ -105,10 +117,22 @@ contains
       is_bent_beam = is_beam(model, body) .and. model%bodies(body)%kind == body_flexible
    end function is_bent_beam
 
-   !> Number of stretches of a beam's outline.
+   !> Number of strokes that a body is drawn with: the members of a frame.
+   pure integer function members(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      members = 1
+      if (model%bodies(body)%is_frame) members = size(model%bodies(body)%mesh%first) - 1
+   end function members
+
+   !> Number of stretches of a beam's outline, or of that of a member.
    pure integer function stretches(model, body)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
+      if (model%bodies(body)%is_frame) then
+         stretches = merge(member_stretches, 1, model%bodies(body)%kind == body_flexible)
+         return
+      end if
       stretches = max(least_stretches, stretches_per_mode*model%bodies(body)%reduced%bending)
    end function stretches
 
@@ -147,6 +171,30 @@ contains
          end do
       end associate
    end subroutine add_stations
+
+   !> Adds the places along a member of a frame.
+   subroutine add_member_stations(model, body, member, geometry, place, shape)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body, member
+      type(geometry_type), intent(inout) :: geometry
+      integer, intent(inout) :: place, shape
+      real(wp), allocatable :: phi(:, :), psi(:)
+      real(wp) :: s
+      integer :: i, first
+      associate (frame => model%bodies(body))
+         first = frame%mesh%first(member)
+         do i = 0, stretches(model, body)
+            s = member_length(frame%mesh, member)*i/stretches(model, body)
+            if (frame%kind == body_flexible) then
+               call frame_point_shape(frame%mesh, frame%shape, member, s, phi, psi)
+            else if (.not. allocated(phi)) then
+               allocate (phi(2, 0))
+            end if
+            call add_place(body, frame%mesh%place(:, frame%mesh%ends(1, first)) + s*frame%mesh%axis(:, first), phi, geometry, &
+               & place, shape)
+         end do
+      end associate
+   end subroutine add_member_stations
 
    !> What joints and springs connect; couplers have no points.
    subroutine take_connections(model, geometry)

@@ -7,10 +7,12 @@
 !>    [ .      I(eta)            h_k         ]      I(eta) = I0 + 2 d.eta + eta.eta
 !>    [ .      .                 1           ]
 !>
+!> less eta.R eta in I(eta) where nodes have a rotary inertia, eq. (F3).
+!>
 !> Plain kernels on arrays; no allocation. Floor: system. Source: Han and Lee 1993, eqs. (6), (7), (28); doc/theory, eqs. (7)-(13).
 module limber_system_body
    use limber_base_kinds, only: wp
-   use limber_flex_reduced, only: reduced_type
+   use limber_flex_reduced, only: reduced_type, rotary_row, rotary_square
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
@@ -86,6 +88,7 @@ contains
             coupling(k, 3) = coupling(k, 3) - body%skew(k, j)*eta(j)
          end do
       end do
+      if (body%spinning) inertia = inertia - rotary_square(body, eta)
       frame(3, 3) = inertia
    end subroutine body_mass
 
@@ -136,7 +139,27 @@ contains
             damping(3 + k, 1) = damping(3 + k, 1) - 2*body%skew(k, j)*rate(j)
          end do
       end do
+      if (body%spinning) call rotary_tangent(body, omega, eta, rate, alpha, stiffness, damping)
    end subroutine body_tangent
+
+   !> What rotary inertia takes from the derivatives: the inertia does not grow with the rotations of the nodes.
+   pure subroutine rotary_tangent(body, omega, eta, rate, alpha, stiffness, damping)
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: omega, eta(:), rate(:), alpha
+      real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
+      real(wp) :: turned
+      integer :: j, k
+      do j = 1, body%n
+         turned = rotary_row(body, j, eta)
+         stiffness(3, 1 + j) = stiffness(3, 1 + j) - 2*turned*alpha - 2*omega*rotary_row(body, j, rate)
+         damping(3, 1) = damping(3, 1) - 2*rate(j)*turned
+         damping(3, 1 + j) = damping(3, 1 + j) - 2*omega*turned
+         damping(3 + j, 1) = damping(3 + j, 1) + 2*omega*turned
+         do k = 1, body%n
+            stiffness(3 + k, 1 + j) = stiffness(3 + k, 1 + j) + omega**2*body%rotary(k, j)
+         end do
+      end do
+   end subroutine rotary_tangent
 
    !> Adds the velocity terms to the forces: minus what the rates alone contribute to M a.
    pure subroutine velocity_forces(body, u, omega, eta, rate, on_frame, on_eta)
@@ -165,9 +188,23 @@ contains
             on_eta(k) = on_eta(k) + 2*omega*body%skew(k, j)*rate(j)
          end do
       end do
+      if (body%spinning) call rotary_forces(body, omega, eta, rate, moment, on_eta)
       on_frame(1:2) = on_frame(1:2) + along(omega**2*centre_moment(body, eta) - 2*omega*turn(drift), u)
       on_frame(3) = on_frame(3) - 2*omega*moment
    end subroutine velocity_forces
+
+   !> What rotary inertia takes from the velocity terms.
+   pure subroutine rotary_forces(body, omega, eta, rate, moment, on_eta)
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: omega, eta(:), rate(:)
+      !> (d + eta).eta', forces on the coordinates (n)
+      real(wp), intent(inout) :: moment, on_eta(:)
+      integer :: k
+      do k = 1, body%n
+         on_eta(k) = on_eta(k) - omega**2*rotary_row(body, k, eta)
+         moment = moment - rate(k)*rotary_row(body, k, eta)
+      end do
+   end subroutine rotary_forces
 
    !> Adds the weight.
    pure subroutine gravity_forces(body, gravity, u, eta, on_frame, on_eta)
@@ -207,6 +244,7 @@ contains
          drift = drift + body%c(:, k)*rate(k)
          energy = energy + 0.5_wp*rate(k)**2 + omega*h*rate(k) + 0.5_wp*omega**2*(2*body%d(k) + eta(k))*eta(k)
       end do
+      if (body%spinning) energy = energy - 0.5_wp*omega**2*rotary_square(body, eta)
       energy = energy + dot_product(velocity, along(drift + omega*turn(centre_moment(body, eta)), u))
    end function kinetic_energy
 

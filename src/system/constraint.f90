@@ -24,6 +24,8 @@ module limber_system_constraint
       integer :: rows = 0, first = 0
       !> The bodies it acts on; `ground` where there is none
       integer :: bodies(2) = ground
+      !> Points of the model where it acts on them; 0: none
+      integer :: points(2) = 0
       !> Length that a residual is to be compared with: 1 for angles
       real(wp) :: scale = 1.0_wp
       !> True if it moves in time, and so puts work in

@@ -44,6 +44,7 @@ contains
       item%scale = system%model%length
       if (joint%kind == joint_coupler) return
       item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
+      item%points = joint%points
    end subroutine new_joint
 
    subroutine add_revolute(system, joint, item)
@@ -223,6 +224,7 @@ contains
          end select
          if (.not. driver%has_initial) system%model%drivers(index)%initial(1) = value
          call find_bodies(system, along)
+         call find_points(system, driver, along)
          if (driver%kind /= driver_joint_angle) along%scale = system%model%length
          allocate (item, source=along)
       end if
@@ -396,6 +398,21 @@ contains
          end if
       end do
    end subroutine find_bodies
+
+   !> Points where a driver acts on its bodies.
+   subroutine find_points(system, driver, item)
+      class(registry_type), intent(in) :: system
+      type(driver_type), intent(in) :: driver
+      type(linear_type), intent(inout) :: item
+      integer :: points(2), k
+      points = driver%points
+      if (driver%kind == driver_joint_angle .or. driver%kind == driver_displacement) &
+         & points = system%model%joints(driver%joint)%points
+      do k = 1, 2
+         if (points(k) == 0) cycle
+         where (item%bodies == system%model%points(points(k))%body) item%points = points(k)
+      end do
+   end subroutine find_points
 
    !> Whether a point is on a flexible body.
    pure logical function bends(system, point)

@@ -49,6 +49,7 @@ contains
       do i = 1, count
          associate (load => loads(i)%item)
             allocate (load%rates(size(load%bodies)), load%offsets(size(load%bodies)))
+            if (.not. allocated(load%points)) allocate (load%points(size(load%bodies)), source=0)
             load%rates = 0
             do side = 1, size(load%bodies)
                if (load%bodies(side) /= ground) load%rates(side) = system%layout%rates(load%bodies(side)) &
@@ -68,6 +69,7 @@ contains
       dead%law_x = force%law(1)
       dead%law_y = force%law(2)
       dead%bodies = [system%model%points(force%point)%body]
+      dead%points = [force%point]
       allocate (item, source=dead)
    end subroutine add_force
 
@@ -88,6 +90,7 @@ contains
       pull%markers(1) = marker_of(system, spring%points(1))
       pull%markers(2) = marker_of(system, spring%points(2))
       pull%bodies = [system%model%points(spring%points(1))%body, system%model%points(spring%points(2))%body]
+      pull%points = spring%points
       pull%stiffness = spring%stiffness
       pull%free_length = spring%length
       pull%damping = spring%damping
@@ -126,6 +129,12 @@ contains
          end if
          effort%powered = spec%damping > 0.0_wp .or. (spec%driven .and. .not. effort%stores)
       end associate
+      allocate (effort%points(size(effort%bodies)), source=0)
+      do k = 2, 1, -1
+         if (system%model%efforts(index)%points(k) == 0) cycle
+         where (effort%bodies == system%model%points(system%model%efforts(index)%points(k))%body) &
+            & effort%points = system%model%efforts(index)%points(k)
+      end do
       allocate (item, source=effort)
    end subroutine add_effort
 

@@ -16,6 +16,8 @@ module limber_system_loads
       integer, allocatable :: bodies(:)
       !> Numbers of their rates, none of the ground; and where those of each begin, less one, when they are stacked
       integer, allocatable :: rates(:), offsets(:)
+      !> Points of the model where it acts on them (bodies); 0: none
+      integer, allocatable :: points(:)
       !> False if all that it does is in the energy that it stores
       logical :: powered = .true.
       !> Whether it is multiplied at present by a share, as by a static analysis in which it grows, and that

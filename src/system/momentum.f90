@@ -4,12 +4,13 @@
 !> Plain kernels on arrays; no allocation. Floor: system. Source: doc/theory, eqs. (11), (50), (51).
 module limber_system_momentum
    use limber_base_kinds, only: wp
-   use limber_flex_reduced, only: reduced_type
+   use limber_flex_reduced, only: reduced_type, rotary_row, rotary_square
    use limber_system_algebra, only: turn, cross
    use limber_system_body, only: centre_moment
+   use limber_system_system, only: system_type
    implicit none
    private
-   public :: body_momentum, inertia_pull, momentum_tangent, pull_tangent
+   public :: body_momentum, inertia_pull, momentum_tangent, pull_tangent, total_momentum
 
 contains
 
@@ -36,6 +37,7 @@ contains
          p(3) = p(3) + h*w(3 + k)
          p(3 + k) = body%c(1, k)*w(1) + body%c(2, k)*w(2) + h*w(3) + w(3 + k)
       end do
+      if (body%spinning) inertia = inertia - rotary_square(body, eta)
       p(1:2) = body%mass*w(1:2) + w(3)*c + drift
       p(3) = p(3) + inertia*w(3)
    end subroutine body_momentum
@@ -55,6 +57,7 @@ contains
          do j = 1, body%n
             part = part - body%skew(j, k)*(w1(3)*w0(3 + j) + w0(3)*w1(3 + j))
          end do
+         if (body%spinning) part = part - 2*rotary_row(body, k, eta)*w0(3)*w1(3)
          pull(k) = 0.5_wp*part
       end do
    end subroutine inertia_pull
@@ -87,6 +90,7 @@ contains
             tangent(3, 3 + k) = tangent(3, 3 + k) - body%skew(j, k)*w(3 + j)
             tangent(3 + j, 3 + k) = -body%skew(j, k)*w(3)
          end do
+         if (body%spinning) tangent(3, 3 + k) = tangent(3, 3 + k) - 2*rotary_row(body, k, eta)*w(3)
          tangent(3 + k, 3 + k) = tangent(3 + k, 3 + k) + 2/h
       end do
    end subroutine momentum_tangent
@@ -111,9 +115,44 @@ contains
             part = part - body%skew(j, k)*w0(3 + j)
             tangent(3 + k, 3 + j) = tangent(3 + k, 3 + j) + body%skew(j, k)*w0(3)/h
          end do
+         if (body%spinning) then
+            part = part - 2*rotary_row(body, k, eta)*w0(3)
+            do j = 1, body%n
+               tangent(3 + k, 3 + j) = tangent(3 + k, 3 + j) + 0.5_wp*w0(3)*w1(3)*body%rotary(j, k)
+            end do
+         end if
          tangent(3 + k, 3) = tangent(3 + k, 3) - part/h
          tangent(3 + k, 3 + k) = tangent(3 + k, 3 + k) - 0.5_wp*w0(3)*w1(3)
       end do
    end subroutine pull_tangent
+
+   !> Momentum of all bodies along the fixed axes and about the fixed origin.
+   pure subroutine total_momentum(system, q, v, momentum)
+      type(system_type), intent(in) :: system
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      !> Along x and y [mass length/time], and about the origin [mass length^2/time]
+      real(wp), intent(out) :: momentum(3)
+      real(wp) :: rates(3 + maxval(system%layout%n)), p(3 + maxval(system%layout%n)), linear(2)
+      integer :: i, first, n
+      momentum = 0.0_wp
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i)
+         n = system%layout%n(i)
+         linear = system%model%bodies(i)%reduced%mass*v(first:first + 1)
+         if (system%layout%framed(i)) then
+            associate (u => q(first + 2:first + 3))
+               rates(1:2) = [dot_product(u, v(first:first + 1)), cross(u, v(first:first + 1))]
+               rates(3) = cross(u, v(first + 2:first + 3))
+               rates(4:3 + n) = v(first + 4:first + 3 + n)
+               call body_momentum(system%model%bodies(i)%reduced, q(first + 4:first + 3 + n), rates(:3 + n), p(:3 + n))
+               linear = p(1)*u + p(2)*turn(u)
+               momentum(3) = momentum(3) + p(3)
+            end associate
+         end if
+         momentum(1:2) = momentum(1:2) + linear
+         momentum(3) = momentum(3) + cross(q(first:first + 1), linear)
+      end do
+   end subroutine total_momentum
 
 end module limber_system_momentum

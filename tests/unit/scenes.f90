@@ -5,6 +5,8 @@ module scenes
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: first_function, function_names, op_add, op_constant, op_multiply, op_slot
+   use limber_flex_frame, only: frame_type, member_type, new_frame
+   use limber_flex_frame_reduction, only: frame_choice_type, frame_point_shape, reduce_frame
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: axial_by_elements, point_shape, reduce_beam, reduction_type
@@ -15,7 +17,7 @@ module scenes
    public :: random, constant_law, wavy_law, ramp_law, gauss_point, gauss_weight, derivative, second_derivative
    public :: empty_model, add_rigid, add_point_mass, add_beam, add_place, add_beam_place, add_joint, join, add_driver, add_force
    public :: add_spring, add_torque
-   public :: slider_crank
+   public :: slider_crank, add_frame, add_frame_place, l_frame
 
    !> Five Gauss points on -1..1, exact to degree nine: places and weights
    real(wp), parameter, private :: near = sqrt(5.0_wp - 2.0_wp*sqrt(10.0_wp/7.0_wp))/3.0_wp
@@ -154,6 +156,59 @@ contains
       body%angle = angle
       index = add_body(model, body)
    end function add_beam
+
+   !> Adds a frame; returns its index.
+   function add_frame(model, name, frame, choice, position, angle, error) result(index)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      type(frame_type), intent(in) :: frame
+      type(frame_choice_type), intent(in) :: choice
+      real(wp), intent(in) :: position(2), angle
+      type(error_type), allocatable, intent(out) :: error
+      integer :: index
+      type(body_type) :: body
+      body%name = name
+      body%kind = body_flexible
+      body%is_frame = .true.
+      body%mesh = frame
+      body%frame_choice = choice
+      call reduce_frame(frame, choice, body%reduced, body%shape, error)
+      body%largest_shape = maxval(abs(body%shape(1:2, :, :)))
+      body%size = maxval(frame%place) - minval(frame%place)
+      body%position = position
+      body%angle = angle
+      index = add_body(model, body)
+   end function add_frame
+
+   !> A soft frame of two members at an angle, its first corner clamped, with a mass that also has a moment of inertia at the corner
+   !> and another at the tip.
+   function l_frame() result(frame)
+      type(frame_type) :: frame
+      type(member_type) :: members(2)
+      members(1) = member_type(ends=[1, 2], ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, divisions=5)
+      members(2) = member_type(ends=[3, 2], ea=3.0e3_wp, ei=1.2_wp, rho_a=0.6_wp, divisions=4)
+      frame = new_frame(reshape([0.0_wp, 0.0_wp, 0.7_wp, 0.3_wp, 0.6_wp, 1.1_wp], [2, 3]), members)
+      frame%free(:, 1) = .false.
+      frame%mass(:, 2) = frame%mass(:, 2) + [0.3_wp, 0.3_wp, 0.02_wp]
+      frame%mass(:, 3) = frame%mass(:, 3) + [0.1_wp, 0.1_wp, 0.03_wp]
+   end function l_frame
+
+   !> Adds the point at x along a member of a frame; returns its index.
+   function add_frame_place(model, name, body, member, x) result(index)
+      type(model_type), intent(inout) :: model
+      character(*), intent(in) :: name
+      integer, intent(in) :: body, member
+      real(wp), intent(in) :: x
+      integer :: index, first
+      real(wp), allocatable :: phi(:, :), psi(:)
+      real(wp) :: p0(2)
+      associate (mesh => model%bodies(body)%mesh)
+         first = mesh%first(member)
+         p0 = mesh%place(:, mesh%ends(1, first)) + x*mesh%axis(:, first)
+      end associate
+      call frame_point_shape(model%bodies(body)%mesh, model%bodies(body)%shape, member, x, phi, psi)
+      index = add_place(model, name, body, p0, phi, psi)
+   end function add_frame_place
 
    !> Appends by hand: intrinsic array constructors of types with deep components cost more than they save.
    integer function add_body(model, body) result(index)

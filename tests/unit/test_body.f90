@@ -1,11 +1,11 @@
 !> Inertia of one body against sums over its nodes, each node a mass point whose position r + R(theta) (p0 + phi eta) is
 !> written with an angle: not with the polynomials of the program. Synthetic bodies have nodes anywhere in the plane and shapes
-!> in both directions, so that no term vanishes by symmetry.
+!> in both directions, so that no term vanishes by symmetry. Nodes that spin have a rotary inertia and a rotation for each shape.
 program test_body
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_flex_mesh, only: beam_type, field_type, new_support
-   use limber_flex_reduced, only: add_inertia, reduced_type, rigid_reduced
+   use limber_flex_reduced, only: add_inertia, add_rotary, reduced_type, rigid_reduced, start_inertia
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_linear, reduce_beam, reduction_type
    use limber_system_body, only: body_mass, centre_moment, gravity_forces, kinetic_energy, velocity_forces, weight_potential
    use scenes, only: derivative, random, second_derivative
@@ -17,6 +17,8 @@ program test_body
    type :: cloud_type
       !> Mass, undeformed place (2) and displacement for each coordinate (2,n) of each node
       real(wp), allocatable :: mass(:), p0(:, :), phi(:, :, :)
+      !> Rotary inertia of each node, and its rotation for each coordinate (n); unallocated if none has any
+      real(wp), allocatable :: spin(:), psi(:, :)
    end type cloud_type
 
    !> A state: angle, velocities, and coordinates
@@ -30,8 +32,10 @@ program test_body
    integer :: trial
 
    do trial = 1, 4
-      call synthetic(9, trial + 1, cloud, body)
+      call synthetic(9, trial + 1, .false., cloud, body)
       call test_all(cloud, body, 'synthetic')
+      call synthetic(9, trial + 1, .true., cloud, body)
+      call test_all(cloud, body, 'spinning')
    end do
    call from_beam('PINNED-ROLLER', axial_by_modes, cloud, body)
    call test_all(cloud, body, 'pinned beam')
@@ -46,39 +50,51 @@ program test_body
 contains
 
    !> Random nodes; shapes made orthonormal in the mass, bending and axial in one.
-   subroutine synthetic(nodes, n, cloud, body)
+   subroutine synthetic(nodes, n, spins, cloud, body)
       integer, intent(in) :: nodes, n
+      !> Whether nodes have a rotary inertia
+      logical, intent(in) :: spins
       type(cloud_type), intent(out) :: cloud
       type(reduced_type), intent(out) :: body
       integer :: i, j, k, pass
       real(wp) :: part
-      allocate (cloud%mass(nodes), cloud%p0(2, nodes), cloud%phi(2, n, nodes))
+      allocate (cloud%mass(nodes), cloud%p0(2, nodes), cloud%phi(2, n, nodes), cloud%spin(nodes), cloud%psi(n, nodes))
+      cloud%spin = 0.0_wp
       do i = 1, nodes
          cloud%mass(i) = 1.2_wp + random()
          cloud%p0(:, i) = [random() + 0.4_wp, random() - 0.3_wp]
          do j = 1, n
             cloud%phi(:, j, i) = [random(), random()]
+            cloud%psi(j, i) = random()
          end do
+         if (spins) cloud%spin(i) = 1.1_wp + random()
       end do
       do j = 1, n
          do pass = 1, 2
             do k = 1, j - 1
-               part = sum(cloud%mass*(cloud%phi(1, j, :)*cloud%phi(1, k, :) + cloud%phi(2, j, :)*cloud%phi(2, k, :)))
+               part = product_of(cloud, j, k)
                cloud%phi(:, j, :) = cloud%phi(:, j, :) - part*cloud%phi(:, k, :)
+               cloud%psi(j, :) = cloud%psi(j, :) - part*cloud%psi(k, :)
             end do
          end do
-         cloud%phi(:, j, :) = cloud%phi(:, j, :)/sqrt(sum(cloud%mass*(cloud%phi(1, j, :)**2 + cloud%phi(2, j, :)**2)))
+         part = sqrt(product_of(cloud, j, j))
+         cloud%phi(:, j, :) = cloud%phi(:, j, :)/part
+         cloud%psi(j, :) = cloud%psi(j, :)/part
       end do
-      body%n = n
-      allocate (body%c(2, n), body%d(n), body%e(n), body%skew(n, n))
-      body%c = 0.0_wp
-      body%d = 0.0_wp
-      body%e = 0.0_wp
-      body%skew = 0.0_wp
+      call start_inertia(body, n)
       do i = 1, nodes
          call add_inertia(body, cloud%mass(i), cloud%p0(:, i), cloud%phi(:, :, i))
+         if (spins) call add_rotary(body, cloud%spin(i), cloud%psi(:, i))
       end do
    end subroutine synthetic
+
+   !> Product of two shapes in the mass.
+   pure real(wp) function product_of(cloud, j, k)
+      type(cloud_type), intent(in) :: cloud
+      integer, intent(in) :: j, k
+      product_of = sum(cloud%mass*(cloud%phi(1, j, :)*cloud%phi(1, k, :) + cloud%phi(2, j, :)*cloud%phi(2, k, :))) &
+         & + sum(cloud%spin*cloud%psi(j, :)*cloud%psi(k, :))
+   end function product_of
 
    !> A real beam, its nodes with half an element's mass from either side.
    subroutine from_beam(support, basis, cloud, body)
@@ -169,6 +185,16 @@ contains
       end do
    end function node_jacobian
 
+   !> How the rotation of a node changes with (r, theta, eta): (3 + n).
+   pure function spin_row(cloud, motion, i) result(row)
+      type(cloud_type), intent(in) :: cloud
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: i
+      real(wp) :: row(3 + size(motion%eta))
+      row(:3) = [0.0_wp, 0.0_wp, 1.0_wp]
+      row(4:) = cloud%psi(:, i)
+   end function spin_row
+
    subroutine test_all(cloud, body, name)
       type(cloud_type), intent(in) :: cloud
       type(reduced_type), intent(in) :: body
@@ -189,7 +215,7 @@ contains
       character(*), intent(in) :: name
       real(wp) :: mass(3 + body%n, 3 + body%n), own(3 + body%n, 3 + body%n), jacobian(2, 3 + body%n), u(2)
       real(wp) :: frame(3, 3), coupling(body%n, 3), on_frame(3), on_eta(body%n), force(3 + body%n), inertia(3 + body%n)
-      real(wp) :: acceleration(2), closed(2), p(2), drift(2), push(2), scale
+      real(wp) :: acceleration(2), closed(2), p(2), drift(2), push(2), scale, row(3 + body%n)
       ! The stencil errs by h^4 = 1e-9 of a fourth derivative and by round-off 1e-16/h^2 = 1e-11
       real(wp), parameter :: h = 5.0e-3_wp
       integer :: i, k
@@ -223,6 +249,12 @@ contains
          call check(maxval(abs(acceleration - closed)) <= 1.0e-7_wp*(1 + maxval(abs(closed))), &
             & name//': the acceleration of a node by differences')
          inertia = inertia + cloud%mass(i)*matmul(transpose(jacobian), closed)
+         if (.not. allocated(cloud%spin)) cycle
+         row = spin_row(cloud, motion, i)
+         do k = 1, size(row)
+            own(:, k) = own(:, k) + cloud%spin(i)*row*row(k)
+         end do
+         inertia = inertia + cloud%spin(i)*row*dot_product(row, [motion%acceleration, motion%alpha, motion%push])
       end do
       scale = maxval(abs(own))
       call check(maxval(abs(frame - transpose(frame))) <= 0.0_wp, name//': the frame''s mass matrix is symmetric')
@@ -253,6 +285,8 @@ contains
          end do
          velocity = derivative(x(:, -2), x(:, -1), x(:, 1), x(:, 2), h)
          own = own + 0.5_wp*cloud%mass(i)*dot_product(velocity, velocity)
+         if (allocated(cloud%spin)) own = own + 0.5_wp*cloud%spin(i)*dot_product(spin_row(cloud, motion, i), &
+            & [motion%velocity, motion%omega, motion%rate])**2
       end do
       call check_close(kinetic_energy(body, u, motion%eta, motion%velocity, motion%omega, motion%rate), own, 1.0e-8_wp*own, &
          & name//': kinetic energy by differences')
@@ -287,6 +321,8 @@ contains
       do i = lbound(cloud%mass, 1), ubound(cloud%mass, 1)
          velocity = matmul(node_jacobian(cloud, motion, i), [motion%velocity, motion%omega, motion%rate])
          energy = energy + 0.5_wp*cloud%mass(i)*dot_product(velocity, velocity)
+         if (allocated(cloud%spin)) energy = energy + 0.5_wp*cloud%spin(i)*dot_product(spin_row(cloud, motion, i), &
+            & [motion%velocity, motion%omega, motion%rate])**2
       end do
    end function energy_of
 

@@ -5,6 +5,7 @@ program test_conserving
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
+   use limber_flex_frame_reduction, only: frame_choice_type
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_conserving, only: conserving_type
@@ -17,8 +18,8 @@ program test_conserving
    use limber_system_dynamics, only: mechanical_energy, position_residual
    use limber_system_kinematics, only: place_frames
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_place, add_point_mass, add_rigid, add_spring, &
-      & add_torque, empty_model, join, slider_crank, wavy_law
+   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_frame, add_place, add_point_mass, add_rigid, &
+      & add_spring, add_torque, empty_model, join, l_frame, slider_crank, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: g = 9.81_wp, nil(2) = [0.0_wp, 0.0_wp]
@@ -43,6 +44,7 @@ program test_conserving
 
    call read_many()
    call test_free_beam()
+   call test_free_frame()
    call test_pendulum()
    call test_double_pendulum()
    call test_jointed_beams()
@@ -230,6 +232,7 @@ contains
                   p = p + omega*turn(c) + along(matmul(body%c, rate), u)
                   angular = angular + cross(c, v(first:first + 1)) + dot_product(body%e - matmul(body%skew, eta), rate) &
                      & + (body%i0 + 2*dot_product(body%d, eta) + dot_product(eta, eta))*omega
+                  if (body%spinning) angular = angular - dot_product(eta, matmul(body%rotary, eta))*omega
                end associate
             end if
             linear = linear + p
@@ -262,6 +265,31 @@ contains
          call check((outcome%work > 0.0_wp) .eqv. fidelity == fidelity_kg, 'work is put in by the model k_g only')
       end do
    end subroutine test_free_beam
+
+   !> A frame whose coordinates bend and stretch it, with masses that have moments of inertia.
+   subroutine test_free_frame()
+      type(model_type) :: model
+      type(run_type) :: outcome
+      type(frame_choice_type) :: choice
+      type(error_type), allocatable :: error
+      integer :: fidelity, frame
+      do fidelity = fidelity_linear, fidelity_full
+         model = empty_model(1.2_wp)
+         choice%modes = 2
+         choice%fidelity = fidelity
+         choice%geometric_elements = 2
+         choice%centrifugal = .true.
+         if (fidelity == fidelity_full) choice%derivatives = 2
+         frame = add_frame(model, 'frame', l_frame(), choice, [-0.3_wp, 0.7_wp], -1.1_wp, error)
+         call check_no_error(error, 'frame')
+         call run_fixed(model, 1.0e-3_wp, 2000, 1, 1.0_wp, outcome)
+         call report(outcome, 'free frame of fidelity '//as_text(fidelity))
+         call check_close(outcome%energy, 0.0_wp, 1.0e-10_wp, 'free frame: energy')
+         call check_close(outcome%linear, 0.0_wp, 1.0e-10_wp, 'free frame: linear momentum')
+         call check_close(outcome%angular, 0.0_wp, 1.0e-10_wp, 'free frame: angular momentum')
+         call check(outcome%exchange > 1.0e-3_wp, 'it bends to and fro')
+      end do
+   end subroutine test_free_frame
 
    subroutine test_pendulum()
       type(run_type) :: outcome

@@ -5,7 +5,8 @@ program test_tangent
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent
-   use limber_flex_mesh, only: beam_type, new_support
+   use limber_flex_frame_reduction, only: frame_choice_type
+   use limber_flex_mesh, only: beam_type, concentrate, new_support
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, axial_static, fidelity_full, fidelity_kg, &
       & fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
@@ -14,8 +15,8 @@ program test_tangent
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, tangent_type, times_mass, &
       & times_stiffness
-   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_joint, add_place, add_point_mass, add_rigid, &
-      & derivative, empty_model, random, slider_crank, wavy_law
+   use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_frame, add_frame_place, add_joint, add_place, &
+      & add_point_mass, add_rigid, derivative, empty_model, l_frame, random, slider_crank, wavy_law
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -37,6 +38,9 @@ program test_tangent
    call test_scene('a moving line', moving_line())
    call test_scene('every pairing', zoo())
    call test_scene('loads', loaded())
+   call test_scene('frame, linear', framed(fidelity_linear))
+   call test_scene('frame, k_g', framed(fidelity_kg))
+   call test_scene('frame, full', framed(fidelity_full))
    call test_elastic(fidelity_linear)
    call test_elastic(fidelity_kg)
    call test_elastic(fidelity_full)
@@ -135,6 +139,40 @@ contains
       call add_force(model, 'push', add_place(model, 'bead', bead, [0.0_wp, 0.0_wp]), wavy_law(1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), &
          & wavy_law(2.0_wp, 0.0_wp, 0.0_wp, 0.0_wp))
    end function loaded
+
+   !> A frame and a beam, both with masses that turn with their sections, between the ground and a rigid body.
+   function framed(fidelity) result(model)
+      integer, intent(in) :: fidelity
+      type(model_type) :: model
+      type(frame_choice_type) :: choice
+      type(reduction_type) :: own
+      type(beam_type) :: beam
+      type(error_type), allocatable :: error
+      integer :: frame, block, arm, tip
+      model = empty_model(1.5_wp)
+      model%gravity = [0.4_wp, -9.81_wp]
+      choice%modes = 2
+      choice%fidelity = fidelity
+      choice%geometric_elements = 2
+      choice%centrifugal = .true.
+      if (fidelity == fidelity_full) choice%derivatives = 1
+      frame = add_frame(model, 'frame', l_frame(), choice, [0.1_wp, 0.2_wp], 0.4_wp, error)
+      call check_no_error(error, 'frame')
+      own = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=2, fidelity=fidelity)
+      beam = beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.2_wp, elements=6)
+      call concentrate(beam, 0.7_wp, 0.4_wp, 0.03_wp)
+      arm = add_beam(model, 'arm', beam, own, [0.7_wp, 0.5_wp], -1.0_wp, error)
+      call check_no_error(error, 'beam')
+      block = add_rigid(model, 'block', 2.0_wp, 0.3_wp, [0.1_wp, -0.2_wp], [0.5_wp, 0.5_wp], 2.0_wp)
+      tip = add_frame_place(model, 'frame.tip', frame, 2, 0.0_wp)
+      call add_joint(model, 'foot', joint_revolute, add_frame_place(model, 'frame.foot', frame, 1, 0.0_wp), &
+         & add_place(model, 'ground.here', ground, [0.3_wp, -0.6_wp]))
+      call add_joint(model, 'tip', joint_revolute, tip, add_beam_place(model, 'arm.start', arm, 0.0_wp))
+      call add_joint(model, 'slot', joint_point_on_line, add_beam_place(model, 'arm.inside', arm, 0.95_wp), &
+         & add_place(model, 'block.slot', block, [0.2_wp, -0.3_wp]), 0.6_wp)
+      call add_force(model, 'push', add_frame_place(model, 'frame.inside', frame, 2, 0.33_wp), &
+         & wavy_law(-5.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), wavy_law(4.0_wp, 1.0_wp, 0.0_wp, 0.0_wp))
+   end function framed
 
    !> All checks at three states of a scene.
    subroutine test_scene(name, model)

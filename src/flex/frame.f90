@@ -1,0 +1,197 @@
+!> A plane frame of straight beam elements of any orientation, rigidly joined at nodes: its mesh, its elements, and its members
+!> as straight beams. Used before the time loop only. Floor: flex. Source: Przemieniecki, sections 5.6 and 6.4;
+!> doc/theory, eqs. (16), (F1).
+module limber_flex_frame
+   use limber_base_kinds, only: wp
+   use limber_flex_beam, only: beam_stiffness, bending_curvature, lumped_mass
+   use limber_flex_mesh, only: field_type
+   implicit none
+   private
+   public :: frame_type, member_type, new_frame, element_at, member_field, member_length
+   public :: element_stiffness, strain_energy, element_forces
+
+   !> A straight member between two corners
+   type :: member_type
+      !> Corners at its start and its end
+      integer :: ends(2) = 0
+      !> Axial rigidity E A [force], bending rigidity E I [force length^2], mass per length
+      real(wp) :: ea = 0.0_wp, ei = 0.0_wp, rho_a = 0.0_wp
+      !> Number of elements
+      integer :: divisions = 1
+   end type member_type
+
+   !> A mesh. The corners come first among the nodes; the elements of a member follow each other from its start to its end
+   type :: frame_type
+      !> Places in the axes of the body (2, nodes) [length]
+      real(wp), allocatable :: place(:, :)
+      !> Masses that x, y and the rotation of each node move (3, nodes) [mass, mass, mass length^2]
+      real(wp), allocatable :: mass(:, :)
+      !> What the supports of the modes leave free of x, y and the rotation (3, nodes)
+      logical, allocatable :: free(:, :)
+      !> Nodes of each element (2, elements), and its member
+      integer, allocatable :: ends(:, :), member(:)
+      !> Coordinate of each element's start along its member, and its length (elements) [length]
+      real(wp), allocatable :: from(:), length(:)
+      !> Unit vector along it (2, elements)
+      real(wp), allocatable :: axis(:, :)
+      !> E A, E I and mass per length (elements)
+      real(wp), allocatable :: ea(:), ei(:), rho_a(:)
+      !> First element of each member, and one behind the last (members + 1)
+      integer, allocatable :: first(:)
+   end type frame_type
+
+contains
+
+   !> Divides members into elements and lumps their masses; nothing is held.
+   pure function new_frame(corners, members) result(frame)
+      !> Places (2, corners) [length]
+      real(wp), intent(in) :: corners(:, :)
+      type(member_type), intent(in) :: members(:)
+      type(frame_type) :: frame
+      integer :: nodes, elements, m, i, e, from, to
+      real(wp) :: line(2), length
+      elements = sum(members%divisions)
+      nodes = size(corners, 2) + elements - size(members)
+      allocate (frame%place(2, nodes), frame%mass(3, nodes), frame%free(3, nodes), frame%ends(2, elements))
+      allocate (frame%member(elements), frame%from(elements), frame%length(elements), frame%axis(2, elements))
+      allocate (frame%ea(elements), frame%ei(elements), frame%rho_a(elements), frame%first(size(members) + 1))
+      frame%place(:, :size(corners, 2)) = corners
+      frame%mass = 0.0_wp
+      frame%free = .true.
+      nodes = size(corners, 2)
+      e = 0
+      do m = 1, size(members)
+         frame%first(m) = e + 1
+         line = corners(:, members(m)%ends(2)) - corners(:, members(m)%ends(1))
+         length = norm2(line)/members(m)%divisions
+         from = members(m)%ends(1)
+         do i = 1, members(m)%divisions
+            e = e + 1
+            to = members(m)%ends(2)
+            if (i < members(m)%divisions) then
+               nodes = nodes + 1
+               to = nodes
+               frame%place(:, to) = corners(:, members(m)%ends(1)) + line*i/members(m)%divisions
+            end if
+            frame%ends(:, e) = [from, to]
+            frame%member(e) = m
+            frame%from(e) = (i - 1)*length
+            frame%length(e) = length
+            frame%axis(:, e) = line/norm2(line)
+            frame%ea(e) = members(m)%ea
+            frame%ei(e) = members(m)%ei
+            frame%rho_a(e) = members(m)%rho_a
+            frame%mass(1:2, frame%ends(:, e)) = frame%mass(1:2, frame%ends(:, e)) + lumped_mass(members(m)%rho_a, length)
+            from = to
+         end do
+      end do
+      frame%first(size(members) + 1) = e + 1
+   end function new_frame
+
+   !> Length of a member.
+   pure real(wp) function member_length(frame, member) result(length)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: member
+      associate (last => frame%first(member + 1) - 1)
+         length = frame%from(last) + frame%length(last)
+      end associate
+   end function member_length
+
+   !> Element of a member that holds a place; of two that meet there the one before it.
+   pure integer function element_at(frame, member, x) result(e)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: member
+      !> Coordinate along the member [length]
+      real(wp), intent(in) :: x
+      do e = frame%first(member), frame%first(member + 1) - 2
+         if (x <= frame%from(e) + frame%length(e)*(1 + 1.0e-9_wp)) return
+      end do
+      e = frame%first(member + 1) - 1
+   end function element_at
+
+   !> A member as a straight beam: all coordinates of the frame bend it and stretch it.
+   pure function member_field(frame, shape, member) result(field)
+      type(frame_type), intent(in) :: frame
+      !> Displacements of each coordinate in the axes of the body (3, nodes, n)
+      real(wp), intent(in) :: shape(:, :, :)
+      integer, intent(in) :: member
+      type(field_type) :: field
+      real(wp) :: own(6)
+      integer :: e, j, elements, i
+      elements = frame%first(member + 1) - frame%first(member)
+      allocate (field%s(0:elements), field%w(0:elements, size(shape, 3)), field%theta(0:elements, size(shape, 3)))
+      allocate (field%u(0:elements, size(shape, 3)), field%omega2_bending(0), field%omega2_axial(0))
+      do i = 1, elements
+         e = frame%first(member) + i - 1
+         field%s(i - 1) = frame%from(e)
+         field%s(i) = frame%from(e) + frame%length(e)
+         do j = 1, size(shape, 3)
+            own = own_displacements(frame, e, shape(:, :, j))
+            field%u(i - 1:i, j) = own([1, 4])
+            field%w(i - 1:i, j) = own([2, 5])
+            field%theta(i - 1:i, j) = own([3, 6])
+         end do
+      end do
+   end function member_field
+
+   !> Displacements of the nodes of an element in its own axes (6): u, w, theta at its start and its end.
+   pure function own_displacements(frame, e, u) result(own)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: e
+      !> (3, nodes)
+      real(wp), intent(in) :: u(:, :)
+      real(wp) :: own(6)
+      integer :: k
+      do k = 1, 2
+         associate (d => u(:, frame%ends(k, e)), a => frame%axis(:, e))
+            own(3*k - 2) = a(1)*d(1) + a(2)*d(2)
+            own(3*k - 1) = a(1)*d(2) - a(2)*d(1)
+            own(3*k) = d(3)
+         end associate
+      end do
+   end function own_displacements
+
+   !> Axial force, shear force and bending moments at the start and the end of an element (4): tension positive; the shear is
+   !> the force across that the part behind a section exerts; the moment is E I w''.
+   pure function element_forces(frame, e, u) result(force)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: e
+      !> Displacements (3, nodes)
+      real(wp), intent(in) :: u(:, :)
+      real(wp) :: force(4), own(6), l
+      l = frame%length(e)
+      own = own_displacements(frame, e, u)
+      force(1) = frame%ea(e)*(own(4) - own(1))/l
+      force(3) = frame%ei(e)*dot_product(bending_curvature(0.0_wp, l), own([2, 3, 5, 6]))
+      force(4) = frame%ei(e)*dot_product(bending_curvature(l, l), own([2, 3, 5, 6]))
+      force(2) = (force(3) - force(4))/l
+   end function element_forces
+
+   !> Stiffness of an element in the axes of the body on (x, y, rotation) of its two nodes.
+   pure function element_stiffness(frame, e) result(k)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: e
+      real(wp) :: k(6, 6), turn(6, 6), half(6, 6)
+      turn = 0.0_wp
+      turn(1, 1:2) = frame%axis(:, e)
+      turn(2, 1:2) = [-frame%axis(2, e), frame%axis(1, e)]
+      turn(3, 3) = 1.0_wp
+      turn(4:6, 4:6) = turn(1:3, 1:3)
+      half = beam_stiffness(frame%ea(e), frame%ei(e), frame%length(e))
+      half = matmul(half, turn)
+      k = matmul(transpose(turn), half)
+   end function element_stiffness
+
+   !> u.K v.
+   pure real(wp) function strain_energy(frame, u, v) result(energy)
+      type(frame_type), intent(in) :: frame
+      real(wp), intent(in) :: u(:, :), v(:, :)
+      integer :: e
+      energy = 0.0_wp
+      do e = 1, size(frame%member)
+         energy = energy + dot_product(own_displacements(frame, e, u), matmul(beam_stiffness(frame%ea(e), frame%ei(e), &
+            & frame%length(e)), own_displacements(frame, e, v)))
+      end do
+   end function strain_energy
+
+end module limber_flex_frame

@@ -1,0 +1,291 @@
+!> From a frame and the user's choices to its reduced constants: vibration modes, static functions, geometric part, invariants.
+!> Each member is a straight beam that all coordinates bend and stretch. Floor: flex. Source: doc/theory, eqs. (18)-(22), (F4)-(F6).
+module limber_flex_frame_reduction
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_lapack, only: dsyev
+   use limber_flex_beam, only: bending_slope
+   use limber_flex_frame, only: frame_type, strain_energy, member_field, member_length
+   use limber_flex_frame_solver, only: solver_type, new_solver, solve_static, frame_band, rigid_motions, on_equations, &
+      & from_equations, project
+   use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature
+   use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
+   use limber_flex_modes, only: lowest_modes, count_modes
+   use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
+   implicit none
+   private
+   public :: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
+
+   !> What the user chooses of a frame's reduction
+   type :: frame_choice_type
+      !> Number of vibration modes
+      integer :: modes = 0
+      !> fidelity_linear, fidelity_kg or fidelity_full
+      integer :: fidelity = fidelity_kg
+      !> Number of k_G elements in a member
+      integer :: geometric_elements = 1
+      !> Static functions: response to the centrifugal load; to the three accelerations of the frame
+      logical :: centrifugal = .false., accelerations = .false.
+      !> Number of modal derivatives, of mode pairs 11, 12, 22, 13, ...
+      integer :: derivatives = 0
+      !> Static functions: responses to unit loads on degrees of freedom, [node, 1 to 3] each (2, number)
+      integer, allocatable :: attachments(:, :)
+   end type frame_choice_type
+
+contains
+
+   !> Number of vibration modes that the lumped mass gives.
+   integer function available_frame_modes(frame) result(available)
+      type(frame_type), intent(in) :: frame
+      real(wp), allocatable :: motion(:, :, :)
+      call rigid_motions(frame, motion)
+      available = count_modes(pack(frame%mass, frame%free), size(motion, 3))
+   end function available_frame_modes
+
+   !> Reduces a frame.
+   subroutine reduce_frame(frame, choice, body, shape, error)
+      type(frame_type), intent(in) :: frame
+      type(frame_choice_type), intent(in) :: choice
+      !> Constants for the time loop
+      type(reduced_type), intent(out) :: body
+      !> Displacements of the nodes for each coordinate, in the axes of the body (3, nodes, n)
+      real(wp), allocatable, intent(out) :: shape(:, :, :)
+      !> More modes asked for than there are, or no convergence
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: omega2(:), functions(:, :, :)
+      integer :: i
+      call vibration_modes(frame, choice%modes, shape, omega2, error)
+      if (allocated(error)) return
+      call static_functions(frame, choice, shape, functions, error)
+      if (allocated(error)) return
+      call add_functions(frame, functions, shape, omega2, error)
+      if (allocated(error)) return
+      call start_inertia(body, size(omega2))
+      body%bending = body%n
+      do i = 1, size(frame%place, 2)
+         call add_inertia(body, frame%mass(1, i), frame%place(:, i), shape(1:2, i, :))
+         if (frame%mass(3, i) > 0.0_wp) call add_rotary(body, frame%mass(3, i), shape(3, i, :))
+      end do
+      allocate (body%omega2, source=omega2)
+      call project_members(frame, choice, shape, body)
+   end subroutine reduce_frame
+
+   !> Displacement (2,n) and rotation (n) of all coordinates at a place along a member.
+   pure subroutine frame_point_shape(frame, shape, member, x, phi, psi)
+      type(frame_type), intent(in) :: frame
+      !> (3, nodes, n)
+      real(wp), intent(in) :: shape(:, :, :)
+      integer, intent(in) :: member
+      !> Coordinate along the member [length]
+      real(wp), intent(in) :: x
+      real(wp), allocatable, intent(out) :: phi(:, :), psi(:)
+      type(field_type) :: field
+      real(wp) :: axis(2), u(size(shape, 3)), w(size(shape, 3))
+      field = member_field(frame, shape, member)
+      axis = frame%axis(:, frame%first(member))
+      u = extension_at(field, x)
+      w = deflection_at(field, x)
+      allocate (phi(2, size(u)), psi(size(u)))
+      phi(1, :) = axis(1)*u - axis(2)*w
+      phi(2, :) = axis(2)*u + axis(1)*w
+      psi = slope_at(field, x, bending_slope)
+   end subroutine frame_point_shape
+
+   !> The lowest vibration modes under the supports, eqs. (18), (19).
+   subroutine vibration_modes(frame, wanted, shape, omega2, error)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: wanted
+      real(wp), allocatable, intent(out) :: shape(:, :, :), omega2(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer, allocatable :: number(:, :)
+      real(wp), allocatable :: band(:, :), motion(:, :, :), rigid(:, :), phi(:, :)
+      real(wp) :: shift
+      integer :: j
+      call frame_band(frame, number, band)
+      call rigid_motions(frame, motion)
+      allocate (rigid(size(band, 2), size(motion, 3)), phi(size(band, 2), wanted))
+      allocate (omega2(wanted), shape(3, size(frame%place, 2), wanted))
+      do j = 1, size(motion, 3)
+         rigid(:, j) = on_equations(number, motion(:, :, j))
+      end do
+      shift = 0.0_wp
+      if (size(motion, 3) > 0) shift = -maxval(frame%ei)/(sum(frame%mass(1, :))*sum(frame%length)**3)
+      call lowest_modes(band, on_equations(number, frame%mass), rigid, shift, wanted, omega2, phi, error)
+      if (allocated(error)) return
+      do j = 1, wanted
+         shape(:, :, j) = from_equations(number, phi(:, j))
+      end do
+   end subroutine vibration_modes
+
+   !> Responses to the chosen loads.
+   subroutine static_functions(frame, choice, modes, functions, error)
+      type(frame_type), intent(in) :: frame
+      type(frame_choice_type), intent(in) :: choice
+      !> (3, nodes, modes)
+      real(wp), intent(in) :: modes(:, :, :)
+      !> (3, nodes, number)
+      real(wp), allocatable, intent(out) :: functions(:, :, :)
+      type(error_type), allocatable, intent(out) :: error
+      type(solver_type) :: solver
+      real(wp), allocatable :: load(:, :, :)
+      integer :: i, j, count, derivatives, attached
+      derivatives = min(choice%derivatives, size(modes, 3)*(size(modes, 3) + 1)/2)
+      attached = 0
+      if (allocated(choice%attachments)) attached = size(choice%attachments, 2)
+      count = attached + derivatives + merge(1, 0, choice%centrifugal) + merge(3, 0, choice%accelerations)
+      allocate (functions(3, size(frame%place, 2), count), load(3, size(frame%place, 2), count))
+      if (count == 0) return
+      call new_solver(frame, solver, error)
+      if (allocated(error)) return
+      load = 0.0_wp
+      do i = 1, attached
+         load(choice%attachments(2, i), choice%attachments(1, i), i) = 1.0_wp
+      end do
+      count = attached
+      if (choice%centrifugal) then
+         count = count + 1
+         load(1:2, :, count) = frame%mass(1:2, :)*frame%place
+      end if
+      if (choice%accelerations) then
+         load(1, :, count + 1) = frame%mass(1, :)
+         load(2, :, count + 2) = frame%mass(2, :)
+         load(1, :, count + 3) = -frame%mass(1, :)*frame%place(2, :)
+         load(2, :, count + 3) = frame%mass(2, :)*frame%place(1, :)
+         load(3, :, count + 3) = frame%mass(3, :)
+         count = count + 3
+      end if
+      pairs: do j = 1, size(modes, 3)
+         do i = 1, j
+            if (derivatives == 0) exit pairs
+            derivatives = derivatives - 1
+            count = count + 1
+            call add_shortening(frame, choice, modes(:, :, [i, j]), load(:, :, count))
+         end do
+      end do pairs
+      do i = 1, count
+         call solve_static(frame, solver, load(:, :, i), functions(:, :, i))
+      end do
+   end subroutine static_functions
+
+   !> The load of an initial strain -1/2 B_g(1,2) in every k_G element: what cancels the foreshortening of a pair of modes,
+   !> eq. (F5).
+   subroutine add_shortening(frame, choice, pair, load)
+      type(frame_type), intent(in) :: frame
+      type(frame_choice_type), intent(in) :: choice
+      !> Two shapes (3, nodes, 2)
+      real(wp), intent(in) :: pair(:, :, :)
+      !> (3, nodes)
+      real(wp), intent(inout) :: load(:, :)
+      real(wp) :: x(0:choice%geometric_elements), b(2, 2, choice%geometric_elements), strain, overlap
+      integer :: m, e, g
+      do m = 1, size(frame%first) - 1
+         x = element_ends(member_length(frame, m), choice%geometric_elements)
+         b = mean_slopes(member_field(frame, pair, m), x, .false.)
+         do e = frame%first(m), frame%first(m + 1) - 1
+            strain = 0.0_wp
+            do g = 1, choice%geometric_elements
+               overlap = min(x(g), frame%from(e) + frame%length(e)) - max(x(g - 1), frame%from(e))
+               if (overlap > 0.0_wp) strain = strain - 0.5_wp*b(1, 2, g)*overlap/frame%length(e)
+            end do
+            associate (ends => frame%ends(:, e), pull => frame%ea(e)*strain*frame%axis(:, e))
+               load(1:2, ends(1)) = load(1:2, ends(1)) - pull
+               load(1:2, ends(2)) = load(1:2, ends(2)) + pull
+            end associate
+         end do
+      end do
+   end subroutine add_shortening
+
+   !> Adds functions to the modes: orthonormal in the mass, to the modes as well, and diagonal in the stiffness. Those that
+   !> depend on others are left out.
+   subroutine add_functions(frame, functions, shape, omega2, error)
+      type(frame_type), intent(in) :: frame
+      !> (3, nodes, number)
+      real(wp), intent(in) :: functions(:, :, :)
+      !> Shapes and squared frequencies of the modes; receive those of all
+      real(wp), allocatable, intent(inout) :: shape(:, :, :), omega2(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: own(:, :, :), stiffness(:, :), value(:), work(:), all(:, :, :), both(:)
+      real(wp) :: norm
+      integer :: i, j, k, kept, pass, info, modes
+      modes = size(omega2)
+      allocate (own(3, size(frame%place, 2), size(functions, 3)))
+      kept = 0
+      do j = 1, size(functions, 3)
+         norm = sqrt(sum(frame%mass*functions(:, :, j)**2))
+         if (.not. norm > 0.0_wp) cycle
+         own(:, :, kept + 1) = functions(:, :, j)/norm
+         do pass = 1, 2
+            do k = 1, modes
+               call project(frame%mass, shape(:, :, k), own(:, :, kept + 1))
+            end do
+            do k = 1, kept
+               call project(frame%mass, own(:, :, k), own(:, :, kept + 1))
+            end do
+         end do
+         norm = sqrt(sum(frame%mass*own(:, :, kept + 1)**2))
+         if (norm < 1.0e-7_wp) cycle
+         kept = kept + 1
+         own(:, :, kept) = own(:, :, kept)/norm
+      end do
+      if (kept == 0) return
+      allocate (stiffness(kept, kept), value(kept), work(8*kept), all(3, size(frame%place, 2), modes + kept), both(modes + kept))
+      do j = 1, kept
+         do i = 1, kept
+            stiffness(i, j) = strain_energy(frame, own(:, :, i), own(:, :, j))
+         end do
+      end do
+      call dsyev('V', 'L', kept, stiffness, kept, value, work, size(work), info)
+      if (info /= 0) then
+         call raise(error, 'the static functions could not be made orthogonal')
+         return
+      end if
+      all = 0.0_wp
+      all(:, :, :modes) = shape
+      do j = 1, kept
+         do i = 1, kept
+            all(:, :, modes + j) = all(:, :, modes + j) + own(:, :, i)*stiffness(i, j)
+         end do
+      end do
+      both(:modes) = omega2
+      both(modes + 1:) = value
+      call move_alloc(all, shape)
+      call move_alloc(both, omega2)
+   end subroutine add_functions
+
+   !> The geometric part: a sum over the members, each with its own k_G elements.
+   subroutine project_members(frame, choice, shape, body)
+      type(frame_type), intent(in) :: frame
+      type(frame_choice_type), intent(in) :: choice
+      real(wp), intent(in) :: shape(:, :, :)
+      type(reduced_type), intent(inout) :: body
+      type(field_type) :: field
+      type(beam_type) :: beam
+      real(wp) :: x(0:choice%geometric_elements)
+      real(wp), allocatable :: slopes(:, :, :)
+      integer :: m, pairs
+      body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
+      body%full = choice%fidelity == fidelity_full .and. body%n > 0
+      pairs = body%n*(body%n + 1)/2
+      allocate (body%cubic(merge(pairs, 0, body%geometric), body%n))
+      allocate (body%quartic(merge(pairs, 0, body%full), merge(pairs, 0, body%full)))
+      body%cubic = 0.0_wp
+      body%quartic = 0.0_wp
+      if (.not. body%geometric) return
+      do m = 1, size(frame%first) - 1
+         associate (e => frame%first(m))
+            beam%ea = frame%ea(e)
+            beam%ei = frame%ei(e)
+         end associate
+         beam%length = member_length(frame, m)
+         field = member_field(frame, shape, m)
+         x = element_ends(beam%length, choice%geometric_elements)
+         allocate (slopes(body%n, body%n, choice%geometric_elements))
+         slopes = mean_slopes(field, x, .false.)
+         body%cubic = body%cubic + project_cubic(beam%ea, x, mean_strains(field, x), slopes)
+         if (body%full) body%quartic = body%quartic + project_membrane(beam%ea, x, slopes) + project_curvature(beam, field)
+         deallocate (slopes)
+      end do
+   end subroutine project_members
+
+end module limber_flex_frame_reduction

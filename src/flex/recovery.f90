@@ -1,0 +1,343 @@
+!> Internal forces at sections of a flexible body from its motion and the forces on it: the modal sum, and in addition what the
+!> functions that were left out carry at rest (mode acceleration). Everything is linear in few amplitudes, whose
+!> coefficients are made once. Floor: flex. Source: doc/theory, eqs. (F7)-(F10).
+module limber_flex_recovery
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_flex_beam, only: bending_shape, bending_slope
+   use limber_flex_frame, only: frame_type, member_type, new_frame, element_at, member_field, element_forces
+   use limber_flex_frame_solver, only: solver_type, new_solver, solve_static
+   use limber_flex_geometric, only: mean_slopes, element_ends
+   use limber_flex_mesh, only: beam_type, support_type, field_type, nodal_masses, nodal_inertias
+   use limber_flex_reduced, only: reduced_type
+   implicit none
+   private
+   public :: section_type, load_place_type, recovery_type, new_recovery, all_sections, beam_frame, amplitudes, internal_forces
+
+   !> A section: a place of a member, seen from the side of the member's start, or from that of its end
+   type :: section_type
+      integer :: member = 1
+      !> Coordinate along the member [length]
+      real(wp) :: x = 0.0_wp
+      logical :: behind = .false.
+   end type section_type
+
+   !> A place where joints and loads act
+   type :: load_place_type
+      integer :: member = 1
+      !> Coordinate along the member [length]
+      real(wp) :: x = 0.0_wp
+   end type load_place_type
+
+   !> The coefficients of all sections of a body
+   type :: recovery_type
+      !> Number of coordinates, and of places of loads
+      integer :: n = 0, places = 0
+      !> Axial force, shear force and bending moment for unit coordinates (3, n, sections), and for unit amplitudes (3, columns,
+      !> sections): see `amplitudes`
+      real(wp), allocatable :: modal(:, :, :), load(:, :, :)
+      !> Of the model full: the tension is also eta_b.slopes eta_b (bending, bending, sections); otherwise (0,0,0)
+      real(wp), allocatable :: slopes(:, :, :)
+      !> Sections: where they are
+      type(section_type), allocatable :: sections(:)
+   end type recovery_type
+
+contains
+
+   !> A straight beam as a frame of one member along its x axis, with the shapes of its coordinates (3, nodes, n).
+   pure subroutine beam_frame(beam, support, origin, field, frame, shape)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      !> Coordinate along the beam of the origin of the body [length]
+      real(wp), intent(in) :: origin
+      type(field_type), intent(in) :: field
+      type(frame_type), intent(out) :: frame
+      real(wp), allocatable, intent(out) :: shape(:, :, :)
+      type(member_type) :: member(1)
+      integer :: node(0:beam%elements), e, b
+      member(1)%ends = [1, 2]
+      member(1)%ea = beam%ea
+      member(1)%ei = beam%ei
+      member(1)%rho_a = beam%rho_a
+      member(1)%divisions = beam%elements
+      frame = new_frame(reshape([-origin, 0.0_wp, beam%length - origin, 0.0_wp], [2, 2]), member)
+      node(0) = 1
+      do e = 1, beam%elements
+         node(e) = frame%ends(2, e)
+         frame%from(e) = field%s(e - 1)
+         frame%length(e) = field%s(e) - field%s(e - 1)
+      end do
+      frame%place(1, node) = field%s - origin
+      frame%mass(1, node) = nodal_masses(beam)
+      frame%mass(2, :) = frame%mass(1, :)
+      frame%mass(3, node) = nodal_inertias(beam)
+      frame%free(:, 1) = [.not. support%u_start, .not. support%w_start, .not. support%theta_start]
+      frame%free(:, 2) = [.not. support%u_end, .not. support%w_end, .not. support%theta_end]
+      b = size(field%w, 2)
+      allocate (shape(3, size(node), b + size(field%u, 2)))
+      shape = 0.0_wp
+      shape(1, node, b + 1:) = field%u
+      shape(2, node, :b) = field%w
+      shape(3, node, :b) = field%theta
+   end subroutine beam_frame
+
+   !> Sections on both sides of all nodes, from the start of each member to its end; none if they are not wanted.
+   pure function all_sections(frame, wanted) result(sections)
+      type(frame_type), intent(in) :: frame
+      logical, intent(in) :: wanted
+      type(section_type), allocatable :: sections(:)
+      integer :: e
+      allocate (sections(merge(2*size(frame%member), 0, wanted)))
+      do e = 1, size(sections)/2
+         sections(2*e - 1) = section_type(frame%member(e), frame%from(e), .true.)
+         sections(2*e) = section_type(frame%member(e), frame%from(e) + frame%length(e), .false.)
+      end do
+   end function all_sections
+
+   !> Makes the coefficients.
+   subroutine new_recovery(frame, shape, body, geometric_elements, sections, places, recovery, error)
+      type(frame_type), intent(in) :: frame
+      !> Shapes of the coordinates (3, nodes, n)
+      real(wp), intent(in) :: shape(:, :, :)
+      !> Their frequencies, and whether the model is full
+      type(reduced_type), intent(in) :: body
+      !> Number of k_G elements in a member
+      integer, intent(in) :: geometric_elements
+      type(section_type), intent(in) :: sections(:)
+      type(load_place_type), intent(in) :: places(:)
+      type(recovery_type), intent(out) :: recovery
+      type(error_type), allocatable, intent(out) :: error
+      type(solver_type) :: solver
+      real(wp), allocatable :: push(:, :, :), u(:, :), load(:, :)
+      integer :: i, j, n, columns
+      call new_solver(frame, solver, error)
+      if (allocated(error)) return
+      n = size(shape, 3)
+      recovery%n = n
+      recovery%places = size(places)
+      columns = 4 + 3*n + 3*size(places)
+      allocate (recovery%modal(3, n, size(sections)), recovery%load(3, columns, size(sections)))
+      allocate (recovery%sections, source=sections)
+      do j = 1, size(sections)
+         do i = 1, n
+            recovery%modal(:, i, j) = section_forces(frame, shape(:, :, i), sections(j))
+         end do
+      end do
+      allocate (push(3, size(frame%place, 2), 4 + 3*n), u(3, size(frame%place, 2)), load(3, size(frame%place, 2)))
+      call inertia_fields(frame, shape, push)
+      do i = 1, columns
+         associate (place => max(1, (i - 2 - 3*n)/3), part => 1 + modulo(i - 5 - 3*n, 3), inertial => i <= 4 + 3*n)
+            if (inertial) then
+               load = frame%mass*push(:, :, i)
+            else
+               load = nodal_load(frame, places(place), part)
+            end if
+            call solve_static(frame, solver, load, u)
+            do j = 1, n
+               u = u - shape(:, :, j)*(sum(shape(:, :, j)*load)/body%omega2(j))
+            end do
+            do j = 1, size(sections)
+               recovery%load(:, i, j) = section_forces(frame, u, sections(j))
+               if (inertial) then
+                  recovery%load(:, i, j) = recovery%load(:, i, j) + spread_forces(frame, push(:2, :, i), sections(j))
+               else
+                  recovery%load(:, i, j) = recovery%load(:, i, j) + held_forces(frame, places(place), part, sections(j))
+               end if
+            end do
+         end associate
+      end do
+      call quadratic_tension(frame, shape, body, geometric_elements, recovery)
+   end subroutine new_recovery
+
+   !> The accelerations that the masses resist, for unit amplitudes (3, nodes, 4 + 3n): of the frame along x, y and about its
+   !> origin, the centrifugal one; then of each coordinate its own, the centrifugal and the tangential one.
+   pure subroutine inertia_fields(frame, modes, push)
+      type(frame_type), intent(in) :: frame
+      real(wp), intent(in) :: modes(:, :, :)
+      real(wp), intent(out) :: push(:, :, :)
+      integer :: j, n
+      n = size(modes, 3)
+      push = 0.0_wp
+      push(1, :, 1) = 1.0_wp
+      push(2, :, 2) = 1.0_wp
+      push(1, :, 3) = -frame%place(2, :)
+      push(2, :, 3) = frame%place(1, :)
+      push(3, :, 3) = 1.0_wp
+      push(1:2, :, 4) = frame%place
+      do j = 1, n
+         push(:, :, 4 + j) = modes(:, :, j)
+         push(1:2, :, 4 + n + j) = modes(1:2, :, j)
+         push(1, :, 4 + 2*n + j) = -modes(2, :, j)
+         push(2, :, 4 + 2*n + j) = modes(1, :, j)
+      end do
+   end subroutine inertia_fields
+
+   !> Internal forces at a section from displacements of the nodes (3).
+   pure function section_forces(frame, u, section) result(force)
+      type(frame_type), intent(in) :: frame
+      real(wp), intent(in) :: u(:, :)
+      type(section_type), intent(in) :: section
+      real(wp) :: force(3), ends(4), s
+      integer :: e
+      e = element_of_section(frame, section)
+      ends = element_forces(frame, e, u)
+      s = (section%x - frame%from(e))/frame%length(e)
+      force = [ends(1), ends(2), (1 - s)*ends(3) + s*ends(4)]
+   end function section_forces
+
+   !> What the load makes within an element whose nodes carry it: spread over the half of the element next to each node, so that
+   !> axial and shear force, which are those of the middle, change linearly up to the nodes; the moment is a parabola between them,
+   !> eq. (F10).
+   pure function spread_forces(frame, push, section) result(force)
+      type(frame_type), intent(in) :: frame
+      !> Accelerations of its nodes (2, nodes), a load with the sign that pushes
+      real(wp), intent(in) :: push(:, :)
+      type(section_type), intent(in) :: section
+      real(wp) :: force(3), load(2, 2), x, half
+      integer :: k
+      integer :: e
+      e = element_of_section(frame, section)
+      do k = 1, 2
+         associate (a => frame%axis(:, e), p => push(:, frame%ends(k, e)))
+            load(:, k) = frame%rho_a(e)*[a(1)*p(1) + a(2)*p(2), a(1)*p(2) - a(2)*p(1)]
+         end associate
+      end do
+      x = section%x - frame%from(e)
+      half = 0.5_wp*frame%length(e)
+      force(1:2) = load(:, merge(1, 2, x < half))*(half - x)
+      force(3) = -0.25_wp*(load(2, 1) + load(2, 2))*x*(frame%length(e) - x)
+   end function spread_forces
+
+   !> Unit load at a place as forces and couples on the nodes of its element that deflect these as it does (3, nodes).
+   pure function nodal_load(frame, place, part) result(load)
+      type(frame_type), intent(in) :: frame
+      type(load_place_type), intent(in) :: place
+      !> 1, 2: force along the first or second axis of the body; 3: couple
+      integer, intent(in) :: part
+      real(wp) :: load(3, size(frame%place, 2)), own(6), x, l
+      integer :: e, k
+      load = 0.0_wp
+      e = element_at(frame, place%member, place%x)
+      l = frame%length(e)
+      x = place%x - frame%from(e)
+      own = 0.0_wp
+      associate (a => frame%axis(:, e))
+         if (part == 3) then
+            own([2, 3, 5, 6]) = bending_slope(x, l)
+         else
+            own([1, 4]) = a(part)*[1 - x/l, x/l]
+            own([2, 3, 5, 6]) = merge(-a(2), a(1), part == 1)*bending_shape(x, l)
+         end if
+         do k = 1, 2
+            associate (f => own(3*k - 2:3*k))
+               load(:, frame%ends(k, e)) = [a(1)*f(1) - a(2)*f(2), a(2)*f(1) + a(1)*f(2), f(3)]
+            end associate
+         end do
+      end associate
+   end function nodal_load
+
+   !> What a unit load makes within its element while the nodes are held, eq. (F11).
+   pure function held_forces(frame, place, part, section) result(force)
+      type(frame_type), intent(in) :: frame
+      type(load_place_type), intent(in) :: place
+      integer, intent(in) :: part
+      type(section_type), intent(in) :: section
+      real(wp) :: force(3), along, across, a, b, l, y, near
+      logical :: beyond
+      integer :: e
+      force = 0.0_wp
+      e = element_at(frame, place%member, place%x)
+      if (section%member /= place%member .or. element_of_section(frame, section) /= e) return
+      l = frame%length(e)
+      a = place%x - frame%from(e)
+      b = l - a
+      y = section%x - frame%from(e)
+      ! The ends of a member are within it
+      near = 1.0e-9_wp*l
+      beyond = y > a + near .or. (y > a - near .and. y < l - near .and. (section%behind .or. y < near))
+      if (part == 3) then
+         force(2) = -6*a*b/l**3
+         force(3) = (b**2 - 2*a*b)/l**2 - force(2)*y
+         if (beyond) force(3) = force(3) - 1
+         return
+      end if
+      along = frame%axis(part, e)
+      across = merge(-frame%axis(2, e), frame%axis(1, e), part == 1)
+      force(1) = along*b/l
+      force(2) = across*b**2*(3*a + b)/l**3
+      force(3) = across*a*b**2/l**2 - force(2)*y
+      if (.not. beyond) return
+      force(1:2) = force(1:2) - [along, across]
+      force(3) = force(3) + across*(y - a)
+   end function held_forces
+
+   pure integer function element_of_section(frame, section) result(e)
+      type(frame_type), intent(in) :: frame
+      type(section_type), intent(in) :: section
+      e = element_at(frame, section%member, section%x)
+      if (.not. section%behind .or. e == frame%first(section%member + 1) - 1) return
+      if (section%x >= frame%from(e + 1) - 1.0e-9_wp*frame%length(e)) e = e + 1
+   end function element_of_section
+
+   !> The tension of the model full beside its linear part, E A b_g/2.
+   pure subroutine quadratic_tension(frame, shape, body, geometric_elements, recovery)
+      type(frame_type), intent(in) :: frame
+      real(wp), intent(in) :: shape(:, :, :)
+      type(reduced_type), intent(in) :: body
+      integer, intent(in) :: geometric_elements
+      type(recovery_type), intent(inout) :: recovery
+      real(wp) :: x(0:geometric_elements), b(size(shape, 3), size(shape, 3), geometric_elements)
+      integer :: i, g
+      allocate (recovery%slopes(merge(body%bending, 0, body%full), merge(body%bending, 0, body%full), size(recovery%sections)))
+      if (.not. body%full) return
+      do i = 1, size(recovery%sections)
+         associate (section => recovery%sections(i), last => frame%first(recovery%sections(i)%member + 1) - 1)
+            x = element_ends(frame%from(last) + frame%length(last), geometric_elements)
+            b = mean_slopes(member_field(frame, shape, section%member), x, .false.)
+            g = max(1, count(x(:geometric_elements - 1) < section%x))
+            if (section%behind) g = count(x(:geometric_elements - 1) <= section%x)
+            recovery%slopes(:, :, i) = 0.5_wp*frame%ea(last)*b(:body%bending, :body%bending, g)
+         end associate
+      end do
+   end subroutine quadratic_tension
+
+   !> The amplitudes that the coefficients are for, but those of the places of loads: first 4 + 3n of them.
+   pure subroutine amplitudes(heavy, omega, alpha, eta, rate, acceleration, amplitude)
+      !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2)
+      real(wp), intent(in) :: heavy(2)
+      !> Angular velocity and acceleration
+      real(wp), intent(in) :: omega, alpha
+      !> Coordinates, their rates and accelerations (n)
+      real(wp), intent(in) :: eta(:), rate(:), acceleration(:)
+      !> (columns); behind the first 4 + 3n: force along the axes of the frame (2) and couple at each place of loads
+      real(wp), intent(inout) :: amplitude(:)
+      integer :: n
+      n = size(eta)
+      amplitude(1:2) = -heavy
+      amplitude(3) = -alpha
+      amplitude(4) = omega**2
+      amplitude(5:4 + n) = -acceleration
+      amplitude(5 + n:4 + 2*n) = omega**2*eta
+      amplitude(5 + 2*n:4 + 3*n) = -alpha*eta - 2*omega*rate
+   end subroutine amplitudes
+
+   !> Axial force, shear force and bending moment at a section.
+   pure function internal_forces(recovery, section, eta, amplitude) result(force)
+      type(recovery_type), intent(in) :: recovery
+      integer, intent(in) :: section
+      real(wp), intent(in) :: eta(:), amplitude(:)
+      real(wp) :: force(3)
+      integer :: k
+      force = 0.0_wp
+      do k = 1, recovery%n
+         force = force + recovery%modal(:, k, section)*eta(k)
+      end do
+      do k = 1, size(recovery%load, 2)
+         force = force + recovery%load(:, k, section)*amplitude(k)
+      end do
+      do k = 1, size(recovery%slopes, 2)
+         force(1) = force(1) + eta(k)*dot_product(recovery%slopes(:, k, section), eta(:size(recovery%slopes, 1)))
+      end do
+   end function internal_forces
+
+end module limber_flex_recovery

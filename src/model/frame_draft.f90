@@ -1,0 +1,383 @@
+!> A frame as the deck describes it in *NODE, *ELEMENT, *NSET, *ELSET, *BEAM SECTION, *BOUNDARY, *MASS and *ATTACHMENT, checked
+!> and put together. Floor: model.
+module limber_model_frame_draft
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text, lowercase
+   use limber_deck_content, only: deck_type, block_type, line_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_origin, only: origin_type
+   use limber_flex_frame, only: member_type
+   use limber_model_parts, only: is_part
+   use limber_model_sections, only: read_section
+   implicit none
+   private
+   public :: draft_type, set_type, read_draft, member_of
+
+   !> A node or member in a set
+   type :: set_type
+      character(64) :: name = ''
+      integer :: item = 0
+   end type set_type
+
+   !> What the deck says, with indices for the numbers of nodes and members
+   type :: draft_type
+      !> Numbers of the nodes in the deck, their places (2, nodes) [length], what is held, masses and inertias (nodes)
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: place(:, :)
+      logical, allocatable :: free(:, :)
+      real(wp), allocatable :: mass(:), inertia(:)
+      !> Numbers of the members, and the members
+      integer, allocatable :: number(:)
+      type(member_type), allocatable :: members(:)
+      !> Blocks of their material and section; 0: none (members)
+      integer, allocatable :: material(:), section(:)
+      !> Cross-sections (4, members), see `read_section`
+      real(wp), allocatable :: strength(:, :)
+      !> Where nodes and members are defined
+      type(origin_type), allocatable :: node_origin(:), member_origin(:)
+      type(set_type), allocatable :: node_sets(:), member_sets(:)
+      !> Static functions: [node, degree of freedom from 1 to 3] each (2, number)
+      integer, allocatable :: attachments(:, :)
+   end type draft_type
+
+contains
+
+   !> Reads all parts of a frame.
+   subroutine read_draft(deck, frame, draft, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Index of its block
+      integer, intent(in) :: frame
+      type(draft_type), intent(out) :: draft
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      call start_draft(deck, frame, draft)
+      do i = 1, size(deck%blocks)
+         if (.not. is_part(deck, i, frame)) cycle
+         if (deck%blocks(i)%keyword == 'NODE') call read_nodes(deck%blocks(i), draft, diagnostics)
+      end do
+      do i = 1, size(deck%blocks)
+         if (.not. is_part(deck, i, frame)) cycle
+         if (deck%blocks(i)%keyword == 'ELEMENT') call read_members(deck, deck%blocks(frame), deck%blocks(i), draft, diagnostics)
+      end do
+      do i = 1, size(deck%blocks)
+         if (.not. is_part(deck, i, frame)) cycle
+         if (deck%blocks(i)%keyword == 'NSET') &
+            & call read_set(deck%blocks(i), 'NSET', 'node', draft%node, draft%node_sets, diagnostics)
+         if (deck%blocks(i)%keyword == 'ELSET') &
+            & call read_set(deck%blocks(i), 'ELSET', 'member', draft%number, draft%member_sets, diagnostics)
+      end do
+      do i = 1, size(deck%blocks)
+         if (.not. is_part(deck, i, frame)) cycle
+         associate (block => deck%blocks(i))
+            select case (block%keyword)
+            case ('BEAM SECTION'); call read_beam_section(deck, block, draft, diagnostics)
+            case ('BOUNDARY'); call read_boundary(block, draft, diagnostics)
+            case ('MASS'); call read_masses(block, draft, diagnostics)
+            case ('ATTACHMENT'); call read_attachments(block, draft, diagnostics)
+            end select
+         end associate
+      end do
+      call settle_members(deck, deck%blocks(frame), draft, diagnostics)
+   end subroutine read_draft
+
+   !> Room for all nodes and members, none in it.
+   subroutine start_draft(deck, frame, draft)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: frame
+      type(draft_type), intent(inout) :: draft
+      integer :: i, nodes, members
+      nodes = 0
+      members = 0
+      do i = 1, size(deck%blocks)
+         if (.not. is_part(deck, i, frame)) cycle
+         if (deck%blocks(i)%keyword == 'NODE') nodes = nodes + size(deck%blocks(i)%lines)
+         if (deck%blocks(i)%keyword == 'ELEMENT') members = members + size(deck%blocks(i)%lines)
+      end do
+      allocate (draft%node(0), draft%node_origin(nodes), draft%place(2, nodes), draft%free(3, nodes), draft%mass(nodes))
+      allocate (draft%inertia(nodes), draft%number(0), draft%member_origin(members), draft%members(members))
+      allocate (draft%material(members), draft%section(members), draft%strength(4, members), draft%attachments(2, 0))
+      allocate (draft%node_sets(0), draft%member_sets(0))
+      draft%free = .true.
+      draft%mass = 0.0_wp
+      draft%inertia = 0.0_wp
+   end subroutine start_draft
+
+   subroutine read_nodes(block, draft, diagnostics)
+      type(block_type), intent(in) :: block
+      type(draft_type), intent(inout) :: draft
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, n
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i))
+            n = place_of(draft%node, nint(line%number(1)))
+            if (n > 0) then
+               call diagnostics%add(line%origin_of(1), 'node '//as_text(nint(line%number(1)))//' is defined twice', &
+                  & 'give it another number', draft%node_origin(n), 'first defined here')
+               cycle
+            end if
+            draft%node = [draft%node, nint(line%number(1))]
+            n = size(draft%node)
+            draft%place(:, n) = [line%number(2), line%number(3)]
+            draft%node_origin(n) = line%origin_of(1)
+            if (block%has('NSET')) call join_set(draft%node_sets, block%text('NSET'), n)
+         end associate
+      end do
+   end subroutine read_nodes
+
+   subroutine read_members(deck, frame, block, draft, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: frame, block
+      type(draft_type), intent(inout) :: draft
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k, n, ends(2)
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i))
+            n = place_of(draft%number, nint(line%number(1)))
+            if (n > 0) then
+               call diagnostics%add(line%origin_of(1), 'member '//as_text(nint(line%number(1)))//' is defined twice', &
+                  & 'give it another number', draft%member_origin(n), 'first defined here')
+               cycle
+            end if
+            do k = 1, 2
+               ends(k) = known(draft%node, line, 1 + k, 'node', diagnostics)
+            end do
+            if (any(ends == 0)) cycle
+            if (.not. norm2(draft%place(:, ends(1)) - draft%place(:, ends(2))) > 0.0_wp) then
+               call diagnostics%add(line%origin_of(1), 'member '//as_text(nint(line%number(1)))//' has no length', &
+                  & 'its two nodes must stand in different places')
+               cycle
+            end if
+            draft%number = [draft%number, nint(line%number(1))]
+            n = size(draft%number)
+            draft%member_origin(n) = line%origin_of(1)
+            draft%members(n)%ends = ends
+            draft%members(n)%divisions = frame%integer('DIVISIONS')
+            if (block%has('DIVISIONS')) draft%members(n)%divisions = block%integer('DIVISIONS')
+            draft%material(n) = named(deck, frame, block, 'MATERIAL')
+            draft%section(n) = named(deck, frame, block, 'SECTION')
+            if (line%count() > 3) then
+               draft%section(n) = deck%find_named('SECTION', line%text(4))
+               if (draft%section(n) == 0) call diagnostics%add(line%origin_of(4), "there is no *SECTION named '"// &
+                  & line%text(4)//"'", 'define it with *SECTION')
+            end if
+            if (block%has('ELSET')) call join_set(draft%member_sets, block%text('ELSET'), n)
+         end associate
+      end do
+   end subroutine read_members
+
+   !> Block of the material or section that a block of members names, or else the frame; 0: none.
+   integer function named(deck, frame, block, keyword)
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: frame, block
+      character(*), intent(in) :: keyword
+      named = 0
+      if (frame%has(keyword)) named = deck%find_named(keyword, frame%name(keyword))
+      if (block%has(keyword)) named = deck%find_named(keyword, block%name(keyword))
+   end function named
+
+   subroutine read_set(block, keyword, kind, numbers, sets, diagnostics)
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: keyword, kind
+      !> Of the nodes or members that there are
+      integer, intent(in) :: numbers(:)
+      type(set_type), allocatable, intent(inout) :: sets(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k, item
+      do i = 1, size(block%lines)
+         do k = 1, block%lines(i)%count()
+            item = known(numbers, block%lines(i), k, kind, diagnostics)
+            if (item > 0) call join_set(sets, block%text(keyword), item)
+         end do
+      end do
+   end subroutine read_set
+
+   subroutine read_beam_section(deck, block, draft, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: block
+      type(draft_type), intent(inout) :: draft
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      logical :: found
+      found = .false.
+      do i = 1, size(draft%member_sets)
+         if (draft%member_sets(i)%name /= lowercase(block%text('ELSET'))) cycle
+         found = .true.
+         draft%section(draft%member_sets(i)%item) = deck%find_named('SECTION', block%name('SECTION'))
+         if (block%has('MATERIAL')) draft%material(draft%member_sets(i)%item) = deck%find_named('MATERIAL', block%name('MATERIAL'))
+      end do
+      if (.not. found) call diagnostics%add(block%origin_of('ELSET'), "there is no set of members '"//block%text('ELSET')//"'", &
+         & listed_sets(draft%member_sets))
+   end subroutine read_beam_section
+
+   subroutine read_boundary(block, draft, diagnostics)
+      type(block_type), intent(in) :: block
+      type(draft_type), intent(inout) :: draft
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer, allocatable :: nodes(:)
+      integer :: i, first, last, k
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i))
+            call labelled(line, draft, nodes, diagnostics)
+            first = nint(line%number(2))
+            last = first
+            if (line%count() > 2) last = nint(line%number(3))
+            if (.not. any(freedoms(first, last))) then
+               call diagnostics%add(line%origin_of(2), 'a node in the plane has the degrees of freedom 1 (x), 2 (y) and 6 '// &
+                  & '(rotation); nothing is held here', 'give 1, 2 or 6, or a first and a last one')
+               cycle
+            end if
+            do k = 1, size(nodes)
+               draft%free(:, nodes(k)) = draft%free(:, nodes(k)) .and. .not. freedoms(first, last)
+            end do
+         end associate
+      end do
+   end subroutine read_boundary
+
+   !> Which of x, y and the rotation are among degrees of freedom 1, 2 and 6.
+   pure function freedoms(first, last) result(which)
+      integer, intent(in) :: first, last
+      logical :: which(3)
+      which = [1, 2, 6] >= first .and. [1, 2, 6] <= last
+   end function freedoms
+
+   subroutine read_masses(block, draft, diagnostics)
+      type(block_type), intent(in) :: block
+      type(draft_type), intent(inout) :: draft
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer, allocatable :: nodes(:)
+      integer :: i
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i))
+            call labelled(line, draft, nodes, diagnostics)
+            draft%mass(nodes) = draft%mass(nodes) + line%number(2)
+            if (line%count() > 2) draft%inertia(nodes) = draft%inertia(nodes) + line%number(3)
+         end associate
+      end do
+   end subroutine read_masses
+
+   subroutine read_attachments(block, draft, diagnostics)
+      type(block_type), intent(in) :: block
+      type(draft_type), intent(inout) :: draft
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer, allocatable :: nodes(:), longer(:, :)
+      integer :: i, k, old
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i), freedom => nint(block%lines(i)%number(2)))
+            call labelled(line, draft, nodes, diagnostics)
+            if (count(freedoms(freedom, freedom)) /= 1) then
+               call diagnostics%add(line%origin_of(2), 'a node in the plane has no degree of freedom '//as_text(freedom), &
+                  & 'give 1 (x), 2 (y) or 6 (rotation)')
+               cycle
+            end if
+            do k = 1, size(nodes)
+               old = size(draft%attachments, 2)
+               allocate (longer(2, old + 1))
+               longer(:, :old) = draft%attachments
+               longer(:, old + 1) = [nodes(k), min(freedom, 3)]
+               call move_alloc(longer, draft%attachments)
+            end do
+         end associate
+      end do
+   end subroutine read_attachments
+
+   !> Nodes that the first field of a line names by number or by set.
+   subroutine labelled(line, draft, nodes, diagnostics)
+      type(line_type), intent(in) :: line
+      type(draft_type), intent(in) :: draft
+      !> Indices
+      integer, allocatable, intent(out) :: nodes(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      if (line%text(1) == '') then
+         i = known(draft%node, line, 1, 'node', diagnostics)
+         allocate (nodes(merge(1, 0, i > 0)))
+         nodes = i
+         return
+      end if
+      allocate (nodes(0))
+      do i = 1, size(draft%node_sets)
+         if (draft%node_sets(i)%name == line%text(1)) nodes = [nodes, draft%node_sets(i)%item]
+      end do
+      if (size(nodes) == 0) call diagnostics%add(line%origin_of(1), "there is no set of nodes '"//line%text(1)//"'", &
+         & listed_sets(draft%node_sets))
+   end subroutine labelled
+
+   !> Names of the sets that there are.
+   pure function listed_sets(sets) result(text)
+      type(set_type), intent(in) :: sets(:)
+      character(:), allocatable :: text
+      integer :: i
+      text = 'this frame has no sets; make one with *NSET or *ELSET'
+      do i = 1, size(sets)
+         if (any(sets(:i - 1)%name == sets(i)%name)) cycle
+         if (i == 1) text = 'valid: '//trim(sets(i)%name)
+         if (i > 1) text = text//', '//trim(sets(i)%name)
+      end do
+   end function listed_sets
+
+   !> Index of a number among those that there are; 0 with a complaint if it is not.
+   integer function known(numbers, line, i, kind, diagnostics)
+      integer, intent(in) :: numbers(:)
+      type(line_type), intent(in) :: line
+      !> Field of the line
+      integer, intent(in) :: i
+      character(*), intent(in) :: kind
+      type(diagnostics_type), intent(inout) :: diagnostics
+      known = place_of(numbers, nint(line%number(i)))
+      if (known == 0) call diagnostics%add(line%origin_of(i), 'this frame has no '//kind//' '//as_text(line%number(i)), &
+         & 'define it first')
+   end function known
+
+   pure integer function place_of(numbers, number)
+      integer, intent(in) :: numbers(:), number
+      do place_of = size(numbers), 1, -1
+         if (numbers(place_of) == number) return
+      end do
+   end function place_of
+
+   pure subroutine join_set(sets, name, item)
+      type(set_type), allocatable, intent(inout) :: sets(:)
+      character(*), intent(in) :: name
+      integer, intent(in) :: item
+      type(set_type), allocatable :: longer(:)
+      integer :: n
+      n = size(sets)
+      allocate (longer(n + 1))
+      longer(:n) = sets
+      longer(n + 1)%name = lowercase(name)
+      longer(n + 1)%item = item
+      call move_alloc(longer, sets)
+   end subroutine join_set
+
+   !> Rigidities of all members.
+   subroutine settle_members(deck, frame, draft, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: frame
+      type(draft_type), intent(inout) :: draft
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: m
+      if (size(draft%number) == 0) call diagnostics%add(frame%origin, "frame '"//frame%name()//"' has no members", &
+         & 'add *NODE and *ELEMENT below it')
+      do m = 1, size(draft%number)
+         if (draft%material(m) == 0 .or. draft%section(m) == 0) then
+            call diagnostics%add(draft%member_origin(m), 'member '//as_text(draft%number(m))//' has no '// &
+               & trim(merge('material', 'section ', draft%material(m) == 0)), 'name one at *FRAME, *ELEMENT or *BEAM SECTION')
+            cycle
+         end if
+         call read_section(deck%blocks(draft%section(m)), draft%strength(:, m), diagnostics)
+         associate (member => draft%members(m), material => deck%blocks(draft%material(m)))
+            member%ea = material%real('YOUNG')*draft%strength(1, m)
+            member%ei = material%real('YOUNG')*draft%strength(2, m)
+            member%rho_a = material%real('DENSITY')*draft%strength(1, m)
+         end associate
+      end do
+   end subroutine settle_members
+
+   !> Index of a member by its number; 0: there is none.
+   pure integer function member_of(draft, number) result(member)
+      type(draft_type), intent(in) :: draft
+      integer, intent(in) :: number
+      member = place_of(draft%number, number)
+   end function member_of
+
+end module limber_model_frame_draft

@@ -1,0 +1,233 @@
+!> Flexible frames from the deck: their mesh, their reduction and their named points. Floor: model.
+module limber_model_frames
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_flex_frame, only: frame_type, new_frame, member_length
+   use limber_flex_frame_reduction, only: reduce_frame, available_frame_modes, frame_point_shape
+   use limber_flex_frame_solver, only: connected_nodes
+   use limber_flex_reduced, only: reduced_type, rigid_reduced
+   use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
+   use limber_model_bodies, only: new_body, append_body, is_new_point
+   use limber_model_frame_draft, only: draft_type, read_draft, member_of
+   use limber_model_parts, only: is_part
+   use limber_model_points, only: add_point
+   use limber_model_scene, only: model_type, body_type, body_flexible, body_rigid
+   implicit none
+   private
+   public :: add_frame
+
+contains
+
+   !> Adds a frame with its points.
+   subroutine add_frame(deck, index, model, diagnostics)
+      type(deck_type), intent(inout) :: deck
+      !> Index of its block
+      integer, intent(in) :: index
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(draft_type) :: draft
+      type(body_type) :: body
+      type(error_type), allocatable :: error
+      integer :: before, added
+      before = diagnostics%count
+      call settle_options(deck, index)
+      body = new_body(deck%blocks(index), body_flexible)
+      body%is_frame = .true.
+      call read_draft(deck, index, draft, diagnostics)
+      if (diagnostics%count == before) call mesh(deck%blocks(index), draft, body, diagnostics)
+      if (diagnostics%count == before .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
+         call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error)
+         if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"': "//error%message)
+      end if
+      if (diagnostics%count > before) then
+         body%kind = body_rigid
+         body%reduced = rigid_reduced(1.0_wp, 1.0_wp, [0.0_wp, 0.0_wp])
+      else if (.not. allocated(body%shape)) then
+         body%kind = body_rigid
+         body%reduced = rigid_frame(draft)
+      else if (body%reduced%n > 0) then
+         body%largest_shape = maxval(abs(body%shape(1:2, :, :)))
+         if (body%reduced%full .and. body%frame_choice%derivatives == 0) call diagnostics%warn(deck%blocks(index)%origin_of( &
+            & 'MODAL DERIVATIVES'), "frame '"//body%name//"' locks: FULL with vibration modes alone deflects too little", &
+            & 'use MODAL DERIVATIVES=3 or more')
+      end if
+      body%size = extent(draft%place(:, :size(draft%node)))
+      call append_body(model, body, added)
+      if (diagnostics%count == before) call add_frame_points(deck, index, draft, model, diagnostics)
+   end subroutine add_frame
+
+   !> Choices that the deck leaves open.
+   subroutine settle_options(deck, index)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: index
+      if (deck%blocks(index)%has('STATIC FUNCTIONS')) return
+      call deck%set_option(index, 'STATIC FUNCTIONS', merge('CENTRIFUGAL', 'NONE       ', &
+         & deck%blocks(index)%word('GEOMETRIC') == 'K_G' .or. deck%blocks(index)%word('GEOMETRIC') == 'FULL'))
+   end subroutine settle_options
+
+   !> The mesh, and what was chosen.
+   subroutine mesh(block, draft, body, diagnostics)
+      type(block_type), intent(in) :: block
+      type(draft_type), intent(in) :: draft
+      type(body_type), intent(inout) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      logical, allocatable :: connected(:)
+      integer :: i, available
+      body%mesh = new_frame(draft%place, draft%members)
+      allocate (body%strength, source=draft%strength)
+      do i = 1, size(draft%node)
+         body%mesh%free(:, i) = draft%free(:, i)
+         body%mesh%mass(1:2, i) = body%mesh%mass(1:2, i) + draft%mass(i)
+         body%mesh%mass(3, i) = body%mesh%mass(3, i) + draft%inertia(i)
+      end do
+      allocate (connected, source=connected_nodes(body%mesh))
+      do i = 1, size(draft%node)
+         if (.not. connected(i)) call diagnostics%add(draft%node_origin(i), 'node '//as_text(draft%node(i))// &
+            & ' is not joined to node '//as_text(draft%node(1))//' by members', 'a frame must hang together')
+      end do
+      if (any(.not. connected)) return
+      associate (choice => body%frame_choice)
+         choice%modes = block%integer('MODES')
+         select case (block%word('GEOMETRIC'))
+         case ('LINEAR'); choice%fidelity = fidelity_linear
+         case ('K_G'); choice%fidelity = fidelity_kg
+         case ('FULL'); choice%fidelity = fidelity_full
+         end select
+         choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
+         choice%centrifugal = block%word('STATIC FUNCTIONS') /= 'NONE'
+         choice%accelerations = block%word('STATIC FUNCTIONS') == 'ACCELERATIONS'
+         if (choice%fidelity == fidelity_full) choice%derivatives = block%integer('MODAL DERIVATIVES')
+         allocate (choice%attachments, source=draft%attachments)
+      end associate
+      available = available_frame_modes(body%mesh)
+      if (block%integer('MODES') > available) call diagnostics%add(block%origin_of('MODES'), "frame '"//body%name//"': "// &
+         & as_text(block%integer('MODES'))//' modes are asked for, but the lumped mass gives '//as_text(available), &
+         & 'at most '//as_text(available)//', or raise DIVISIONS')
+   end subroutine mesh
+
+   !> The frame as one rigid body.
+   pure function rigid_frame(draft) result(reduced)
+      type(draft_type), intent(in) :: draft
+      type(reduced_type) :: reduced
+      real(wp) :: mass, moment(2), second, line(2), middle(2), part
+      integer :: i
+      mass = sum(draft%mass)
+      moment = matmul(draft%place, draft%mass)
+      second = sum(draft%inertia) + sum(draft%mass*(draft%place(1, :)**2 + draft%place(2, :)**2))
+      do i = 1, size(draft%members)
+         associate (a => draft%place(:, draft%members(i)%ends(1)), b => draft%place(:, draft%members(i)%ends(2)))
+            line = b - a
+            middle = 0.5_wp*(a + b)
+         end associate
+         part = draft%members(i)%rho_a*norm2(line)
+         mass = mass + part
+         moment = moment + part*middle
+         second = second + part*(dot_product(middle, middle) + dot_product(line, line)/12)
+      end do
+      reduced = rigid_reduced(mass, second - dot_product(moment, moment)/mass, moment/mass)
+   end function rigid_frame
+
+   !> Points of the frame that was added last: the origin of its axes if a node is there, nodes that have names, and places
+   !> along members.
+   subroutine add_frame_points(deck, index, draft, model, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(draft_type), intent(in) :: draft
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k, owner, node
+      real(wp) :: length
+      owner = model%counts%bodies
+      associate (block => deck%blocks(index))
+         do node = 1, size(draft%node)
+            if (all(abs(draft%place(:, node)) <= 0.0_wp)) call place_node('origin', node)
+         end do
+         do i = 1, size(deck%blocks)
+            if (deck%blocks(i)%keyword /= 'NODE' .or. .not. is_part(deck, i, index)) cycle
+            do k = 1, size(deck%blocks(i)%lines)
+               associate (line => deck%blocks(i)%lines(k))
+                  if (line%count() < 4) cycle
+                  do node = size(draft%node), 1, -1
+                     if (draft%node(node) == nint(line%number(1))) exit
+                  end do
+                  if (is_new_point(model, model%bodies(owner)%name//'.'//line%text(4), line%origin_of(4), diagnostics)) &
+                     & call place_node(line%text(4), node)
+               end associate
+            end do
+         end do
+         do i = 1, size(block%lines)
+            associate (line => block%lines(i), member => member_of(draft, nint(block%lines(i)%number(2))))
+               if (member == 0) then
+                  call diagnostics%add(line%origin_of(2), 'this frame has no member '//as_text(nint(line%number(2))))
+                  cycle
+               end if
+               length = norm2(draft%place(:, draft%members(member)%ends(2)) - draft%place(:, draft%members(member)%ends(1)))
+               if (line%number(3) < 0.0_wp .or. line%number(3) > length*(1 + 1.0e-12_wp)) then
+                  call diagnostics%add(line%origin_of(3), 'the point lies outside the member', &
+                     & 'give a coordinate from 0 to '//as_text(length))
+               else if (is_new_point(model, model%bodies(owner)%name//'.'//line%text(1), line%origin_of(1), diagnostics)) then
+                  call place_point(line%text(1), member, min(line%number(3), length), 1)
+               end if
+            end associate
+         end do
+      end associate
+
+   contains
+
+      subroutine place_node(name, node)
+         character(*), intent(in) :: name
+         integer, intent(in) :: node
+         integer :: m, member, meeting
+         meeting = 0
+         member = 0
+         do m = 1, size(draft%members)
+            if (.not. any(draft%members(m)%ends == node)) cycle
+            meeting = meeting + 1
+            member = m
+         end do
+         if (draft%members(member)%ends(1) == node) then
+            call place_point(name, member, 0.0_wp, meeting)
+         else
+            call place_point(name, member, member_length(model%bodies(owner)%mesh, member), meeting)
+         end if
+         model%points(model%counts%points)%p0 = draft%place(:, node)
+      end subroutine place_node
+
+      subroutine place_point(name, member, x, meeting)
+         character(*), intent(in) :: name
+         integer, intent(in) :: member, meeting
+         real(wp), intent(in) :: x
+         character(:), allocatable :: whole
+         real(wp), allocatable :: phi(:, :), psi(:)
+         real(wp) :: p0(2)
+         associate (body => model%bodies(owner))
+            whole = body%name//'.'//name
+            p0 = draft%place(:, draft%members(member)%ends(1)) + x*body%mesh%axis(:, body%mesh%first(member))
+            if (body%kind == body_flexible) call frame_point_shape(body%mesh, body%shape, member, x, phi, psi)
+         end associate
+         call add_point(model, whole, owner, p0, phi, psi)
+         associate (point => model%points(model%counts%points))
+            point%member = member
+            point%meeting = meeting
+            point%along = x
+         end associate
+      end subroutine place_point
+
+   end subroutine add_frame_points
+
+   !> Largest distance between two nodes.
+   pure real(wp) function extent(place)
+      real(wp), intent(in) :: place(:, :)
+      integer :: i, j
+      extent = 0.0_wp
+      do i = 1, size(place, 2)
+         do j = 1, i - 1
+            extent = max(extent, norm2(place(:, i) - place(:, j)))
+         end do
+      end do
+   end function extent
+
+end module limber_model_frames

@@ -1,0 +1,88 @@
+!> Where internal forces are asked for: sections and places of loads of each flexible body, and the coefficients by which the
+!> motion and the loads give the forces there. Floor: model.
+module limber_model_stresses
+   use limber_base_error, only: error_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_origin, only: origin_type
+   use limber_flex_frame, only: frame_type
+   use limber_flex_recovery, only: section_type, load_place_type, new_recovery, beam_frame, all_sections
+   use limber_model_quantities, only: is_internal_force
+   use limber_model_scene, only: model_type, body_flexible
+   use limber_base_kinds, only: wp
+   implicit none
+   private
+   public :: add_recoveries
+
+contains
+
+   !> Makes the coefficients for all points that a channel asks internal forces of.
+   subroutine add_recoveries(model, diagnostics)
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: sections(size(model%bodies)), i, j
+      sections = 0
+      do i = 1, size(model%channels)
+         do j = 1, size(model%channels(i)%quantities)
+            associate (quantity => model%channels(i)%quantities(j))
+               if (.not. is_internal_force(quantity%kind)) cycle
+               associate (point => model%points(quantity%of))
+                  if (point%section > 0) cycle
+                  sections(point%body) = sections(point%body) + 1
+                  point%section = sections(point%body)
+               end associate
+            end associate
+         end do
+      end do
+      do i = 1, size(model%bodies)
+         model%bodies(i)%point_sections = sections(i)
+         if (sections(i) > 0 .or. model%bodies(i)%envelope) call add_recovery(model, i, sections(i), diagnostics)
+      end do
+   end subroutine add_recoveries
+
+   !> Of one body. A section is the one just before its point, seen from the start; at the start that just behind it.
+   subroutine add_recovery(model, index, count, diagnostics)
+      type(model_type), intent(inout) :: model
+      !> Index of the body, and its number of sections at points
+      integer, intent(in) :: index, count
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(section_type) :: sections(count)
+      type(load_place_type), allocatable :: places(:)
+      type(frame_type) :: frame
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: shape(:, :, :)
+      integer :: i, place
+      allocate (places(own_points(model, index)))
+      place = 0
+      do i = 1, size(model%points)
+         associate (point => model%points(i))
+            if (point%body /= index .or. point%member == 0) cycle
+            place = place + 1
+            places(place) = load_place_type(point%member, point%along)
+            if (point%section > 0) sections(point%section) = section_type(point%member, point%along, .not. point%along > 0.0_wp)
+         end associate
+      end do
+      associate (body => model%bodies(index))
+         if (body%is_frame) then
+            call new_recovery(body%mesh, body%shape, body%reduced, body%frame_choice%geometric_elements, &
+               & [sections, all_sections(body%mesh, body%envelope)], places, body%recovery, error)
+         else
+            call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
+            call new_recovery(frame, shape, body%reduced, body%choice%geometric_elements, &
+               & [sections, all_sections(frame, body%envelope)], places, body%recovery, error)
+         end if
+         if (allocated(error)) call diagnostics%add(origin_type(file=1), "internal forces of '"//body%name//"': "//error%message)
+      end associate
+   end subroutine add_recovery
+
+   !> Number of points of a body that are places along it; where a distributed load acts is none.
+   pure integer function own_points(model, index)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: index
+      integer :: i
+      own_points = 0
+      do i = 1, size(model%points)
+         if (model%points(i)%body == index .and. model%points(i)%member > 0) own_points = own_points + 1
+      end do
+   end function own_points
+
+end module limber_model_stresses

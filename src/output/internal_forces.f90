@@ -1,0 +1,206 @@
+!> Internal forces of flexible bodies at a sample: gathers what acts on a body, joint reactions among it, and lets the
+!> coefficients of `limber_flex_recovery` turn it into axial force, shear force and bending moment. Floor: output.
+!> Source: doc/theory, eqs. (F7)-(F10).
+module limber_output_internal_forces
+   use limber_base_kinds, only: wp
+   use limber_flex_recovery, only: amplitudes, internal_forces
+   use limber_model_scene, only: ground
+   use limber_system_algebra, only: cross
+   use limber_system_kinematics, only: point_position
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: effort_type, new_efforts, gather_efforts, join_envelopes, section_forces, stresses
+
+   !> What acts on one body that has sections; none otherwise
+   type :: effort_type
+      !> (columns of its recovery)
+      real(wp), allocatable :: amplitude(:)
+      !> Place of each point of the model among those of the body; 0: none of them (points)
+      integer, allocatable :: place(:)
+      !> Forces of one load (rates)
+      real(wp), allocatable :: scratch(:)
+      !> Of an envelope: least and greatest axial force, shear force, bending moment, and stresses to the left and to the right
+      !> (5, 2, sections along the body); otherwise unallocated
+      real(wp), allocatable :: extremes(:, :, :)
+   end type effort_type
+
+contains
+
+   !> Room for all bodies.
+   function new_efforts(system) result(efforts)
+      type(system_type), intent(in) :: system
+      type(effort_type), allocatable :: efforts(:)
+      integer :: i, p, count, most
+      allocate (efforts(size(system%model%bodies)))
+      most = 0
+      do i = 1, size(system%loads)
+         most = max(most, sum(system%loads(i)%item%rates))
+      end do
+      do i = 1, size(efforts)
+         if (.not. allocated(system%model%bodies(i)%recovery%load)) cycle
+         allocate (efforts(i)%amplitude(size(system%model%bodies(i)%recovery%load, 2)), efforts(i)%place(size(system%model%points)))
+         efforts(i)%amplitude = 0.0_wp
+         allocate (efforts(i)%scratch(most))
+         efforts(i)%place = 0
+         associate (body => system%model%bodies(i))
+            if (body%envelope) then
+               allocate (efforts(i)%extremes(5, 2, size(body%recovery%load, 3) - body%point_sections))
+               efforts(i)%extremes(:, 1, :) = huge(1.0_wp)
+               efforts(i)%extremes(:, 2, :) = -huge(1.0_wp)
+            end if
+         end associate
+         count = 0
+         do p = 1, size(system%model%points)
+            if (system%model%points(p)%body /= i .or. system%model%points(p)%member == 0) cycle
+            ! Behind the points of the model stand directions that the system made of them
+            if (count == system%model%bodies(i)%recovery%places) exit
+            count = count + 1
+            efforts(i)%place(p) = count
+         end do
+      end do
+   end function new_efforts
+
+   !> Amplitudes of all bodies that have sections; multipliers, Jacobians and kinematics are those of the state.
+   subroutine gather_efforts(efforts, system, work, q, v, a)
+      type(effort_type), intent(inout) :: efforts(:)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Coordinates, velocities, accelerations (nq)
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      integer :: i, first, last, n
+      real(wp) :: u(2), heavy(2)
+      do i = 1, size(efforts)
+         if (.not. allocated(efforts(i)%amplitude)) cycle
+         n = system%layout%n(i)
+         first = system%layout%q(i)
+         last = first + 3 + n
+         u = q(first + 2:first + 3)
+         heavy = a(first:first + 1) - system%model%gravity
+         heavy = [dot_product(u, heavy), cross(u, heavy)]
+         efforts(i)%amplitude = 0.0_wp
+         call amplitudes(heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), q(first + 4:last), &
+            & v(first + 4:last), a(first + 4:last), efforts(i)%amplitude)
+         call add_reactions(efforts(i), system, work, i, q)
+         if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first + 4:last))
+      end do
+   end subroutine gather_efforts
+
+   !> Takes a sample into the envelope.
+   pure subroutine stretch_envelope(effort, system, body, eta)
+      type(effort_type), intent(inout) :: effort
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      real(wp), intent(in) :: eta(:)
+      real(wp) :: value(5)
+      integer :: k
+      associate (recovery => system%model%bodies(body)%recovery, first => system%model%bodies(body)%point_sections)
+         do k = 1, size(effort%extremes, 3)
+            value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude)
+            value(4:5) = stresses(value(:3), system%model%bodies(body)%strength(:, recovery%sections(first + k)%member))
+            effort%extremes(:, 1, k) = min(effort%extremes(:, 1, k), value)
+            effort%extremes(:, 2, k) = max(effort%extremes(:, 2, k), value)
+         end do
+      end associate
+   end subroutine stretch_envelope
+
+   !> Joins the envelopes of an analysis to those of the ones before it.
+   subroutine join_envelopes(part, whole)
+      !> (bodies); unallocated if the analysis has none
+      type(effort_type), allocatable, intent(in) :: part(:)
+      type(effort_type), allocatable, intent(inout) :: whole(:)
+      integer :: i
+      if (.not. allocated(part)) return
+      if (.not. allocated(whole)) then
+         allocate (whole, source=part)
+         return
+      end if
+      do i = 1, size(part)
+         if (.not. allocated(part(i)%extremes)) cycle
+         whole(i)%extremes(:, 1, :) = min(whole(i)%extremes(:, 1, :), part(i)%extremes(:, 1, :))
+         whole(i)%extremes(:, 2, :) = max(whole(i)%extremes(:, 2, :), part(i)%extremes(:, 2, :))
+      end do
+   end subroutine join_envelopes
+
+   !> Stresses in the extreme fibres to the left and to the right (2).
+   pure function stresses(force, strength) result(stress)
+      !> Axial force, shear force, bending moment
+      real(wp), intent(in) :: force(3)
+      !> Cross-section, see `body_type`
+      real(wp), intent(in) :: strength(4)
+      real(wp) :: stress(2)
+      stress = force(1)/strength(1) + force(3)/strength(2)*[-strength(3), strength(4)]
+   end function stresses
+
+   !> Forces of joints, drivers and loads.
+   subroutine add_reactions(effort, system, work, body, q)
+      type(effort_type), intent(inout) :: effort
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      integer, intent(in) :: body
+      real(wp), intent(in) :: q(:)
+      real(wp) :: force(3)
+      integer :: i, side, row
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, 2
+               if (item%bodies(side) /= body) cycle
+               force = 0.0_wp
+               do row = 1, item%rows
+                  force = force - work%lambda(item%first + row - 1)*work%jacobians(side, i)%z(row, :)
+               end do
+               call add_force(effort, system, body, item%points(side), force, q)
+            end do
+         end associate
+      end do
+      do i = 1, size(system%loads)
+         associate (item => system%loads(i)%item)
+            if (.not. any(item%bodies == body)) cycle
+            effort%scratch = 0.0_wp
+            call item%add_force(work%kinematics, effort%scratch(:sum(item%rates)))
+            if (item%is_scaled) effort%scratch = item%share*effort%scratch
+            do side = 1, size(item%bodies)
+               if (item%bodies(side) == body) call add_force(effort, system, body, item%points(side), &
+                  & effort%scratch(item%offsets(side) + 1:item%offsets(side) + 3), q)
+            end do
+         end associate
+      end do
+   end subroutine add_reactions
+
+   !> A force and its moment about the frame's origin, as force and couple at a point, in the axes of the frame. What acts at no
+   !> point, as a torque on the floating frame or a load along the beam, has its part in the coordinates only.
+   pure subroutine add_force(effort, system, body, point, force, q)
+      type(effort_type), intent(inout) :: effort
+      type(system_type), intent(in) :: system
+      !> Indices of the body and of the point; 0: none
+      integer, intent(in) :: body, point
+      !> Along the fixed axes (2), and moment
+      real(wp), intent(in) :: force(3), q(:)
+      real(wp) :: u(2), couple
+      integer :: first, at
+      if (point == 0) return
+      if (effort%place(point) == 0) return
+      first = system%layout%q(body)
+      u = q(first + 2:first + 3)
+      couple = force(3) - cross(point_position(system%layout, system%model%points(point), q) - q(first:first + 1), force(1:2))
+      at = size(effort%amplitude) - 3*maxval(effort%place) + 3*(effort%place(point) - 1)
+      effort%amplitude(at + 1:at + 3) = effort%amplitude(at + 1:at + 3) + [dot_product(u, force(1:2)), cross(u, force(1:2)), couple]
+   end subroutine add_force
+
+   !> Axial force, shear force and bending moment at a point.
+   pure function section_forces(efforts, system, point, q) result(force)
+      type(effort_type), intent(in) :: efforts(:)
+      type(system_type), intent(in) :: system
+      !> Index of the point, which has a section
+      integer, intent(in) :: point
+      real(wp), intent(in) :: q(:)
+      real(wp) :: force(3)
+      integer :: body, first
+      body = system%model%points(point)%body
+      first = system%layout%q(body)
+      if (body == ground) return
+      force = internal_forces(system%model%bodies(body)%recovery, system%model%points(point)%section, &
+         & q(first + 4:first + 3 + system%layout%n(body)), efforts(body)%amplitude)
+   end function section_forces
+
+end module limber_output_internal_forces

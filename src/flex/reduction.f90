@@ -83,10 +83,10 @@ contains
       if (choice%linear) pieces = max(1, beam%elements/choice%geometric_elements)
       allocate (x(0:choice%geometric_elements*pieces))
       x(:) = element_ends(beam%length, choice%geometric_elements*pieces)
-      slopes = mean_slopes(field, x, choice%nodal)
+      allocate (slopes, source=mean_slopes(field, x, choice%nodal))
       select case (choice%axial_basis)
       case (axial_by_modes)
-         strains = mean_strains(field, x)
+         allocate (strains, source=mean_strains(field, x))
       case (axial_by_elements)
          call axial_basis(beam, choice%support, x, element_functions(size(x) - 1), field, strains, error)
       case (axial_static)
@@ -96,20 +96,20 @@ contains
       if (allocated(error)) return
 
       call sum_inertia(beam, choice%origin, field, body)
-      body%omega2 = [field%omega2_bending, field%omega2_axial]
+      allocate (body%omega2, source=[field%omega2_bending, field%omega2_axial])
       body%geometric = choice%fidelity /= fidelity_linear .and. body%bending > 0
       body%full = choice%fidelity == fidelity_full .and. body%bending > 0
       if (body%geometric .and. choice%linear) then
          x = x(::pieces)
-         body%cubic = project_cubic(beam%ea, x, joined_strains(strains, pieces), mean_slopes(field, x, .false.)) &
-            & + project_cubic(beam%ea, x, strain_moments(strains, pieces), slope_moments(field, x))
+         allocate (body%cubic, source=project_cubic(beam%ea, x, joined_strains(strains, pieces), mean_slopes(field, x, .false.)) &
+            & + project_cubic(beam%ea, x, strain_moments(strains, pieces), slope_moments(field, x)))
       else if (body%geometric) then
-         body%cubic = project_cubic(beam%ea, x, strains, slopes)
+         allocate (body%cubic, source=project_cubic(beam%ea, x, strains, slopes))
       else
          allocate (body%cubic(0, body%n - body%bending))
       end if
       if (body%full) then
-         body%quartic = project_membrane(beam%ea, x, slopes) + project_curvature(beam, field)
+         allocate (body%quartic, source=project_membrane(beam%ea, x, slopes) + project_curvature(beam, field))
       else
          allocate (body%quartic(0, 0))
       end if

@@ -69,7 +69,7 @@ contains
          self%weakest(i) = merge(1.0_wp + 0.5_wp*modulo(0.618034_wp*i, 1.0_wp), 0.0_wp, system%tree%row(i) > 0)
       end do
       do round = 1, rounds + 1
-         if (round > 1) self%weakest = self%weakest/norm2(self%weakest)
+         if (round > 1) self%weakest = self%weakest/max(norm2(self%weakest), tiny(1.0_wp))
          call solve_gaps(system, work, self%weakest, self%change)
          if (round > rounds) exit
          do i = 1, size(self%weakest)
@@ -81,6 +81,11 @@ contains
          if (system%tree%row(i) > 0) strength = strength + work%solution(system%tree%row(i))**2
       end do
       strength = sqrt(strength)
+      if (.not. (strength > 0.0_wp .and. strength <= huge(strength))) then
+         ! Nothing with mass is bound: there is nothing to lose
+         strength = huge(strength)
+         return
+      end if
       ! The joints of the tree take part with what they bear then
       do i = 1, size(work%bodies)
          work%bodies(i)%condensed = 0.0_wp
@@ -112,7 +117,9 @@ contains
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
       call find_weakest(self, system, work, strength)
+      if (strength >= huge(strength)) return
       now = grip_after(0.0_wp)
+      if (.not. abs(now) > 0.0_wp) return
       before = 1.0_wp
       do i = 1, looks
          s = h*i/looks

@@ -13,7 +13,7 @@ module limber_system_krylov
    use limber_system_tangent, only: tangent_type, times_mass, combine, static_softness
    implicit none
    private
-   public :: nearest_eigenvalues, is_large, by_mass, by_scales
+   public :: nearest_eigenvalues, sort, is_large, by_mass, by_scales
 
    !> Metrics: K x = lambda M x [1/time^2]; K x = lambda diag(s)^-2 x [energy]
    integer, parameter :: by_mass = 1, by_scales = 2
@@ -118,7 +118,9 @@ contains
 
    !> Indices in ascending order, by insertion.
    pure subroutine sort(key, order)
+      !> What is compared (n)
       real(wp), intent(in) :: key(:)
+      !> Index of the least, of the next, ... (n)
       integer, intent(out) :: order(:)
       integer :: i, j, item
       order = [(i, i=1, size(key))]

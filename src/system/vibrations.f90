@@ -6,7 +6,7 @@ module limber_system_vibrations
    use limber_base_lapack, only: dsygv, dgeev, dgetrf, dgetrs
    use limber_base_text, only: as_text
    use limber_system_freedom, only: freedom_type, rate_scales
-   use limber_system_krylov, only: nearest_eigenvalues, by_mass
+   use limber_system_krylov, only: nearest_eigenvalues, sort, by_mass
    use limber_system_system, only: system_type
    use limber_system_tangent, only: tangent_type, times_mass, times_damping, times_stiffness
    implicit none
@@ -250,21 +250,5 @@ contains
          if (im(k) < 0.0_wp) vector(:, j) = cmplx(basis(:n, k - 1), -basis(:n, k), wp)
       end do
    end subroutine quadratic_modes
-
-   !> Indices in ascending order, by insertion.
-   pure subroutine sort(key, order)
-      real(wp), intent(in) :: key(:)
-      integer, intent(out) :: order(:)
-      integer :: i, j, item
-      order = [(i, i=1, size(key))]
-      do i = 2, size(key)
-         item = order(i)
-         do j = i - 1, 1, -1
-            if (key(order(j)) <= key(item)) exit
-            order(j + 1) = order(j)
-         end do
-         order(j + 1) = item
-      end do
-   end subroutine sort
 
 end module limber_system_vibrations

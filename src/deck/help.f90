@@ -2,6 +2,7 @@
 !> Floor: deck.
 module limber_deck_help
    use limber_base_text, only: newline
+   use limber_deck_examples, only: example_text
    use limber_deck_operations, only: function_names, function_meanings
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
@@ -49,9 +50,9 @@ contains
       do i = 1, size(specs)
          text = text//newline//'  '//specs(i)%name//'  '//wrapped(option_sentence(specs(i)), len(specs%name) + 4)
       end do
-      if (keyword%form == form_none) return
-      text = text//newline//newline//'Data lines ('//line_count(keyword)//'): '//line_form(keyword, .false.)
-      text = text//listed_words(trim(keyword%name), .false.)
+      if (keyword%form /= form_none) text = text//newline//newline//'Data lines ('//line_count(keyword)//'): ' &
+         & //line_form(keyword, .false.)//listed_words(trim(keyword%name), .false.)
+      text = text//newline//newline//'Example:'//newline//example_text(trim(keyword%name))
    end function keyword_help
 
    !> Meaning, what may be written, default.
@@ -222,6 +223,7 @@ contains
          end do
          if (keyword_table(row)%form /= form_none) text = text//newline//'Data lines ('//line_count(keyword_table(row)) &
             & //'): '//line_form(keyword_table(row), .true.)//newline//listed_words(trim(keyword_table(row)%name), .true.)
+         text = text//newline//'```'//newline//example_text(trim(keyword_table(row)%name))//newline//'```'//newline
       end do
    end function manual_text
 

@@ -9,7 +9,7 @@ module limber_analysis_errors
 
    !> Ratio that counts as unknown
    real(wp), parameter, public :: unknown_ratio = -1.0_wp
-   !> Largest ratio that eq. (71) is used with, and smallest one at which errors count as not shrinking
+   !> Largest ratio that eq. (59) is used with, and smallest one at which errors count as not shrinking
    real(wp), parameter, public :: largest_ratio = 0.75_wp, no_shrinkage = 0.9_wp
 
 contains
@@ -21,7 +21,7 @@ contains
       if (.not. magnitude > 0.0_wp) magnitude = 1.0_wp
    end function magnitude
 
-   !> Largest magnitude among each sample and its neighbours, in eq. (72): a difference that changes its sign leaves no gap there.
+   !> Largest magnitude among each sample and its neighbours, in eq. (60): a difference that changes its sign leaves no gap there.
    pure function envelope(difference, reach) result(largest)
       real(wp), intent(in) :: difference(:)
       !> Neighbours on each side
@@ -33,7 +33,7 @@ contains
       end do
    end function envelope
 
-   !> Ratio of the difference to a more accurate run and that to a less accurate one, both over all samples: eq. (70).
+   !> Ratio of the difference to a more accurate run and that to a less accurate one, both over all samples: eq. (58).
    !> Zero if there is no difference, `unknown_ratio` if they are no numbers.
    pure real(wp) function shrinkage(fine, coarse) result(ratio)
       real(wp), intent(in) :: fine(:), coarse(:)
@@ -48,7 +48,7 @@ contains
       end if
    end function shrinkage
 
-   !> What a difference of two runs is multiplied by to bound the error of the coarser one: eq. (71).
+   !> What a difference of two runs is multiplied by to bound the error of the coarser one: eq. (59).
    elemental real(wp) function widening(ratio)
       !> Of their errors, or `unknown_ratio`
       real(wp), intent(in) :: ratio

@@ -43,7 +43,7 @@ module limber_analysis_estimate
       character(:), allocatable :: reason
       !> Of each channel at each sample (channels, samples) [unit of the channel]
       real(wp), allocatable :: values(:, :)
-      !> Eq. (70) for each channel (channels), or `unknown_ratio`
+      !> Eq. (58) for each channel (channels), or `unknown_ratio`
       real(wp), allocatable :: ratio(:)
       !> Channels whose errors do not shrink with the tolerance although they matter (channels)
       logical, allocatable :: stuck(:)
@@ -161,7 +161,7 @@ contains
       end do
    end subroutine add_quantities
 
-   !> Errors from the samples of the runs: eqs. (70) to (73).
+   !> Errors from the samples of the runs: eqs. (58) to (61).
    subroutine compare_runs(model, samples, companion, check, steps, estimate)
       type(model_type), intent(in) :: model
       !> Of the run, of the one to compare with, and, if there is one, of the check
@@ -193,7 +193,7 @@ contains
       end do
    end subroutine compare_runs
 
-   !> What round-off alone can do to a channel: eq. (73).
+   !> What round-off alone can do to a channel: eq. (61).
    subroutine round_off(channel, slots_of, scales, steps, floors, sizes)
       type(channel_type), intent(in) :: channel
       !> Its quantities (quantities, samples), and what `natural_scale` says of them (quantities)

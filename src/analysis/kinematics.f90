@@ -1,6 +1,6 @@
 !> Kinematic analysis and inverse dynamics: the motion of a scene that its drivers move wholly, with the reactions and the
 !> torques and forces of the drivers. Nothing is integrated: each position follows from the one before by Newton's method, from a
-!> prediction so near that the branch is kept. Floor: analysis. Source: doc/theory, eqs. (A3)-(A5).
+!> prediction so near that the branch is kept. Floor: analysis. Source: doc/theory, eqs. (102)-(104).
 module limber_analysis_kinematics
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise

@@ -1,5 +1,5 @@
 !> The modal analysis: frequencies, damping and shapes of small vibrations about the present state, at rest or in steady
-!> rotation, preloaded as a static analysis has left it. Floor: analysis. Source: doc/theory, eqs. (A11)-(A14).
+!> rotation, preloaded as a static analysis has left it. Floor: analysis. Source: doc/theory, eqs. (110)-(113).
 module limber_analysis_modes
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise

@@ -1,6 +1,6 @@
 !> The static analysis: equilibrium under loads that grow, increment by increment, with its stability. Where it turns unstable
 !> the instant is found, and the scene goes on to a stable equilibrium, without a hint of where that is. Floor: analysis.
-!> Source: doc/theory, eqs. (A6)-(A10).
+!> Source: doc/theory, eqs. (105)-(109).
 module limber_analysis_statics
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise

@@ -1,6 +1,6 @@
 !> Shapes that forces and moments at the ends of a beam make: the cubics that its supports allow. Vibration modes approach them
 !> slowly, for at a free end they have no moment; a beam that is welded to others needs them. They join the modes, all are made
-!> orthonormal in the lumped mass, and diagonalise the stiffness. Floor: flex. Source: doc/theory, eqs. (A16), (A17).
+!> orthonormal in the lumped mass, and diagonalise the stiffness. Floor: flex. Source: doc/theory, eqs. (115), (116).
 module limber_flex_end_shapes
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

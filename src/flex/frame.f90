@@ -1,6 +1,6 @@
 !> A plane frame of straight beam elements of any orientation, rigidly joined at nodes: its mesh, its elements, and its members
 !> as straight beams. Used before the time loop only. Floor: flex. Source: Przemieniecki, sections 5.6 and 6.4;
-!> doc/theory, eqs. (16), (F1).
+!> doc/theory, eqs. (16), (118).
 module limber_flex_frame
    use limber_base_kinds, only: wp
    use limber_flex_beam, only: beam_stiffness, bending_curvature, lumped_mass

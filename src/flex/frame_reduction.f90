@@ -1,5 +1,5 @@
 !> From a frame and the user's choices to its reduced constants: vibration modes, static functions, geometric part, invariants.
-!> Each member is a straight beam that all coordinates bend and stretch. Floor: flex. Source: doc/theory, eqs. (18)-(22), (F4)-(F6).
+!> Each member is a straight beam that all coordinates bend and stretch. Floor: flex. Source: doc/theory, eqs. (18)-(22), (121)-(123).
 module limber_flex_frame_reduction
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -169,7 +169,7 @@ contains
    end subroutine static_functions
 
    !> The load of an initial strain -1/2 B_g(1,2) in every k_G element: what cancels the foreshortening of a pair of modes,
-   !> eq. (F5).
+   !> eq. (122).
    subroutine add_shortening(frame, choice, pair, load)
       type(frame_type), intent(in) :: frame
       type(frame_choice_type), intent(in) :: choice

@@ -1,5 +1,5 @@
 !> The stiffness of a plane frame in a band, and static solutions under supports that may leave rigid motions.
-!> Used before the time loop only. Floor: flex. Source: doc/theory, eqs. (16), (F1).
+!> Used before the time loop only. Floor: flex. Source: doc/theory, eqs. (16), (118).
 module limber_flex_frame_solver
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

@@ -69,7 +69,7 @@ contains
    end function mean_slopes
 
    !> First moments of w'^2 over the k_G elements: eta_b.B eta_b is the mean of xi w'^2 with xi from -1 to 1 within element g,
-   !> eq. (F12).
+   !> eq. (129).
    pure function slope_moments(field, x) result(b)
       type(field_type), intent(in) :: field
       !> Ends of the k_G elements (0:elements) [length]

@@ -1,6 +1,6 @@
 !> Internal forces at sections of a flexible body from its motion and the forces on it: the modal sum, and in addition what the
 !> functions that were left out carry at rest (mode acceleration). Everything is linear in few amplitudes, whose
-!> coefficients are made once. Floor: flex. Source: doc/theory, eqs. (F7)-(F10).
+!> coefficients are made once. Floor: flex. Source: doc/theory, eqs. (124)-(127).
 module limber_flex_recovery
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -187,7 +187,7 @@ contains
 
    !> What the load makes within an element whose nodes carry it: spread over the half of the element next to each node, so that
    !> axial and shear force, which are those of the middle, change linearly up to the nodes; the moment is a parabola between them,
-   !> eq. (F10).
+   !> eq. (127).
    pure function spread_forces(frame, push, section) result(force)
       type(frame_type), intent(in) :: frame
       !> Accelerations of its nodes (2, nodes), a load with the sign that pushes
@@ -236,7 +236,7 @@ contains
       end associate
    end function nodal_load
 
-   !> What a unit load makes within its element while the nodes are held, eq. (F11).
+   !> What a unit load makes within its element while the nodes are held, eq. (128).
    pure function held_forces(frame, place, part, section) result(force)
       type(frame_type), intent(in) :: frame
       type(load_place_type), intent(in) :: place

@@ -91,7 +91,7 @@ contains
       end do
    end subroutine add_inertia
 
-   !> Adds the inertia of a node that turns with its section, eq. (F2).
+   !> Adds the inertia of a node that turns with its section, eq. (119).
    pure subroutine add_rotary(body, inertia, psi)
       type(reduced_type), intent(inout) :: body
       !> Moment of inertia about the node [mass length^2]

@@ -3,7 +3,7 @@
 !> of one side for stages on the other. So when it has failed, it is looked whether that happens within the step; then one step
 !> of Dormand and Prince's method, of order 5 and explicit on the equations of index 1, leads from this side to the other,
 !> as far behind the position as it begins before it. Floor: integrator.
-!> Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5; doc/theory, eqs. (R8), (R9).
+!> Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5; doc/theory, eqs. (76), (77).
 module limber_integrator_crossing
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -96,7 +96,7 @@ contains
    end subroutine find_weakest
 
    !> Looks for a fold ahead: the combination of constraints that binds least, found by inverse iteration at the present state, is
-   !> followed along the motion, eq. (R8).
+   !> followed along the motion, eq. (76).
    subroutine find_fold(self, system, work, t, h, q, w, acceleration, away)
       type(crossing_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -168,7 +168,7 @@ contains
 
    end subroutine find_fold
 
-   !> One step of length h, eq. (R9): the new state, settled on the constraints, is left in `y`, the multiplier system linearised
+   !> One step of length h, eq. (77): the new state, settled on the constraints, is left in `y`, the multiplier system linearised
    !> near it.
    subroutine step_across(self, system, work, t, h, q, v, work_done, scale, err, residual)
       type(crossing_type), intent(inout) :: self

@@ -201,7 +201,7 @@ contains
    end subroutine radau_step
 
    !> Error estimate that a step may have. It is of order 4 in the step while the error that adds up is of order 5: so the result
-   !> is as good as the tolerance, eq. (45a).
+   !> is as good as the tolerance, eq. (44a).
    pure real(wp) function bound(self)
       class(radau_type), intent(in) :: self
       bound = 0.1_wp*self%tolerance**0.8_wp

@@ -1,6 +1,6 @@
 !> Curves of joints in the frame of a body: a spline through points, open or closed, or y as an expression of x. As a function
 !> f(x, y) that is zero on the curve: the signed distance from the spline, positive on its left, or y - y(x). Floor: model.
-!> Source: doc/theory, eq. (J12).
+!> Source: doc/theory, eq. (89).
 module limber_model_curve
    use limber_base_kinds, only: wp
    use limber_base_spline, only: spline_moments, spline_at, spline_natural, spline_closed

@@ -1,5 +1,5 @@
 !> First and second integrals of a law of time, made once before the run: piecewise Chebyshev series between the law's breaks, as
-!> short as round-off needs. What a driver of a velocity or an acceleration prescribes. Floor: model. Source: doc/theory, eq. (J13).
+!> short as round-off needs. What a driver of a velocity or an acceleration prescribes. Floor: model. Source: doc/theory, eq. (90).
 module limber_model_integral
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type

@@ -186,7 +186,7 @@ contains
       end associate
    end subroutine add_friction
 
-   !> Ratios of damping of the coordinates of a beam: eq. (L8).
+   !> Ratios of damping of the coordinates of a beam: eq. (99).
    subroutine add_damping(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -219,7 +219,7 @@ contains
    end subroutine add_damping
 
    !> A load along a beam, one effort or two for each component of each line: forces at points that move as the load's share of
-   !> the beam does on average, eq. (L7).
+   !> the beam does on average, eq. (98).
    subroutine add_distributed(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model

@@ -1,6 +1,6 @@
 !> Internal forces of flexible bodies at a sample: gathers what acts on a body, joint reactions among it, and lets the
 !> coefficients of `limber_flex_recovery` turn it into axial force, shear force and bending moment. Floor: output.
-!> Source: doc/theory, eqs. (F7)-(F10).
+!> Source: doc/theory, eqs. (124)-(127).
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
    use limber_flex_recovery, only: amplitudes, internal_forces

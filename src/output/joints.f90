@@ -1,5 +1,5 @@
 !> What channels are told of joints and drivers: reactions from the multipliers and the Jacobian, whatever the type of joint, and
-!> joint coordinates from the places of the bodies. Floor: output. Source: doc/theory, eq. (J14).
+!> joint coordinates from the places of the bodies. Floor: output. Source: doc/theory, eq. (91).
 module limber_output_joints
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground, point_type, driver_angle

@@ -239,7 +239,7 @@ contains
 
    end subroutine read_motion
 
-   !> Where all places are: eq. (D2).
+   !> Where all places are: eq. (63).
    pure subroutine place_all(geometry, coordinates, factor, positions)
       type(geometry_type), intent(in) :: geometry
       !> Coordinates at an instant (k)
@@ -286,7 +286,7 @@ contains
       end do
    end function bent
 
-   !> A place on the undeformed body that is moved, turned and stretched so that its anchors are where `ends` says (2): eq. (D1).
+   !> A place on the undeformed body that is moved, turned and stretched so that its anchors are where `ends` says (2): eq. (62).
    pure function undeformed(geometry, anchors, ends, place) result(p)
       type(geometry_type), intent(in) :: geometry
       integer, intent(in) :: anchors(2)

@@ -7,7 +7,7 @@
 !>    [ .      I(eta)            h_k         ]      I(eta) = I0 + 2 d.eta + eta.eta
 !>    [ .      .                 1           ]
 !>
-!> less eta.R eta in I(eta) where nodes have a rotary inertia, eq. (F3).
+!> less eta.R eta in I(eta) where nodes have a rotary inertia, eq. (120).
 !>
 !> Plain kernels on arrays; no allocation. Floor: system. Source: Han and Lee 1993, eqs. (6), (7), (28); doc/theory, eqs. (7)-(13).
 module limber_system_body

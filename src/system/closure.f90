@@ -1,6 +1,6 @@
 !> What brings a scene onto its constraints from afar: Newton's method with the least change of the coordinates, in steps that
 !> find the nearest branch, and the least change of the velocities. Floor: system.
-!> Source: least-norm Gauss-Newton; Nikravesh 1988, chapter 5; doc/theory, eq. (R1).
+!> Source: least-norm Gauss-Newton; Nikravesh 1988, chapter 5; doc/theory, eq. (69).
 module limber_system_closure
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: turn, cross

@@ -5,7 +5,7 @@
 !>    [ I    G^T  ] [ step ]   [ 0    ]
 !>    [ G   -e I  ] [ -mu  ] = [ gaps ]
 !>
-!> at a cost that is linear in the number of bodies. Floor: system. Source: doc/theory, eqs. (R1), (R2).
+!> at a cost that is linear in the number of bodies. Floor: system. Source: doc/theory, eqs. (69), (70).
 module limber_system_constraint_matrix
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgelsd
@@ -228,7 +228,7 @@ contains
       end do
    end function full_matrix
 
-   !> The change of least norm that satisfies the equations, or where they contradict each other comes nearest to that: eq. (R1).
+   !> The change of least norm that satisfies the equations, or where they contradict each other comes nearest to that: eq. (69).
    subroutine least_step(self, gaps, step)
       type(constraint_matrix_type), intent(inout) :: self
       !> Right-hand sides (rows)

@@ -1,5 +1,5 @@
 !> Constraints from the joints and drivers of the model: what each kind of them measures, and how it puts that together.
-!> Floor: system. Source: doc/theory, eqs. (J4), (J5), (J9)-(J13).
+!> Floor: system. Source: doc/theory, eqs. (81), (82), (86)-(90).
 module limber_system_couplings
    use limber_base_kinds, only: wp
    use limber_model_scene, only: joint_type, driver_type, term_type, body_flexible, ground, joint_revolute, joint_point_on_line, &

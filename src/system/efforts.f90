@@ -1,6 +1,6 @@
 !> The general load: a force along a gauge, linear in it or a law of it, of its rate, of other gauges and of time. Springs of any
 !> characteristic, actuators, bushings, friction, torques of sections and between bodies, follower forces and controllers are
-!> made of it. Floor: system. Source: doc/theory, eqs. (L4)-(L6).
+!> made of it. Floor: system. Source: doc/theory, eqs. (95)-(97).
 module limber_system_efforts
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type

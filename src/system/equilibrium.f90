@@ -1,6 +1,6 @@
 !> Equilibrium of a scene at rest, or in a steady rotation as a whole: Newton's method with the exact tangent of motion and
 !> constraints, and a descent to a stable equilibrium where Newton finds none or an unstable one. Floor: system.
-!> Source: doc/theory, eqs. (A6)-(A10).
+!> Source: doc/theory, eqs. (105)-(109).
 module limber_system_equilibrium
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: turn
@@ -91,7 +91,7 @@ contains
       end associate
    end subroutine steady_motion
 
-   !> Residuals and derivatives at a place, eqs. (A6), (A7).
+   !> Residuals and derivatives at a place, eqs. (105), (106).
    subroutine linearise_balance(system, work, balance, t, q, lambda)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -259,7 +259,7 @@ contains
    end subroutine judge_large
 
    !> Descends from a place that is no equilibrium, or an unstable one, to a stable one: implicit steps along the forces, as if
-   !> the scene were moving slowly in something viscous; then Newton's method. Eq. (A10).
+   !> the scene were moving slowly in something viscous; then Newton's method. Eq. (109).
    subroutine descend(system, work, balance, t, leave, q, lambda, done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

@@ -1,6 +1,6 @@
 !> The motions that the constraints leave at a position: a basis of the null space of their Jacobian, in scaled rates, and the
 !> stiffness and mass of the scene on it. Dense: for analyses of one state, not for the time loop. Floor: system.
-!> Source: doc/theory, eqs. (A1), (A2); Golub and Van Loan, Matrix Computations, section 5.4.
+!> Source: doc/theory, eqs. (100), (101); Golub and Van Loan, Matrix Computations, section 5.4.
 module limber_system_freedom
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgeqp3, dorgqr, dsyev, dgeev

@@ -1,6 +1,6 @@
 !> Gauges: scalars of the motion that loads act along and laws depend on, made of markers. One layer turns the derivatives by the
 !> markers' positions into those by the coordinates. Over a step the weights are such that the rate times the span is what the
-!> gauge changes by, exactly. Floor: system. Source: doc/theory, eqs. (L1)-(L3).
+!> gauge changes by, exactly. Floor: system. Source: doc/theory, eqs. (92)-(94).
 module limber_system_gauges
    use limber_base_kinds, only: wp
    use limber_system_kinematics, only: kinematics_type

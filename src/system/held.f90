@@ -1,6 +1,6 @@
 !> Motion that the constraints alone determine: position, velocities, accelerations and multipliers of a scene that its drivers
 !> move wholly. Deflections are held, or in equilibrium with the loads and the inertia of the motion. Floor: system.
-!> Source: doc/theory, eqs. (A3)-(A5); Nikravesh 1988, chapter 3.
+!> Source: doc/theory, eqs. (102)-(104); Nikravesh 1988, chapter 3.
 module limber_system_held
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs
@@ -185,7 +185,7 @@ contains
    end subroutine accelerations_of
 
    !> Brings deflections, frames and multipliers into the equilibrium of the moving scene: velocities and accelerations are those
-   !> of held deflections, eq. (A5). On return they, and the multipliers, belong to the state.
+   !> of held deflections, eq. (104). On return they, and the multipliers, belong to the state.
    subroutine balance_deflections(system, work, held, t, q, v, a, done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

@@ -1,7 +1,7 @@
 !> Constraints f(z, t) = 0 that are functions of measures z, and of deflections eta of the second body. This one layer makes
 !> residual, Jacobian and all derivatives of them; a type of joint supplies f with its first and second derivatives, nothing else.
 !> Over a step the derivatives by z are corrected so that they give the change of f exactly, by the least change in a metric of z.
-!> Floor: system. Source: doc/theory, eqs. (J1)-(J8); gonzalez1996.
+!> Floor: system. Source: doc/theory, eqs. (78)-(85); gonzalez1996.
 module limber_system_kernel
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
@@ -130,7 +130,7 @@ contains
       if (self%drive > 0) rate(1) = kinematics%drives(self%drive)%rate
    end subroutine kernel_rate
 
-   !> -(d2 f/dY2 Y' Y' + df/dy.bias) + s'', with Y the vectors and deflections: eq. (J6).
+   !> -(d2 f/dY2 Y' Y' + df/dy.bias) + s'', with Y the vectors and deflections: eq. (83).
    pure subroutine kernel_gamma(self, kinematics, rate)
       class(kernel_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
@@ -185,7 +185,7 @@ contains
       end do
    end subroutine kernel_drift
 
-   !> J^T (d2 (lambda.f)/dY2) J and what the vectors' own second derivatives make, eq. (J7).
+   !> J^T (d2 (lambda.f)/dY2) J and what the vectors' own second derivatives make, eq. (84).
    pure subroutine kernel_stiffness(self, kinematics, lambda, first, second, across)
       class(kernel_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
@@ -298,7 +298,7 @@ contains
       end select
    end subroutine find_slopes
 
-   !> The gradient at the middle of the step's variables, and the least change of it that makes f(z_1) - f(z_0): eq. (J8).
+   !> The gradient at the middle of the step's variables, and the least change of it that makes f(z_1) - f(z_0): eq. (85).
    pure subroutine correct(self, kinematics, order, y, rate, at)
       class(kernel_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics

@@ -4,7 +4,7 @@
 !>    [ G             0   ] [ . ] = [ 0   ]
 !>
 !> B is the mass, or scales. The operator x -> y is symmetric in B on the motions that the constraints leave, which are its range.
-!> Floor: system. Source: doc/theory, eq. (A15); Lehoucq, Sorensen and Yang, ARPACK Users' Guide, sections 3.2, 4.
+!> Floor: system. Source: doc/theory, eq. (114); Lehoucq, Sorensen and Yang, ARPACK Users' Guide, sections 3.2, 4.
 module limber_system_krylov
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dsaupd, dseupd

@@ -1,5 +1,5 @@
 !> The loads of a system from those of the model: markers, gauges and followed angles that they need, and the bodies that they
-!> act on or depend on. Floor: system. Source: doc/theory, eqs. (L1)-(L8).
+!> act on or depend on. Floor: system. Source: doc/theory, eqs. (92)-(99).
 module limber_system_load_list
    use limber_base_kinds, only: wp
    use limber_model_quantities, only: quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, quantity_spin, &

@@ -1,6 +1,6 @@
 !> What a marker adds to equations in the independent rates (r, rotation, eta) of its body: first and second derivatives of
 !> (weight . position) and of (weight . velocity), of points as of directions; and the derivatives of an angle by the vector that
-!> it is of. Joints and loads are made of these. Floor: system. Source: doc/theory, eqs. (J1)-(J3).
+!> it is of. Joints and loads are made of these. Floor: system. Source: doc/theory, eqs. (78)-(80).
 module limber_system_markers
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
@@ -126,7 +126,7 @@ contains
    end function angle_change
 
    !> Derivative of an angle by its vector, J w/(w.w): the weight of the marker that the vector leads to, and minus that of the
-   !> other. Over a step the multiple of J w of the mean that makes the change of the angle, eq. (J2).
+   !> other. Over a step the multiple of J w of the mean that makes the change of the angle, eq. (79).
    pure function angle_gradient(kinematics, angle) result(gradient)
       type(kinematics_type), intent(in) :: kinematics
       !> Index of the angle

@@ -1,6 +1,6 @@
 !> What constraints are functions of: lengths and angles between points and directions. Each is at most quadratic in these
 !> vectors, or has a gradient over a step that makes its change exactly; so a linear combination of measures needs nothing else to
-!> be a constraint in all integrators. Floor: system. Source: doc/theory, eqs. (J1)-(J4).
+!> be a constraint in all integrators. Floor: system. Source: doc/theory, eqs. (78)-(81).
 module limber_system_measures
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: turn, cross

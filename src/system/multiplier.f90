@@ -7,7 +7,7 @@
 !> with three unknowns however many modes it has; and with the frames that hang on others, or are driven, expressed by those
 !> that are free, so that their joints enter not at all. The same factors serve the accelerations and the projections onto the
 !> position and velocity constraints. M may be singular as long as the whole is not. Floor: system.
-!> Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (14), (15), (32), (32a)-(32c).
+!> Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (14), (15), (32), (33a)-(33c).
 module limber_system_multiplier
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
@@ -91,7 +91,7 @@ contains
       call work%matrix%factor(singular)
    end subroutine factor_multiplier_system
 
-   !> Lets redundant constraints give way, eq. (R5).
+   !> Lets redundant constraints give way, eq. (73).
    subroutine give_slack(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -101,7 +101,7 @@ contains
       end do
    end subroutine give_slack
 
-   !> Accelerations of frames that hang on others, for unit values of the unknowns: those of the carrier at the joint, eq. (32a).
+   !> Accelerations of frames that hang on others, for unit values of the unknowns: those of the carrier at the joint, eq. (33a).
    !> Ones and zeros stand there already.
    subroutine update_hanging(system, work)
       type(system_type), intent(in) :: system
@@ -282,7 +282,7 @@ contains
       call expand(system, work, a)
    end subroutine solve_multiplier_system
 
-   !> Takes out of the accelerations what constraints that give way have let pass, eq. (R6).
+   !> Takes out of the accelerations what constraints that give way have let pass, eq. (74).
    subroutine refine(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -355,7 +355,7 @@ contains
       end do
    end subroutine expand
 
-   !> What the joints and drivers of the tree give their frames beside the unknowns, eq. (32a).
+   !> What the joints and drivers of the tree give their frames beside the unknowns, eq. (33a).
    subroutine set_bias(system, work, gamma)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -383,7 +383,7 @@ contains
       end associate
    end subroutine set_bias
 
-   !> Right-hand side of the unknowns, eqs. (15) and (32b).
+   !> Right-hand side of the unknowns, eqs. (15) and (33b).
    subroutine set_right_side(system, work, gamma)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -460,7 +460,7 @@ contains
    end subroutine add_hanging_force
 
    !> All multipliers after `solve_multiplier_system`, into work%lambda: those of the unknowns as they are, those of the tree from
-   !> what the equations of their body leave, the last in the tree first, eq. (32c).
+   !> what the equations of their body leave, the last in the tree first, eq. (33c).
    subroutine recover_multipliers(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

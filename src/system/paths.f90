@@ -1,6 +1,6 @@
 !> Joints that hold a point on a path: a curve in the frame of a body, or the line of a beam that deforms. Variables are the place
 !> of the point in the body's frame, xi along its first and zeta along its second axis. Floor: system.
-!> Source: doc/theory, eqs. (J9)-(J12).
+!> Source: doc/theory, eqs. (86)-(89).
 module limber_system_paths
    use limber_base_kinds, only: wp
    use limber_base_spline, only: spline_type, new_spline, spline_segment, spline_clamped, spline_natural
@@ -66,7 +66,7 @@ contains
       end do
    end subroutine set_line
 
-   !> f = zeta - w(s(xi, eta), eta), with s eliminated by its own equation: eqs. (J9)-(J11).
+   !> f = zeta - w(s(xi, eta), eta), with s eliminated by its own equation: eqs. (86)-(88).
    pure subroutine sliding_evaluate(self, order, at)
       class(sliding_type), intent(in) :: self
       integer, intent(in) :: order

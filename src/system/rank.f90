@@ -1,5 +1,5 @@
 !> Rank of the constraints at the first position: what is redundant in every position, what is so there only, and what stands
-!> still although its equations let it move. Floor: system. Source: doc/theory, eqs. (R2)-(R4).
+!> still although its equations let it move. Floor: system. Source: doc/theory, eqs. (70)-(72).
 module limber_system_rank
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

@@ -1,7 +1,7 @@
 !> Accelerations of open chains and trees of rigid bodies on pins, by recursion from the free ends to the roots and back: a body costs
 !> the same in the longest chain, and nothing is factored. The bodies' numbers stand in arrays in the order of the recursion, so
 !> that ten thousand bodies stream through the cache. Gives what the multiplier system gives, to round-off. Floor: system.
-!> Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7; doc/theory, eqs. (S1)-(S5).
+!> Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7; doc/theory, eqs. (64)-(68).
 module limber_system_recursion
    use limber_base_kinds, only: wp
    use limber_model_scene, only: body_rigid, ground
@@ -20,7 +20,7 @@ module limber_system_recursion
       !> Mass; first moment (2) and second moment of mass about the pin; place of the pin in the body frame (2), and from the pin
       !> of the carrier in that one's frame, or in space (2)
       real(wp), allocatable, private :: constants(:, :)
-      !> Mass matrix of what hangs on a pin, [A11, A12, A22, b1, b2, I], and force [p1, p2, m], eq. (S1)
+      !> Mass matrix of what hangs on a pin, [A11, A12, A22, b1, b2, I], and force [p1, p2, m], eq. (64)
       real(wp), allocatable, private :: articulated(:, :)
       !> Acceleration of the pin (2) and angular acceleration; or place and velocity of the pin (2, 2)
       real(wp), allocatable, private :: motion(:, :)
@@ -151,7 +151,7 @@ contains
       end associate
    end subroutine set_constants
 
-   !> Accelerations, eqs. (S1)-(S4). Of q and v only the frames' vectors and their rates matter.
+   !> Accelerations, eqs. (64)-(67). Of q and v only the frames' vectors and their rates matter.
    pure subroutine recursive_accelerations(recursion, gravity, q, v, a)
       type(recursion_type), intent(inout) :: recursion
       !> Acceleration of gravity (2) [length/time^2]
@@ -208,7 +208,7 @@ contains
       to(9) = c(1)*gravity(2) - c(2)*gravity(1)
    end subroutine start_place
 
-   !> Adds to the carrier what hangs on it, its rotation about the pin eliminated: eqs. (S2), (S3).
+   !> Adds to the carrier what hangs on it, its rotation about the pin eliminated: eqs. (65), (66).
    pure subroutine hand_on(constants, from, u, rate, to)
       !> Of the place that hangs
       real(wp), intent(in) :: constants(8), from(9)
@@ -268,7 +268,7 @@ contains
       to(2) = (a11*force(2) - a12*force(1))/determinant
    end subroutine let_go
 
-   !> Angular acceleration, and the second derivatives of a body's coordinates: eq. (S4).
+   !> Angular acceleration, and the second derivatives of a body's coordinates: eq. (67).
    pure subroutine finish_place(constants, from, u, rate, motion, a)
       real(wp), intent(in) :: constants(8), from(9), u(2), rate(2)
       real(wp), intent(inout) :: motion(4)
@@ -286,7 +286,7 @@ contains
       a(4) = alpha*u(1) - square*u(2)
    end subroutine finish_place
 
-   !> Brings the frames' vectors to unit length and puts every body on its pin, at position and velocity level: eq. (S5).
+   !> Brings the frames' vectors to unit length and puts every body on its pin, at position and velocity level: eq. (68).
    pure subroutine recursive_settle(recursion, q, v)
       type(recursion_type), intent(inout) :: recursion
       !> Coordinates and velocities (nq)

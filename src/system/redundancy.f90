@@ -1,5 +1,5 @@
 !> Which constraint equations say nothing new: the null space of G^T, from singular values in small scenes, by inverse iteration
-!> with sparse factors in large ones; and what it means for the joints, by name. Floor: system. Source: doc/theory, eqs. (R2)-(R4).
+!> with sparse factors in large ones; and what it means for the joints, by name. Floor: system. Source: doc/theory, eqs. (70)-(72).
 module limber_system_redundancy
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgesvd

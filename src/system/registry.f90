@@ -1,5 +1,5 @@
 !> What joints and loads ask for while the equations are built, each once: markers, directions, followed angles, deflections; and
-!> where these are in the first guess. Floor: system. Source: doc/theory, eqs. (J1)-(J3).
+!> where these are in the first guess. Floor: system. Source: doc/theory, eqs. (78)-(80).
 module limber_system_registry
    use limber_base_kinds, only: wp
    use limber_deck_operations, only: jet_type

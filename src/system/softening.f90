@@ -5,7 +5,7 @@
 !>    [ G   -e  ] [ lambda ] = [ gamma ]
 !>
 !> so that the multipliers are those of least norm; refined, the accelerations keep the equations to round-off.
-!> Floor: system. Source: doc/theory, eqs. (R5), (R6).
+!> Floor: system. Source: doc/theory, eqs. (73), (74).
 module limber_system_softening
    use limber_base_kinds, only: wp
    use limber_system_system, only: system_type

@@ -468,7 +468,7 @@ contains
       end if
    end subroutine combine
 
-   !> Solves with the factors at hand. What redundant constraints give way is taken out again, eq. (R6).
+   !> Solves with the factors at hand. What redundant constraints give way is taken out again, eq. (74).
    subroutine solve_refined(tangent, nw, solution, correction)
       type(tangent_type), intent(inout) :: tangent
       !> Number of rates
@@ -498,7 +498,7 @@ contains
       if (stiffest > 0.0_wp) softness = maxval(abs(tangent%parts(:, 1)))/stiffest
    end function static_softness
 
-   !> Takes from the residual of the constraints what redundant ones give way under their multipliers, eq. (R7).
+   !> Takes from the residual of the constraints what redundant ones give way under their multipliers, eq. (75).
    pure subroutine give_way(tangent, lambda, residual)
       type(tangent_type), intent(in) :: tangent
       !> Multipliers and residuals (nc)

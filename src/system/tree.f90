@@ -1,7 +1,7 @@
 !> Which bodies hang on which. A revolute joint at the origin of a body's frame gives the place of that frame, a driver its
 !> angle: both are solved in closed form, so that neither they nor what they give are unknowns of the multiplier system. A body
 !> that hangs on the ground has its rotation left; a driven one on the ground nothing. Joints that close loops, and those on
-!> deforming points, keep their multipliers. Floor: system. Source: doc/theory, eqs. (32a)-(32c).
+!> deforming points, keep their multipliers. Floor: system. Source: doc/theory, eqs. (33a)-(33c).
 module limber_system_tree
    use limber_base_kinds, only: wp
    use limber_model_scene, only: model_type, ground

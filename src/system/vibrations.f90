@@ -1,5 +1,5 @@
 !> Small vibrations about a state: the lowest eigenvalues s and shapes of (s^2 M + s D + K) phi = 0 on the motions that the
-!> constraints leave. Dense: LAPACK. Floor: system. Source: doc/theory, eqs. (A11)-(A14); Meirovitch 1967, chapter 9.
+!> constraints leave. Dense: LAPACK. Floor: system. Source: doc/theory, eqs. (110)-(113); Meirovitch 1967, chapter 9.
 module limber_system_vibrations
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

@@ -102,7 +102,8 @@ contains
          call note_begin(journal, sweep%keys(i))
          call run_row(sweep, folder, i, batch, row)
          call note_end(journal, sweep%keys(i), row, ok)
-         if (.not. ok .or. parent_number() /= parent) exit
+         if (parent_number() /= parent) exit
+         if (.not. ok) exit
       end do
       call close_journal(journal)
    end subroutine work_off

@@ -14,6 +14,7 @@ program limber
    use limber_analysis_help, only: help_on, version_text
    use limber_analysis_run, only: run_deck, check_deck
    use limber_analysis_study, only: study_deck
+   use limber_analysis_sweep, only: sweep_deck
    implicit none
    type(command_type) :: command
    type(error_type), allocatable :: error
@@ -25,9 +26,12 @@ program limber
    call read_command(command, error)
    if (.not. allocated(error)) then
       select case (command%verb)
-      case ('run'); call run_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
+      case ('run')
+         call run_deck(trim(command%words(1)), command%output, command%overrides, command%force, command%quiet, report, error)
       case ('study'); call study_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
-      case ('check'); call check_deck(trim(command%words(1)), report, error)
+      case ('sweep')
+         call sweep_deck(trim(command%words(1)), command%output, command%sweep, command%force, command%quiet, report, error)
+      case ('check'); call check_deck(trim(command%words(1)), command%overrides, report, error)
       case ('export')
          if (command%motion) then
             call export_motion(trim(command%words(1)), command%drawing, output_unit, error)

@@ -5,6 +5,9 @@ module limber_analysis_command
    use limber_base_kinds, only: wp
    use limber_analysis_diff, only: tolerance_type
    use limber_analysis_drawing, only: choice_type
+   use limber_analysis_sweep, only: sweep_request_type
+   use limber_analysis_sweep_plan, only: axis_type, read_setting
+   use limber_deck_parameters, only: override_type
    implicit none
    private
    public :: command_type, read_command, usage
@@ -12,17 +15,21 @@ module limber_analysis_command
    !> Longest argument that is taken
    integer, parameter :: longest = 4096
 
-   character(*), parameter :: verbs(*) = [character(9) :: 'run', 'check', 'study', 'export', 'diff', 'help', '--version', '--help']
+   character(*), parameter :: verbs(*) = [character(9) :: 'run', 'check', 'study', 'sweep', 'export', 'diff', 'help', &
+      & '--version', '--help']
 
    !> What the user asked for
    type :: command_type
-      !> run, check, study, export, diff, help, --version
+      !> run, check, study, sweep, export, diff, help, --version
       character(:), allocatable :: verb
       !> Files, channels or keywords, in order
       character(longest), allocatable :: words(:)
       !> Name of the result file; empty: from the deck's name
       character(:), allocatable :: output
       logical :: force = .false., quiet = .false., manual = .false.
+      !> Values of parameters; what a sweep is asked for
+      type(override_type), allocatable :: overrides(:)
+      type(sweep_request_type) :: sweep
       !> Tolerances of `diff`
       type(tolerance_type) :: tolerance
       !> Whether `export` is to print what can be drawn, and of that what
@@ -35,15 +42,25 @@ contains
    !> How limber is called.
    pure function usage() result(text)
       character(:), allocatable :: text
-      text = join([character(110) :: &
+      text = join([character(120) :: &
          & 'limber: dynamics of planar flexible multibody systems', &
          & '', &
-         & '   limber run DECK [-o FILE] [--force] [--quiet]', &
-         & '                       run a deck; results in FILE (else the deck''s name with the ending .h5)', &
-         & '   limber check DECK   read, build and assemble only', &
+         & '   limber run DECK [--set NAME=VALUE ...] [-o FILE] [--force] [--quiet]', &
+         & '                       run a deck; results in FILE (else the deck''s name with the ending .h5);', &
+         & '                       with other values of parameters', &
+         & '   limber check DECK [--set NAME=VALUE ...]', &
+         & '                       read, build and assemble only', &
          & '   limber study DECK [-o FILE] [--force] [--quiet]', &
          & '                       weigh speed against error: integrators, tolerances and fineness of a deck;', &
          & '                       the table of the runs in FILE (else study.h5)', &
+         & '   limber sweep DECK [--set NAME=FIRST:LAST:COUNT | NAME=VALUE,VALUE,... ...] [--jobs N] [--keep] [-o FILE]', &
+         & '                       run a deck for many values of its parameters (*SWEEP), N runs at a time; summary in FILE', &
+         & '                       (else the deck''s name with the ending .sweep.h5) and as .csv. Called again, it runs only', &
+         & '                       what is missing or has failed; --force begins anew', &
+         & '   limber sweep DECK --part K/N | --part auto', &
+         & '                       only each N-th row from the K-th on (auto: as Slurm or MPI says), without a summary', &
+         & '   limber sweep DECK --collect', &
+         & '                       only the summary', &
          & '   limber export FILE [CHANNEL ...]', &
          & '                       print channels of a result as plain columns', &
          & '   limber export FILE --motion [--sample K | --time T | --samples N] [--deflection F] [--path POINT]', &
@@ -76,7 +93,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(longest) :: word
       integer :: i, length
-      allocate (command%words(0))
+      allocate (command%words(0), command%overrides(0), command%sweep%settings(0))
       command%output = ''
       command%verb = '--help'
       i = 1
@@ -107,13 +124,17 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(longest) :: value
       character(*), parameter :: options(*) = [character(12) :: '-o', '--force', '--quiet', '--rtol', '--range', '--atol', &
-         & '--manual', '--motion', '--sample', '--time', '--samples', '--deflection', '--path']
+         & '--manual', '--motion', '--sample', '--time', '--samples', '--deflection', '--path', '--set', '--jobs', '--part', &
+         & '--collect', '--keep']
       select case (word)
+      case ('--collect'); command%sweep%collect = .true.
+      case ('--keep'); command%sweep%keep = .true.
       case ('--force'); command%force = .true.
       case ('--quiet'); command%quiet = .true.
       case ('--manual'); command%manual = .true.
       case ('--motion'); command%motion = .true.
-      case ('-o', '--rtol', '--range', '--atol', '--sample', '--time', '--samples', '--deflection', '--path')
+      case ('-o', '--rtol', '--range', '--atol', '--sample', '--time', '--samples', '--deflection', '--path', '--set', '--jobs', &
+         & '--part')
          if (i == command_argument_count()) then
             call raise(error, 'a value is missing behind '//trim(word), status_deck)
             return
@@ -124,6 +145,9 @@ contains
          if (word == '--rtol') call read_real(value, command%tolerance%relative, error)
          if (word == '--range') call read_real(value, command%tolerance%of_range, error)
          if (word == '--atol') call read_real(value, command%tolerance%absolute, error)
+         if (word == '--set') call take_setting(command, value, error)
+         if (word == '--jobs') call read_count(value, command%sweep%jobs, error)
+         if (word == '--part') call read_part(value, command%sweep, error)
          call take_drawing(command%drawing, word, value, error)
       case default
          if (word(1:1) == '-' .and. len_trim(word) > 1) then
@@ -133,6 +157,55 @@ contains
          end if
       end select
    end subroutine take
+
+   !> `--set name=value` of run and check, `--set name=values` of sweep.
+   subroutine take_setting(command, value, error)
+      type(command_type), intent(inout) :: command
+      character(*), intent(in) :: value
+      type(error_type), allocatable, intent(inout) :: error
+      type(axis_type) :: axis
+      type(axis_type), allocatable :: longer(:)
+      type(override_type) :: override
+      character(:), allocatable :: wanted
+      logical :: ok
+      integer :: count
+      call read_setting(trim(value), axis, ok)
+      if (ok .and. command%verb /= 'sweep') ok = size(axis%values) == 1
+      if (.not. ok) then
+         wanted = 'name=value'
+         if (command%verb == 'sweep') wanted = 'name=value,value,... or name=first:last:count'
+         call raise(error, "--set '"//trim(value)//"' is not "//wanted, status_deck)
+         return
+      end if
+      if (command%verb == 'sweep') then
+         count = size(command%sweep%settings)
+         allocate (longer(count + 1))
+         longer(:count) = command%sweep%settings
+         longer(count + 1) = axis
+         call move_alloc(longer, command%sweep%settings)
+      else
+         override%name = axis%names(1)
+         override%value = axis%values(1, 1)
+         command%overrides = [command%overrides, override]
+      end if
+   end subroutine take_setting
+
+   !> `K/N`, or `auto`.
+   subroutine read_part(value, request, error)
+      character(*), intent(in) :: value
+      type(sweep_request_type), intent(inout) :: request
+      type(error_type), allocatable, intent(inout) :: error
+      integer :: slash
+      request%scheduled = value == 'auto'
+      if (request%scheduled) return
+      slash = index(value, '/')
+      call read_count(value(:max(0, slash - 1)), request%part, error)
+      if (.not. allocated(error)) call read_count(value(slash + 1:), request%parts, error)
+      if (slash == 0 .or. allocated(error) .or. request%part < 1 .or. request%part > request%parts) then
+         if (allocated(error)) deallocate (error)
+         call raise(error, "--part '"//trim(value)//"' is not K/N with K from 1 to N, nor auto", status_deck)
+      end if
+   end subroutine read_part
 
    !> An option with a value of `export --motion`.
    subroutine take_drawing(drawing, word, value, error)
@@ -160,7 +233,7 @@ contains
       least = 0
       most = huge(most)
       select case (command%verb)
-      case ('run', 'check', 'study')
+      case ('run', 'check', 'study', 'sweep')
          least = 1
          most = 1
       case ('export')

@@ -273,7 +273,7 @@ contains
          recorder%work = sample%w
          call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
       end associate
-      call history%append(t, sample%values, error)
+      call history%take(t, sample%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine record
 

@@ -216,7 +216,7 @@ contains
          motion%recorder%work = outcome%work
          call channel_values(motion%recorder, system, work, motion%t, motion%q, motion%v, motion%a, motion%values)
       end associate
-      call history%append(motion%t, motion%values, error)
+      call history%take(motion%t, motion%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine sample
 

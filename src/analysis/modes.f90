@@ -143,7 +143,7 @@ contains
          scene%last%v = scene%v
          scene%last%angle = recorder%angle
       end associate
-      call history%append(step%dynamics%start, values, error)
+      call history%take(step%dynamics%start, values, error)
       outcome%samples = 1
    end subroutine sample
 

@@ -8,6 +8,7 @@ module limber_analysis_record
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_analysis_dynamics, only: outcome_type
    use limber_analysis_envelope, only: record_envelope
+   use limber_analysis_scalars, only: scalar_values
    use limber_analysis_scene, only: scene_type
    use limber_analysis_steps, only: passed_type
    use limber_deck_effective, only: effective_deck
@@ -25,15 +26,17 @@ module limber_analysis_record
 contains
 
    !> Creates the history with its time axis, its channels and, if it is asked for, the motion.
-   subroutine open_history(scene, path, overwrite, history, error)
+   subroutine open_history(scene, path, overwrite, history, error, in_memory)
       type(scene_type), intent(in) :: scene
       character(*), intent(in) :: path
       logical, intent(in) :: overwrite
       type(history_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
+      !> Whether no file is made; false if absent
+      logical, intent(in), optional :: in_memory
       integer :: i
       associate (model => scene%system%model)
-         call history%create(path, overwrite, version, error)
+         call history%create(path, overwrite, version, error, in_memory)
          if (.not. allocated(error)) call history%define_time(model%units%time, error)
          do i = 1, size(model%channels)
             if (allocated(error)) return
@@ -231,6 +234,7 @@ contains
       if (.not. allocated(error)) call put_seconds()
       if (.not. allocated(error)) call put_checks()
       if (.not. allocated(error)) call put_envelopes()
+      if (.not. allocated(error)) call put_scalars()
       if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
       if (allocated(error)) return
       if (message == '') then
@@ -240,6 +244,16 @@ contains
       end if
 
    contains
+
+      subroutine put_scalars()
+         real(wp), allocatable :: values(:)
+         integer :: i
+         allocate (values, source=scalar_values(scene%system%model, history))
+         do i = 1, size(values)
+            if (.not. allocated(error)) call history%put_real('/scalars/'//scene%system%model%scalars(i)%name, values(i:i), '', &
+               & scene%system%model%scalars(i)%long_name, error)
+         end do
+      end subroutine put_scalars
 
       subroutine put_counts()
          call history%put_attribute('/run', 'steps', statistics%steps, error)

@@ -6,29 +6,73 @@ module limber_analysis_run
    use limber_analysis_dynamics, only: run_dynamics, new_integrator, outcome_type
    use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table
+   use limber_analysis_errors, only: magnitude
    use limber_analysis_record, only: open_history, record_outcome, record_steps
+   use limber_analysis_scalars, only: scalar_values, scalar_lines
    use limber_analysis_scene, only: scene_type, read_scene, mobility_line
    use limber_analysis_steps, only: run_steps, passed_type
+   use limber_deck_parameters, only: override_type
+   use limber_flex_library, only: library_type
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_model_analyses, only: single_dynamics
+   use limber_model_scalars, only: add_usual_scalars
    use limber_model_scene, only: body_type, body_flexible, units_type
    use limber_output_progress, only: progress_type
+   use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: run_deck, check_deck
+   public :: run_deck, check_deck, run_one, batch_type, default_results
+
+   !> What a run of many is given, and what it leaves behind
+   type :: batch_type
+      !> Values of parameters in place of those of the deck
+      type(override_type), allocatable :: overrides(:)
+      !> Reductions of beams that earlier runs have made
+      type(library_type) :: library
+      !> Whether the history is forgotten; whether the usual scalars are taken of a deck that asks for none
+      logical :: in_memory = .false., usual_scalars = .false.
+      !> CPU time after which the run is given up [s]
+      real(wp) :: limit = huge(1.0_wp)
+      !> Largest estimated error of a channel relative to its magnitude, if the deck asks for that; else negative
+      real(wp) :: error = -1.0_wp
+      !> CPU seconds of the run, all included; its warnings
+      real(wp) :: cpu = 0.0_wp
+      character(:), allocatable :: warnings
+      !> Scalars (scalars)
+      real(wp), allocatable :: scalars(:)
+   end type batch_type
 
 contains
 
    !> Runs a deck.
-   subroutine run_deck(path, output, force, quiet, report, error)
+   subroutine run_deck(path, output, overrides, force, quiet, report, error)
       !> The deck, and the result file; empty: the deck's name with the ending .h5, in the working folder
       character(*), intent(in) :: path, output
+      !> Values of parameters in place of those of the deck
+      type(override_type), intent(in) :: overrides(:)
       !> Whether an existing result may be replaced; whether the progress is not shown
       logical, intent(in) :: force, quiet
       !> What to tell the user
       character(:), allocatable, intent(out) :: report
       !> A deck that cannot be used (status 2), or a run that could not finish (status 3)
+      type(error_type), allocatable, intent(out) :: error
+      type(batch_type) :: batch
+      allocate (batch%overrides, source=overrides)
+      if (output == '') then
+         call run_one(path, default_results(path, '.h5'), force, quiet, batch, report, error)
+      else
+         call run_one(path, output, force, quiet, batch, report, error)
+      end if
+   end subroutine run_deck
+
+   !> Runs a deck, by itself or as one of many.
+   subroutine run_one(path, results, force, quiet, batch, report, error)
+      !> The deck, and the result file
+      character(*), intent(in) :: path, results
+      logical, intent(in) :: force, quiet
+      type(batch_type), intent(inout) :: batch
+      character(:), allocatable, intent(out) :: report
       type(error_type), allocatable, intent(out) :: error
       type(scene_type) :: scene
       class(integrator_type), allocatable :: integrator
@@ -36,20 +80,27 @@ contains
       type(progress_type) :: progress
       type(outcome_type) :: outcome
       type(error_type), allocatable :: write_error
-      character(:), allocatable :: results, table
+      character(:), allocatable :: table
+      real(wp) :: started
+      call cpu_time(started)
       report = ''
-      call read_scene(path, scene, error)
+      batch%error = -1.0_wp
+      batch%cpu = 0.0_wp
+      batch%warnings = ''
+      call read_scene(path, scene, error, batch%overrides, batch%library)
       if (allocated(error)) return
       if (.not. scene%system%model%dynamics%wanted) then
          call raise(error, path//': nothing to run; add an analysis, such as *DYNAMICS (limber help DYNAMICS)', status_deck)
          return
       end if
-      results = output
-      if (results == '') results = default_results(path)
-      call open_history(scene, results, force, history%history_type, error)
+      if (batch%usual_scalars) call add_usual_scalars(scene%system%model)
+      if (size(scene%system%model%scalars) > 0) call history%summarise(size(scene%system%model%channels))
+      call history%watch_limit(batch%limit)
+      call open_history(scene, results, force, history%history_type, error, batch%in_memory)
       if (allocated(error)) return
       if (.not. single_dynamics(scene%system%model)) then
          call run_analyses(path, results, quiet, scene, history, report, error)
+         call fill_batch()
          return
       end if
       call keep_samples(scene, history)
@@ -61,14 +112,36 @@ contains
       scene%warnings = scene%warnings//energy_warning(outcome)
       if (allocated(error)) then
          call record_outcome(scene, outcome, integrator%statistics, error%message, history%history_type, write_error)
-         error%message = path//': '//error%message//newline//'   What was computed up to there is in '//results// &
-            & ', marked incomplete.'
+         error%message = path//': '//error%message//what_is_left(results, batch%in_memory)
       else
-         call add_estimate(scene, integrator, outcome, quiet, history, table, error)
+         call add_estimate(scene, integrator, outcome, quiet, history, batch%error, table, error)
          if (.not. allocated(error)) call record_outcome(scene, outcome, integrator%statistics, '', history%history_type, error)
-         report = scene%warnings//closing_report(path, scene, outcome, integrator, results)//table
+         report = scene%warnings//closing_report(path, scene, outcome, integrator, results)// &
+            & scalar_lines(scene%system%model, history)//table
       end if
-   end subroutine run_deck
+      call fill_batch()
+
+   contains
+
+      subroutine fill_batch()
+         real(wp) :: now
+         call cpu_time(now)
+         batch%cpu = now - started
+         batch%warnings = scene%warnings
+         if (allocated(batch%scalars)) deallocate (batch%scalars)
+         allocate (batch%scalars, source=scalar_values(scene%system%model, history))
+      end subroutine fill_batch
+
+   end subroutine run_one
+
+   !> Where the results of a run are that could not finish.
+   pure function what_is_left(results, in_memory) result(text)
+      character(*), intent(in) :: results
+      logical, intent(in) :: in_memory
+      character(:), allocatable :: text
+      text = ''
+      if (.not. in_memory) text = newline//'   What was computed up to there is in '//results//', marked incomplete.'
+   end function what_is_left
 
    !> Runs a deck with several analyses, or another one than the motion in time.
    subroutine run_analyses(path, results, quiet, scene, history, report, error)
@@ -89,7 +162,7 @@ contains
       call record_steps(scene, passed, history%history_type, write_error)
       report = scene%warnings//path//': '//scene%system%model%heading//lines//newline//'   '//as_text(outcome%cpu, 3)// &
          & ' s CPU; '//as_text(scene%reading + scene%building + scene%assembling, 3)//' s before it'//newline//'   '// &
-         & as_text(outcome%samples)//' samples in '//results
+         & as_text(outcome%samples)//' samples in '//results//scalar_lines(scene%system%model, history)
       if (allocated(error)) then
          call record_outcome(scene, outcome, statistics, error%message, history%history_type, write_error)
          error%message = path//': '//error%message//newline//'   What was computed up to there is in '//results// &
@@ -112,12 +185,14 @@ contains
    end subroutine keep_samples
 
    !> Estimates the errors, if the deck asks for that, and writes them. Until then the file has all samples, but is not complete.
-   subroutine add_estimate(scene, integrator, outcome, quiet, history, table, error)
+   subroutine add_estimate(scene, integrator, outcome, quiet, history, worst, table, error)
       type(scene_type), intent(inout) :: scene
       class(integrator_type), intent(in) :: integrator
       type(outcome_type), intent(in) :: outcome
       logical, intent(in) :: quiet
       type(kept_type), intent(inout) :: history
+      !> Largest estimated error of a channel relative to its magnitude; left as it is if there is none
+      real(wp), intent(inout) :: worst
       !> Lines for the report
       character(:), allocatable, intent(out) :: table
       !> The file cannot be written
@@ -133,20 +208,36 @@ contains
          scene%warnings = scene%warnings//estimate_warning(estimate, channels)
          table = estimate_table(estimate, channels, history%memory)
          if (table /= '') table = newline//table
+         if (estimate%reason == '') worst = worst_relative(estimate, history%memory)
          call record_estimate(estimate, channels, history%history_type, error)
       end associate
    end subroutine add_estimate
 
+   !> Largest estimated error of a channel relative to its magnitude.
+   pure real(wp) function worst_relative(estimate, samples) result(worst)
+      type(estimate_type), intent(in) :: estimate
+      type(memory_type), intent(in) :: samples
+      real(wp) :: scale
+      integer :: i
+      worst = 0.0_wp
+      do i = 1, size(estimate%values, 1)
+         scale = magnitude(samples%values(i, :samples%samples))
+         if (scale > 0.0_wp) worst = max(worst, maxval(estimate%values(i, :))/scale)
+      end do
+   end function worst_relative
+
    !> Reads, builds and assembles a deck, and says what it found.
-   subroutine check_deck(path, report, error)
+   subroutine check_deck(path, overrides, report, error)
       character(*), intent(in) :: path
+      !> Values of parameters in place of those of the deck
+      type(override_type), intent(in) :: overrides(:)
       character(:), allocatable, intent(out) :: report
       type(error_type), allocatable, intent(out) :: error
       !> Of more bodies than this only the first ones and the last one are shown
       integer, parameter :: most_lines = 30, head = 10
       type(scene_type) :: scene
       integer :: i
-      call read_scene(path, scene, error)
+      call read_scene(path, scene, error, overrides)
       if (allocated(error)) return
       associate (model => scene%system%model)
          report = scene%warnings//path//': '//model%heading
@@ -163,15 +254,15 @@ contains
       end associate
    end subroutine check_deck
 
-   !> Deck's name without its folder, with the ending .h5.
-   pure function default_results(path) result(name)
-      character(*), intent(in) :: path
+   !> Deck's name without its folder, with another ending.
+   pure function default_results(path, ending) result(name)
+      character(*), intent(in) :: path, ending
       character(:), allocatable :: name
       integer :: dot
       name = path(index(path, '/', back=.true.) + 1:)
       dot = index(name, '.', back=.true.)
       if (dot > 1) name = name(:dot - 1)
-      name = name//'.h5'
+      name = name//ending
    end function default_results
 
    pure function body_line(body, units) result(line)

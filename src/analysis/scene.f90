@@ -8,7 +8,9 @@ module limber_analysis_scene
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
+   use limber_deck_parameters, only: override_type
    use limber_deck_reader, only: read_deck
+   use limber_flex_library, only: library_type
    use limber_model_build, only: build_model
    use limber_model_scene, only: model_type, step_dynamics
    use limber_system_assembly, only: first_guess, assemble
@@ -52,32 +54,38 @@ module limber_analysis_scene
 contains
 
    !> Reads, builds and assembles.
-   subroutine read_scene(path, scene, error)
+   subroutine read_scene(path, scene, error, overrides, library)
       !> The deck
       character(*), intent(in) :: path
       type(scene_type), intent(out) :: scene
       !> Everything that is wrong with the deck, rendered; status 2
       type(error_type), allocatable, intent(out) :: error
+      !> Values of parameters in place of those of the deck
+      type(override_type), intent(in), optional :: overrides(:)
+      !> Reductions of beams that need not be made again; those of this scene are added
+      type(library_type), intent(inout), optional :: library
       type(diagnostics_type) :: diagnostics
       integer(long) :: tick
       call system_clock(tick)
-      call read_deck(path, scene%deck, diagnostics)
+      call read_deck(path, scene%deck, diagnostics, overrides)
       scene%reading = seconds_since(tick)
-      call build_scene(scene, diagnostics, error)
+      call build_scene(scene, diagnostics, error, library)
    end subroutine read_scene
 
    !> Builds and assembles what the deck of the scene describes.
-   subroutine build_scene(scene, diagnostics, error)
+   subroutine build_scene(scene, diagnostics, error, library)
       !> With its deck; receives the rest
       type(scene_type), intent(inout) :: scene
       !> Of the reading of the deck
       type(diagnostics_type), intent(inout) :: diagnostics
       !> Everything that is wrong with the deck, rendered; status 2
       type(error_type), allocatable, intent(out) :: error
+      !> Reductions of beams that need not be made again; those of this scene are added
+      type(library_type), intent(inout), optional :: library
       type(model_type) :: model
       integer(long) :: tick
       call system_clock(tick)
-      call build_model(scene%deck, model, diagnostics)
+      call build_model(scene%deck, model, diagnostics, library)
       scene%building = seconds_since(tick)
       if (diagnostics%count == 0) then
          call system_clock(tick)

@@ -417,7 +417,7 @@ contains
          statics%recorder%work = 0.0_wp
          call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)
       end associate
-      call history%append(t, statics%values, error)
+      call history%take(t, statics%values, error)
       outcome%samples = outcome%samples + 1
       outcome%reached = t
    end subroutine sample

@@ -150,14 +150,18 @@ contains
       end do
    end function alternatives
 
-   !> Checks that the points of one object differ.
+   !> Checks that the points of one object differ, and the parameters of a sweep.
    subroutine check_lines(deck, i, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: i
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register
       if (deck%blocks(i)%keyword == 'GROUND' .or. size(deck%blocks(i)%lines) < 2) return
-      call claim_points(deck, i, 'points of '//deck%blocks(i)%name(), register, diagnostics)
+      if (deck%blocks(i)%keyword == 'SWEEP') then
+         call claim_points(deck, i, 'parameters of the sweep', register, diagnostics)
+      else
+         call claim_points(deck, i, 'points of '//deck%blocks(i)%name(), register, diagnostics)
+      end if
    end subroutine check_lines
 
    !> Checks that the points of all *GROUND blocks differ.
@@ -183,7 +187,7 @@ contains
       integer :: k
       allocate (specs, source=keyword_fields(deck%blocks(i)%keyword))
       if (size(specs) == 0) return
-      if (specs(1)%kind /= kind_name) return
+      if (specs(1)%name /= 'point' .and. specs(1)%name /= 'parameter') return
       do k = 1, size(deck%blocks(i)%lines)
          associate (field => deck%blocks(i)%lines(k)%fields(1))
             call claim(register, scope, field%text, field%origin, diagnostics)
@@ -191,18 +195,20 @@ contains
       end do
    end subroutine claim_points
 
-   !> Checks that the channels of all *OUTPUT blocks differ.
+   !> Checks that the channels of all *OUTPUT blocks differ, and the scalars of all *SCALAR blocks.
    subroutine check_channels(deck, diagnostics)
       type(deck_type), intent(in) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register
+      character(8) :: scope
       integer :: i, k, m
       do i = 1, size(deck%blocks)
          if (keyword_table(find_keyword(deck%blocks(i)%keyword))%form /= form_channels) cycle
+         scope = merge('scalars ', 'channels', deck%blocks(i)%keyword == 'SCALAR')
          do k = 1, size(deck%blocks(i)%lines)
             do m = 1, deck%blocks(i)%lines(k)%count()
                associate (field => deck%blocks(i)%lines(k)%fields(m))
-                  if (len(field%name) > 0) call claim(register, 'channels', field%name, field%origin, diagnostics)
+                  if (len(field%name) > 0) call claim(register, scope, field%name, field%origin, diagnostics)
                end associate
             end do
          end do

@@ -206,6 +206,7 @@ contains
          field%name = lowercase(name%text)
          call compile(value%text, value%origin, deck%parameters, field%expression, ok, diagnostics)
          if (ok) field%value = field%expression%constant_value()
+         if (ok) call deck%parameters%override(field%name, field%value)
          parameter%name = field%name
          parameter%value = field%value
          parameter%valid = ok

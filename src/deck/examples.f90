@@ -117,6 +117,11 @@ module limber_deck_examples
       & line_type('STUDY', ' tolerances, 1e-3, 1e-4, 1e-5'), &
       & line_type('STUDY', ' bending modes, 2, 3, 4'), &
       & line_type('STUDY', ' channels, hook, engine'), &
+      & line_type('SWEEP', '*SWEEP'), &
+      & line_type('SWEEP', ' speed, 10:105:20'), &
+      & line_type('SWEEP', ' diameter, 6e-3, 8e-3, 10e-3, 12e-3'), &
+      & line_type('SCALAR', '*SCALAR'), &
+      & line_type('SCALAR', ' largest = max(maximum(deflection), -minimum(deflection)), rms(deflection)'), &
       & line_type('OUTPUT', '*OUTPUT'), &
       & line_type('OUTPUT', ' angle(bar), x(bar.middle), y(bar.middle), deflection(bar.middle), bending_moment(bar.middle)'), &
       & line_type('OUTPUT', ' momentum_x(system), momentum_y(system), angular_momentum(system)'), &

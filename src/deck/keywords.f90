@@ -5,7 +5,7 @@ module limber_deck_keywords
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
       & kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, kind_word, kind_text, &
       & kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, kind_curve, kind_label, &
-      & form_none, form_text, form_fields, form_assignments, form_channels, form_lists
+      & kind_range, form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    implicit none
    private
    public :: keyword_table, option_table, field_table, list_table, find_keyword, keyword_options, keyword_fields, &
@@ -77,6 +77,10 @@ module limber_deck_keywords
       & keyword_type('DYNAMICS', many, form_none, 0, 0, 'An analysis: the motion in a stretch of time'), &
       & keyword_type('ACCURACY', 1, form_none, 0, 0, 'What is to be known of the error of the results of limber run'), &
       & keyword_type('STUDY', 1, form_lists, 0, many, 'What limber study varies, to weigh speed against error'), &
+      & keyword_type('SWEEP', 1, form_fields, 0, many, &
+      &    'What limber sweep varies: parameters of the deck, a line each; a run for each combination of their values'), &
+      & keyword_type('SCALAR', many, form_channels, 1, many, &
+      &    'Single numbers of a run: name = expression of first, last, minimum, maximum, mean, rms of (channel)'), &
       & keyword_type('OUTPUT', many, form_channels, 0, many, &
       &    'Channels of the results, several in a line: quantity(object) or name = expression of quantities')]
    !> Options: kind, values, unit, default, meaning
@@ -333,6 +337,16 @@ module limber_deck_keywords
       & option_spec_type('STUDY', 'ERROR', kind_positive, '', '', '0.01', 'relative error that the advice aims at'), &
       & option_spec_type('STUDY', 'LIMIT', kind_positive, '', &
       &    's', '30', 'CPU time of this machine after which a run is given up'), &
+      & option_spec_type('SWEEP', 'METHOD', kind_word, 'GRID|PAIRS|LATIN HYPERCUBE', &
+      &    '', 'GRID', 'all combinations; first values together, second ones, ...; or samples spread over ranges'), &
+      & option_spec_type('SWEEP', 'FILE', kind_path, '', &
+      &    '', '', 'columns with the names of parameters above them (.csv); its rows count as one more line'), &
+      & option_spec_type('SWEEP', 'SAMPLES', kind_counting, '', '', '100', 'LATIN HYPERCUBE: number of runs'), &
+      & option_spec_type('SWEEP', 'SEED', kind_counting, '', '', '1', 'LATIN HYPERCUBE: another number, other samples'), &
+      & option_spec_type('SWEEP', 'KEEP', kind_yes, '', &
+      &    '', 'NO', 'whether the whole history of each run is kept, in the folder beside the summary'), &
+      & option_spec_type('SWEEP', 'LIMIT', kind_positive, '', &
+      &    's', '', 'CPU time after which a run is given up as failed; if not given, never'), &
       & option_spec_type('OUTPUT', 'ENVELOPE', kind_reference, 'BEAM|FRAME', &
       &    '', '', 'least and greatest internal forces and stresses along it over all samples, in bodies/<name>/envelope'), &
       & option_spec_type('OUTPUT', 'MOTION', kind_yes, '', &
@@ -435,6 +449,9 @@ module limber_deck_keywords
       & field_spec_type('DISTRIBUTED LOAD', 'qy', kind_shape, 'N/m', 'along the second axis, expression of s'), &
       & field_spec_type('DISTRIBUTED LOAD', 'factor', kind_law, '', &
       &    'expression of the time t and of quantities', .true.), &
+      & field_spec_type('SWEEP', 'parameter', kind_name, '', 'name of a parameter of the deck'), &
+      & field_spec_type('SWEEP', 'value', kind_range, '', 'numbers, or first:last:count; of LATIN HYPERCUBE first:last', &
+      &    repeated=.true.), &
       & field_spec_type('DAMPING', 'mode', kind_counting, '', 'bending modes first, then axial ones'), &
       & field_spec_type('DAMPING', 'ratio', kind_nonnegative, '', 'part of the critical damping, in place of RATIO')]
    !> The lists of data lines of the form `form_lists`

@@ -6,7 +6,7 @@ module limber_deck_parameters
    use limber_deck_origin, only: origin_type
    implicit none
    private
-   public :: parameter_type, parameter_list_type, named_table_type, name_length, max_parameters
+   public :: parameter_type, parameter_list_type, override_type, named_table_type, name_length, max_parameters
 
    !> Longest name of anything in a deck
    integer, parameter :: name_length = 64
@@ -25,6 +25,15 @@ module limber_deck_parameters
       type(origin_type) :: origin
    end type parameter_type
 
+   !> A value that takes the place of the one that a deck gives a parameter
+   type :: override_type
+      !> Name in lower case
+      character(name_length) :: name = ''
+      real(wp) :: value = 0.0_wp
+      !> True once the deck has defined the parameter
+      logical :: used = .false.
+   end type override_type
+
    !> A table that a deck defines with *TABLE
    type :: named_table_type
       !> Name in lower case
@@ -40,7 +49,10 @@ module limber_deck_parameters
       integer :: count = 0
       type(name_index_type), private :: names
       type(named_table_type), allocatable :: tables(:)
+      !> Values from outside the deck; set before it is read
+      type(override_type), allocatable :: overrides(:)
    contains
+      procedure :: override
       procedure :: find_table
       procedure :: define_table
       procedure :: find
@@ -101,6 +113,21 @@ contains
       self%items(self%count) = item
       call self%names%add(trim(item%name), self%count)
    end subroutine define
+
+   !> Gives a parameter that the deck defines its value from outside, if there is one.
+   pure subroutine override(self, name, value)
+      class(parameter_list_type), intent(inout) :: self
+      !> In lower case
+      character(*), intent(in) :: name
+      real(wp), intent(inout) :: value
+      integer :: i
+      if (.not. allocated(self%overrides)) return
+      do i = 1, size(self%overrides)
+         if (self%overrides(i)%name /= name) cycle
+         value = self%overrides(i)%value
+         self%overrides(i)%used = .true.
+      end do
+   end subroutine override
 
    !> Forgets all parameters but the first ones.
    pure subroutine shorten(self, count)

@@ -13,12 +13,13 @@ module limber_deck_reader
       & is_parameter_name, keyword_of
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_compile, only: looks_like_expression, is_reserved
-   use limber_deck_parameters, only: parameter_type
+   use limber_deck_parameters, only: parameter_type, override_type
    use limber_deck_schema, only: form_text
    use limber_deck_keywords, only: keyword_table
    use limber_deck_content, only: deck_type, block_type, repeat_type, resize_blocks
    use limber_deck_assembly, only: assembly_type, begin_block, add_line, end_block
    use limber_deck_checks, only: check_deck
+   use limber_deck_values, only: suggestion
    implicit none
    private
    public :: read_deck, read_deck_text, beside, deck_type, block_type, diagnostics_type
@@ -31,16 +32,19 @@ module limber_deck_reader
 contains
 
    !> Reads a deck from a file.
-   subroutine read_deck(path, deck, diagnostics)
+   subroutine read_deck(path, deck, diagnostics, overrides)
       !> File to read
       character(*), intent(in) :: path
       !> The deck; complete only if there are no errors
       type(deck_type), intent(out) :: deck
       !> Receives all errors
       type(diagnostics_type), intent(inout) :: diagnostics
+      !> Values that parameters have in place of those of the deck
+      type(override_type), intent(in), optional :: overrides(:)
       type(error_type), allocatable :: error
       type(origin_type) :: nowhere
       allocate (deck%blocks(0))
+      if (present(overrides)) allocate (deck%parameters%overrides, source=overrides)
       call deck%source%read_file(path, nowhere, error)
       if (allocated(error)) then
          call diagnostics%add(nowhere, error%message)
@@ -73,7 +77,28 @@ contains
          & call diagnostics%add(origin_type(file=1), 'the deck is empty')
       call deck%index_names()
       call check_deck(deck, diagnostics)
+      call check_overrides(deck, diagnostics)
    end subroutine read_all
+
+   !> Complains of values from outside for parameters that the deck does not define.
+   subroutine check_overrides(deck, diagnostics)
+      type(deck_type), intent(in) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      if (.not. allocated(deck%parameters%overrides)) return
+      do i = 1, size(deck%parameters%overrides)
+         associate (override => deck%parameters%overrides(i))
+            if (override%used) cycle
+            if (deck%parameters%count == 0) then
+               call diagnostics%add(origin_type(file=1), "the deck has no parameter '"//trim(override%name)//"' to be set", &
+                  & 'define it: *PARAMETER, then name = value')
+            else
+               call diagnostics%add(origin_type(file=1), "the deck has no parameter '"//trim(override%name)//"' to be set", &
+                  & suggestion(trim(override%name), deck%parameters%items(:deck%parameters%count)%name))
+            end if
+         end associate
+      end do
+   end subroutine check_overrides
 
    !> Reads all lines of one file.
    recursive subroutine read_lines(file, nesting, assembly, deck, diagnostics)

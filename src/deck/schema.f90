@@ -5,7 +5,7 @@ module limber_deck_schema
    public :: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed
    public :: kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, kind_count, kind_counting, &
       & kind_word, kind_text, kind_path, kind_point, kind_yes, kind_time_expression, kind_law, kind_spring_law, kind_shape, &
-      & kind_curve, kind_label
+      & kind_curve, kind_label, kind_range
    public :: form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    public :: is_number_kind, is_integer_kind, is_expression_kind
 
@@ -29,6 +29,8 @@ module limber_deck_schema
    integer, parameter :: kind_curve = 17
    !> A name or a constant number
    integer, parameter :: kind_label = 18
+   !> A constant number; or first:last, or first:last:count
+   integer, parameter :: kind_range = 19
 
    !> Forms of data lines: none, free text, one row of fields in each line, name = expression,
    !> channels of the output, named lists of values

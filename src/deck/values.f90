@@ -3,15 +3,16 @@
 module limber_deck_values
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase, nearest_name
-   use limber_deck_lexer, only: part_type, collapsed, is_name, is_point, unquoted
+   use limber_deck_lexer, only: part_type, collapsed, is_name, is_point, unquoted, trimmed, &
+      & find_outside
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_parameters, only: parameter_list_type, name_length
    use limber_deck_expression, only: expression_type
    use limber_deck_compile, only: compile
    use limber_deck_template, only: fill_in
-   use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_positive, kind_nonnegative, kind_count, &
-      & kind_counting, kind_word, kind_point, kind_yes, kind_law, kind_spring_law, kind_shape, kind_curve, kind_label, &
-      & is_number_kind, is_integer_kind, is_expression_kind
+   use limber_deck_schema, only: option_spec_type, kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, &
+      & kind_count, kind_counting, kind_word, kind_point, kind_yes, kind_law, kind_spring_law, kind_shape, kind_curve, kind_label, &
+      & kind_range, is_number_kind, is_integer_kind, is_expression_kind
    use limber_deck_keywords, only: split_values, contains_value
    use limber_deck_content, only: option_type, field_type
    implicit none
@@ -99,6 +100,8 @@ contains
       else if (kind == kind_label .and. .not. is_name(part%text)) then
          field%text = ''
          call read_number(what, kind, meaning, part, parameters, field%expression, field%value, ok, diagnostics)
+      else if (kind == kind_range) then
+         call read_range(what, meaning, part, parameters, field, ok, diagnostics)
       else if (is_expression_kind(kind)) then
          call read_expression(kind, part, parameters, field%expression, ok, diagnostics)
       else if (kind == kind_point) then
@@ -109,6 +112,37 @@ contains
          call check_name(part, ok, diagnostics)
       end if
    end subroutine read_field
+
+   !> Reads a number, or first:last, or first:last:count; the text of the field is then that of the numbers.
+   subroutine read_range(what, meaning, part, parameters, field, ok, diagnostics)
+      character(*), intent(in) :: what, meaning
+      type(part_type), intent(in) :: part
+      type(parameter_list_type), intent(in) :: parameters
+      type(field_type), intent(inout) :: field
+      logical, intent(out) :: ok
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(part_type) :: number
+      real(wp) :: value
+      integer :: first, colon, count
+      ok = .true.
+      field%text = ''
+      first = 1
+      do count = 1, 3
+         colon = find_outside(part%text, ':', first)
+         if (colon == 0) colon = len(part%text) + 1
+         number = trimmed(part%text, part%origin, first, colon - 1)
+         call read_number(what, merge(kind_counting, kind_real, count == 3), meaning, number, parameters, field%expression, &
+            & value, ok, diagnostics)
+         if (.not. ok) return
+         if (count == 1) field%value = value
+         if (count > 1) field%text = field%text//':'
+         field%text = field%text//as_text(value)
+         first = colon + 1
+         if (first > len(part%text)) return
+      end do
+      ok = .false.
+      call diagnostics%add(part%origin, what//' has more than three parts', 'write first:last:count')
+   end subroutine read_range
 
    !> Reads an expression of what its kind allows.
    subroutine read_expression(kind, part, parameters, expression, ok, diagnostics)

@@ -6,6 +6,7 @@ module limber_model_bodies
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
+   use limber_flex_library, only: library_type
    use limber_flex_mesh, only: new_support, concentrate
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, point_shape, fidelity_linear, fidelity_kg, &
@@ -105,12 +106,14 @@ contains
          & "point '"//name//"' is there without being defined", 'choose another name')
    end function is_new_point
 
-   subroutine add_beam(deck, index, model, diagnostics)
+   subroutine add_beam(deck, index, model, diagnostics, library)
       type(deck_type), intent(inout) :: deck
       !> Index of the block
       integer, intent(in) :: index
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
+      !> Reductions of other models
+      type(library_type), intent(inout), optional :: library
       type(body_type) :: body
       type(error_type), allocatable :: error
       real(wp) :: rigid(3)
@@ -120,12 +123,16 @@ contains
       call read_beam(deck, index, body, rigid, diagnostics, usable)
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          twin = find_twin(model, body)
-         if (twin > 0) then
+         usable = twin > 0
+         if (usable) then
             body%reduced = model%bodies(twin)%reduced
             body%field = model%bodies(twin)%field
-         else
-            call reduce_beam(body%beam, body%choice, body%reduced, body%field, error)
+         else if (present(library)) then
+            call library%look_up(fingerprint(body), body%reduced, body%field, usable)
          end if
+         if (.not. usable) call reduce_beam(body%beam, body%choice, body%reduced, body%field, error)
+         if (present(library) .and. .not. (usable .or. allocated(error))) call library%put(fingerprint(body), body%reduced, &
+            & body%field)
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "beam '"//body%name//"': "//error%message)
          usable = .not. allocated(error)
       else

@@ -5,6 +5,7 @@ module limber_model_build
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
+   use limber_flex_library, only: library_type
    use limber_model_analyses, only: add_analyses
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_beam, add_points
    use limber_model_channels, only: add_channels
@@ -16,6 +17,7 @@ module limber_model_build
       & resolve_laws
    use limber_model_parts, only: check_parts
    use limber_model_points, only: add_point, find_body
+   use limber_model_scalars, only: add_scalars
    use limber_model_scene, only: model_type, body_flexible, ground
    use limber_model_stresses, only: add_recoveries
    implicit none
@@ -26,13 +28,16 @@ contains
 
    !> Builds the model; complaints are collected in `diagnostics`. Choices that the deck leaves open are written into it, so
    !> that the effective deck shows them.
-   subroutine build_model(deck, model, diagnostics)
+   subroutine build_model(deck, model, diagnostics, library)
       type(deck_type), intent(inout) :: deck
       type(model_type), intent(out) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
+      !> Reductions of models that were built before; those of this one are added
+      type(library_type), intent(inout), optional :: library
       integer :: i
       allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
       allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0), model%assembly%deflections(0))
+      allocate (model%scalars(0))
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -41,7 +46,7 @@ contains
          case ('GRAVITY'); model%gravity = [deck%blocks(i)%real('X'), deck%blocks(i)%real('Y')]
          case ('RIGID BODY'); call add_rigid_body(deck%blocks(i), model, diagnostics)
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
-         case ('BEAM'); call add_beam(deck, i, model, diagnostics)
+         case ('BEAM'); call add_beam(deck, i, model, diagnostics, library)
          case ('FRAME'); call add_frame(deck, i, model, diagnostics)
          case ('ACCURACY'); model%accuracy%estimate = deck%blocks(i)%yes('ESTIMATE')
          end select
@@ -78,6 +83,7 @@ contains
       call trim_lists(model)
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%keyword == 'OUTPUT') call want_envelope(deck%blocks(i), model, diagnostics)
+         if (deck%blocks(i)%keyword == 'SCALAR') call add_scalars(deck%blocks(i), model, diagnostics)
       end do
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &

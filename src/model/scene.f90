@@ -16,7 +16,7 @@ module limber_model_scene
    private
    public :: model_type, body_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
    public :: assembly_choice_type, deflection_type
-   public :: effort_type, named_load_type
+   public :: effort_type, named_load_type, scalar_type
    public :: dynamics_type, step_type, accuracy_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
@@ -50,6 +50,10 @@ module limber_model_scene
    integer, parameter, public :: in_forces = 1, in_torques = 2, in_springs = 3, in_efforts = 4
    !> Most things that the law of an effort depends on
    integer, parameter, public :: most_slots = 15
+   !> Kinds of summaries of a channel, and their names
+   integer, parameter, public :: summary_first = 1, summary_last = 2, summary_minimum = 3, summary_maximum = 4, &
+      & summary_mean = 5, summary_rms = 6
+   character(7), parameter, public :: summary_names(6) = [character(7) :: 'first', 'last', 'minimum', 'maximum', 'mean', 'rms']
    !> Instead of a quantity of the table: elongation and rate of the spring whose law it is
    integer, parameter, public :: own_elongation = -1, own_rate = -2
 
@@ -235,6 +239,16 @@ module limber_model_scene
       type(quantity_type), allocatable :: quantities(:)
    end type channel_type
 
+   !> A single number of a run: an expression of what channels were over its samples
+   type :: scalar_type
+      character(:), allocatable :: name
+      !> Text of its expression
+      character(:), allocatable :: long_name
+      type(expression_type) :: expression
+      !> What each slot of the expression stands for: one of the kinds of summaries, and the index of the channel
+      integer, allocatable :: summaries(:), channels(:)
+   end type scalar_type
+
    !> What an analysis in time is asked for, a dynamic one above all
    type :: dynamics_type
       !> True if the deck asks for an analysis
@@ -331,6 +345,7 @@ module limber_model_scene
       !> All loads by their names, each an interval of one of these lists
       type(named_load_type), allocatable :: loads(:)
       type(channel_type), allocatable :: channels(:)
+      type(scalar_type), allocatable :: scalars(:)
       !> True if the coordinates of all bodies are to be sampled, to be drawn
       logical :: motion = .false.
       type(assembly_choice_type) :: assembly

@@ -77,7 +77,7 @@ module limber_output_history
 contains
 
    !> Creates the file with its groups.
-   subroutine create(self, path, overwrite, version, error)
+   subroutine create(self, path, overwrite, version, error, in_memory)
       !> History that is not open
       class(history_type), intent(inout) :: self
       !> Name of the file
@@ -88,12 +88,14 @@ contains
       character(*), intent(in) :: version
       !> Allocated if the file exists (without `overwrite`) or cannot be written
       type(error_type), allocatable, intent(out) :: error
+      !> Whether there is no such file: all is lost with `finish`, but for what the sink keeps; false if absent
+      logical, intent(in), optional :: in_memory
       type(error_type), allocatable :: close_error
       if (self%file /= no_id) then
          call raise(error, self%path//': the history is already open')
          return
       end if
-      call create_file(trim(path), overwrite, self%file, error)
+      call create_file(trim(path), overwrite, self%file, error, in_memory)
       if (allocated(error)) return
       self%path = trim(path)
       self%samples = 0

@@ -9,12 +9,18 @@ module limber_output_sink
 
    !> What takes samples
    type, abstract :: sink_type
+      !> CPU time after which the run is given up at its next sample, and CPU clock at its start [s]
+      real(wp) :: limit = huge(1.0_wp), started = 0.0_wp
+      !> What channels were over the samples: sums, in the units of the channel and its square, where they are asked for
+      integer :: taken = 0
+      real(wp), allocatable :: first(:), last(:), smallest(:), largest(:), total(:), squares(:)
    contains
       procedure(append_interface), deferred :: append
+      procedure :: take, watch_limit, summarise
    end type sink_type
 
    abstract interface
-      !> Takes a sample.
+      !> Stores a sample.
       subroutine append_interface(self, t, values, error)
          import :: sink_type, error_type, wp
          class(sink_type), intent(inout) :: self
@@ -27,20 +33,66 @@ module limber_output_sink
       end subroutine append_interface
    end interface
 
-   !> Samples in memory, whose run may be given up after some time
+   !> Samples in memory
    type, extends(sink_type) :: memory_type
       !> Samples taken
       integer :: samples = 0
       !> Times (samples), and the first `width` numbers (width, samples); longer than that if a run ends early
       real(wp), allocatable :: times(:), values(:, :)
-      !> CPU time of a run, and CPU clock at its start [s]
-      real(wp) :: limit = huge(1.0_wp)
-      real(wp), private :: started = 0.0_wp
    contains
       procedure :: start => start_memory, append => append_memory
    end type memory_type
 
 contains
+
+   !> Gives up the run that begins now after some CPU time.
+   subroutine watch_limit(self, limit)
+      class(sink_type), intent(inout) :: self
+      !> [s]
+      real(wp), intent(in) :: limit
+      self%limit = limit
+      call cpu_time(self%started)
+   end subroutine watch_limit
+
+   !> From now on keeps the extremes and sums of the first numbers of each sample.
+   subroutine summarise(self, width)
+      class(sink_type), intent(inout) :: self
+      !> How many
+      integer, intent(in) :: width
+      allocate (self%first(width), self%last(width), self%smallest(width), self%largest(width), self%total(width), &
+         & self%squares(width), source=0.0_wp)
+   end subroutine summarise
+
+   !> Takes a sample, unless the time is over.
+   subroutine take(self, t, values, error)
+      class(sink_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: values(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: now
+      if (self%limit < huge(now)) then
+         call cpu_time(now)
+         if (now - self%started > self%limit) then
+            call raise(error, 'given up after '//as_text(self%limit, 3)//' s at t = '//as_text(t, 4))
+            return
+         end if
+      end if
+      call self%append(t, values, error)
+      if (allocated(error) .or. .not. allocated(self%first)) return
+      associate (now => values(:size(self%first)))
+         if (self%taken == 0) then
+            self%first = now
+            self%smallest = now
+            self%largest = now
+         end if
+         self%taken = self%taken + 1
+         self%last = now
+         self%smallest = min(self%smallest, now)
+         self%largest = max(self%largest, now)
+         self%total = self%total + now
+         self%squares = self%squares + now**2
+      end associate
+   end subroutine take
 
    !> Empties the memory for a run that begins now.
    subroutine start_memory(self, width, samples, limit)
@@ -52,23 +104,20 @@ contains
       if (allocated(self%times)) deallocate (self%times, self%values)
       allocate (self%times(samples), self%values(width, samples))
       self%samples = 0
-      self%limit = limit
-      call cpu_time(self%started)
+      call self%watch_limit(limit)
    end subroutine start_memory
 
-   !> Takes a sample, unless the time is over.
+   !> Stores a sample.
    subroutine append_memory(self, t, values, error)
       class(memory_type), intent(inout) :: self
       real(wp), intent(in) :: t
       real(wp), intent(in) :: values(:)
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: now
-      call cpu_time(now)
-      if (now - self%started > self%limit) then
-         call raise(error, 'given up after '//as_text(self%limit, 3)//' s at t = '//as_text(t, 4))
+      self%samples = self%samples + 1
+      if (self%samples > size(self%times)) then
+         call raise(error, 'more samples than the '//as_text(size(self%times))//' that memory was made for')
          return
       end if
-      self%samples = self%samples + 1
       self%times(self%samples) = t
       self%values(:, self%samples) = values(:size(self%values, 1))
    end subroutine append_memory

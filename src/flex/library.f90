@@ -1,0 +1,63 @@
+!> Reductions of beams that have been made, to be used again: by the many runs of a sweep. Floor: flex.
+module limber_flex_library
+   use limber_base_names, only: name_index_type
+   use limber_flex_mesh, only: field_type
+   use limber_flex_reduced, only: reduced_type
+   implicit none
+   private
+   public :: library_type
+
+   !> Reductions that are kept; with one more all are forgotten
+   integer, parameter :: most = 64
+
+   !> A reduction
+   type :: book_type
+      type(reduced_type) :: reduced
+      type(field_type) :: field
+   end type book_type
+
+   !> Reductions by a text that all of a reduction follows from
+   type :: library_type
+      type(name_index_type), private :: names
+      type(book_type), allocatable, private :: books(:)
+      integer, private :: count = 0
+   contains
+      procedure :: look_up, put
+   end type library_type
+
+contains
+
+   !> The reduction of a beam, if it has been made.
+   subroutine look_up(self, fingerprint, reduced, field, found)
+      class(library_type), intent(in) :: self
+      character(*), intent(in) :: fingerprint
+      !> Set if it is found
+      type(reduced_type), intent(inout) :: reduced
+      type(field_type), intent(inout) :: field
+      logical, intent(out) :: found
+      integer :: i
+      i = self%names%find(fingerprint)
+      found = i > 0
+      if (.not. found) return
+      reduced = self%books(i)%reduced
+      field = self%books(i)%field
+   end subroutine look_up
+
+   !> Keeps a reduction that it does not have.
+   subroutine put(self, fingerprint, reduced, field)
+      class(library_type), intent(inout) :: self
+      character(*), intent(in) :: fingerprint
+      type(reduced_type), intent(in) :: reduced
+      type(field_type), intent(in) :: field
+      if (.not. allocated(self%books)) allocate (self%books(most))
+      if (self%count == most) then
+         self%count = 0
+         call self%names%shorten(0)
+      end if
+      self%count = self%count + 1
+      self%books(self%count)%reduced = reduced
+      self%books(self%count)%field = field
+      call self%names%add(fingerprint, self%count)
+   end subroutine put
+
+end module limber_flex_library

@@ -118,6 +118,9 @@ contains
       call history%put_attribute(group, 'bending_coordinates', body%reduced%bending, error)
       if (.not. allocated(error)) call history%put_attribute(group, 'axial_coordinates', &
          & body%reduced%n - body%reduced%bending, error)
+      if (allocated(body%note) .and. .not. allocated(error)) then
+         if (body%note /= '') call history%put_attribute(group, 'left_out', body%note, error)
+      end if
       if (.not. allocated(error)) call history%put_real(group//'/frequency', sqrt(body%reduced%omega2), 'rad/'//units%time, &
          & 'circular frequency of each coordinate, bending first, then axial', error)
       if (allocated(error)) return

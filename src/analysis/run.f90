@@ -277,6 +277,9 @@ contains
       do j = 1, body%reduced%n
          line = line//' '//as_text(sqrt(body%reduced%omega2(j)), 4)
       end do
+      if (allocated(body%note)) then
+         if (body%note /= '') line = line//newline//'      '//body%note
+      end if
    end function body_line
 
    !> A warning if energy has come or gone from nowhere: the one check that every run has. Empty if all is well.

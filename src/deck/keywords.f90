@@ -13,6 +13,11 @@ module limber_deck_keywords
 
    character(*), parameter :: supports = 'PINNED-ROLLER|PINNED-PINNED|CLAMPED-FREE|CLAMPED-ROLLER|CLAMPED-PINNED' &
       & //'|CLAMPED-CLAMPED|FREE-FREE'
+   character(*), parameter :: bases = 'VIBRATION|CRAIG-BAMPTON'
+   character(*), parameter :: basis_meaning = &
+      & 'modes under the supports, or with an interface held, and its shapes: of *ATTACHMENT, else of all that acts'
+   character(*), parameter :: correction_meaning = &
+      & 'YES: responses to what joints, drivers and loads exert on its points, beside the modes'
    character(*), parameter :: of_frame = 'frame that they belong to; default the last *FRAME above'
 
    !> All keywords, in the order of the manual
@@ -45,7 +50,7 @@ module limber_deck_keywords
       &    'What holds nodes of a frame in its floating frame: defines the modes'), &
       & keyword_type('MASS', many, form_fields, 1, many, 'Concentrated masses on nodes of a frame or points of a beam'), &
       & keyword_type('ATTACHMENT', many, form_fields, 1, many, &
-      &    'Functions of a frame beside its modes: static responses to a unit force or couple on nodes'), &
+      &    'Functions of a frame or beam beside its modes: static responses to a unit force or couple; or its interface'), &
       & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
       & keyword_type('TABLE', many, form_fields, 0, many, &
       &    'A function of one argument for expressions behind it, name(x): its points; beyond them it keeps its last value'), &
@@ -144,6 +149,12 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
       &    '', '', 'number of bending modes; given, it replaces MODES'), &
       & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', '', '', 'number of axial modes; given, it replaces MODES'), &
+      & option_spec_type('BEAM', 'FREQUENCY LIMIT', kind_positive, '', &
+      &    'rad/s', '', 'modes of higher frequency are left out; without MODES all below it are taken'), &
+      & option_spec_type('BEAM', 'BASIS', kind_word, bases, &
+      &    '', 'VIBRATION', basis_meaning), &
+      & option_spec_type('BEAM', 'CORRECTIONS', kind_yes, '', &
+      &    '', 'NO', correction_meaning), &
       & option_spec_type('BEAM', 'SUPPORT', kind_word, supports, &
       &    '', 'PINNED-ROLLER', 'how the ends are held in the floating frame: defines the modes'), &
       & option_spec_type('BEAM', 'END SHAPES', kind_yes, '', &
@@ -176,6 +187,12 @@ module limber_deck_keywords
       &    '', '', 'cross-section of members that are given no other'), &
       & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member'), &
       & option_spec_type('FRAME', 'MODES', kind_count, '', '', '6', 'number of vibration modes'), &
+      & option_spec_type('FRAME', 'FREQUENCY LIMIT', kind_positive, '', &
+      &    'rad/s', '', 'modes of higher frequency are left out; without MODES all below it are taken'), &
+      & option_spec_type('FRAME', 'BASIS', kind_word, bases, &
+      &    '', 'VIBRATION', basis_meaning), &
+      & option_spec_type('FRAME', 'CORRECTIONS', kind_yes, '', &
+      &    '', 'NO', correction_meaning), &
       & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
       &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G, or von Karman with curvature'), &
       & option_spec_type('FRAME', 'GEOMETRIC ELEMENTS', kind_counting, '', &
@@ -208,7 +225,8 @@ module limber_deck_keywords
       & option_spec_type('BOUNDARY', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
       & option_spec_type('MASS', 'BODY', kind_reference, 'FRAME|BEAM', &
       &    '', '', 'frame or beam that it belongs to; default the last one above'), &
-      & option_spec_type('ATTACHMENT', 'BODY', kind_reference, 'FRAME', '', '', of_frame)]
+      & option_spec_type('ATTACHMENT', 'BODY', kind_reference, 'FRAME|BEAM', &
+      &    '', '', 'frame or beam that it belongs to; default the last one above')]
    type(option_spec_type), parameter :: other_options(*) = [ &
       & option_spec_type('JOINT', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the joint'), &
       & option_spec_type('JOINT', 'TYPE', kind_word, &
@@ -421,7 +439,8 @@ module limber_deck_keywords
       & field_spec_type('MASS', 'mass', kind_nonnegative, 'kg', 'mass on each'), &
       & field_spec_type('MASS', 'inertia', kind_nonnegative, 'kg m^2', &
       &    'moment of inertia about the node, turning with its section', optional=.true.), &
-      & field_spec_type('ATTACHMENT', 'node', kind_label, '', 'number of a node, or a set of nodes'), &
+      & field_spec_type('ATTACHMENT', 'place', kind_label, '', &
+      &    'number of a node or a set of nodes; of a beam: a coordinate or one of its points'), &
       & field_spec_type('ATTACHMENT', 'freedom', kind_counting, '', 'degree of freedom: 1 is x, 2 is y, 6 the rotation'), &
       & field_spec_type('JOINT', 'first point', kind_point, '', 'body.point'), &
       & field_spec_type('JOINT', 'second point', kind_point, '', 'body.point'), &

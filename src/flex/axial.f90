@@ -28,7 +28,7 @@ contains
    end function element_functions
 
    !> Strains (elements, number) of the chosen static functions.
-   pure function static_functions(x, b, origin, end_force, centrifugal, derivatives) result(strain)
+   pure function static_functions(x, b, origin, end_force, centrifugal, derivatives, places, support) result(strain)
       !> Ends of the k_G elements (0:elements) [length]
       real(wp), intent(in) :: x(0:)
       !> Mean squared slopes of the bending coordinates (bending, bending, elements)
@@ -42,14 +42,30 @@ contains
       !> Number of modal derivatives, for the pairs (1,1), (1,2), (2,2), (1,3), ... of bending coordinates: the
       !> strain that cancels the foreshortening of the pair, -1/2 mean(phi_i' phi_j')
       integer, intent(in) :: derivatives
+      !> Places where forces along the beam act [length]; of a beam that nothing holds they accelerate it
+      real(wp), intent(in), optional :: places(:)
+      type(support_type), intent(in), optional :: support
       real(wp), allocatable :: strain(:, :)
       real(wp) :: length
       integer :: n, count, i, j, made
       n = size(x) - 1
       length = x(n)
-      count = merge(1, 0, end_force) + merge(1, 0, centrifugal) + min(derivatives, size(b, 1)*(size(b, 1) + 1)/2)
+      count = 0
+      if (present(places)) count = size(places)
+      count = count + merge(1, 0, end_force) + merge(1, 0, centrifugal) + min(derivatives, size(b, 1)*(size(b, 1) + 1)/2)
       allocate (strain(n, count))
       made = 0
+      if (present(places)) then
+         do i = 1, size(places)
+            made = made + 1
+            ! Part of each element before the place, pulled by a unit force
+            strain(:, made) = min(max(places(i) - x(0:n - 1), 0.0_wp), x(1:n) - x(0:n - 1))/(x(1:n) - x(0:n - 1))
+            if (present(support)) then
+               if (.not. (support%u_start .or. support%u_end)) strain(:, made) = strain(:, made) - 1 &
+                  & + (x(1:n) + x(0:n - 1))/(2*length)
+            end if
+         end do
+      end if
       if (end_force) then
          made = made + 1
          strain(:, made) = 1.0_wp
@@ -72,7 +88,7 @@ contains
 
    !> Turns strains into axial coordinates of the beam: displacements that respect the supports, orthonormal in
    !> the lumped mass, with a diagonal stiffness. Functions that depend on those before them are left out.
-   subroutine axial_basis(beam, support, x, wanted, field, strain, error)
+   subroutine axial_basis(beam, support, x, wanted, field, strain, error, left_out)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
       !> Ends of the k_G elements (0:elements) [length]
@@ -84,10 +100,12 @@ contains
       !> Strains of the coordinates made (elements, number)
       real(wp), allocatable, intent(out) :: strain(:, :)
       type(error_type), allocatable, intent(out) :: error
+      !> Increased by the number of functions that depend on others
+      integer, intent(inout), optional :: left_out
       real(wp) :: mass(0:beam%elements), u(0:beam%elements, size(wanted, 2)), e(size(wanted, 1), size(wanted, 2))
       real(wp) :: norm, part
       real(wp), allocatable :: stiffness(:, :), omega2(:), work(:)
-      integer :: j, k, kept, pass, info
+      integer :: j, k, kept, pass, info, dependent
       if (size(x) - 1 > beam%elements) then
          call raise(error, as_text(size(x) - 1)//' k_G elements need at least as many elements for their axial functions, not '// &
             & as_text(beam%elements))
@@ -95,6 +113,7 @@ contains
       end if
       mass = nodal_masses(beam)
       kept = 0
+      dependent = 0
       do j = 1, size(wanted, 2)
          e(:, kept + 1) = wanted(:, j)
          call respect_supports(support, x, e(:, kept + 1))
@@ -102,7 +121,10 @@ contains
          if (.not. (support%u_start .or. support%u_end)) &
             & u(:, kept + 1) = u(:, kept + 1) - sum(mass*u(:, kept + 1))/sum(mass)
          norm = sqrt(sum(mass*u(:, kept + 1)**2))
-         if (.not. norm > 1.0e-12_wp*sqrt(sum(mass))*beam%length*maxval(abs(wanted(:, j)))) cycle
+         if (.not. norm > 1.0e-12_wp*sqrt(sum(mass))*beam%length*maxval(abs(wanted(:, j)))) then
+            if (maxval(abs(wanted(:, j))) > 0.0_wp) dependent = dependent + 1
+            cycle
+         end if
          u(:, kept + 1) = u(:, kept + 1)/norm
          e(:, kept + 1) = e(:, kept + 1)/norm
          do pass = 1, 2
@@ -113,11 +135,15 @@ contains
             end do
          end do
          norm = sqrt(sum(mass*u(:, kept + 1)**2))
-         if (norm < 1.0e-7_wp) cycle
+         if (norm < 1.0e-7_wp) then
+            dependent = dependent + 1
+            cycle
+         end if
          u(:, kept + 1) = u(:, kept + 1)/norm
          e(:, kept + 1) = e(:, kept + 1)/norm
          kept = kept + 1
       end do
+      if (present(left_out)) left_out = left_out + dependent
       allocate (stiffness(kept, kept), omega2(kept), work(max(1, 8*kept)))
       do j = 1, kept
          do k = 1, kept

@@ -3,12 +3,12 @@
 !> doc/theory, eqs. (16), (118).
 module limber_flex_frame
    use limber_base_kinds, only: wp
-   use limber_flex_beam, only: beam_stiffness, bending_curvature, lumped_mass
-   use limber_flex_mesh, only: field_type
+   use limber_flex_beam, only: beam_stiffness, bending_shape, bending_slope, bending_curvature, lumped_mass
+   use limber_flex_mesh, only: beam_type, support_type, field_type, nodal_masses, nodal_inertias
    implicit none
    private
-   public :: frame_type, member_type, new_frame, element_at, member_field, member_length
-   public :: element_stiffness, strain_energy, element_forces
+   public :: frame_type, member_type, new_frame, beam_frame, beam_nodes, element_at, member_field, member_length
+   public :: element_stiffness, strain_energy, element_forces, unit_load
 
    !> A straight member between two corners
    type :: member_type
@@ -88,6 +88,50 @@ contains
       frame%first(size(members) + 1) = e + 1
    end function new_frame
 
+   !> A straight beam as a frame of one member along its x axis, with the shapes of its coordinates (3, nodes, n).
+   pure subroutine beam_frame(beam, support, origin, field, frame, shape)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      !> Coordinate along the beam of the origin of the body [length]
+      real(wp), intent(in) :: origin
+      type(field_type), intent(in) :: field
+      type(frame_type), intent(out) :: frame
+      real(wp), allocatable, intent(out) :: shape(:, :, :)
+      type(member_type) :: member(1)
+      integer :: node(0:beam%elements), e, b
+      member(1)%ends = [1, 2]
+      member(1)%ea = beam%ea
+      member(1)%ei = beam%ei
+      member(1)%rho_a = beam%rho_a
+      member(1)%divisions = beam%elements
+      frame = new_frame(reshape([-origin, 0.0_wp, beam%length - origin, 0.0_wp], [2, 2]), member)
+      node = beam_nodes(frame)
+      do e = 1, beam%elements
+         frame%from(e) = field%s(e - 1)
+         frame%length(e) = field%s(e) - field%s(e - 1)
+      end do
+      frame%place(1, node) = field%s - origin
+      frame%mass(1, node) = nodal_masses(beam)
+      frame%mass(2, :) = frame%mass(1, :)
+      frame%mass(3, node) = nodal_inertias(beam)
+      frame%free(:, 1) = [.not. support%u_start, .not. support%w_start, .not. support%theta_start]
+      frame%free(:, 2) = [.not. support%u_end, .not. support%w_end, .not. support%theta_end]
+      b = size(field%w, 2)
+      allocate (shape(3, size(node), b + size(field%u, 2)))
+      shape = 0.0_wp
+      shape(1, node, b + 1:) = field%u
+      shape(2, node, :b) = field%w
+      shape(3, node, :b) = field%theta
+   end subroutine beam_frame
+
+   !> Nodes of a frame of one member from its start to its end (0:elements).
+   pure function beam_nodes(frame) result(node)
+      type(frame_type), intent(in) :: frame
+      integer :: node(0:size(frame%member))
+      node(0) = frame%ends(1, 1)
+      node(1:) = frame%ends(2, :)
+   end function beam_nodes
+
    !> Length of a member.
    pure real(wp) function member_length(frame, member) result(length)
       type(frame_type), intent(in) :: frame
@@ -166,6 +210,40 @@ contains
       force(4) = frame%ei(e)*dot_product(bending_curvature(l, l), own([2, 3, 5, 6]))
       force(2) = (force(3) - force(4))/l
    end function element_forces
+
+   !> Unit load at a place as forces and couples on the nodes of its element that deflect these as it does (3, nodes).
+   pure function unit_load(frame, member, x, part) result(load)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: member
+      !> Coordinate along the member [length]
+      real(wp), intent(in) :: x
+      !> 1, 2: force along the first or second axis of the body; 3: couple
+      integer, intent(in) :: part
+      real(wp) :: load(3, size(frame%place, 2)), own(6), s, l
+      !> Part of an element that tells no place from a node
+      real(wp), parameter :: near = 1.0e-9_wp
+      integer :: e, k
+      load = 0.0_wp
+      e = element_at(frame, member, x)
+      l = frame%length(e)
+      s = x - frame%from(e)
+      if (abs(s) < near*l) s = 0.0_wp
+      if (abs(s - l) < near*l) s = l
+      own = 0.0_wp
+      associate (a => frame%axis(:, e))
+         if (part == 3) then
+            own([2, 3, 5, 6]) = bending_slope(s, l)
+         else
+            own([1, 4]) = a(part)*[1 - s/l, s/l]
+            own([2, 3, 5, 6]) = merge(-a(2), a(1), part == 1)*bending_shape(s, l)
+         end if
+         do k = 1, 2
+            associate (f => own(3*k - 2:3*k))
+               load(:, frame%ends(k, e)) = [a(1)*f(1) - a(2)*f(2), a(2)*f(1) + a(1)*f(2), f(3)]
+            end associate
+         end do
+      end associate
+   end function unit_load
 
    !> Stiffness of an element in the axes of the body on (x, y, rotation) of its two nodes.
    pure function element_stiffness(frame, e) result(k)

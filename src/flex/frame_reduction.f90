@@ -2,25 +2,35 @@
 !> Each member is a straight beam that all coordinates bend and stretch. Floor: flex. Source: doc/theory, eqs. (18)-(22), (121)-(123).
 module limber_flex_frame_reduction
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type, raise
-   use limber_base_lapack, only: dsyev
+   use limber_base_error, only: error_type
    use limber_flex_beam, only: bending_slope
-   use limber_flex_frame, only: frame_type, strain_energy, member_field, member_length
-   use limber_flex_frame_solver, only: solver_type, new_solver, solve_static, frame_band, rigid_motions, on_equations, &
+   use limber_flex_frame, only: frame_type, member_field, member_length
+   use limber_flex_frame_solver, only: solver_type, new_solver, frame_band, rigid_motions, on_equations, &
       & from_equations, project
+   use limber_flex_functions, only: attachment_type, attachment_loads, constraint_functions, static_responses, add_functions, &
+      & left_out_note
    use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
-   use limber_flex_modes, only: lowest_modes, count_modes
+   use limber_flex_modes, only: lowest_modes, count_held_modes
    use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
    implicit none
    private
    public :: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
 
+   !> Modes that are looked for at first if there is a limit of their frequencies
+   integer, parameter :: first_search = 8
+
    !> What the user chooses of a frame's reduction
    type :: frame_choice_type
       !> Number of vibration modes
       integer :: modes = 0
+      !> Circular frequency above which modes are left out, whatever their number; zero: none [1/time]
+      real(wp) :: frequency_limit = 0.0_wp
+      !> Whether the modes are those with the interface held, and its shapes join them (Craig and Bampton)
+      logical :: craig_bampton = .false.
+      !> The interface, beside `attachments`; and what else acts on the frame, the responses to which join the coordinates
+      type(attachment_type), allocatable :: interface(:), corrections(:)
       !> fidelity_linear, fidelity_kg or fidelity_full
       integer :: fidelity = fidelity_kg
       !> Number of k_G elements in a member
@@ -35,16 +45,73 @@ module limber_flex_frame_reduction
 
 contains
 
-   !> Number of vibration modes that the lumped mass gives.
-   integer function available_frame_modes(frame) result(available)
+   !> Number of modes that the lumped mass gives, with the interface held if the choice says so.
+   integer function available_frame_modes(frame, choice) result(available)
       type(frame_type), intent(in) :: frame
-      real(wp), allocatable :: motion(:, :, :)
-      call rigid_motions(frame, motion)
-      available = count_modes(pack(frame%mass, frame%free), size(motion, 3))
+      type(frame_choice_type), intent(in), optional :: choice
+      integer, allocatable :: number(:, :)
+      real(wp), allocatable :: band(:, :), rigid(:, :), held(:, :)
+      call frame_band(frame, number, band)
+      call rigid_vectors(frame, number, rigid)
+      allocate (held(size(band, 2), 0))
+      if (present(choice)) then
+         deallocate (held)
+         call held_rows(frame, choice, number, held)
+      end if
+      available = count_held_modes(on_equations(number, frame%mass), rigid, held)
    end function available_frame_modes
 
+   !> Rigid motions that the supports leave, on the equations (n, number).
+   subroutine rigid_vectors(frame, number, rigid)
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: number(:, :)
+      real(wp), allocatable, intent(out) :: rigid(:, :)
+      real(wp), allocatable :: motion(:, :, :)
+      integer :: j
+      call rigid_motions(frame, motion)
+      allocate (rigid(maxval(number), size(motion, 3)))
+      do j = 1, size(motion, 3)
+         rigid(:, j) = on_equations(number, motion(:, :, j))
+      end do
+   end subroutine rigid_vectors
+
+   !> Unit loads of the interface: at the attachments of the deck and at places (3, nodes, number); none without Craig and Bampton.
+   subroutine interface_loads(frame, choice, load)
+      type(frame_type), intent(in) :: frame
+      type(frame_choice_type), intent(in) :: choice
+      real(wp), allocatable, intent(out) :: load(:, :, :)
+      integer :: nodes, places, i
+      nodes = 0
+      places = 0
+      if (choice%craig_bampton .and. allocated(choice%attachments)) nodes = size(choice%attachments, 2)
+      if (choice%craig_bampton .and. allocated(choice%interface)) places = size(choice%interface)
+      allocate (load(3, size(frame%place, 2), nodes + places))
+      load = 0.0_wp
+      do i = 1, nodes
+         associate (part => choice%attachments(2, i), node => choice%attachments(1, i))
+            if (frame%free(part, node)) load(part, node, i) = 1.0_wp
+         end associate
+      end do
+      if (places > 0) load(:, :, nodes + 1:) = attachment_loads(frame, choice%interface)
+   end subroutine interface_loads
+
+   !> Displacements that are held while the modes are computed, on the equations (n, number).
+   subroutine held_rows(frame, choice, number, held)
+      type(frame_type), intent(in) :: frame
+      type(frame_choice_type), intent(in) :: choice
+      integer, intent(in) :: number(:, :)
+      real(wp), allocatable, intent(out) :: held(:, :)
+      real(wp), allocatable :: load(:, :, :)
+      integer :: i
+      call interface_loads(frame, choice, load)
+      allocate (held(maxval(number), size(load, 3)))
+      do i = 1, size(load, 3)
+         held(:, i) = on_equations(number, load(:, :, i))
+      end do
+   end subroutine held_rows
+
    !> Reduces a frame.
-   subroutine reduce_frame(frame, choice, body, shape, error)
+   subroutine reduce_frame(frame, choice, body, shape, error, note)
       type(frame_type), intent(in) :: frame
       type(frame_choice_type), intent(in) :: choice
       !> Constants for the time loop
@@ -53,14 +120,33 @@ contains
       real(wp), allocatable, intent(out) :: shape(:, :, :)
       !> More modes asked for than there are, or no convergence
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: omega2(:), functions(:, :, :)
-      integer :: i
-      call vibration_modes(frame, choice%modes, shape, omega2, error)
+      !> What was left out because it depends on others; empty if nothing was
+      character(:), allocatable, intent(out), optional :: note
+      type(solver_type) :: solver
+      real(wp), allocatable :: omega2(:), functions(:, :, :), load(:, :, :)
+      integer :: i, k, left_out
+      left_out = 0
+      call vibration_modes(frame, choice, shape, omega2, error)
       if (allocated(error)) return
+      call interface_loads(frame, choice, load)
+      if (size(load, 3) > 0) then
+         call new_solver(frame, solver, error)
+         if (allocated(error)) return
+         do i = 1, size(shape, 3)
+            do k = 1, size(solver%motion, 3)
+               call project(frame%mass, solver%motion(:, :, k), shape(:, :, i))
+            end do
+         end do
+         call constraint_functions(frame, solver, load, functions)
+         call add_functions(frame, functions, .true., shape, omega2, left_out, error)
+         if (allocated(error)) return
+         deallocate (functions)
+      end if
       call static_functions(frame, choice, shape, functions, error)
       if (allocated(error)) return
-      call add_functions(frame, functions, shape, omega2, error)
+      if (size(functions, 3) > 0) call add_functions(frame, functions, size(load, 3) > 0, shape, omega2, left_out, error)
       if (allocated(error)) return
+      if (present(note)) note = left_out_note(left_out, '')
       call start_inertia(body, size(omega2))
       body%bending = body%n
       do i = 1, size(frame%place, 2)
@@ -92,27 +178,40 @@ contains
       psi = slope_at(field, x, bending_slope)
    end subroutine frame_point_shape
 
-   !> The lowest vibration modes under the supports, eqs. (18), (19).
-   subroutine vibration_modes(frame, wanted, shape, omega2, error)
+   !> The lowest vibration modes under the supports, eqs. (18), (19), with the interface held as well if there is one; none above
+   !> the limit.
+   subroutine vibration_modes(frame, choice, shape, omega2, error)
       type(frame_type), intent(in) :: frame
-      integer, intent(in) :: wanted
+      type(frame_choice_type), intent(in) :: choice
       real(wp), allocatable, intent(out) :: shape(:, :, :), omega2(:)
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: number(:, :)
-      real(wp), allocatable :: band(:, :), motion(:, :, :), rigid(:, :), phi(:, :)
+      real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), mass(:), held(:, :), all(:)
       real(wp) :: shift
-      integer :: j
+      integer :: j, wanted, most
+      logical :: limited
+      limited = choice%frequency_limit > 0.0_wp
       call frame_band(frame, number, band)
-      call rigid_motions(frame, motion)
-      allocate (rigid(size(band, 2), size(motion, 3)), phi(size(band, 2), wanted))
-      allocate (omega2(wanted), shape(3, size(frame%place, 2), wanted))
-      do j = 1, size(motion, 3)
-         rigid(:, j) = on_equations(number, motion(:, :, j))
-      end do
+      call rigid_vectors(frame, number, rigid)
+      call held_rows(frame, choice, number, held)
+      allocate (mass, source=on_equations(number, frame%mass))
       shift = 0.0_wp
-      if (size(motion, 3) > 0) shift = -maxval(frame%ei)/(sum(frame%mass(1, :))*sum(frame%length)**3)
-      call lowest_modes(band, on_equations(number, frame%mass), rigid, shift, wanted, omega2, phi, error)
-      if (allocated(error)) return
+      if (size(rigid, 2) > 0) shift = -maxval(frame%ei)/(sum(frame%mass(1, :))*sum(frame%length)**3)
+      most = choice%modes
+      if (limited) most = min(most, count_held_modes(mass, rigid, held))
+      wanted = most
+      if (limited) wanted = min(most, first_search)
+      do
+         allocate (all(wanted), phi(size(band, 2), wanted))
+         call lowest_modes(band, mass, rigid, shift, wanted, all, phi, error, held)
+         if (allocated(error)) return
+         if (wanted == most .or. any(all > choice%frequency_limit**2)) exit
+         wanted = min(most, 2*wanted)
+         deallocate (all, phi)
+      end do
+      if (limited) wanted = count(all <= choice%frequency_limit**2)
+      allocate (omega2(wanted), shape(3, size(frame%place, 2), wanted))
+      omega2(:) = all(:wanted)
       do j = 1, wanted
          shape(:, :, j) = from_equations(number, phi(:, j))
       end do
@@ -129,11 +228,14 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(solver_type) :: solver
       real(wp), allocatable :: load(:, :, :)
-      integer :: i, j, count, derivatives, attached
+      integer :: i, j, count, derivatives, attached, corrections
       derivatives = min(choice%derivatives, size(modes, 3)*(size(modes, 3) + 1)/2)
       attached = 0
-      if (allocated(choice%attachments)) attached = size(choice%attachments, 2)
-      count = attached + derivatives + merge(1, 0, choice%centrifugal) + merge(3, 0, choice%accelerations)
+      ! Of Craig and Bampton they are the interface
+      if (allocated(choice%attachments) .and. .not. choice%craig_bampton) attached = size(choice%attachments, 2)
+      corrections = 0
+      if (allocated(choice%corrections)) corrections = size(choice%corrections)
+      count = attached + corrections + derivatives + merge(1, 0, choice%centrifugal) + merge(3, 0, choice%accelerations)
       allocate (functions(3, size(frame%place, 2), count), load(3, size(frame%place, 2), count))
       if (count == 0) return
       call new_solver(frame, solver, error)
@@ -142,7 +244,8 @@ contains
       do i = 1, attached
          load(choice%attachments(2, i), choice%attachments(1, i), i) = 1.0_wp
       end do
-      count = attached
+      if (corrections > 0) load(:, :, attached + 1:attached + corrections) = attachment_loads(frame, choice%corrections)
+      count = attached + corrections
       if (choice%centrifugal) then
          count = count + 1
          load(1:2, :, count) = frame%mass(1:2, :)*frame%place
@@ -163,9 +266,7 @@ contains
             call add_shortening(frame, choice, modes(:, :, [i, j]), load(:, :, count))
          end do
       end do pairs
-      do i = 1, count
-         call solve_static(frame, solver, load(:, :, i), functions(:, :, i))
-      end do
+      call static_responses(frame, solver, load, functions)
    end subroutine static_functions
 
    !> The load of an initial strain -1/2 B_g(1,2) in every k_G element: what cancels the foreshortening of a pair of modes,
@@ -195,63 +296,6 @@ contains
          end do
       end do
    end subroutine add_shortening
-
-   !> Adds functions to the modes: orthonormal in the mass, to the modes as well, and diagonal in the stiffness. Those that
-   !> depend on others are left out.
-   subroutine add_functions(frame, functions, shape, omega2, error)
-      type(frame_type), intent(in) :: frame
-      !> (3, nodes, number)
-      real(wp), intent(in) :: functions(:, :, :)
-      !> Shapes and squared frequencies of the modes; receive those of all
-      real(wp), allocatable, intent(inout) :: shape(:, :, :), omega2(:)
-      type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: own(:, :, :), stiffness(:, :), value(:), work(:), all(:, :, :), both(:)
-      real(wp) :: norm
-      integer :: i, j, k, kept, pass, info, modes
-      modes = size(omega2)
-      allocate (own(3, size(frame%place, 2), size(functions, 3)))
-      kept = 0
-      do j = 1, size(functions, 3)
-         norm = sqrt(sum(frame%mass*functions(:, :, j)**2))
-         if (.not. norm > 0.0_wp) cycle
-         own(:, :, kept + 1) = functions(:, :, j)/norm
-         do pass = 1, 2
-            do k = 1, modes
-               call project(frame%mass, shape(:, :, k), own(:, :, kept + 1))
-            end do
-            do k = 1, kept
-               call project(frame%mass, own(:, :, k), own(:, :, kept + 1))
-            end do
-         end do
-         norm = sqrt(sum(frame%mass*own(:, :, kept + 1)**2))
-         if (norm < 1.0e-7_wp) cycle
-         kept = kept + 1
-         own(:, :, kept) = own(:, :, kept)/norm
-      end do
-      if (kept == 0) return
-      allocate (stiffness(kept, kept), value(kept), work(8*kept), all(3, size(frame%place, 2), modes + kept), both(modes + kept))
-      do j = 1, kept
-         do i = 1, kept
-            stiffness(i, j) = strain_energy(frame, own(:, :, i), own(:, :, j))
-         end do
-      end do
-      call dsyev('V', 'L', kept, stiffness, kept, value, work, size(work), info)
-      if (info /= 0) then
-         call raise(error, 'the static functions could not be made orthogonal')
-         return
-      end if
-      all = 0.0_wp
-      all(:, :, :modes) = shape
-      do j = 1, kept
-         do i = 1, kept
-            all(:, :, modes + j) = all(:, :, modes + j) + own(:, :, i)*stiffness(i, j)
-         end do
-      end do
-      both(:modes) = omega2
-      both(modes + 1:) = value
-      call move_alloc(all, shape)
-      call move_alloc(both, omega2)
-   end subroutine add_functions
 
    !> The geometric part: a sum over the members, each with its own k_G elements.
    subroutine project_members(frame, choice, shape, body)

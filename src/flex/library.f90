@@ -14,6 +14,8 @@ module limber_flex_library
    type :: book_type
       type(reduced_type) :: reduced
       type(field_type) :: field
+      !> What was left out of it
+      character(:), allocatable :: note
    end type book_type
 
    !> Reductions by a text that all of a reduction follows from
@@ -28,12 +30,13 @@ module limber_flex_library
 contains
 
    !> The reduction of a beam, if it has been made.
-   subroutine look_up(self, fingerprint, reduced, field, found)
+   subroutine look_up(self, fingerprint, reduced, field, note, found)
       class(library_type), intent(in) :: self
       character(*), intent(in) :: fingerprint
       !> Set if it is found
       type(reduced_type), intent(inout) :: reduced
       type(field_type), intent(inout) :: field
+      character(:), allocatable, intent(inout) :: note
       logical, intent(out) :: found
       integer :: i
       i = self%names%find(fingerprint)
@@ -41,12 +44,14 @@ contains
       if (.not. found) return
       reduced = self%books(i)%reduced
       field = self%books(i)%field
+      note = self%books(i)%note
    end subroutine look_up
 
    !> Keeps a reduction that it does not have.
-   subroutine put(self, fingerprint, reduced, field)
+   subroutine put(self, fingerprint, reduced, field, note)
       class(library_type), intent(inout) :: self
-      character(*), intent(in) :: fingerprint
+      !> All that it follows from, and what was left out of it
+      character(*), intent(in) :: fingerprint, note
       type(reduced_type), intent(in) :: reduced
       type(field_type), intent(in) :: field
       if (.not. allocated(self%books)) allocate (self%books(most))
@@ -57,6 +62,7 @@ contains
       self%count = self%count + 1
       self%books(self%count)%reduced = reduced
       self%books(self%count)%field = field
+      self%books(self%count)%note = note
       call self%names%add(fingerprint, self%count)
    end subroutine put
 

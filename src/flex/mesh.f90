@@ -5,7 +5,7 @@ module limber_flex_mesh
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_flex_beam, only: axial_stiffness, bending_stiffness, lumped_mass, bending_shape
-   use limber_flex_modes, only: lowest_modes, count_modes
+   use limber_flex_modes, only: lowest_modes, count_held_modes
    implicit none
    private
    public :: beam_type, support_type, field_type, new_support, mesh_beam, count_bending_modes, count_axial_modes
@@ -159,21 +159,66 @@ contains
    end function element_length
 
    !> Number of bending modes that the lumped mass gives under these supports.
-   pure integer function count_bending_modes(beam, support)
+   integer function count_bending_modes(beam, support, held) result(modes)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
-      count_bending_modes = count_modes(pack(bending_masses(beam), bending_free(beam, support)), rigid_bending(support))
+      !> Rows of displacements that are held besides, on deflection and rotation of each node (2 nodes, number)
+      real(wp), intent(in), optional :: held(:, :)
+      logical :: free(2*(beam%elements + 1))
+      real(wp) :: none(2*(beam%elements + 1), 0)
+      free = bending_free(beam, support)
+      if (present(held)) then
+         modes = count_held_modes(pack(bending_masses(beam), free), bending_motions(beam, support), packed(held, free))
+      else
+         modes = count_held_modes(pack(bending_masses(beam), free), bending_motions(beam, support), packed(none, free))
+      end if
    end function count_bending_modes
 
    !> Number of axial modes that the lumped mass gives under these supports.
-   pure integer function count_axial_modes(beam, support)
+   integer function count_axial_modes(beam, support, held) result(modes)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
-      count_axial_modes = count_modes(pack(nodal_masses(beam), axial_free(beam, support)), rigid_axial(support))
+      !> Rows of displacements that are held besides (nodes, number)
+      real(wp), intent(in), optional :: held(:, :)
+      logical :: free(beam%elements + 1)
+      real(wp) :: rigid(count(axial_free(beam, support)), rigid_axial(support)), none(beam%elements + 1, 0)
+      free = axial_free(beam, support)
+      rigid = 1.0_wp
+      if (present(held)) then
+         modes = count_held_modes(pack(nodal_masses(beam), free), rigid, packed(held, free))
+      else
+         modes = count_held_modes(pack(nodal_masses(beam), free), rigid, packed(none, free))
+      end if
    end function count_axial_modes
 
+   !> The free entries of columns (free, number).
+   pure function packed(columns, free) result(part)
+      real(wp), intent(in) :: columns(:, :)
+      logical, intent(in) :: free(:)
+      real(wp) :: part(count(free), size(columns, 2))
+      integer :: j
+      do j = 1, size(columns, 2)
+         part(:, j) = pack(columns(:, j), free)
+      end do
+   end function packed
+
+   !> Rigid-body motions across the beam that the supports leave (free coordinates, number).
+   pure function bending_motions(beam, support) result(rigid)
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(in) :: support
+      real(wp) :: rigid(count(bending_free(beam, support)), rigid_bending(support))
+      type(field_type) :: field
+      real(wp) :: all(2*(beam%elements + 1), 2)
+      field = mesh_beam(beam)
+      all(1::2, 1) = 1.0_wp
+      all(2::2, 1) = 0.0_wp
+      all(1::2, 2) = field%s
+      all(2::2, 2) = 1.0_wp
+      rigid = packed(all(:, :rigid_bending(support)), bending_free(beam, support))
+   end function bending_motions
+
    !> Adds the lowest bending modes to the fields.
-   subroutine bending_modes(beam, support, wanted, field, error)
+   subroutine bending_modes(beam, support, wanted, field, error, held)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
       !> Number of modes
@@ -181,7 +226,9 @@ contains
       !> From `mesh_beam`; receives w, theta and their frequencies
       type(field_type), intent(inout) :: field
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), whole(:, :), mass(:)
+      !> Rows of displacements that are held besides, on deflection and rotation of each node (2 nodes, number)
+      real(wp), intent(in), optional :: held(:, :)
+      real(wp), allocatable :: band(:, :), phi(:, :), whole(:, :), mass(:)
       logical :: free(2*(beam%elements + 1))
       real(wp) :: k(4, 4, beam%elements), shift
       integer :: n, i, j
@@ -191,17 +238,17 @@ contains
       do i = 1, beam%elements
          k(:, :, i) = bending_stiffness(beam%ei, element_length(beam, i))
       end do
-      allocate (rigid(n, 2), phi(size(mass), wanted), whole(n, wanted))
-      do i = 0, beam%elements
-         rigid(2*i + 1:2*i + 2, 1) = [1.0_wp, 0.0_wp]
-         rigid(2*i + 1:2*i + 2, 2) = [field%s(i), 1.0_wp]
-      end do
-      rigid = rigid(pack([(i, i=1, n)], free), :rigid_bending(support))
+      allocate (phi(size(mass), wanted), whole(n, wanted))
       shift = merge(-beam%ei/(beam%rho_a*beam%length**4), 0.0_wp, rigid_bending(support) > 0)
       band = assemble_band(beam%elements, 2, k, free)
       if (allocated(field%omega2_bending)) deallocate (field%omega2_bending)
       allocate (field%omega2_bending(wanted))
-      call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_bending, phi, error)
+      if (present(held)) then
+         call lowest_modes(band, mass, bending_motions(beam, support), shift, wanted, field%omega2_bending, phi, error, &
+            & packed(held, free))
+      else
+         call lowest_modes(band, mass, bending_motions(beam, support), shift, wanted, field%omega2_bending, phi, error)
+      end if
       if (allocated(error)) return
       do j = 1, wanted
          whole(:, j) = unpack(phi(:, j), free, 0.0_wp)
@@ -213,7 +260,7 @@ contains
    end subroutine bending_modes
 
    !> Adds the lowest axial modes to the fields.
-   subroutine axial_modes(beam, support, wanted, field, error)
+   subroutine axial_modes(beam, support, wanted, field, error, held)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
       !> Number of modes
@@ -221,6 +268,8 @@ contains
       !> From `mesh_beam`; receives u and its frequencies
       type(field_type), intent(inout) :: field
       type(error_type), allocatable, intent(out) :: error
+      !> Rows of displacements that are held besides (nodes, number)
+      real(wp), intent(in), optional :: held(:, :)
       real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), mass(:)
       logical :: free(beam%elements + 1)
       real(wp) :: k(2, 2, beam%elements), shift
@@ -236,7 +285,11 @@ contains
       band = assemble_band(beam%elements, 1, k, free)
       if (allocated(field%omega2_axial)) deallocate (field%omega2_axial)
       allocate (field%omega2_axial(wanted))
-      call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_axial, phi, error)
+      if (present(held)) then
+         call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_axial, phi, error, packed(held, free))
+      else
+         call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_axial, phi, error)
+      end if
       if (allocated(error)) return
       deallocate (field%u)
       allocate (field%u(0:beam%elements, wanted))

@@ -4,8 +4,9 @@
 !>    OP = M^(1/2) (K - sigma M)^(-1) M^(1/2)        on the coordinates that carry mass,
 !>
 !> which is symmetric, so that M may be singular without harm: there are exactly as many modes as
-!> coordinates with mass. Rigid-body modes, if the supports leave any, are known beforehand and deflated.
-!> Floor: flex. Source: doc/theory, eqs. (18), (19); Lehoucq, Sorensen and Yang, ARPACK Users' Guide, section 3.2.
+!> coordinates with mass. Rigid-body modes, if the supports leave any, are known beforehand and deflated. Displacements may be
+!> held besides: their reactions are taken out of the inverse, eq. (B2).
+!> Floor: flex. Source: doc/theory, eqs. (18), (19), (B1), (B2); Lehoucq, Sorensen and Yang, ARPACK Users' Guide, section 3.2.
 module limber_flex_modes
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -13,7 +14,7 @@ module limber_flex_modes
    use limber_base_text, only: as_text
    implicit none
    private
-   public :: lowest_modes, count_modes
+   public :: lowest_modes, count_modes, count_held_modes, null_space
 
    !> The factored operator and its scratch
    type :: operator_type
@@ -29,9 +30,14 @@ module limber_flex_modes
       real(wp), allocatable :: root(:)
       !> Rigid-body directions, orthonormal: M^(1/2) phi (massive, number) and phi itself (all coordinates, number)
       real(wp), allocatable :: rigid(:, :), motion(:, :)
+      !> Displacements under the reactions of what is held, orthonormal in K - sigma M (all coordinates, number)
+      real(wp), allocatable :: holding(:, :)
       !> One vector on all coordinates
       real(wp), allocatable :: full(:)
    end type operator_type
+
+   !> Part of a row that must be new, and of a motion that is none
+   real(wp), parameter :: new_part = 1.0e-8_wp, no_part = 1.0e-6_wp
 
 contains
 
@@ -44,8 +50,74 @@ contains
       count_modes = max(0, count(mass > 0.0_wp) - rigid_modes)
    end function count_modes
 
+   !> Number of elastic modes while displacements are held: a row that acts on coordinates with mass only takes one of these away,
+   !> what is left of another one moves coordinates without mass.
+   integer function count_held_modes(mass, rigid, held) result(modes)
+      !> Lumped masses of the free coordinates (n)
+      real(wp), intent(in) :: mass(:)
+      !> Rigid-body modes (n, number), and rows of the displacements that are held (n, number)
+      real(wp), intent(in) :: rigid(:, :), held(:, :)
+      real(wp), allocatable :: left(:, :)
+      real(wp) :: massless(size(held, 1), size(held, 2))
+      integer :: i
+      do i = 1, size(held, 2)
+         massless(:, i) = merge(0.0_wp, held(:, i), mass > 0.0_wp)
+         if (norm2(massless(:, i)) <= new_part*norm2(held(:, i))) massless(:, i) = 0.0_wp
+      end do
+      allocate (left, source=null_space(matmul(transpose(held), rigid)))
+      modes = max(0, count(mass > 0.0_wp) - (independent(held) - independent(massless)) - size(left, 2))
+   end function count_held_modes
+
+   !> Number of independent columns.
+   pure integer function independent(columns)
+      real(wp), intent(in) :: columns(:, :)
+      real(wp) :: unit(size(columns, 1), size(columns, 2)), rest(size(columns, 1))
+      integer :: i, k, pass
+      independent = 0
+      do i = 1, size(columns, 2)
+         if (.not. norm2(columns(:, i)) > 0.0_wp) cycle
+         rest = columns(:, i)/norm2(columns(:, i))
+         do pass = 1, 2
+            do k = 1, independent
+               rest = rest - unit(:, k)*dot_product(unit(:, k), rest)
+            end do
+         end do
+         if (norm2(rest) <= new_part) cycle
+         independent = independent + 1
+         unit(:, independent) = rest/norm2(rest)
+      end do
+   end function independent
+
+   !> Combinations, orthonormal, that a matrix turns into nothing (columns, number); rows count whatever their scale is.
+   function null_space(matrix) result(combinations)
+      !> (rows, columns)
+      real(wp), intent(in) :: matrix(:, :)
+      real(wp), allocatable :: combinations(:, :)
+      real(wp) :: gram(size(matrix, 2), size(matrix, 2)), value(size(matrix, 2)), work(max(1, 8*size(matrix, 2))), length, &
+         & largest
+      integer :: n, i, j, info, kept
+      n = size(matrix, 2)
+      gram = 0.0_wp
+      largest = 0.0_wp
+      do i = 1, size(matrix, 1)
+         largest = max(largest, norm2(matrix(i, :)))
+      end do
+      do i = 1, size(matrix, 1)
+         length = norm2(matrix(i, :))
+         if (.not. length > 1.0e-10_wp*largest) cycle
+         do j = 1, n
+            gram(:, j) = gram(:, j) + (matrix(i, :)/length)*(matrix(i, j)/length)
+         end do
+      end do
+      call dsyev('V', 'L', n, gram, max(1, n), value, work, size(work), info)
+      kept = 0
+      if (info == 0) kept = count(value <= no_part**2*max(1.0_wp, maxval(value)))
+      allocate (combinations(n, kept))
+      combinations(:, :) = gram(:, :kept)
+   end function null_space
+
    !> The lowest elastic modes, mass-normalised, in ascending frequency.
-   subroutine lowest_modes(stiffness, mass, rigid, shift, wanted, omega2, phi, error)
+   subroutine lowest_modes(stiffness, mass, rigid, shift, wanted, omega2, phi, error, held)
       !> Lower band of K, (1 + bandwidth, n), LAPACK storage
       real(wp), intent(in) :: stiffness(:, :)
       !> Lumped masses (n) [mass]; zero where a coordinate has none
@@ -62,11 +134,14 @@ contains
       real(wp), intent(out) :: phi(:, :)
       !> Too many modes, or no convergence
       type(error_type), allocatable, intent(out) :: error
+      !> Displacements that are held: rows of them (n, number)
+      real(wp), intent(in), optional :: held(:, :)
       type(operator_type) :: op
       real(wp), allocatable :: theta(:), y(:, :)
       integer :: available, i, j
 
       available = count_modes(mass, size(rigid, 2))
+      if (present(held)) available = count_held_modes(mass, rigid, held)
       if (wanted > available) then
          call raise(error, 'the lumped mass gives '//as_text(available)//' modes, '//as_text(wanted)//' are asked for')
          return
@@ -74,9 +149,11 @@ contains
       if (wanted == 0) return
       call factor_operator(op, stiffness, mass, rigid, shift, error)
       if (allocated(error)) return
+      if (present(held)) call hold(op, mass, held)
       allocate (theta(wanted), y(op%massive, wanted))
-      if (wanted < op%massive - size(op%rigid, 2)) then
+      if (wanted < available) then
          call iterate(op, wanted, theta, y, error)
+         if (.not. allocated(error)) call find_equals(op, theta, y, error)
       else
          call solve_whole(op, wanted, theta, y, error)
       end if
@@ -121,7 +198,7 @@ contains
       op%place = pack([(i, i=1, op%n)], mass > 0.0_wp)
       op%root = sqrt(mass(op%place))
       op%factor(1, :) = op%factor(1, :) - shift*mass
-      allocate (op%full(op%n), op%rigid(op%massive, size(rigid, 2)))
+      allocate (op%full(op%n), op%rigid(op%massive, size(rigid, 2)), op%holding(op%n, 0))
       call dpbtrf('L', op%n, op%width, op%factor, op%width + 1, info)
       if (info /= 0) then
          call raise(error, 'the stiffness matrix under these supports is not positive definite (row '//as_text(info)//')')
@@ -136,15 +213,71 @@ contains
       end do
    end subroutine factor_operator
 
-   !> full = (K - sigma M)^(-1) M^(1/2) x, on all coordinates.
+   !> Holds displacements, eq. (B2); rigid motions that they do not let be are none of the system's any more.
+   subroutine hold(op, mass, held)
+      type(operator_type), intent(inout) :: op
+      real(wp), intent(in) :: mass(:), held(:, :)
+      real(wp) :: holding(size(held, 1), size(held, 2)), rest(size(held, 1)), whole, part
+      real(wp), allocatable :: combinations(:, :)
+      integer :: i, k, kept, pass, info
+      kept = 0
+      do i = 1, size(held, 2)
+         rest = held(:, i)
+         call dpbtrs('L', op%n, op%width, 1, op%factor, op%width + 1, rest, op%n, info)
+         whole = dot_product(held(:, i), rest)
+         if (.not. whole > 0.0_wp) cycle
+         do pass = 1, 2
+            do k = 1, kept
+               ! In the product of K - sigma M
+               part = shifted_product(op, holding(:, k), rest)
+               rest = rest - holding(:, k)*part
+            end do
+         end do
+         part = shifted_product(op, rest, rest)
+         if (part <= new_part**2*whole) cycle
+         kept = kept + 1
+         holding(:, kept) = rest/sqrt(part)
+      end do
+      allocate (combinations, source=null_space(matmul(transpose(held), op%motion)))
+      op%motion = matmul(op%motion, combinations)
+      deallocate (op%rigid, op%holding)
+      allocate (op%rigid(op%massive, size(op%motion, 2)), op%holding(op%n, kept))
+      op%holding(:, :) = holding(:, :kept)
+      do k = 1, size(op%motion, 2)
+         op%motion(:, k) = op%motion(:, k)/sqrt(sum(mass*op%motion(:, k)**2))
+         op%rigid(:, k) = op%root*op%motion(op%place, k)
+      end do
+   end subroutine hold
+
+   !> a.(K - sigma M) b, of the Cholesky factor.
+   pure real(wp) function shifted_product(op, a, b) result(product)
+      type(operator_type), intent(in) :: op
+      real(wp), intent(in) :: a(:), b(:)
+      integer :: j, last
+      product = 0.0_wp
+      do j = 1, op%n
+         last = min(op%width, op%n - j)
+         product = product + dot_product(op%factor(1:last + 1, j), a(j:j + last))* &
+            & dot_product(op%factor(1:last + 1, j), b(j:j + last))
+      end do
+   end function shifted_product
+
+   !> full = (K - sigma M)^(-1) M^(1/2) x, on all coordinates; held displacements remain zero.
    subroutine expand(op, x, full)
       type(operator_type), intent(in) :: op
       real(wp), intent(in) :: x(:)
       real(wp), intent(out) :: full(:)
-      integer :: info
+      real(wp) :: reaction(size(op%holding, 2))
+      integer :: info, k
       full = 0.0_wp
       full(op%place) = op%root*x
+      do k = 1, size(reaction)
+         reaction(k) = dot_product(op%holding(:, k), full)
+      end do
       call dpbtrs('L', op%n, op%width, 1, op%factor, op%width + 1, full, op%n, info)
+      do k = 1, size(reaction)
+         full = full - op%holding(:, k)*reaction(k)
+      end do
    end subroutine expand
 
    !> y = OP x, with the rigid-body directions taken out before and after.
@@ -212,6 +345,36 @@ contains
          y(:, i) = vector(:, wanted + 1 - i)
       end do
    end subroutine iterate
+
+   !> Modes of exactly equal frequency, of which a Krylov space of one start vector may hold one only: what is left beside the
+   !> modes found is searched for a lower one.
+   subroutine find_equals(op, theta, y, error)
+      type(operator_type), intent(inout) :: op
+      !> Descending, and their vectors
+      real(wp), intent(inout) :: theta(:), y(:, :)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), parameter :: equal = 1.0e-9_wp
+      real(wp), allocatable :: rigid(:, :)
+      real(wp) :: another(1), vector(op%massive, 1)
+      integer :: turn, i, n
+      n = size(theta)
+      call move_alloc(op%rigid, rigid)
+      do turn = 1, n
+         allocate (op%rigid(op%massive, size(rigid, 2) + n))
+         op%rigid(:, :size(rigid, 2)) = rigid
+         op%rigid(:, size(rigid, 2) + 1:) = y
+         call iterate(op, 1, another, vector, error)
+         deallocate (op%rigid)
+         if (allocated(error)) exit
+         if (another(1) <= theta(n)*(1 + equal)) exit
+         i = count(theta >= another(1))
+         theta(i + 2:) = theta(i + 1:n - 1)
+         theta(i + 1) = another(1)
+         y(:, i + 2:) = y(:, i + 1:n - 1)
+         y(:, i + 1) = vector(:, 1)
+      end do
+      call move_alloc(rigid, op%rigid)
+   end subroutine find_equals
 
    !> The same for all modes at once, which a Krylov space cannot give: the dense operator, by LAPACK.
    subroutine solve_whole(op, wanted, theta, y, error)

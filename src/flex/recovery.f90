@@ -4,15 +4,13 @@
 module limber_flex_recovery
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_flex_beam, only: bending_shape, bending_slope
-   use limber_flex_frame, only: frame_type, member_type, new_frame, element_at, member_field, element_forces
+   use limber_flex_frame, only: frame_type, element_at, member_field, element_forces, unit_load
    use limber_flex_frame_solver, only: solver_type, new_solver, solve_static
    use limber_flex_geometric, only: mean_slopes, element_ends
-   use limber_flex_mesh, only: beam_type, support_type, field_type, nodal_masses, nodal_inertias
    use limber_flex_reduced, only: reduced_type
    implicit none
    private
-   public :: section_type, load_place_type, recovery_type, new_recovery, all_sections, beam_frame, amplitudes, internal_forces
+   public :: section_type, load_place_type, recovery_type, new_recovery, all_sections, amplitudes, internal_forces
 
    !> A section: a place of a member, seen from the side of the member's start, or from that of its end
    type :: section_type
@@ -43,43 +41,6 @@ module limber_flex_recovery
    end type recovery_type
 
 contains
-
-   !> A straight beam as a frame of one member along its x axis, with the shapes of its coordinates (3, nodes, n).
-   pure subroutine beam_frame(beam, support, origin, field, frame, shape)
-      type(beam_type), intent(in) :: beam
-      type(support_type), intent(in) :: support
-      !> Coordinate along the beam of the origin of the body [length]
-      real(wp), intent(in) :: origin
-      type(field_type), intent(in) :: field
-      type(frame_type), intent(out) :: frame
-      real(wp), allocatable, intent(out) :: shape(:, :, :)
-      type(member_type) :: member(1)
-      integer :: node(0:beam%elements), e, b
-      member(1)%ends = [1, 2]
-      member(1)%ea = beam%ea
-      member(1)%ei = beam%ei
-      member(1)%rho_a = beam%rho_a
-      member(1)%divisions = beam%elements
-      frame = new_frame(reshape([-origin, 0.0_wp, beam%length - origin, 0.0_wp], [2, 2]), member)
-      node(0) = 1
-      do e = 1, beam%elements
-         node(e) = frame%ends(2, e)
-         frame%from(e) = field%s(e - 1)
-         frame%length(e) = field%s(e) - field%s(e - 1)
-      end do
-      frame%place(1, node) = field%s - origin
-      frame%mass(1, node) = nodal_masses(beam)
-      frame%mass(2, :) = frame%mass(1, :)
-      frame%mass(3, node) = nodal_inertias(beam)
-      frame%free(:, 1) = [.not. support%u_start, .not. support%w_start, .not. support%theta_start]
-      frame%free(:, 2) = [.not. support%u_end, .not. support%w_end, .not. support%theta_end]
-      b = size(field%w, 2)
-      allocate (shape(3, size(node), b + size(field%u, 2)))
-      shape = 0.0_wp
-      shape(1, node, b + 1:) = field%u
-      shape(2, node, :b) = field%w
-      shape(3, node, :b) = field%theta
-   end subroutine beam_frame
 
    !> Sections on both sides of all nodes, from the start of each member to its end; none if they are not wanted.
    pure function all_sections(frame, wanted) result(sections)
@@ -130,7 +91,7 @@ contains
             if (inertial) then
                load = frame%mass*push(:, :, i)
             else
-               load = nodal_load(frame, places(place), part)
+               load = unit_load(frame, places(place)%member, places(place)%x, part)
             end if
             call solve_static(frame, solver, load, u)
             do j = 1, n
@@ -207,34 +168,6 @@ contains
       force(1:2) = load(:, merge(1, 2, x < half))*(half - x)
       force(3) = -0.25_wp*(load(2, 1) + load(2, 2))*x*(frame%length(e) - x)
    end function spread_forces
-
-   !> Unit load at a place as forces and couples on the nodes of its element that deflect these as it does (3, nodes).
-   pure function nodal_load(frame, place, part) result(load)
-      type(frame_type), intent(in) :: frame
-      type(load_place_type), intent(in) :: place
-      !> 1, 2: force along the first or second axis of the body; 3: couple
-      integer, intent(in) :: part
-      real(wp) :: load(3, size(frame%place, 2)), own(6), x, l
-      integer :: e, k
-      load = 0.0_wp
-      e = element_at(frame, place%member, place%x)
-      l = frame%length(e)
-      x = place%x - frame%from(e)
-      own = 0.0_wp
-      associate (a => frame%axis(:, e))
-         if (part == 3) then
-            own([2, 3, 5, 6]) = bending_slope(x, l)
-         else
-            own([1, 4]) = a(part)*[1 - x/l, x/l]
-            own([2, 3, 5, 6]) = merge(-a(2), a(1), part == 1)*bending_shape(x, l)
-         end if
-         do k = 1, 2
-            associate (f => own(3*k - 2:3*k))
-               load(:, frame%ends(k, e)) = [a(1)*f(1) - a(2)*f(2), a(2)*f(1) + a(1)*f(2), f(3)]
-            end associate
-         end do
-      end associate
-   end function nodal_load
 
    !> What a unit load makes within its element while the nodes are held, eq. (128).
    pure function held_forces(frame, place, part, section) result(force)

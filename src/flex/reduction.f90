@@ -7,7 +7,10 @@ module limber_flex_reduction
    use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
    use limber_flex_axial, only: element_functions, static_functions, axial_basis
-   use limber_flex_end_shapes, only: add_end_shapes
+   use limber_flex_frame, only: frame_type, beam_frame, beam_nodes
+   use limber_flex_frame_solver, only: solver_type, new_solver, project
+   use limber_flex_functions, only: attachment_type, attachment_loads, static_responses, constraint_functions, add_functions, &
+      & left_out_note
    use limber_flex_geometric, only: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, element_ends, &
       & project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
@@ -16,6 +19,9 @@ module limber_flex_reduction
    implicit none
    private
    public :: reduction_type, reduce_beam, available_modes, point_shape
+
+   !> Modes that are looked for at first if their number is not given but a limit of their frequencies
+   integer, parameter :: first_search = 8
 
    !> Fidelities of a flexible body
    integer, parameter, public :: fidelity_linear = 1, fidelity_kg = 2, fidelity_full = 3
@@ -30,6 +36,12 @@ module limber_flex_reduction
       integer :: modes = -1
       !> Bending and axial modes apart; -1 where `modes` decides
       integer :: bending = -1, axial = -1
+      !> Circular frequency above which modes are left out, whatever their number; zero: none [1/time]
+      real(wp) :: frequency_limit = 0.0_wp
+      !> Whether the modes are those with the interface held, and its shapes join them (Craig and Bampton)
+      logical :: craig_bampton = .false.
+      !> The interface; and what else acts on the beam, the responses to which join the coordinates
+      type(attachment_type), allocatable :: interface(:), corrections(:)
       !> fidelity_linear, fidelity_kg or fidelity_full
       integer :: fidelity = fidelity_kg
       !> Number of k_G elements
@@ -52,15 +64,38 @@ module limber_flex_reduction
 contains
 
    !> Number of modes that exist: bending and axial.
-   pure function available_modes(beam, support) result(available)
+   function available_modes(beam, choice) result(available)
       type(beam_type), intent(in) :: beam
-      type(support_type), intent(in) :: support
+      type(reduction_type), intent(in) :: choice
       integer :: available(2)
-      available = [count_bending_modes(beam, support), count_axial_modes(beam, support)]
+      real(wp), allocatable :: bending(:, :), axial(:, :)
+      call held_rows(beam, choice, bending, axial)
+      available = [count_bending_modes(beam, choice%support, bending), count_axial_modes(beam, choice%support, axial)]
    end function available_modes
 
+   !> Displacements that are held while the modes are computed: those of the interface of Craig and Bampton, else none.
+   subroutine held_rows(beam, choice, bending, axial)
+      type(beam_type), intent(in) :: beam
+      type(reduction_type), intent(in) :: choice
+      !> On deflection and rotation of each node (2 nodes, number), and on the axial displacements (nodes, number)
+      real(wp), allocatable, intent(out) :: bending(:, :), axial(:, :)
+      type(frame_type) :: frame
+      type(attachment_type), allocatable :: own(:), other(:)
+      real(wp), allocatable :: load(:, :, :), shape(:, :, :)
+      integer :: node(0:beam%elements)
+      call split(choice, own, other)
+      allocate (bending(2*(beam%elements + 1), size(own)), axial(beam%elements + 1, size(own)))
+      if (size(own) == 0) return
+      call beam_frame(beam, choice%support, choice%origin, mesh_beam(beam), frame, shape)
+      allocate (load, source=attachment_loads(frame, own))
+      node = beam_nodes(frame)
+      axial(:, :) = load(1, node, :)
+      bending(1::2, :) = load(2, node, :)
+      bending(2::2, :) = load(3, node, :)
+   end subroutine held_rows
+
    !> Reduces a beam.
-   subroutine reduce_beam(beam, choice, body, field, error)
+   subroutine reduce_beam(beam, choice, body, field, error, note)
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
       !> Constants for the time loop
@@ -69,14 +104,15 @@ contains
       type(field_type), intent(out) :: field
       !> More modes asked for than there are, or no convergence
       type(error_type), allocatable, intent(out) :: error
+      !> What was left out because it depends on others; empty if nothing was
+      character(:), allocatable, intent(out), optional :: note
       real(wp), allocatable :: x(:), slopes(:, :, :), strains(:, :)
-      integer :: pieces
+      integer :: pieces, left_out(2)
 
       field = mesh_beam(beam)
+      left_out = 0
       call compute_modes(beam, choice, field, error)
-      if (choice%end_shapes .and. any(nodal_inertias(beam) > 0.0_wp) .and. .not. allocated(error)) call raise(error, &
-         & 'END SHAPES cannot be used beside concentrated moments of inertia')
-      if (choice%end_shapes .and. .not. allocated(error)) call add_end_shapes(beam, choice%support, field, error)
+      if (.not. allocated(error)) call add_static(beam, choice, field, left_out, error)
       if (allocated(error)) return
       ! Axial functions on pieces of the k_G elements, if the tension may vary within these
       pieces = 1
@@ -91,9 +127,15 @@ contains
          call axial_basis(beam, choice%support, x, element_functions(size(x) - 1), field, strains, error)
       case (axial_static)
          call axial_basis(beam, choice%support, x, static_functions(x, slopes, load_origin(beam, choice), &
-            & choice%end_force, choice%centrifugal, choice%derivatives), field, strains, error)
+            & choice%end_force, choice%centrifugal, choice%derivatives, axial_places(choice), choice%support), field, strains, &
+            & error, left_out(2))
       end select
       if (allocated(error)) return
+      if (present(note)) then
+         note = left_out_note(left_out(1), 'bending ')
+         if (all(left_out > 0)) note = note//', '
+         note = note//left_out_note(left_out(2), 'axial ')
+      end if
 
       call sum_inertia(beam, choice%origin, field, body)
       allocate (body%omega2, source=[field%omega2_bending, field%omega2_axial])
@@ -135,36 +177,180 @@ contains
       psi(:bending) = slope_at(field, x, bending_slope)
    end subroutine point_shape
 
-   !> The vibration modes: so many of each kind as asked for, or the lowest of both kinds together.
+   !> Coordinates of the places where forces along the beam act [length].
+   pure function axial_places(choice) result(x)
+      type(reduction_type), intent(in) :: choice
+      real(wp), allocatable :: x(:)
+      type(attachment_type), allocatable :: own(:), other(:)
+      call split(choice, own, other)
+      allocate (x, source=[pack(own%x, own%part == 1), pack(other%x, other%part == 1)])
+   end function axial_places
+
+   !> The interface of Craig and Bampton, and what else acts; both empty if there is none.
+   pure subroutine split(choice, own, other)
+      type(reduction_type), intent(in) :: choice
+      type(attachment_type), allocatable, intent(out) :: own(:), other(:)
+      integer :: count
+      count = 0
+      if (choice%craig_bampton .and. allocated(choice%interface)) count = size(choice%interface)
+      allocate (own(count))
+      if (count > 0) own(:) = choice%interface
+      count = 0
+      if (allocated(choice%corrections)) count = size(choice%corrections)
+      allocate (other(count))
+      if (count > 0) other(:) = choice%corrections
+   end subroutine split
+
+   !> The modes, vibrations under the supports or with the interface held as well: so many of each kind as asked for, or the
+   !> lowest of both kinds together; none above the limit.
    subroutine compute_modes(beam, choice, field, error)
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
       type(field_type), intent(inout) :: field
       type(error_type), allocatable, intent(out) :: error
-      integer :: available(2), bending, axial
-      available = available_modes(beam, choice%support)
+      real(wp), allocatable :: held_bending(:, :), held_axial(:, :)
+      integer :: available(2), bending, axial, wanted
+      logical :: limited
+      limited = choice%frequency_limit > 0.0_wp
+      call held_rows(beam, choice, held_bending, held_axial)
+      available = [count_bending_modes(beam, choice%support, held_bending), count_axial_modes(beam, choice%support, held_axial)]
       bending = choice%bending
       axial = choice%axial
       if (choice%modes >= 0) then
-         if (choice%modes > sum(available)) then
+         if (choice%modes > sum(available) .and. .not. limited) then
             call raise(error, 'the lumped mass gives '//as_text(sum(available))//' modes, '// &
                & as_text(choice%modes)//' are asked for')
             return
          end if
-         call bending_modes(beam, choice%support, min(choice%modes, available(1)), field, error)
-         if (allocated(error)) return
-         call axial_modes(beam, choice%support, min(choice%modes, available(2)), field, error)
-         if (allocated(error)) return
-         bending = lowest_of(field%omega2_bending, field%omega2_axial, choice%modes)
-         axial = choice%modes - bending
-         if (choice%axial_basis /= axial_by_modes) axial = 0
-         call keep(field, bending, axial)
-      else
-         call bending_modes(beam, choice%support, bending, field, error)
-         if (allocated(error)) return
-         if (choice%axial_basis == axial_by_modes) call axial_modes(beam, choice%support, axial, field, error)
+         bending = min(choice%modes, available(1))
+         axial = min(choice%modes, available(2))
+      else if (limited) then
+         bending = min(bending, available(1))
+         axial = min(axial, available(2))
       end if
+      call compute_bending(bending)
+      if (allocated(error)) return
+      if (choice%modes >= 0 .or. choice%axial_basis == axial_by_modes) call compute_axial(axial)
+      if (allocated(error)) return
+      bending = size(field%omega2_bending)
+      axial = size(field%omega2_axial)
+      if (choice%modes >= 0) then
+         wanted = min(choice%modes, bending + axial)
+         bending = lowest_of(field%omega2_bending, field%omega2_axial, wanted)
+         axial = wanted - bending
+      end if
+      if (choice%axial_basis /= axial_by_modes) axial = 0
+      call keep(field, bending, axial)
+
+   contains
+
+      !> At most so many; if there is a limit by and by until it is passed.
+      subroutine compute_bending(most)
+         integer, intent(in) :: most
+         integer :: number
+         number = most
+         if (limited) number = min(most, first_search)
+         do
+            call bending_modes(beam, choice%support, number, field, error, held_bending)
+            if (allocated(error) .or. .not. limited) return
+            if (number == most .or. any(field%omega2_bending > choice%frequency_limit**2)) exit
+            number = min(most, 2*number)
+         end do
+         call keep(field, count(field%omega2_bending <= choice%frequency_limit**2), size(field%u, 2))
+      end subroutine compute_bending
+
+      subroutine compute_axial(most)
+         integer, intent(in) :: most
+         integer :: number
+         number = most
+         if (limited) number = min(most, first_search)
+         do
+            call axial_modes(beam, choice%support, number, field, error, held_axial)
+            if (allocated(error) .or. .not. limited) return
+            if (number == most .or. any(field%omega2_axial > choice%frequency_limit**2)) exit
+            number = min(most, 2*number)
+         end do
+         call keep(field, size(field%w, 2), count(field%omega2_axial <= choice%frequency_limit**2))
+      end subroutine compute_axial
+
    end subroutine compute_modes
+
+   !> Static functions beside the modes: shapes of a displaced interface and of displaced ends, and the responses to what acts
+   !> elsewhere. Bending and axial ones do not couple.
+   subroutine add_static(beam, choice, field, left_out, error)
+      type(beam_type), intent(in) :: beam
+      type(reduction_type), intent(in) :: choice
+      type(field_type), intent(inout) :: field
+      !> Functions that depend on others: bending and axial ones
+      integer, intent(inout) :: left_out(2)
+      type(error_type), allocatable, intent(out) :: error
+      type(attachment_type), allocatable :: own(:), other(:), held(:)
+      type(frame_type) :: frame
+      type(solver_type) :: solver
+      real(wp), allocatable :: shape(:, :, :), part(:, :, :), omega2(:)
+      integer :: node(0:beam%elements), i, k, modes
+      call split(choice, own, other)
+      if (size(own) + size(other) == 0 .and. .not. choice%end_shapes) return
+      call beam_frame(beam, choice%support, choice%origin, field, frame, shape)
+      call new_solver(frame, solver, error)
+      if (allocated(error)) return
+      do i = 1, size(shape, 3)
+         do k = 1, size(solver%motion, 3)
+            call project(frame%mass, solver%motion(:, :, k), shape(:, :, i))
+         end do
+      end do
+      node = beam_nodes(frame)
+      modes = size(field%w, 2)
+      allocate (part, source=shape(:, :, :modes))
+      allocate (omega2, source=field%omega2_bending)
+      allocate (held, source=pack(own, own%part /= 1))
+      if (choice%end_shapes) held = [held, attachment_type(1, 0.0_wp, 2), attachment_type(1, 0.0_wp, 3), &
+         & attachment_type(1, beam%length, 2), attachment_type(1, beam%length, 3)]
+      call add_kind(frame, solver, held, pack(other, other%part /= 1), part, omega2, left_out(1), error)
+      if (allocated(error)) return
+      if (choice%end_shapes .and. size(omega2) == modes) then
+         call raise(error, 'END SHAPES adds no coordinate to '//as_text(modes)//' modes: both ends are clamped, or the modes'// &
+            & ' are all that there are')
+         return
+      end if
+      deallocate (field%w, field%theta, field%omega2_bending)
+      allocate (field%w(0:beam%elements, size(omega2)), field%theta(0:beam%elements, size(omega2)))
+      allocate (field%omega2_bending, source=omega2)
+      field%w(:, :) = part(2, node, :)
+      field%theta(:, :) = part(3, node, :)
+      if (choice%axial_basis /= axial_by_modes) return
+      deallocate (part, omega2)
+      allocate (part, source=shape(:, :, modes + 1:))
+      allocate (omega2, source=field%omega2_axial)
+      call add_kind(frame, solver, pack(own, own%part == 1), pack(other, other%part == 1), part, omega2, left_out(2), error)
+      if (allocated(error)) return
+      deallocate (field%u, field%omega2_axial)
+      allocate (field%u(0:beam%elements, size(omega2)))
+      allocate (field%omega2_axial, source=omega2)
+      field%u(:, :) = part(1, node, :)
+   end subroutine add_static
+
+   !> Static functions of one kind.
+   subroutine add_kind(frame, solver, held, acting, shape, omega2, left_out, error)
+      type(frame_type), intent(in) :: frame
+      type(solver_type), intent(in) :: solver
+      !> What is displaced, and what acts elsewhere
+      type(attachment_type), intent(in) :: held(:), acting(:)
+      !> Of the modes (3, nodes, n) and (n); receive those of all
+      real(wp), allocatable, intent(inout) :: shape(:, :, :), omega2(:)
+      integer, intent(inout) :: left_out
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: functions(:, :, :), responses(:, :, :)
+      if (size(held) > 0) then
+         call constraint_functions(frame, solver, attachment_loads(frame, held), functions)
+         call add_functions(frame, functions, .true., shape, omega2, left_out, error)
+         if (allocated(error)) return
+      end if
+      if (size(acting) == 0) return
+      allocate (responses(3, size(frame%place, 2), size(acting)))
+      call static_responses(frame, solver, attachment_loads(frame, acting), responses)
+      call add_functions(frame, responses, size(held) > 0, shape, omega2, left_out, error)
+   end subroutine add_kind
 
    !> How many of the lowest `wanted` values of two ascending lists stand in the first.
    pure integer function lowest_of(a, b, wanted) result(count)

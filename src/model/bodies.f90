@@ -6,11 +6,13 @@ module limber_model_bodies
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
+   use limber_flex_functions, only: attachment_type
    use limber_flex_library, only: library_type
    use limber_flex_mesh, only: new_support, concentrate
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, point_shape, fidelity_linear, fidelity_kg, &
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
+   use limber_model_acting, only: acting_type, acting_points
    use limber_model_lists, only: append
    use limber_model_parts, only: is_part
    use limber_model_points, only: add_point, enter_name, find_named
@@ -127,12 +129,13 @@ contains
          if (usable) then
             body%reduced = model%bodies(twin)%reduced
             body%field = model%bodies(twin)%field
+            body%note = model%bodies(twin)%note
          else if (present(library)) then
-            call library%look_up(fingerprint(body), body%reduced, body%field, usable)
+            call library%look_up(fingerprint(body), body%reduced, body%field, body%note, usable)
          end if
-         if (.not. usable) call reduce_beam(body%beam, body%choice, body%reduced, body%field, error)
+         if (.not. usable) call reduce_beam(body%beam, body%choice, body%reduced, body%field, error, body%note)
          if (present(library) .and. .not. (usable .or. allocated(error))) call library%put(fingerprint(body), body%reduced, &
-            & body%field)
+            & body%field, body%note)
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "beam '"//body%name//"': "//error%message)
          usable = .not. allocated(error)
       else
@@ -170,6 +173,8 @@ contains
             & choice%derivatives, choice%support, choice%nodal, choice%end_force, choice%centrifugal, &
             & choice%end_shapes, choice%linear
          text = trim(buffer)
+         write (buffer, '(1x, l1, 1x, z16)') choice%craig_bampton, choice%frequency_limit
+         text = text//trim(buffer)//attachments_text(choice%interface)//attachments_text(choice%corrections)
          if (.not. allocated(beam%place)) return
          do i = 0, beam%elements
             write (buffer, '(3(1x, z16))') beam%place(i), beam%mass(i), beam%inertia(i)
@@ -177,6 +182,19 @@ contains
          end do
       end associate
    end function fingerprint
+
+   pure function attachments_text(attachments) result(text)
+      type(attachment_type), allocatable, intent(in) :: attachments(:)
+      character(:), allocatable :: text
+      character(40) :: buffer
+      integer :: i
+      text = ' '
+      if (.not. allocated(attachments)) return
+      do i = 1, size(attachments)
+         write (buffer, '(1x, z16, 1x, i0)') attachments(i)%x, attachments(i)%part
+         text = text//trim(buffer)
+      end do
+   end function attachments_text
 
    !> Rigidities, mesh and choices of a beam.
    subroutine read_beam(deck, index, body, rigid, diagnostics, usable)
@@ -210,6 +228,7 @@ contains
          & merge('STATIC', 'MODES ', deck%blocks(index)%word('GEOMETRIC') == 'FULL'))
       associate (block => deck%blocks(index))
          body%choice = new_choice(block)
+         call choose_attachments(deck, index, body%choice, diagnostics)
          if (body%choice%origin < 0.0_wp .or. body%choice%origin > body%beam%length) call diagnostics%add( &
             & block%origin_of('ORIGIN'), "the origin of the frame lies outside beam '"//body%name//"'", &
             & 'give a coordinate from 0 to '//as_text(body%beam%length))
@@ -259,36 +278,141 @@ contains
       type(block_type), intent(in) :: block
       type(line_type), intent(in) :: line
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: i
+      logical :: found
       x = line%number(1)
-      select case (line%text(1))
-      case (''); return
+      if (line%text(1) == '') return
+      call find_beam_point(block, line%text(1), x, found)
+      if (.not. found) call diagnostics%add(line%origin_of(1), "beam '"//block%name()//"' has no point '"//line%text(1)//"'", &
+         & 'give a coordinate, or a point that the beam names')
+   end function beam_place
+
+   !> Coordinate along a beam of one of its points.
+   subroutine find_beam_point(block, name, x, found)
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: name
+      !> Unchanged if there is no such point
+      real(wp), intent(inout) :: x
+      logical, intent(out) :: found
+      integer :: i
+      found = .true.
+      select case (name)
       case ('start'); x = 0.0_wp
       case ('middle'); x = 0.5_wp*block%real('LENGTH')
       case ('end'); x = block%real('LENGTH')
       case ('origin'); x = block%real('ORIGIN')
       case default
          do i = 1, size(block%lines)
-            if (block%lines(i)%text(1) == line%text(1)) then
-               x = block%lines(i)%number(2)
-               return
-            end if
+            if (block%lines(i)%text(1) /= name) cycle
+            x = block%lines(i)%number(2)
+            return
          end do
-         call diagnostics%add(line%origin_of(1), "beam '"//block%name()//"' has no point '"//line%text(1)//"'", &
-            & 'give a coordinate, or a point that the beam names')
+         found = .false.
       end select
-   end function beam_place
+   end subroutine find_beam_point
+
+   !> The interface of Craig and Bampton, which is what *ATTACHMENT names or else all that acts on the beam; and what responses
+   !> are wanted to besides: what *ATTACHMENT names, and all that acts with CORRECTIONS=YES.
+   subroutine choose_attachments(deck, index, choice, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Block of the beam
+      integer, intent(in) :: index
+      type(reduction_type), intent(inout) :: choice
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(attachment_type), allocatable :: named(:), acting(:)
+      call read_attachments(deck, index, named, diagnostics)
+      allocate (acting(0))
+      if (choice%craig_bampton .or. deck%blocks(index)%yes('CORRECTIONS')) call find_acting(deck, index, acting)
+      if (.not. deck%blocks(index)%yes('CORRECTIONS') .and. size(named) > 0) acting = acting(:0)
+      if (choice%craig_bampton) then
+         if (size(named) > 0) then
+            call move_alloc(named, choice%interface)
+            allocate (choice%corrections, source=others(acting, choice%interface))
+         else
+            call move_alloc(acting, choice%interface)
+         end if
+      else
+         allocate (choice%corrections, source=[named, others(acting, named)])
+      end if
+   end subroutine choose_attachments
+
+   !> Attachments that are not among others.
+   pure function others(attachments, among) result(rest)
+      type(attachment_type), intent(in) :: attachments(:), among(:)
+      type(attachment_type), allocatable :: rest(:)
+      logical :: keep(size(attachments))
+      integer :: i
+      do i = 1, size(attachments)
+         keep(i) = .not. any(among%part == attachments(i)%part .and. .not. abs(among%x - attachments(i)%x) > 0.0_wp)
+      end do
+      allocate (rest, source=pack(attachments, keep))
+   end function others
+
+   !> What *ATTACHMENT names on a beam.
+   subroutine read_attachments(deck, index, named, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(attachment_type), allocatable, intent(out) :: named(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k, part
+      real(wp) :: x
+      allocate (named(0))
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'ATTACHMENT') cycle
+         if (.not. is_part(deck, i, index)) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            associate (line => deck%blocks(i)%lines(k), length => deck%blocks(index)%real('LENGTH'))
+               x = beam_place(deck%blocks(index), line, diagnostics)
+               part = findloc([1, 2, 6], nint(line%number(2)), dim=1)
+               if (x < 0.0_wp .or. x > length) then
+                  call diagnostics%add(line%origin_of(1), 'the attachment lies outside the beam', &
+                     & 'give a coordinate from 0 to '//as_text(length))
+               else if (part == 0) then
+                  call diagnostics%add(line%origin_of(2), 'a beam has no degree of freedom '//as_text(nint(line%number(2))), &
+                     & 'give 1 (along), 2 (across) or 6 (rotation)')
+               else
+                  named = [named, attachment_type(1, x, part)]
+               end if
+            end associate
+         end do
+      end do
+   end subroutine read_attachments
+
+   !> What joints, drivers and loads exert on a beam.
+   subroutine find_acting(deck, index, acting)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(attachment_type), allocatable, intent(inout) :: acting(:)
+      type(acting_type), allocatable :: points(:)
+      type(attachment_type) :: at(3)
+      logical :: found
+      integer :: i
+      call acting_points(deck, deck%blocks(index)%name(), points)
+      do i = 1, size(points)
+         call find_beam_point(deck%blocks(index), trim(points(i)%name), at(1)%x, found)
+         if (.not. found) cycle
+         at%x = at(1)%x
+         at%part = [1, 2, 3]
+         acting = [acting, others(pack(at, [points(i)%force, points(i)%force, points(i)%couple]), acting)]
+      end do
+   end subroutine find_acting
 
    !> What the block says of the reduction.
    function new_choice(block) result(choice)
       type(block_type), intent(in) :: block
       type(reduction_type) :: choice
       choice%support = new_support(block%word('SUPPORT'))
+      choice%frequency_limit = block%real('FREQUENCY LIMIT')
+      choice%craig_bampton = block%word('BASIS') == 'CRAIG-BAMPTON'
       if (block%given('BENDING MODES') .or. block%given('AXIAL MODES')) then
          choice%bending = block%integer('BENDING MODES')
          choice%axial = block%integer('AXIAL MODES')
+         ! With a limit, those whose number is not given are all below it
+         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('BENDING MODES')) choice%bending = huge(1)
+         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('AXIAL MODES')) choice%axial = huge(1)
       else
          choice%modes = block%integer('MODES')
+         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('MODES')) choice%modes = huge(1)
       end if
       select case (block%word('GEOMETRIC'))
       case ('LINEAR'); choice%fidelity = fidelity_linear
@@ -316,7 +440,8 @@ contains
       type(body_type), intent(in) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: available(2)
-      available = available_modes(body%beam, body%choice%support)
+      if (body%choice%frequency_limit > 0.0_wp) return
+      available = available_modes(body%beam, body%choice)
       call check_count('MODES', body%choice%modes, sum(available), 'bending and axial')
       call check_count('BENDING MODES', body%choice%bending, available(1), 'bending')
       if (body%choice%axial_basis == axial_by_modes) &

@@ -3,13 +3,15 @@ module limber_model_frames
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_frame, only: frame_type, new_frame, member_length
-   use limber_flex_frame_reduction, only: reduce_frame, available_frame_modes, frame_point_shape
+   use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
    use limber_flex_frame_solver, only: connected_nodes
+   use limber_flex_functions, only: attachment_type
    use limber_flex_reduced, only: reduced_type, rigid_reduced
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
+   use limber_model_acting, only: acting_type, acting_points
    use limber_model_bodies, only: new_body, append_body, is_new_point
    use limber_model_frame_draft, only: draft_type, read_draft, member_of
    use limber_model_parts, only: is_part
@@ -37,9 +39,9 @@ contains
       body = new_body(deck%blocks(index), body_flexible)
       body%is_frame = .true.
       call read_draft(deck, index, draft, diagnostics)
-      if (diagnostics%count == before) call mesh(deck%blocks(index), draft, body, diagnostics)
+      if (diagnostics%count == before) call mesh(deck, index, draft, body, diagnostics)
       if (diagnostics%count == before .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
-         call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error)
+         call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note)
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"': "//error%message)
       end if
       if (diagnostics%count > before) then
@@ -69,8 +71,10 @@ contains
    end subroutine settle_options
 
    !> The mesh, and what was chosen.
-   subroutine mesh(block, draft, body, diagnostics)
-      type(block_type), intent(in) :: block
+   subroutine mesh(deck, index, draft, body, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Of its block
+      integer, intent(in) :: index
       type(draft_type), intent(in) :: draft
       type(body_type), intent(inout) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -89,8 +93,11 @@ contains
             & ' is not joined to node '//as_text(draft%node(1))//' by members', 'a frame must hang together')
       end do
       if (any(.not. connected)) return
-      associate (choice => body%frame_choice)
+      associate (choice => body%frame_choice, block => deck%blocks(index))
          choice%modes = block%integer('MODES')
+         choice%frequency_limit = block%real('FREQUENCY LIMIT')
+         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('MODES')) choice%modes = huge(1)
+         choice%craig_bampton = block%word('BASIS') == 'CRAIG-BAMPTON'
          select case (block%word('GEOMETRIC'))
          case ('LINEAR'); choice%fidelity = fidelity_linear
          case ('K_G'); choice%fidelity = fidelity_kg
@@ -101,12 +108,97 @@ contains
          choice%accelerations = block%word('STATIC FUNCTIONS') == 'ACCELERATIONS'
          if (choice%fidelity == fidelity_full) choice%derivatives = block%integer('MODAL DERIVATIVES')
          allocate (choice%attachments, source=draft%attachments)
+         call choose_attachments(deck, index, draft, choice)
       end associate
-      available = available_frame_modes(body%mesh)
-      if (block%integer('MODES') > available) call diagnostics%add(block%origin_of('MODES'), "frame '"//body%name//"': "// &
-         & as_text(block%integer('MODES'))//' modes are asked for, but the lumped mass gives '//as_text(available), &
-         & 'at most '//as_text(available)//', or raise DIVISIONS')
+      if (body%frame_choice%frequency_limit > 0.0_wp) return
+      available = available_frame_modes(body%mesh, body%frame_choice)
+      associate (block => deck%blocks(index))
+         if (block%integer('MODES') > available) call diagnostics%add(block%origin_of('MODES'), "frame '"//body%name//"': "// &
+            & as_text(block%integer('MODES'))//' modes are asked for, but the lumped mass gives '//as_text(available), &
+            & 'at most '//as_text(available)//', or raise DIVISIONS')
+      end associate
    end subroutine mesh
+
+   !> As of beams: without *ATTACHMENT the interface of Craig and Bampton is all that acts on the frame, and CORRECTIONS=YES adds
+   !> responses to all that acts and is not there already.
+   subroutine choose_attachments(deck, index, draft, choice)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(draft_type), intent(in) :: draft
+      !> With the attachments that the deck names
+      type(frame_choice_type), intent(inout) :: choice
+      type(acting_type), allocatable :: points(:)
+      type(attachment_type), allocatable :: acting(:)
+      type(attachment_type) :: at(3)
+      logical :: found
+      integer :: i
+      if (.not. choice%craig_bampton .and. .not. deck%blocks(index)%yes('CORRECTIONS')) return
+      call acting_points(deck, deck%blocks(index)%name(), points)
+      allocate (acting(0))
+      do i = 1, size(points)
+         call find_frame_point(deck, index, draft, trim(points(i)%name), at(1)%member, at(1)%x, found)
+         if (.not. found) cycle
+         at%member = at(1)%member
+         at%x = at(1)%x
+         at%part = [1, 2, 3]
+         acting = [acting, pack(at, [points(i)%force, points(i)%force, points(i)%couple])]
+      end do
+      if (choice%craig_bampton .and. size(choice%attachments, 2) == 0) then
+         call move_alloc(acting, choice%interface)
+      else if (deck%blocks(index)%yes('CORRECTIONS')) then
+         call move_alloc(acting, choice%corrections)
+      end if
+   end subroutine choose_attachments
+
+   !> Member and coordinate along it of a point of a frame.
+   subroutine find_frame_point(deck, index, draft, name, member, x, found)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(draft_type), intent(in) :: draft
+      character(*), intent(in) :: name
+      integer, intent(out) :: member
+      real(wp), intent(out) :: x
+      logical, intent(out) :: found
+      integer :: i, k, node
+      member = 0
+      x = 0.0_wp
+      node = 0
+      do i = 1, size(draft%node)
+         if (name == 'origin' .and. all(abs(draft%place(:, i)) <= 0.0_wp)) node = i
+      end do
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'NODE') cycle
+         if (.not. is_part(deck, i, index)) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            if (deck%blocks(i)%lines(k)%count() < 4) cycle
+            if (deck%blocks(i)%lines(k)%text(4) == name) node = findloc(draft%node, nint(deck%blocks(i)%lines(k)%number(1)), dim=1)
+         end do
+      end do
+      if (node > 0) then
+         do member = 1, size(draft%members)
+            if (any(draft%members(member)%ends == node)) exit
+         end do
+         if (draft%members(member)%ends(2) == node) x = length_of(member)
+      else
+         associate (lines => deck%blocks(index)%lines)
+            do i = 1, size(lines)
+               if (lines(i)%text(1) /= name) cycle
+               member = member_of(draft, nint(lines(i)%number(2)))
+               x = lines(i)%number(3)
+            end do
+         end associate
+      end if
+      found = member > 0
+      if (found) found = x >= 0.0_wp .and. x <= length_of(member)*(1 + 1.0e-12_wp)
+
+   contains
+
+      pure real(wp) function length_of(member)
+         integer, intent(in) :: member
+         length_of = norm2(draft%place(:, draft%members(member)%ends(2)) - draft%place(:, draft%members(member)%ends(1)))
+      end function length_of
+
+   end subroutine find_frame_point
 
    !> The frame as one rigid body.
    pure function rigid_frame(draft) result(reduced)

@@ -31,7 +31,7 @@ contains
       end if
       do owner = block - 1, 1, -1
          if (deck%blocks(owner)%keyword == 'FRAME') return
-         if (deck%blocks(owner)%keyword == 'BEAM' .and. deck%blocks(block)%keyword == 'MASS') return
+         if (deck%blocks(owner)%keyword == 'BEAM' .and. contains_value('MASS|ATTACHMENT', deck%blocks(block)%keyword)) return
       end do
    end function owner_of
 

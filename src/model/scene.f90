@@ -88,6 +88,8 @@ module limber_model_scene
       type(beam_type) :: beam
       type(reduction_type) :: choice
       type(field_type) :: field
+      !> Functions of its basis that were left out because they depend on others; empty if none were
+      character(:), allocatable :: note
       !> Indices of the points at a beam's two ends
       integer :: start_point = 0, end_point = 0
       !> True for a frame; its mesh, what was chosen of it, and its shapes at the nodes (3, nodes, n)

@@ -4,8 +4,8 @@ module limber_model_stresses
    use limber_base_error, only: error_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
-   use limber_flex_frame, only: frame_type
-   use limber_flex_recovery, only: section_type, load_place_type, new_recovery, beam_frame, all_sections
+   use limber_flex_frame, only: frame_type, beam_frame
+   use limber_flex_recovery, only: section_type, load_place_type, new_recovery, all_sections
    use limber_model_quantities, only: is_internal_force
    use limber_model_scene, only: model_type, body_flexible
    use limber_base_kinds, only: wp

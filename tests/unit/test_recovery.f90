@@ -9,7 +9,7 @@ program test_recovery
    use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame
    use limber_flex_frame_solver, only: new_solver, solve_static, solver_type
    use limber_flex_mesh, only: beam_type, concentrate, field_type, new_support, slope_at
-   use limber_flex_recovery, only: amplitudes, beam_frame, internal_forces, load_place_type, new_recovery, recovery_type, &
+   use limber_flex_recovery, only: amplitudes, internal_forces, load_place_type, new_recovery, recovery_type, &
       & section_type
    use limber_flex_reduced, only: reduced_type
    use limber_flex_reduction, only: axial_static, fidelity_full, fidelity_linear, point_shape, reduce_beam, &

@@ -1,0 +1,155 @@
+!> Where joints, drivers and loads of a deck act on a body, known before its points are, for these need the coordinates that
+!> follow from it. Floor: model.
+module limber_model_acting
+   use limber_deck_content, only: deck_type, block_type
+   implicit none
+   private
+   public :: acting_type, acting_points
+
+   !> A point that something acts on
+   type :: acting_type
+      !> Its name without that of the body
+      character(64) :: name = ''
+      !> Whether forces and couples act there
+      logical :: force = .false., couple = .false.
+   end type acting_type
+
+contains
+
+   !> The points of a body where the deck lets something act, each once.
+   subroutine acting_points(deck, body, points)
+      type(deck_type), intent(in) :: deck
+      !> Name of the body
+      character(*), intent(in) :: body
+      type(acting_type), allocatable, intent(out) :: points(:)
+      integer :: i
+      allocate (points(0))
+      do i = 1, size(deck%blocks)
+         associate (block => deck%blocks(i))
+            select case (block%keyword)
+            case ('JOINT'); call of_joint(block, body, points)
+            case ('SPRING', 'BUSHING'); call of_spring(block, body, points)
+            case ('FORCE'); call enter(block%text('POINT'), body, .true., .false., points)
+            case ('TORQUE')
+               if (block%has('POINT')) call enter(block%text('POINT'), body, .false., .true., points)
+               if (block%has('REACTION')) call enter(block%text('REACTION'), body, .false., .true., points)
+            case ('DRIVER'); call of_driver(deck, block, body, points)
+            case ('FRICTION'); call along_joint(deck, block%name('JOINT'), body, points)
+            case ('COUPLER'); call of_coupler(deck, block, body, points)
+            end select
+         end associate
+      end do
+   end subroutine acting_points
+
+   subroutine of_joint(block, body, points)
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      type(acting_type), allocatable, intent(inout) :: points(:)
+      logical :: couple(2)
+      if (.not. has_pair(block)) return
+      select case (block%word('TYPE'))
+      case ('TRANSLATIONAL', 'WELD', 'GEAR', 'RACK', 'BELT'); couple = .true.
+      case ('POINT ON LINE', 'POINT ON CURVE'); couple = [.false., .true.]
+      case default; couple = .false.
+      end select
+      call enter(block%lines(1)%text(1), body, .true., couple(1), points)
+      ! What slides along a beam acts on all of it
+      if (block%word('TYPE') == 'SLIDING') return
+      call enter(block%lines(1)%text(2), body, .true., couple(2), points)
+   end subroutine of_joint
+
+   subroutine of_spring(block, body, points)
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      type(acting_type), allocatable, intent(inout) :: points(:)
+      logical :: force, couple
+      integer :: k
+      if (.not. has_pair(block)) return
+      if (block%keyword == 'BUSHING') then
+         force = .true.
+         couple = block%real('STIFFNESS ROTATION') + block%real('DAMPING ROTATION') > 0
+      else
+         couple = block%word('TYPE') == 'ROTATIONAL'
+         force = .not. couple
+      end if
+      do k = 1, 2
+         call enter(block%lines(1)%text(k), body, force, couple, points)
+      end do
+   end subroutine of_spring
+
+   subroutine of_driver(deck, block, body, points)
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      type(acting_type), allocatable, intent(inout) :: points(:)
+      if (block%has('JOINT')) call along_joint(deck, block%name('JOINT'), body, points)
+      if (block%has('POINT')) call enter(block%text('POINT'), body, .true., .false., points)
+      if (block%has('TO')) call enter(block%text('TO'), body, .true., .false., points)
+   end subroutine of_driver
+
+   !> Couplers of joint coordinates; one of a body's angle acts on its frame.
+   subroutine of_coupler(deck, block, body, points)
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      type(acting_type), allocatable, intent(inout) :: points(:)
+      integer :: i
+      do i = 1, size(block%lines)
+         if (block%lines(i)%count() < 3) cycle
+         if (block%lines(i)%text(2) == 'angle') cycle
+         call along_joint(deck, block%lines(i)%text(3), body, points)
+      end do
+   end subroutine of_coupler
+
+   !> What acts along the freedom of a joint: couples of a revolute one, else forces.
+   subroutine along_joint(deck, name, body, points)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: name, body
+      type(acting_type), allocatable, intent(inout) :: points(:)
+      integer :: joint, k
+      logical :: turning
+      joint = deck%find_named('JOINT', name)
+      if (joint == 0) return
+      if (.not. has_pair(deck%blocks(joint))) return
+      associate (block => deck%blocks(joint))
+         turning = block%word('TYPE') == 'REVOLUTE'
+         do k = 1, 2
+            call enter(block%lines(1)%text(k), body, .not. turning, turning, points)
+         end do
+      end associate
+   end subroutine along_joint
+
+   !> Whether a block has a line with two points.
+   pure logical function has_pair(block)
+      type(block_type), intent(in) :: block
+      has_pair = size(block%lines) == 1
+      if (has_pair) has_pair = block%lines(1)%count() >= 2
+   end function has_pair
+
+   !> Notes a point `body.point`, or the origin of a body by its name alone, if it is one of this body.
+   subroutine enter(text, body, force, couple, points)
+      character(*), intent(in) :: text, body
+      logical, intent(in) :: force, couple
+      type(acting_type), allocatable, intent(inout) :: points(:)
+      type(acting_type) :: new
+      integer :: dot, i
+      dot = index(text, '.')
+      new%name = 'origin'
+      if (dot == 0) then
+         if (text /= body) return
+      else
+         if (text(:dot - 1) /= body) return
+         new%name = text(dot + 1:)
+      end if
+      new%force = force
+      new%couple = couple
+      do i = 1, size(points)
+         if (points(i)%name /= new%name) cycle
+         points(i)%force = points(i)%force .or. force
+         points(i)%couple = points(i)%couple .or. couple
+         return
+      end do
+      points = [points, new]
+   end subroutine enter
+
+end module limber_model_acting

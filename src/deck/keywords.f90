@@ -150,7 +150,7 @@ module limber_deck_keywords
       &    '', '', 'number of bending modes; given, it replaces MODES'), &
       & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', '', '', 'number of axial modes; given, it replaces MODES'), &
       & option_spec_type('BEAM', 'FREQUENCY LIMIT', kind_positive, '', &
-      &    'rad/s', '', 'modes of higher frequency are left out; without MODES all below it are taken'), &
+      &    'rad/s', '', 'all modes below it, at most BENDING MODES and AXIAL MODES; given, it replaces MODES'), &
       & option_spec_type('BEAM', 'BASIS', kind_word, bases, &
       &    '', 'VIBRATION', basis_meaning), &
       & option_spec_type('BEAM', 'CORRECTIONS', kind_yes, '', &
@@ -188,7 +188,7 @@ module limber_deck_keywords
       & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member'), &
       & option_spec_type('FRAME', 'MODES', kind_count, '', '', '6', 'number of vibration modes'), &
       & option_spec_type('FRAME', 'FREQUENCY LIMIT', kind_positive, '', &
-      &    'rad/s', '', 'modes of higher frequency are left out; without MODES all below it are taken'), &
+      &    'rad/s', '', 'all modes below it; given, it replaces MODES'), &
       & option_spec_type('FRAME', 'BASIS', kind_word, bases, &
       &    '', 'VIBRATION', basis_meaning), &
       & option_spec_type('FRAME', 'CORRECTIONS', kind_yes, '', &

@@ -86,7 +86,8 @@ contains
    end subroutine constraint_functions
 
    !> Adds functions to the modes, eqs. (B4), (B5): orthonormal in the mass, to the modes as well, and diagonal in the stiffness.
-   !> Those that depend on others are left out.
+   !> Those that depend on others are left out. If they differ by displacements without mass the others take these as they
+   !> please, eq. (B5).
    subroutine add_functions(frame, functions, whole, shape, omega2, left_out, error)
       type(frame_type), intent(in) :: frame
       !> (3, nodes, number)
@@ -98,11 +99,12 @@ contains
       !> Increased by the number of functions that depend on others; those without any displacement do not count
       integer, intent(inout) :: left_out
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: own(:, :, :), all(:, :, :), value(:)
-      real(wp) :: norm
-      integer :: j, k, kept, pass, modes
+      real(wp), allocatable :: own(:, :, :), all(:, :, :), value(:), massless(:, :, :)
+      real(wp) :: norm, energy
+      integer :: j, k, kept, pass, modes, idle
       modes = size(omega2)
-      allocate (own(3, size(frame%place, 2), modes + size(functions, 3)))
+      idle = 0
+      allocate (own(3, size(frame%place, 2), modes + size(functions, 3)), massless(3, size(frame%place, 2), size(functions, 3)))
       own(:, :, :modes) = shape
       kept = modes
       if (whole) kept = 0
@@ -114,18 +116,27 @@ contains
          left_out = left_out + 1
          if (.not. norm > 0.0_wp) cycle
          own(:, :, kept + 1) = own(:, :, kept + 1)/norm
+         energy = strain_energy(frame, own(:, :, kept + 1), own(:, :, kept + 1))
          do pass = 1, 2
             do k = 1, kept
                call project(frame%mass, own(:, :, k), own(:, :, kept + 1))
             end do
          end do
          norm = sqrt(sum(frame%mass*own(:, :, kept + 1)**2))
-         if (norm < new_part) cycle
+         if (norm < new_part) then
+            if (whole) call keep_idle(frame, own(:, :, kept + 1), energy, massless, idle)
+            cycle
+         end if
          left_out = left_out - 1
          kept = kept + 1
          own(:, :, kept) = own(:, :, kept)/norm
       end do
       if (kept == modes .and. .not. whole) return
+      do j = 1, idle
+         do k = 1, kept
+            own(:, :, k) = own(:, :, k) - massless(:, :, j)*strain_energy(frame, massless(:, :, j), own(:, :, k))
+         end do
+      end do
       allocate (all(3, size(frame%place, 2), kept), value(kept))
       modes = merge(0, modes, whole)
       all(:, :, :modes) = own(:, :, :modes)
@@ -135,6 +146,29 @@ contains
       call move_alloc(all, shape)
       call move_alloc(value, omega2)
    end subroutine add_functions
+
+   !> Notes displacements without mass, orthonormal in the stiffness, unless they are none.
+   subroutine keep_idle(frame, field, energy, massless, idle)
+      type(frame_type), intent(in) :: frame
+      !> (3, nodes), and the strain energy that it is to be compared with
+      real(wp), intent(in) :: field(:, :), energy
+      !> (3, nodes, number), so many of which are in use
+      real(wp), intent(inout) :: massless(:, :, :)
+      integer, intent(inout) :: idle
+      real(wp) :: rest(3, size(field, 2)), norm
+      integer :: k, pass
+      if (idle == size(massless, 3)) return
+      rest = field
+      do pass = 1, 2
+         do k = 1, idle
+            rest = rest - massless(:, :, k)*strain_energy(frame, massless(:, :, k), rest)
+         end do
+      end do
+      norm = strain_energy(frame, rest, rest)
+      if (norm <= (10*new_part)**2*energy) return
+      idle = idle + 1
+      massless(:, :, idle) = rest/sqrt(norm)
+   end subroutine keep_idle
 
    !> Turns functions of unit mass among each other so that they do not couple in the stiffness, eq. (B5).
    subroutine diagonalise(frame, own, shape, omega2, error)

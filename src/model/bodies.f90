@@ -412,7 +412,7 @@ contains
          if (block%given('FREQUENCY LIMIT') .and. .not. block%given('AXIAL MODES')) choice%axial = huge(1)
       else
          choice%modes = block%integer('MODES')
-         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('MODES')) choice%modes = huge(1)
+         if (block%given('FREQUENCY LIMIT')) choice%modes = huge(1)
       end if
       select case (block%word('GEOMETRIC'))
       case ('LINEAR'); choice%fidelity = fidelity_linear

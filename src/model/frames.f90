@@ -96,7 +96,7 @@ contains
       associate (choice => body%frame_choice, block => deck%blocks(index))
          choice%modes = block%integer('MODES')
          choice%frequency_limit = block%real('FREQUENCY LIMIT')
-         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('MODES')) choice%modes = huge(1)
+         if (block%given('FREQUENCY LIMIT')) choice%modes = huge(1)
          choice%craig_bampton = block%word('BASIS') == 'CRAIG-BAMPTON'
          select case (block%word('GEOMETRIC'))
          case ('LINEAR'); choice%fidelity = fidelity_linear

@@ -5,7 +5,7 @@ program test_recovery
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
-   use limber_flex_frame, only: element_forces, frame_type, member_type, new_frame
+   use limber_flex_frame, only: beam_frame, element_forces, frame_type, member_type, new_frame
    use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame
    use limber_flex_frame_solver, only: new_solver, solve_static, solver_type
    use limber_flex_mesh, only: beam_type, concentrate, field_type, new_support, slope_at

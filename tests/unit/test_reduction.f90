@@ -269,7 +269,7 @@ contains
          beam%elements = 7
          ! A radius of gyration of a sixteenth of the length: the second bending mode lies near the first axial one
          beam%ea = beam%ei*(16/beam%length)**2
-         available = available_modes(beam, support)
+         available = available_modes(beam, reduction_type(support=support))
          all = mesh_beam(beam)
          call bending_modes(beam, support, available(1), all, error)
          call check_no_error(error, names(i))

@@ -1,0 +1,155 @@
+!> Bases of flexible bodies: a clamped and pinned beam against closed forms, the slider-crank against a converged geometrically
+!> exact solution, a portal frame against all modes of its mesh; each by vibration modes, free ones, those of Craig and Bampton,
+!> and with corrections. Usage, in tests/: test_bases RESULT_FILE
+program test_bases
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, channel, read_columns
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_clamped_pinned('VIBRATION, CORRECTIONS=NO, SUPPORT=PINNED-ROLLER', .false.)
+   call check_clamped_pinned('VIBRATION, CORRECTIONS=YES, SUPPORT=PINNED-ROLLER', .true.)
+   call check_clamped_pinned('VIBRATION, CORRECTIONS=YES, SUPPORT=FREE-FREE', .true.)
+   call check_clamped_pinned('VIBRATION, CORRECTIONS=YES, SUPPORT=CLAMPED-FREE', .true.)
+   call check_clamped_pinned('CRAIG-BAMPTON, CORRECTIONS=NO, SUPPORT=PINNED-ROLLER', .true.)
+   call check_clamped_pinned('CRAIG-BAMPTON, CORRECTIONS=NO, SUPPORT=FREE-FREE', .true.)
+   call check_clamped_pinned('CRAIG-BAMPTON, CORRECTIONS=NO, SUPPORT=CLAMPED-FREE', .true.)
+   call check_slider_crank()
+   call check_portal()
+   call finish()
+
+contains
+
+   !> Three bending modes and one axial, alone or with what holds the wall's couple and the loads: two frequencies, and the places,
+   !> the moment and the tension under loads, which are exact at the nodes.
+   subroutine check_clamped_pinned(basis, holds)
+      !> What stands for the basis in the deck
+      character(*), intent(in) :: basis
+      !> Whether it holds what acts on the beam
+      logical, intent(in) :: holds
+      real(wp), parameter :: root(2) = [3.926602_wp, 7.068583_wp]
+      real(wp), parameter :: l = 2.0_wp, a = 0.8_wp, c = 1.35_wp, force = 3.0e-6_wp, couple = 2.0e-6_wp
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:), across(:), slope(:), moment(:), tension(:), along(:)
+      real(wp) :: pin, exact(3), wrong
+      character(72) :: old(1), new(1)
+      old(1) = 'VIBRATION, CORRECTIONS=NO, SUPPORT=PINNED-ROLLER'
+      new(1) = basis
+      call run_changed('verification/clamped_pinned.inp', trim(results), old, new, reader)
+      call reader%read_numbers('/modes/vibrations/frequency', frequency, error)
+      call check_no_error(error, basis)
+      allocate (across, source=channel(reader, 'across'))
+      allocate (slope, source=channel(reader, 'slope'))
+      allocate (moment, source=channel(reader, 'moment'))
+      allocate (tension, source=channel(reader, 'tension'))
+      allocate (along, source=channel(reader, 'along'))
+      wrong = maxval(abs(frequency/(root**2/l**2) - 1.0_wp))
+      ! What the pin takes, then deflection, slope and moment at the wall by superposition
+      pin = 3/l**3*(force*a**2*(3*l - a)/6 + couple*c*(2*l - c)/2)
+      exact = [force*a**3/3 + couple*a**2/2 - pin*a**2*(3*l - a)/6, force*a**2/2 + couple*c - pin*(c*l - c**2/2), &
+         & force*a + couple - pin*l]
+      associate (n => size(across))
+         if (holds) then
+            call check_close(wrong, 0.0_wp, 1.0e-2_wp, basis//': frequencies')
+            call check_close(across(n), exact(1), 1.0e-6_wp*exact(1), basis//': deflection')
+            call check_close(slope(n), exact(2), 1.0e-6_wp*exact(2), basis//': slope')
+            call check_close(moment(n), exact(3), 1.0e-6_wp*exact(3), basis//': moment at the wall')
+            call check_close(along(n), 1.0e-8_wp*a, 1.0e-6_wp*1.0e-8_wp*a, basis//': displacement along')
+         else
+            call check(wrong > 0.1_wp, basis//': modes without moment at the wall are too stiff')
+            call check(across(n) < 0.5_wp*exact(1), basis//': and do not give way')
+         end if
+         call check_close(tension(n), 1.0e-5_wp, 1.0e-11_wp, basis//': tension')
+      end associate
+      print '(2a,2es10.2)', basis, ': errors of frequencies and deflection', wrong, &
+         & abs(across(size(across)) - exact(1))/exact(1)
+      call reader%close()
+   end subroutine check_clamped_pinned
+
+   !> The same motion in one revolution, whatever the basis: errors against the exact solution. Free modes alone have no moment
+   !> and no shear force at the pins; what acts there must join them.
+   subroutine check_slider_crank()
+      real(wp) :: table(7, 839)
+      call read_columns('reference/slider_crank_6mm.csv', table)
+      call compare(table, 'SUPPORT=PINNED-ROLLER', 0.0_wp, 1.5e-3_wp)
+      call compare(table, 'SUPPORT=FREE-FREE', 1.0e-2_wp, 1.0e-1_wp)
+      call compare(table, 'SUPPORT=FREE-FREE, CORRECTIONS=YES, MODAL DERIVATIVES=10', 0.0_wp, 1.5e-3_wp)
+      call compare(table, 'SUPPORT=FREE-FREE, BASIS=CRAIG-BAMPTON', 0.0_wp, 1.5e-3_wp)
+   end subroutine check_slider_crank
+
+   subroutine compare(table, basis, least, most)
+      !> Columns of the reference
+      real(wp), intent(in) :: table(:, :)
+      character(*), intent(in) :: basis
+      !> Bounds of the error
+      real(wp), intent(in) :: least, most
+      character(64) :: old(6), new(6)
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: w(:)
+      real(wp) :: wrong
+      old = [character(64) :: 'turns = 2', 'SUPPORT=PINNED-ROLLER', 'BENDING MODES=1', &
+         & 'END FORCE=YES, CENTRIFUGAL=NO, MODAL DERIVATIVES=1', 'OUTPUTS=838', 'TOLERANCE=1e-8']
+      new = [character(64) :: 'turns = 1', '', 'BENDING MODES=3', 'END FORCE=YES', 'OUTPUTS=419', &
+         & 'TOLERANCE=1e-6, INTEGRATOR=RADAU']
+      new(2) = basis
+      call run_changed('verification/full_3_coordinates.inp', trim(results), old, new, reader)
+      allocate (w, source=channel(reader, 'deflection_over_length'))
+      wrong = maxval(abs(w - table(3, :420)))/maxval(abs(table(3, :420)))
+      print '(2a,es10.2)', basis, ': error of the slider-crank', wrong
+      call check_close(wrong, 0.5_wp*(least + most), 0.5_wp*(most - least), basis//': error of the deflection')
+      call reader%close()
+   end subroutine compare
+
+   !> A portal under a force at a knee that swells and fades, with all modes of its mesh, and with few of them.
+   subroutine check_portal()
+      real(wp), allocatable :: all_modes(:, :)
+      real(wp) :: wrong(3)
+      call run_portal('MODES=47', all_modes)
+      wrong = portal_errors('MODES=4', all_modes)
+      call check(wrong(1) > 1.0e-4_wp .and. wrong(2) > 1.0e-3_wp, 'four modes leave out what the force bends')
+      wrong = portal_errors('MODES=4, CORRECTIONS=YES', all_modes)
+      call check(maxval(wrong(:2)) < 2.0e-5_wp .and. wrong(3) < 1.0e-4_wp, 'corrections hold it')
+      wrong = portal_errors('MODES=7, BASIS=CRAIG-BAMPTON', all_modes)
+      call check(maxval(wrong) < 1.5e-3_wp, 'Craig and Bampton')
+      wrong = portal_errors('FREQUENCY LIMIT=1500, CORRECTIONS=YES', all_modes)
+      call check(maxval(wrong) < 1.0e-6_wp, 'ten modes and corrections')
+   end subroutine check_portal
+
+   function portal_errors(basis, all_modes) result(wrong)
+      character(*), intent(in) :: basis
+      real(wp), intent(in) :: all_modes(:, :)
+      real(wp) :: wrong(3)
+      real(wp), allocatable :: few(:, :)
+      call run_portal(basis, few)
+      wrong = maxval(abs(few - all_modes), dim=2)/maxval(abs(all_modes), dim=2)
+      print '(2a,3es10.2)', basis, ': errors of the portal', wrong
+   end function portal_errors
+
+   subroutine run_portal(basis, values)
+      character(*), intent(in) :: basis
+      !> Sway and turn of the knee, moment at the foot (3, samples)
+      real(wp), allocatable, intent(out) :: values(:, :)
+      type(history_reader_type) :: reader
+      character(80) :: old(6), new(6)
+      real(wp), allocatable :: sway(:)
+      old = [character(80) :: 'MODES=6, GEOMETRIC=LINEAR, DIVISIONS=12', ' load, 0', &
+         & 'END=4, OUTPUTS=1000, TOLERANCE=1e-7', 'u1(portal.knee), rotation(portal.knee)', &
+         & ' bending_moment(portal.left-foot)', '*OUTPUT, ENVELOPE=portal']
+      new = [character(80) :: '', ' load*(1 - cos(20*t)), 0', 'END=0.5, OUTPUTS=100, TOLERANCE=1e-8, INTEGRATOR=RADAU', &
+         & 'sway = u1(portal.knee), turn = rotation(portal.knee)', ' moment = bending_moment(portal.left-foot)', '']
+      new(1) = basis//', GEOMETRIC=LINEAR, DIVISIONS=6'
+      call run_changed('../input/portal_frame.inp', trim(results), old, new, reader)
+      allocate (sway, source=channel(reader, 'sway'))
+      allocate (values(3, size(sway)))
+      values(1, :) = sway
+      values(2, :) = channel(reader, 'turn')
+      values(3, :) = channel(reader, 'moment')
+      call reader%close()
+   end subroutine run_portal
+
+end program test_bases

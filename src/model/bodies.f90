@@ -253,6 +253,7 @@ contains
       real(wp) :: x, inertia, centre
       if (.not. (body%beam%length > 0.0_wp .and. body%beam%elements > 0)) return
       do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'MASS') cycle
          if (.not. is_part(deck, i, index)) cycle
          do k = 1, size(deck%blocks(i)%lines)
             associate (line => deck%blocks(i)%lines(k))
@@ -354,7 +355,7 @@ contains
       integer, intent(in) :: index
       type(attachment_type), allocatable, intent(out) :: named(:)
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: i, k, part
+      integer :: i, k, part, before
       real(wp) :: x
       allocate (named(0))
       do i = 1, size(deck%blocks)
@@ -362,7 +363,9 @@ contains
          if (.not. is_part(deck, i, index)) cycle
          do k = 1, size(deck%blocks(i)%lines)
             associate (line => deck%blocks(i)%lines(k), length => deck%blocks(index)%real('LENGTH'))
+               before = diagnostics%count
                x = beam_place(deck%blocks(index), line, diagnostics)
+               if (diagnostics%count > before) cycle
                part = findloc([1, 2, 6], nint(line%number(2)), dim=1)
                if (x < 0.0_wp .or. x > length) then
                   call diagnostics%add(line%origin_of(1), 'the attachment lies outside the beam', &

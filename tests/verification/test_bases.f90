@@ -4,11 +4,18 @@
 program test_bases
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
+   use limber_base_text, only: newline
+   use limber_analysis_run, only: check_deck
+   use limber_analysis_scene, only: read_scene, scene_type
+   use limber_model_adequacy, only: residuals_at_points
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel, read_columns
+   use runs, only: run_changed, change_deck, channel, read_columns
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    character(256) :: results
+   !> Attachments where something acts, by names and by coordinates
+   character(*), parameter :: attached = newline//'*ATTACHMENT'//newline//' start, 1'//newline//' start, 2'//newline// &
+      & ' start, 6'//newline//' end, 2'//newline//' loaded, 1'//newline//' 0.8, 2'//newline//' twisted, 6'
 
    call get_command_argument(1, results)
    call check_clamped_pinned('VIBRATION, CORRECTIONS=NO, SUPPORT=PINNED-ROLLER', .false.)
@@ -18,6 +25,10 @@ program test_bases
    call check_clamped_pinned('CRAIG-BAMPTON, CORRECTIONS=NO, SUPPORT=PINNED-ROLLER', .true.)
    call check_clamped_pinned('CRAIG-BAMPTON, CORRECTIONS=NO, SUPPORT=FREE-FREE', .true.)
    call check_clamped_pinned('CRAIG-BAMPTON, CORRECTIONS=NO, SUPPORT=CLAMPED-FREE', .true.)
+   call check_clamped_pinned('VIBRATION, CORRECTIONS=NO, SUPPORT=PINNED-ROLLER', .true., attached)
+   call check_clamped_pinned('CRAIG-BAMPTON, CORRECTIONS=NO, SUPPORT=FREE-FREE', .true., attached)
+   call check_note()
+   call check_residuals()
    call check_slider_crank()
    call check_portal()
    call finish()
@@ -26,20 +37,25 @@ contains
 
    !> Three bending modes and one axial, alone or with what holds the wall's couple and the loads: two frequencies, and the places,
    !> the moment and the tension under loads, which are exact at the nodes.
-   subroutine check_clamped_pinned(basis, holds)
+   subroutine check_clamped_pinned(basis, holds, attachments)
       !> What stands for the basis in the deck
       character(*), intent(in) :: basis
       !> Whether it holds what acts on the beam
       logical, intent(in) :: holds
+      !> Lines of the deck behind the points of the beam
+      character(*), intent(in), optional :: attachments
       real(wp), parameter :: root(2) = [3.926602_wp, 7.068583_wp]
       real(wp), parameter :: l = 2.0_wp, a = 0.8_wp, c = 1.35_wp, force = 3.0e-6_wp, couple = 2.0e-6_wp
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error
       real(wp), allocatable :: frequency(:), across(:), slope(:), moment(:), tension(:), along(:)
       real(wp) :: pin, exact(3), wrong
-      character(72) :: old(1), new(1)
+      character(150) :: old(2), new(2)
       old(1) = 'VIBRATION, CORRECTIONS=NO, SUPPORT=PINNED-ROLLER'
       new(1) = basis
+      old(2) = 'twisted, 1.35'
+      new(2) = old(2)
+      if (present(attachments)) new(2) = trim(old(2))//attachments
       call run_changed('verification/clamped_pinned.inp', trim(results), old, new, reader)
       call reader%read_numbers('/modes/vibrations/frequency', frequency, error)
       call check_no_error(error, basis)
@@ -70,6 +86,44 @@ contains
          & abs(across(size(across)) - exact(1))/exact(1)
       call reader%close()
    end subroutine check_clamped_pinned
+
+   !> What depends on all the modes that there are is left out with a note.
+   subroutine check_note()
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call change_deck('verification/clamped_pinned.inp', trim(results)//'.inp', [character(20) :: 'BENDING MODES=3', &
+         & 'CORRECTIONS=NO'], [character(20) :: 'BENDING MODES=39', 'CORRECTIONS=YES'])
+      call check_deck(trim(results)//'.inp', report, error)
+      call check_no_error(error, 'a note')
+      call check(index(report, '3 bending functions depend on others and are left out') > 0, 'what is left out is said')
+   end subroutine check_note
+
+   !> What the modes leave out where something acts: the wall's force and couple are held by the pin alone as far as forces go.
+   subroutine check_residuals()
+      type(scene_type) :: scene
+      type(error_type), allocatable :: error
+      integer, allocatable :: points(:), parts(:)
+      real(wp), allocatable :: whole(:), left(:)
+      character(10) :: names(9)
+      integer :: i
+      call read_scene('verification/clamped_pinned.inp', scene, error)
+      call check_no_error(error, 'residuals')
+      call residuals_at_points(scene%system%model, 1, points, parts, whole, left, error)
+      call check_no_error(error, 'residuals')
+      call check(all(parts == [1, 2, 3, 1, 2, 1, 2, 3]), 'wall, guide, force, couple')
+      if (size(points) /= 8) return
+      names = ''
+      do i = 1, 8
+         names(i) = scene%system%model%points(points(i))%name(5:)
+      end do
+      call check(all(names(:8) == [character(10) :: 'start', 'start', 'start', 'end', 'end', 'loaded', 'loaded', 'twisted']), &
+         & 'points that something acts on')
+      call check(all(abs(whole([1, 2, 5])) <= 0.0_wp), 'supports take forces')
+      ! A couple turns a support by L/3EI; modes hold 6/(pi j)^2 of that, with j from 1 to 3
+      call check_close(whole(3), 2.0_wp/3, 1.0e-9_wp, 'a couple at the wall')
+      call check_close(left(3)/whole(3), 1 - 6/acos(-1.0_wp)**2*(1 + 0.25_wp + 1/9.0_wp), 1.0e-3_wp, 'what three modes leave out')
+      call check(all(left(6:8) > 1.0e-3_wp*whole(6:8)), 'something is left out at the loads')
+   end subroutine check_residuals
 
    !> The same motion in one revolution, whatever the basis: errors against the exact solution. Free modes alone have no moment
    !> and no shear force at the pins; what acts there must join them.

@@ -3,7 +3,7 @@ module limber_model_frames
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_deck_content, only: deck_type
+   use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_frame, only: frame_type, new_frame, member_length
    use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
@@ -55,11 +55,28 @@ contains
          if (body%reduced%full .and. body%frame_choice%derivatives == 0) call diagnostics%warn(deck%blocks(index)%origin_of( &
             & 'MODAL DERIVATIVES'), "frame '"//body%name//"' locks: FULL with vibration modes alone deflects too little", &
             & 'use MODAL DERIVATIVES=3 or more')
+         if (body%reduced%full) call warn_of_elements(deck%blocks(index), body, diagnostics)
       end if
       body%size = extent(draft%place(:, :size(draft%node)))
       call append_body(model, body, added)
       if (diagnostics%count == before) call add_frame_points(deck, index, draft, model, diagnostics)
    end subroutine add_frame
+
+   !> Modal derivatives strain whole finite elements: if one lies in two k_G elements the foreshortening is not carried.
+   subroutine warn_of_elements(block, body, diagnostics)
+      type(block_type), intent(in) :: block
+      type(body_type), intent(in) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: m, divisions
+      do m = 1, size(body%mesh%first) - 1
+         divisions = body%mesh%first(m + 1) - body%mesh%first(m)
+         if (modulo(divisions, body%frame_choice%geometric_elements) == 0) cycle
+         call diagnostics%warn(block%origin_of('GEOMETRIC ELEMENTS'), "frame '"//body%name//"' locks: "//as_text(divisions)// &
+            & ' divisions of a member are not the same number in each of '//as_text(body%frame_choice%geometric_elements)// &
+            & ' geometric elements', 'use DIVISIONS that GEOMETRIC ELEMENTS divides')
+         return
+      end do
+   end subroutine warn_of_elements
 
    !> Choices that the deck leaves open.
    subroutine settle_options(deck, index)

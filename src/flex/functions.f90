@@ -1,7 +1,7 @@
 !> Static functions beside the modes of a flexible body: responses to loads, shapes of an interface that is displaced, and how
 !> all of them become coordinates: independent, orthonormal in the mass, diagonal in the stiffness. A straight beam is a frame of
 !> one member here. Used before the time loop only. Floor: flex. Source: Craig and Bampton 1968; Yoo and Haug 1986; doc/theory,
-!> eqs. (F4), (B3)-(B5).
+!> eqs. (121), (B3)-(B5).
 module limber_flex_functions
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -41,7 +41,7 @@ contains
       end do
    end function attachment_loads
 
-   !> Displacements that loads make at rest, or in the rigid motion that they give a body that is free, eq. (F4).
+   !> Displacements that loads make at rest, or in the rigid motion that they give a body that is free, eq. (121).
    subroutine static_responses(frame, solver, load, functions)
       type(frame_type), intent(in) :: frame
       type(solver_type), intent(in) :: solver

@@ -7,6 +7,7 @@ program test_bases
    use limber_base_text, only: newline
    use limber_analysis_run, only: check_deck
    use limber_analysis_scene, only: read_scene, scene_type
+   use limber_deck_parameters, only: override_type
    use limber_model_adequacy, only: residuals_at_points
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, change_deck, channel, read_columns
@@ -90,10 +91,11 @@ contains
    !> What depends on all the modes that there are is left out with a note.
    subroutine check_note()
       type(error_type), allocatable :: error
+      type(override_type) :: none(0)
       character(:), allocatable :: report
       call change_deck('verification/clamped_pinned.inp', trim(results)//'.inp', [character(20) :: 'BENDING MODES=3', &
          & 'CORRECTIONS=NO'], [character(20) :: 'BENDING MODES=39', 'CORRECTIONS=YES'])
-      call check_deck(trim(results)//'.inp', report, error)
+      call check_deck(trim(results)//'.inp', none, report, error)
       call check_no_error(error, 'a note')
       call check(index(report, '3 bending functions depend on others and are left out') > 0, 'what is left out is said')
    end subroutine check_note

@@ -8,6 +8,7 @@ module limber_flex_reduction
    use limber_flex_beam, only: bending_slope
    use limber_flex_axial, only: element_functions, static_functions, axial_basis
    use limber_flex_end_shapes, only: add_end_shapes
+   use limber_flex_folding, only: start_folding
    use limber_flex_geometric, only: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, element_ends, &
       & project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
@@ -47,6 +48,8 @@ module limber_flex_reduction
       logical :: end_shapes = .false.
       !> Coordinate along the beam of the floating frame's origin [length]
       real(wp) :: origin = 0.0_wp
+      !> Whether the axial coordinates follow at rest, without vibrations of their own
+      logical :: condensed = .false.
    end type reduction_type
 
 contains
@@ -113,6 +116,7 @@ contains
       else
          allocate (body%quartic(0, 0))
       end if
+      if (choice%condensed) call start_folding(body)
    end subroutine reduce_beam
 
    !> Displacement (2,n) and rotation (n) of all coordinates at a place along the beam.

@@ -20,7 +20,7 @@ module limber_analysis_dynamics
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
       & worst_constraint
    use limber_system_kinematics, only: place_frames, settle_angles
-   use limber_system_projection, only: settle, settle_position
+   use limber_system_projection, only: settle, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -262,14 +262,17 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before, residual
       associate (system => scene%system, work => scene%work)
-         if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
+         if (system%condensed) then
+            call settle_stretched(system, work, t, sample%q, sample%v, sample%a, sample%change, residual, error)
+         else if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
          else
             call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
          end if
          if (allocated(error)) return
          call check_residuals(system, work, recorder%needs_velocities, sample%v, outcome)
-         if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
+         if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
+            & sample%a)
          recorder%work = sample%w
          call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
       end associate

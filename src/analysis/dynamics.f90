@@ -13,7 +13,7 @@ module limber_analysis_dynamics
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: break_times
    use limber_model_scene, only: dynamics_type
-   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, gather_balance, sample_width
    use limber_output_internal_forces, only: effort_type
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
@@ -263,7 +263,12 @@ contains
       real(wp) :: before, residual
       associate (system => scene%system, work => scene%work)
          if (system%condensed) then
-            call settle_stretched(system, work, t, sample%q, sample%v, sample%a, sample%change, residual, error)
+            ! The motion keeps the balance of energy without the stretch that the channels show
+            call settle(system, work, t, sample%q, sample%v, sample%change, .true., residual, error)
+            if (allocated(error)) return
+            call accelerations(system, work, sample%q, sample%v, sample%a)
+            call gather_balance(recorder, system, work, sample%q, sample%v)
+            call settle_stretched(system, work, t, sample%q, sample%v, sample%change, residual, error)
          else if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
          else

@@ -7,7 +7,7 @@ module limber_system_projection
    use limber_system_algebra, only: cross
    use limber_system_condensation, only: place_axial, place_axial_rates, stretch_axial, release_axial
    use limber_system_drivers, only: driven_angle_type
-   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual
+   use limber_system_dynamics, only: linearise, position_residual, velocity_residual
    use limber_system_kinematics, only: place_drives, place_frames, point_position
    use limber_system_multiplier, only: update_jacobians, solve_multiplier_system, solve_gaps
    use limber_system_system, only: system_type, workspace_type
@@ -125,24 +125,19 @@ contains
       if (before > nearest) call project_velocity(system, work, v, change, left)
    end subroutine settle
 
-   !> The same where axial coordinates follow at rest: then their loads stretch them, eq. (X7), and all is moved onto the
-   !> constraints once more. The accelerations, and the multipliers, are those before the stretch.
-   subroutine settle_stretched(system, work, t, q, v, a, change, residual, error)
+   !> Lets the loads of the last accelerations stretch bodies whose axial coordinates follow at rest, eq. (X7), and moves the state
+   !> onto the constraints so.
+   subroutine settle_stretched(system, work, t, q, v, change, residual, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq)
       real(wp), intent(inout) :: q(:), v(:)
-      !> Accelerations (nq)
-      real(wp), intent(inout) :: a(:)
       !> Scratch (nq)
       real(wp), intent(inout) :: change(:)
       !> Residual of the position reached
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
-      call settle(system, work, t, q, v, change, .true., residual, error)
-      if (allocated(error)) return
-      call accelerations(system, work, q, v, a)
       call stretch_axial(system, work)
       call settle(system, work, t, q, v, change, .true., residual, error)
       call release_axial(work)

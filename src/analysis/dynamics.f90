@@ -4,6 +4,8 @@ module limber_analysis_dynamics
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
+   use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, start_axial_watch, watch_axial, &
+      & pass_axial_break, axial_findings
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
    use limber_integrator_adams, only: adams_type
@@ -127,6 +129,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: breaks(:)
       type(jump_watch_type) :: watch
+      type(axial_watch_type) :: axial
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
@@ -139,6 +142,7 @@ contains
       call start_watch(watch, dynamics%start, scene%v)
       call check_energy(scene, sample, outcome)
       call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
+      call start_axial_watch(axial, scene%system, scene%work, scene%q)
       next = 1
       do while (next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
@@ -158,6 +162,7 @@ contains
          call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
          if (allocated(text)) call warn(outcome, text)
          call follow_angles(recorder, scene%system, sample%q)
+         call watch_axial(axial, scene%system, scene%work, integrator%t, sample%q)
          if (size(scene%work%kinematics%angles) > 0) then
             call place_frames(scene%system%model, scene%system%layout, integrator%t, sample%q, scene%work%kinematics)
             call settle_angles(scene%work%kinematics)
@@ -170,11 +175,13 @@ contains
             call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
             if (allocated(error)) exit
             call start_watch(watch, breaks(passed), sample%v)
+            call pass_axial_break(axial, scene%system, scene%work, breaks(passed))
          end if
          call record_before(integrator%t + near)
          call progress%update(integrator%t)
       end do
       outcome%reached = integrator%t
+      call warn_of_axial(scene, axial, outcome)
 
    contains
 
@@ -190,6 +197,21 @@ contains
       end subroutine record_before
 
    end subroutine advance
+
+   !> Warns of beams whose axial coordinates have followed at rest although they must not.
+   subroutine warn_of_axial(scene, axial, outcome)
+      type(scene_type), intent(in) :: scene
+      type(axial_watch_type), intent(in) :: axial
+      type(outcome_type), intent(inout) :: outcome
+      type(axial_verdict_type) :: verdict
+      integer :: i
+      do i = 1, size(scene%system%model%bodies)
+         if (.not. scene%system%model%bodies(i)%reduced%condensed) cycle
+         call axial_findings(axial, scene%system, i, axial_target, verdict)
+         if (.not. verdict%admissible) call warn(outcome, "beam '"//scene%system%model%bodies(i)%name// &
+            & "', AXIAL DYNAMICS=STATIC: "//verdict%words//'; use FULL')
+      end do
+   end subroutine warn_of_axial
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.

@@ -33,10 +33,10 @@ module limber_analysis_axial
 
    !> One body in a run
    type :: axial_history_type
-      !> Lowest frequency of stretching [rad/time]
-      real(wp) :: frequency = 0.0_wp
-      !> Stretch at the last looks (axial, 3) and their times; how many there are
-      real(wp), allocatable :: stretch(:, :)
+      !> Lowest frequency of stretching [rad/time]; axial displacement by which the first state is not at rest [length]
+      real(wp) :: frequency = 0.0_wp, starting = 0.0_wp
+      !> Loads at the last looks (axial, 3) and their times; how many there are
+      real(wp), allocatable :: load(:, :)
       real(wp) :: t(3) = 0.0_wp
       integer :: looks = 0
       !> Largest so far: relative change of the first bending stiffness by tension that is left out; axial displacement that is left
@@ -97,13 +97,39 @@ contains
             if (reduced%geometric) verdict%change = max(slow, 2*sqrt(reduced%omega2(1)))
          end if
          associate (ratio => (verdict%change/verdict%frequency)**2)
-            verdict%error = 0.2_wp*ratio + missing(1) + 2*stretched/model%size
+            verdict%error = grown(system, body, 0.1_wp*ratio + missing(1) + 2*stretched/model%size) &
+               & + start_error(system, body, verdict%frequency, starting/max(stretched, tiny(stretched)))
             verdict%share = missing(2) + starting + min(1.0_wp, (slow/verdict%frequency)**2)*stretched
          end associate
          if (verdict%share > 0.0_wp) verdict%share = verdict%share/(verdict%share + bent)
       end associate
       call decide(system, target, verdict)
    end subroutine judge_axial
+
+   !> Error of the deflections that forces make which are wrong by a part of the first bending stiffness: it grows with the number
+   !> of vibrations, eq. (X11).
+   pure real(wp) function grown(system, body, part)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      real(wp), intent(in) :: part
+      associate (reduced => system%model%bodies(body)%reduced, dynamics => system%model%dynamics)
+         grown = part
+         if (reduced%bending > 0) grown = part*(1 + 0.25_wp*sqrt(reduced%omega2(1))*(dynamics%end - dynamics%start) &
+            & /(2*acos(-1.0_wp)))
+      end associate
+   end function grown
+
+   !> Error of the deflections if the stretching of the first state is not that at rest, so that it would ring.
+   pure real(wp) function start_error(system, body, frequency, starting)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      !> Lowest frequency of stretching; amplitude of the ringing relative to the stretch
+      real(wp), intent(in) :: frequency, starting
+      start_error = 0.0_wp
+      associate (reduced => system%model%bodies(body)%reduced)
+         if (reduced%bending > 0) start_error = min(1.0_wp, starting)*reduced%omega2(1)/frequency**2
+      end associate
+   end function start_error
 
    !> Decides from the numbers.
    pure subroutine decide(system, target, verdict)
@@ -122,7 +148,7 @@ contains
       end if
    end subroutine decide
 
-   !> Lowest frequency of stretching of each body at the place q, all else free to move as the joints let it, without stiffness of
+   !> Frequency of the stretching of each body at the place q, the lowest ones of the scene in which it has a tenth, all else free to move as the joints let it, without stiffness of
    !> bending: from the accelerations of all axial coordinates under unit forces on them, eq. (X10). Zero if joints hold the ends.
    subroutine find_frequencies(system, work, q, frequency)
       type(system_type), intent(inout) :: system
@@ -134,6 +160,7 @@ contains
       type(error_type), allocatable :: error
       logical :: condensed(size(frequency))
       integer, allocatable :: place(:), owner(:)
+      real(wp) :: share
       real(wp), allocatable :: matrix(:, :), omega(:), value(:), force(:), push(:), room(:)
       integer :: i, j, k, n, info
       condensed = system%model%bodies%reduced%condensed
@@ -166,8 +193,10 @@ contains
       call dsyev('V', 'L', n, matrix, n, value, room, size(room), info)
       if (info /= 0) return
       do i = 1, size(frequency)
+         share = 0.0_wp
          do j = 1, n
-            if (sum(matrix(:, j)**2, mask=owner == i) < part) cycle
+            share = share + sum(matrix(:, j)**2, mask=owner == i)
+            if (share < part) cycle
             if (value(j) > held*value(n)) frequency(i) = sqrt(value(j))
             exit
          end do
@@ -287,23 +316,29 @@ contains
       end associate
    end function first_swing
 
-   !> Begins to watch at the first state of a run.
-   subroutine start_axial_watch(watch, system, work, q)
+   !> Begins to watch at the first state of a run, before its axial coordinates are put where they belong.
+   subroutine start_axial_watch(watch, system, work, q, v)
       type(axial_watch_type), intent(inout) :: watch
       !> Left as it is
       type(system_type), intent(inout) :: system
       type(workspace_type), intent(inout) :: work
-      !> Coordinates (nq)
-      real(wp), intent(in) :: q(:)
-      real(wp) :: frequency(size(work%bodies))
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      type(error_type), allocatable :: error
+      real(wp) :: frequency(size(work%bodies)), a(size(q))
       integer :: i
       allocate (watch%bodies(size(work%bodies)))
       if (.not. system%condensed) return
       call find_frequencies(system, work, q, frequency)
+      call linearise(system, work, system%model%dynamics%start, q, error)
+      if (.not. allocated(error)) call accelerations(system, work, q, v, a)
       do i = 1, size(watch%bodies)
          if (.not. system%model%bodies(i)%reduced%condensed) cycle
          watch%bodies(i)%frequency = frequency(i)
-         allocate (watch%bodies(i)%stretch(size(work%bodies(i)%load), 3))
+         allocate (watch%bodies(i)%load(size(work%bodies(i)%load), 3))
+         if (allocated(error) .or. .not. frequency(i) > 0.0_wp) cycle
+         call add_size(system, i, work%bodies(i)%load, watch%bodies(i)%starting)
+         watch%bodies(i)%starting = watch%bodies(i)%starting + first_swing(system, work, q, v, i, frequency(i))
       end do
    end subroutine start_axial_watch
 
@@ -316,7 +351,7 @@ contains
       real(wp), intent(in) :: t, q(:)
       integer :: i, j
       do i = 1, size(watch%bodies)
-         if (.not. allocated(watch%bodies(i)%stretch)) cycle
+         if (.not. allocated(watch%bodies(i)%load)) cycle
          associate (body => watch%bodies(i), model => system%model%bodies(i), first => system%layout%q(i) + 3)
             do j = 1, model%reduced%bending
                body%deflection = max(body%deflection, abs(q(first + j))*maxval(abs(model%field%w(:, j))))
@@ -338,15 +373,15 @@ contains
       if (body%looks > 0) then
          if ((t - body%t(3))*body%frequency < apart) return
       end if
-      body%stretch(:, :2) = body%stretch(:, 2:)
+      body%load(:, :2) = body%load(:, 2:)
       body%t(:2) = body%t(2:)
-      body%stretch(:, 3) = load
+      body%load(:, 3) = load
       body%t(3) = t
       body%looks = min(3, body%looks + 1)
       call add_size(system, index, load, size_now)
       body%stretched = max(body%stretched, size_now)
       if (body%looks < 3 .or. .not. body%frequency > 0.0_wp) return
-      associate (x => body%stretch, at => body%t)
+      associate (x => body%load, at => body%t)
          lost = 2*((x(:, 3) - x(:, 2))/(at(3) - at(2)) - (x(:, 2) - x(:, 1))/(at(2) - at(1)))/(at(3) - at(1))/body%frequency**2
       end associate
       call keep_lost(body, system, index, lost)
@@ -374,10 +409,10 @@ contains
       real(wp) :: part
       integer :: i
       do i = 1, size(watch%bodies)
-         if (.not. allocated(watch%bodies(i)%stretch)) cycle
+         if (.not. allocated(watch%bodies(i)%load)) cycle
          associate (body => watch%bodies(i))
             part = body%tension
-            if (body%looks > 0) call keep_lost(body, system, i, work%bodies(i)%load - body%stretch(:, 3))
+            if (body%looks > 0) call keep_lost(body, system, i, work%bodies(i)%load - body%load(:, 3))
             ! Bending follows the mean of tension that rings
             body%tension = part
             body%looks = 0
@@ -395,15 +430,22 @@ contains
       type(axial_verdict_type), intent(out) :: verdict
       verdict%words = ''
       associate (found => watch%bodies(body))
-         if (.not. allocated(found%stretch)) return
+         if (.not. allocated(found%load)) return
+         if (.not. found%frequency > 0.0_wp) return
          verdict%frequency = found%frequency
-         verdict%error = found%tension + 2*found%stretched/system%model%bodies(body)%size
-         if (found%wave > 0.0_wp) verdict%share = found%wave/(found%wave + found%deflection)
+         verdict%error = grown(system, body, found%tension + 2*found%stretched/system%model%bodies(body)%size) &
+            & + start_error(system, body, found%frequency, found%starting/max(found%stretched, tiny(1.0_wp)))
+         if (found%wave + found%starting > 0.0_wp) verdict%share = (found%wave + found%starting) &
+            & /(found%wave + found%starting + found%deflection)
       end associate
       verdict%admissible = verdict%error <= target .and. verdict%share <= axial_share
-      verdict%words = 'its stretching, at '//as_text(verdict%frequency, 3)//' rad/'//system%model%units%time// &
-         & ', could not follow its loads as at rest: axial waves make '//as_text(100*verdict%share, 2)// &
-         & ' % of its deformation, and an error of about '//as_text(verdict%error, 2)//' is to be expected'
+      if (verdict%share > axial_share) then
+         verdict%words = 'its stretching, at '//as_text(verdict%frequency, 3)//' rad/'//system%model%units%time// &
+            & ', did not follow its loads: axial waves make '//as_text(100*verdict%share, 2)//' % of its deformation'
+      else
+         verdict%words = 'stretched as at rest, without its axial vibrations from '//as_text(verdict%frequency, 3)//' rad/'// &
+            & system%model%units%time//' on: an error of about '//as_text(verdict%error, 2)//' of its deflections'
+      end if
    end subroutine axial_findings
 
 end module limber_analysis_axial

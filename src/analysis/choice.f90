@@ -96,7 +96,9 @@ contains
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: q(:), v(:), a(:)
       integer :: i
-      rate = frame_rate(system, q, v, a)
+      associate (dynamics => system%model%dynamics)
+         rate = max(2*acos(-1.0_wp)/(dynamics%end - dynamics%start), frame_rate(system, q, v, a))
+      end associate
       do i = 1, size(system%layout%q)
          if (system%layout%n(i) > 0) rate = max(rate, sqrt(minval(system%model%bodies(i)%reduced%omega2)))
       end do
@@ -112,7 +114,7 @@ contains
       integer :: i, k, first
       real(wp) :: t, unit
       associate (dynamics => system%model%dynamics, length => system%model%length)
-         rate = 2*acos(-1.0_wp)/(dynamics%end - dynamics%start)
+         rate = 0.0_wp
          do i = 1, size(system%layout%q)
             first = system%layout%q(i)
             rate = max(rate, norm2(v(first:first + 1))/length, sqrt(norm2(a(first:first + 1))/length))

@@ -43,6 +43,8 @@ module limber_analysis_dynamics
       real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
+      !> What is left out where axial coordinates follow at rest, a line for each such beam; not allocated if there is none
+      character(:), allocatable :: axial
       !> Envelopes of internal forces (bodies)
       type(effort_type), allocatable :: efforts(:)
    end type outcome_type
@@ -87,6 +89,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(recorder_type) :: recorder
       type(sample_type) :: sample
+      type(axial_watch_type) :: axial
       integer(long) :: tick
       real(wp) :: cpu
       integer :: before(2)
@@ -99,8 +102,11 @@ contains
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%angle = scene%angle
          outcome%reached = dynamics%start
-         call integrator%start(scene%system, scene%work, dynamics%start, dynamics%end - dynamics%start, scene%q, scene%v, error)
-         if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, outcome, error)
+         call start_axial(scene, axial, sample%change, error)
+         if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &
+            & dynamics%end - dynamics%start, scene%q, scene%v, error)
+         if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, &
+            & outcome, error)
       end associate
       scene%last%q = sample%q
       scene%last%v = sample%v
@@ -117,7 +123,7 @@ contains
    end subroutine run_dynamics
 
    !> The time loop. Steps end at the breaks of the drivers and loads, where the integrator starts anew.
-   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, outcome, error)
+   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, outcome, error)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
       class(integrator_type), intent(inout) :: integrator
@@ -125,11 +131,11 @@ contains
       type(sample_type), intent(inout) :: sample
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
+      type(axial_watch_type), intent(inout) :: axial
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: breaks(:)
       type(jump_watch_type) :: watch
-      type(axial_watch_type) :: axial
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
@@ -142,7 +148,6 @@ contains
       call start_watch(watch, dynamics%start, scene%v)
       call check_energy(scene, sample, outcome)
       call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
-      call start_axial_watch(axial, scene%system, scene%work, scene%q)
       next = 1
       do while (next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
@@ -181,7 +186,7 @@ contains
          call progress%update(integrator%t)
       end do
       outcome%reached = integrator%t
-      call warn_of_axial(scene, axial, outcome)
+      call report_axial(scene, axial, outcome)
 
    contains
 
@@ -198,8 +203,23 @@ contains
 
    end subroutine advance
 
-   !> Warns of beams whose axial coordinates have followed at rest although they must not.
-   subroutine warn_of_axial(scene, axial, outcome)
+   !> Begins to watch axial coordinates that follow at rest, and puts them where they belong.
+   subroutine start_axial(scene, axial, change, error)
+      type(scene_type), intent(inout) :: scene
+      type(axial_watch_type), intent(inout) :: axial
+      !> Scratch (nq)
+      real(wp), intent(inout) :: change(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: residual
+      associate (system => scene%system, work => scene%work)
+         call start_axial_watch(axial, system, work, scene%q, scene%v)
+         if (system%condensed) call settle(system, work, system%model%dynamics%start, scene%q, scene%v, change, .true., residual, &
+            & error)
+      end associate
+   end subroutine start_axial
+
+   !> Says what was left out of beams whose axial coordinates have followed at rest; a warning where that is too much.
+   subroutine report_axial(scene, axial, outcome)
       type(scene_type), intent(in) :: scene
       type(axial_watch_type), intent(in) :: axial
       type(outcome_type), intent(inout) :: outcome
@@ -207,11 +227,14 @@ contains
       integer :: i
       do i = 1, size(scene%system%model%bodies)
          if (.not. scene%system%model%bodies(i)%reduced%condensed) cycle
+         if (.not. allocated(outcome%axial)) outcome%axial = ''
          call axial_findings(axial, scene%system, i, axial_target, verdict)
+         if (verdict%admissible) outcome%axial = outcome%axial//"   beam '"//scene%system%model%bodies(i)%name//"' "// &
+            & verdict%words//newline
          if (.not. verdict%admissible) call warn(outcome, "beam '"//scene%system%model%bodies(i)%name// &
             & "', AXIAL DYNAMICS=STATIC: "//verdict%words//'; use FULL')
       end do
-   end subroutine warn_of_axial
+   end subroutine report_axial
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.

@@ -95,8 +95,7 @@ contains
          call assemble_scene(scene, diagnostics)
          scene%assembling = seconds_since(tick)
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call settle_integrator(scene)
-         if (diagnostics%count == 0 .and. scene%system%condensed .and. starts_with_dynamics(model)) &
-            & call check_axial(scene, diagnostics)
+         if (diagnostics%count == 0 .and. scene%system%condensed) call check_axial(scene, diagnostics)
       end if
       scene%warnings = diagnostics%render(scene%deck%source)
       if (diagnostics%count > 0) call raise(error, scene%warnings, status_deck)
@@ -132,11 +131,12 @@ contains
          do i = 1, size(model%bodies)
             if (.not. model%bodies(i)%reduced%condensed) cycle
             origin = scene%deck%blocks(scene%deck%find_named('BEAM', model%bodies(i)%name))%origin_of('AXIAL DYNAMICS')
-            if (model%dynamics%integrator == 'CONSERVING') then
+            if (is_conserving(model)) then
                call diagnostics%add(origin, "beam '"//model%bodies(i)%name//"': CONSERVING cannot be used where axial"// &
                   & ' coordinates follow at rest', 'write AXIAL DYNAMICS=FULL, or INTEGRATOR=ADAMS, RADAU or ALPHA')
                cycle
             end if
+            if (.not. starts_with_dynamics(model)) cycle
             call judge_axial(scene%system, scene%work, scene%q, scene%v, i, axial_target, verdict)
             if (verdict%admissible) cycle
             if (verdict%frequency > 0.0_wp) then
@@ -149,6 +149,17 @@ contains
          end do
       end associate
    end subroutine check_axial
+
+   !> Whether an analysis asks for CONSERVING.
+   pure logical function is_conserving(model)
+      type(model_type), intent(in) :: model
+      integer :: i
+      is_conserving = .false.
+      do i = 1, size(model%steps)
+         if (model%steps(i)%kind /= step_dynamics) cycle
+         if (model%steps(i)%dynamics%integrator == 'CONSERVING') is_conserving = .true.
+      end do
+   end function is_conserving
 
    !> First state; what cannot be assembled, or is redundant, is shown at the joint or driver in the deck.
    subroutine assemble_scene(scene, diagnostics)

@@ -15,7 +15,7 @@ module limber_analysis_choice
    use limber_system_tangent, only: tangent_type, new_tangent, motion_residual, linearise_motion, times_stiffness
    implicit none
    private
-   public :: choose_integrator
+   public :: choose_integrator, frame_rate
 
    !> What is known of a scene before it runs
    type :: indicators_type
@@ -36,13 +36,13 @@ contains
       character(:), allocatable, intent(out) :: integrator, reason
       type(indicators_type) :: found
       call look(system, work, q, v, found)
-      call decide(found, system%powered, system%model%dynamics, system%model%units%time, integrator, reason)
+      call decide(found, system%powered .or. system%condensed, system%model%dynamics, system%model%units%time, integrator, reason)
    end subroutine choose_integrator
 
    !> Decides from the indicators.
    pure subroutine decide(found, powered, dynamics, unit, integrator, reason)
       type(indicators_type), intent(in) :: found
-      !> True if something puts energy in or takes it out
+      !> True if something puts energy in or takes it out, or CONSERVING cannot be used
       logical, intent(in) :: powered
       type(dynamics_type), intent(in) :: dynamics
       !> Name of the unit of time
@@ -91,23 +91,35 @@ contains
       if (.not. allocated(error)) call find_fastest(system, work, q, v, a, found%fastest)
    end subroutine look
 
-   !> Rate of the motion: the fastest rotation, speeds and accelerations on the scene's length, and the slowest vibration of each
-   !> body. [rad/time]
+   !> Rate of the motion: that of the frames and drivers, and the slowest vibration of each body. [rad/time]
    pure real(wp) function motion_rate(system, q, v, a) result(rate)
       type(system_type), intent(in) :: system
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      integer :: i
+      associate (dynamics => system%model%dynamics)
+         rate = max(2*acos(-1.0_wp)/(dynamics%end - dynamics%start), frame_rate(system, q, v, a))
+      end associate
+      do i = 1, size(system%layout%q)
+         if (system%layout%n(i) > 0) rate = max(rate, sqrt(minval(system%model%bodies(i)%reduced%omega2)))
+      end do
+   end function motion_rate
+
+   !> The fastest rotation, speeds and accelerations on the scene's length. [rad/time]
+   pure real(wp) function frame_rate(system, q, v, a) result(rate)
+      type(system_type), intent(in) :: system
+      !> Coordinates, velocities and accelerations (nq)
       real(wp), intent(in) :: q(:), v(:), a(:)
       integer, parameter :: looks = 50
       type(jet_type) :: theta
       integer :: i, k, first
       real(wp) :: t, unit
       associate (dynamics => system%model%dynamics, length => system%model%length)
-         rate = 2*acos(-1.0_wp)/(dynamics%end - dynamics%start)
+         rate = 0.0_wp
          do i = 1, size(system%layout%q)
             first = system%layout%q(i)
             rate = max(rate, norm2(v(first:first + 1))/length, sqrt(norm2(a(first:first + 1))/length))
             if (system%layout%framed(i)) rate = max(rate, abs(cross(q(first + 2:first + 3), v(first + 2:first + 3))), &
                & sqrt(norm2(a(first + 2:first + 3))))
-            if (system%layout%n(i) > 0) rate = max(rate, sqrt(minval(system%model%bodies(i)%reduced%omega2)))
          end do
          do i = 1, size(system%model%drivers)
             do k = 0, looks
@@ -119,7 +131,7 @@ contains
             end do
          end do
       end associate
-   end function motion_rate
+   end function frame_rate
 
    !> Amplitude of vibrations faster than the motion that the accelerations of the start leave, relative to the scales of
    !> limber_integrator_scales.
@@ -131,7 +143,7 @@ contains
       do i = 1, size(system%layout%q)
          first = system%layout%q(i) + 3
          associate (body => system%model%bodies(i))
-            do k = 1, system%layout%n(i)
+            do k = 1, merge(body%reduced%bending, body%reduced%n, body%reduced%condensed)
                if (body%reduced%omega2(k) < (10*motion)**2) cycle
                amplitude = max(amplitude, abs(a(first + k))/body%reduced%omega2(k)/(1.0e-3_wp*body%size/body%largest_shape))
             end do

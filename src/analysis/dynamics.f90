@@ -4,6 +4,8 @@ module limber_analysis_dynamics
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
+   use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, start_axial_watch, watch_axial, &
+      & pass_axial_break, axial_findings
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
    use limber_integrator_adams, only: adams_type
@@ -13,14 +15,14 @@ module limber_analysis_dynamics
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: break_times
    use limber_model_scene, only: dynamics_type
-   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, gather_balance, sample_width
    use limber_output_internal_forces, only: effort_type
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
       & worst_constraint
    use limber_system_kinematics, only: place_frames, settle_angles
-   use limber_system_projection, only: settle, settle_position
+   use limber_system_projection, only: settle, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -41,6 +43,8 @@ module limber_analysis_dynamics
       real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
+      !> What is left out where axial coordinates follow at rest, a line for each such beam; not allocated if there is none
+      character(:), allocatable :: axial
       !> Envelopes of internal forces (bodies)
       type(effort_type), allocatable :: efforts(:)
    end type outcome_type
@@ -85,6 +89,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(recorder_type) :: recorder
       type(sample_type) :: sample
+      type(axial_watch_type) :: axial
       integer(long) :: tick
       real(wp) :: cpu
       integer :: before(2)
@@ -97,8 +102,11 @@ contains
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%angle = scene%angle
          outcome%reached = dynamics%start
-         call integrator%start(scene%system, scene%work, dynamics%start, dynamics%end - dynamics%start, scene%q, scene%v, error)
-         if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, outcome, error)
+         call start_axial(scene, axial, sample%change, error)
+         if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &
+            & dynamics%end - dynamics%start, scene%q, scene%v, error)
+         if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, &
+            & outcome, error)
       end associate
       scene%last%q = sample%q
       scene%last%v = sample%v
@@ -115,7 +123,7 @@ contains
    end subroutine run_dynamics
 
    !> The time loop. Steps end at the breaks of the drivers and loads, where the integrator starts anew.
-   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, outcome, error)
+   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, outcome, error)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
       class(integrator_type), intent(inout) :: integrator
@@ -123,6 +131,7 @@ contains
       type(sample_type), intent(inout) :: sample
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
+      type(axial_watch_type), intent(inout) :: axial
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: breaks(:)
@@ -158,6 +167,7 @@ contains
          call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
          if (allocated(text)) call warn(outcome, text)
          call follow_angles(recorder, scene%system, sample%q)
+         call watch_axial(axial, scene%system, scene%work, integrator%t, sample%q)
          if (size(scene%work%kinematics%angles) > 0) then
             call place_frames(scene%system%model, scene%system%layout, integrator%t, sample%q, scene%work%kinematics)
             call settle_angles(scene%work%kinematics)
@@ -170,11 +180,13 @@ contains
             call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
             if (allocated(error)) exit
             call start_watch(watch, breaks(passed), sample%v)
+            call pass_axial_break(axial, scene%system, scene%work, breaks(passed))
          end if
          call record_before(integrator%t + near)
          call progress%update(integrator%t)
       end do
       outcome%reached = integrator%t
+      call report_axial(scene, axial, outcome)
 
    contains
 
@@ -190,6 +202,39 @@ contains
       end subroutine record_before
 
    end subroutine advance
+
+   !> Begins to watch axial coordinates that follow at rest, and puts them where they belong.
+   subroutine start_axial(scene, axial, change, error)
+      type(scene_type), intent(inout) :: scene
+      type(axial_watch_type), intent(inout) :: axial
+      !> Scratch (nq)
+      real(wp), intent(inout) :: change(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: residual
+      associate (system => scene%system, work => scene%work)
+         call start_axial_watch(axial, system, work, scene%q, scene%v)
+         if (system%condensed) call settle(system, work, system%model%dynamics%start, scene%q, scene%v, change, .true., residual, &
+            & error)
+      end associate
+   end subroutine start_axial
+
+   !> Says what was left out of beams whose axial coordinates have followed at rest; a warning where that is too much.
+   subroutine report_axial(scene, axial, outcome)
+      type(scene_type), intent(in) :: scene
+      type(axial_watch_type), intent(in) :: axial
+      type(outcome_type), intent(inout) :: outcome
+      type(axial_verdict_type) :: verdict
+      integer :: i
+      do i = 1, size(scene%system%model%bodies)
+         if (.not. scene%system%model%bodies(i)%reduced%condensed) cycle
+         if (.not. allocated(outcome%axial)) outcome%axial = ''
+         call axial_findings(axial, scene%system, i, axial_target, verdict)
+         if (verdict%admissible) outcome%axial = outcome%axial//"   beam '"//scene%system%model%bodies(i)%name//"' "// &
+            & verdict%words//newline
+         if (.not. verdict%admissible) call warn(outcome, "beam '"//scene%system%model%bodies(i)%name// &
+            & "', AXIAL DYNAMICS=STATIC: "//verdict%words//'; use FULL')
+      end do
+   end subroutine report_axial
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.
@@ -262,14 +307,22 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before, residual
       associate (system => scene%system, work => scene%work)
-         if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
+         if (system%condensed) then
+            ! The motion keeps the balance of energy without the stretch that the channels show
+            call settle(system, work, t, sample%q, sample%v, sample%change, .true., residual, error)
+            if (allocated(error)) return
+            call accelerations(system, work, sample%q, sample%v, sample%a)
+            call gather_balance(recorder, system, work, sample%q, sample%v)
+            call settle_stretched(system, work, t, sample%q, sample%v, sample%change, residual, error)
+         else if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
          else
             call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
          end if
          if (allocated(error)) return
          call check_residuals(system, work, recorder%needs_velocities, sample%v, outcome)
-         if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
+         if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
+            & sample%a)
          recorder%work = sample%w
          call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
       end associate

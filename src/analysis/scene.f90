@@ -4,6 +4,7 @@ module limber_analysis_scene
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
+   use limber_analysis_axial, only: axial_verdict_type, axial_target, judge_axial
    use limber_analysis_choice, only: choose_integrator
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -94,6 +95,7 @@ contains
          call assemble_scene(scene, diagnostics)
          scene%assembling = seconds_since(tick)
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call settle_integrator(scene)
+         if (diagnostics%count == 0 .and. scene%system%condensed) call check_axial(scene, diagnostics)
       end if
       scene%warnings = diagnostics%render(scene%deck%source)
       if (diagnostics%count > 0) call raise(error, scene%warnings, status_deck)
@@ -117,6 +119,47 @@ contains
       scene%system%model%dynamics%integrator = integrator
       scene%system%model%dynamics%reason = reason
    end subroutine settle_integrator
+
+   !> Beams whose axial coordinates follow at rest although they must not.
+   subroutine check_axial(scene, diagnostics)
+      type(scene_type), intent(inout) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(axial_verdict_type) :: verdict
+      type(origin_type) :: origin
+      integer :: i
+      associate (model => scene%system%model)
+         do i = 1, size(model%bodies)
+            if (.not. model%bodies(i)%reduced%condensed) cycle
+            origin = scene%deck%blocks(scene%deck%find_named('BEAM', model%bodies(i)%name))%origin_of('AXIAL DYNAMICS')
+            if (is_conserving(model)) then
+               call diagnostics%add(origin, "beam '"//model%bodies(i)%name//"': CONSERVING cannot be used where axial"// &
+                  & ' coordinates follow at rest', 'write AXIAL DYNAMICS=FULL, or INTEGRATOR=ADAMS, RADAU or ALPHA')
+               cycle
+            end if
+            if (.not. starts_with_dynamics(model)) cycle
+            call judge_axial(scene%system, scene%work, scene%q, scene%v, i, axial_target, verdict)
+            if (verdict%admissible) cycle
+            if (verdict%frequency > 0.0_wp) then
+               call diagnostics%warn(origin, "beam '"//model%bodies(i)%name//"' must not stretch as at rest: "//verdict%words, &
+                  & 'write AXIAL DYNAMICS=FULL')
+            else
+               call diagnostics%add(origin, "beam '"//model%bodies(i)%name//"' must not stretch as at rest: "//verdict%words, &
+                  & 'write AXIAL DYNAMICS=FULL, or a SUPPORT that holds both ends along the beam')
+            end if
+         end do
+      end associate
+   end subroutine check_axial
+
+   !> Whether an analysis asks for CONSERVING.
+   pure logical function is_conserving(model)
+      type(model_type), intent(in) :: model
+      integer :: i
+      is_conserving = .false.
+      do i = 1, size(model%steps)
+         if (model%steps(i)%kind /= step_dynamics) cycle
+         if (model%steps(i)%dynamics%integrator == 'CONSERVING') is_conserving = .true.
+      end do
+   end function is_conserving
 
    !> First state; what cannot be assembled, or is redundant, is shown at the joint or driver in the deck.
    subroutine assemble_scene(scene, diagnostics)

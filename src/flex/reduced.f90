@@ -39,6 +39,10 @@ module limber_flex_reduced
       real(wp), allocatable :: damping(:)
       !> Geometric part (pairs, n - offset) and (pairs, pairs), pairs = bending (bending + 1)/2; see limber_flex_geometric
       real(wp), allocatable :: cubic(:, :), quartic(:, :)
+      !> True if the axial coordinates of a straight beam follow at rest (STATIC); then what bending makes of them, the
+      !> foreshortening (n - bending, pairs); see limber_flex_folding
+      logical :: condensed = .false.
+      real(wp), allocatable :: fold(:, :)
    end type reduced_type
 
 contains

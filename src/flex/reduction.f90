@@ -11,6 +11,7 @@ module limber_flex_reduction
    use limber_flex_frame_solver, only: solver_type, new_solver, project
    use limber_flex_functions, only: attachment_type, attachment_loads, static_responses, constraint_functions, add_functions, &
       & left_out_note
+   use limber_flex_folding, only: start_folding
    use limber_flex_geometric, only: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, element_ends, &
       & project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
@@ -59,6 +60,8 @@ module limber_flex_reduction
       logical :: end_shapes = .false.
       !> Coordinate along the beam of the floating frame's origin [length]
       real(wp) :: origin = 0.0_wp
+      !> Whether the axial coordinates follow at rest, without vibrations of their own
+      logical :: condensed = .false.
    end type reduction_type
 
 contains
@@ -155,6 +158,7 @@ contains
       else
          allocate (body%quartic(0, 0))
       end if
+      if (choice%condensed) call start_folding(body)
    end subroutine reduce_beam
 
    !> Displacement (2,n) and rotation (n) of all coordinates at a place along the beam.

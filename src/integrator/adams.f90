@@ -8,6 +8,7 @@ module limber_integrator_adams
    use limber_base_error, only: error_type
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales
+   use limber_system_condensation, only: place_axial, place_axial_rates, update_folds
    use limber_system_kinematics, only: place_frames
    use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_projection, only: project_position, project_velocity
@@ -170,6 +171,11 @@ contains
          if (self%h >= stop - self%t) t = stop
          call step_coefficients(self)
          call predict(self)
+         if (system%condensed) then
+            call place_axial(system, work, self%p(:self%nq))
+            call update_folds(system, work, self%p(:self%nq))
+            call place_axial_rates(system, work, self%p(self%nq + 1:2*self%nq))
+         end if
          call evaluate(self, system, work, t, self%p, self%yp, error)
          if (allocated(error)) return
          call estimate_errors(self, estimate, err, k_next)

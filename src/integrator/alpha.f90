@@ -12,6 +12,8 @@ module limber_integrator_alpha
       & across_allowed
    use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
+   use limber_system_condensed_motion, only: condensed_rows_type, new_condensed_rows, condense_residual, condense_tangent, &
+      & condense_right_side
    use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_projection, only: settle
@@ -42,6 +44,7 @@ module limber_integrator_alpha
       !> Scratch
       real(wp), allocatable :: motion(:), rate(:), change(:), unknown(:), e(:)
       type(tangent_type) :: tangent
+      type(condensed_rows_type) :: condensed_rows
       type(crossing_type) :: crossing
       type(layout_type) :: layout
       type(scales_type) :: scales
@@ -83,6 +86,7 @@ contains
             & self%new_a(nw), self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), &
             & self%change(nq), self%unknown(nw + nc), self%e(nw), self%scale_x(nw), self%scale_w(nw))
          call new_tangent(system, self%tangent)
+         if (system%condensed) call new_condensed_rows(system, self%tangent, self%condensed_rows)
          call new_crossing(system, self%crossing)
          self%scales = new_scales(system, duration, .true.)
       end if
@@ -152,7 +156,7 @@ contains
          end if
          if (good) then
             err = 0.0_wp
-            if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, err)
+            if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, work, err)
             good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
             if (.not. good) factor = min(factor, 0.9_wp)
@@ -184,6 +188,7 @@ contains
       type(workspace_type), intent(inout) :: work
       call place_motion(system, work, self%t, self%q, self%v)
       call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
+      if (system%condensed) call condense_tangent(system, work, self%condensed_rows, self%q, self%v, self%tangent)
       self%statistics%jacobians = self%statistics%jacobians + 1
       self%fresh = .true.
       self%h_factors = 0.0_wp
@@ -236,6 +241,7 @@ contains
          call velocities_of(system%layout, self%new_q, self%new_w, self%new_v)
          if (converged) return
          call motion_residual(system, work, t, self%new_q, self%new_v, self%new_a, self%new_lambda, self%motion, self%rate)
+         if (system%condensed) call condense_residual(system, work, self%new_q, self%new_v, self%motion)
          if (system%redundant) call give_way(self%tangent, self%new_lambda, self%rate)
          self%unknown(:nw) = -self%motion
          self%unknown(nw + 1:) = -self%rate
@@ -257,9 +263,10 @@ contains
 
    !> Local error in units of the scales: the next terms of the series, through the Newton matrix, which lets pass what the
    !> step resolves.
-   subroutine estimate_error(self, system, err)
+   subroutine estimate_error(self, system, work, err)
       class(alpha_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
       real(wp), intent(out) :: err
       integer :: nw
       real(wp) :: factor_x, factor_w
@@ -269,11 +276,13 @@ contains
       self%unknown = 0.0_wp
       self%e = factor_x*self%h**2*(self%new_a - self%a)
       call times_mass(system, self%tangent, mass_factor(self), self%e, self%unknown(:nw))
+      if (system%condensed) call condense_right_side(system, work, self%unknown(:nw))
       call self%tangent%matrix%solve(self%unknown)
       err = sum((self%unknown(:nw)/self%scale_x)**2)
       self%unknown = 0.0_wp
       self%e = factor_w*self%h*(self%new_a - self%a - self%h*self%jerk)
       call times_mass(system, self%tangent, mass_factor(self), self%e, self%unknown(:nw))
+      if (system%condensed) call condense_right_side(system, work, self%unknown(:nw))
       call self%tangent%matrix%solve(self%unknown)
       err = sqrt(err + sum((self%unknown(:nw)/self%scale_w)**2))
       if (.not. err <= huge(err)) err = huge(err)

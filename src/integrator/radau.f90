@@ -12,6 +12,8 @@ module limber_integrator_radau
    use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_algebra, only: cross
+   use limber_system_condensed_motion, only: condensed_rows_type, new_condensed_rows, condense_residual, condense_tangent, &
+      & condense_right_side
    use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_projection, only: settle
@@ -68,6 +70,7 @@ module limber_integrator_radau
          & q_stage_end(:)
       complex(wp), allocatable :: complex_part(:)
       type(tangent_type) :: tangent
+      type(condensed_rows_type) :: condensed_rows
       type(crossing_type) :: crossing
       type(layout_type) :: layout
       type(scales_type) :: scales
@@ -105,6 +108,7 @@ contains
             & self%rate(nc, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), &
             & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
          call new_tangent(system, self%tangent)
+         if (system%condensed) call new_condensed_rows(system, self%tangent, self%condensed_rows)
          call new_crossing(system, self%crossing)
          self%scales = new_scales(system, duration, .true.)
       end if
@@ -173,7 +177,7 @@ contains
             factor = min(8.0_wp, max(1.0_wp, wanted/self%h))
             exit
          end if
-         call estimate_error(self, system, err)
+         call estimate_error(self, system, work, err)
          accepted = err <= bound(self) .or. self%fixed_step > 0.0_wp
          factor = next_factor(self, err, repeated .or. .not. accepted)
          if (.not. accepted) then
@@ -214,6 +218,7 @@ contains
       type(workspace_type), intent(inout) :: work
       call place_motion(system, work, self%t, self%q, self%v)
       call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
+      if (system%condensed) call condense_tangent(system, work, self%condensed_rows, self%q, self%v, self%tangent)
       self%statistics%jacobians = self%statistics%jacobians + 1
       self%fresh = .true.
       self%h_factors = 0.0_wp
@@ -296,6 +301,7 @@ contains
       call place_stage(self, system, i)
       call motion_residual(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v, self%stage_a, &
          & self%multipliers(:, i), self%motion(:, i), self%rate(:, i))
+      if (system%condensed) call condense_residual(system, work, self%stage_q, self%stage_v, self%motion(:, i))
    end subroutine find_residual
 
    !> Power put in at the stages, less what their residuals take: with them it is as exact as the stages will ever be.
@@ -370,9 +376,10 @@ contains
    end subroutine newton_change
 
    !> Local error of the step in units of the scales: difference from an embedded formula of order 3, filtered.
-   subroutine estimate_error(self, system, err)
+   subroutine estimate_error(self, system, work, err)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
       real(wp), intent(out) :: err
       integer :: i, nw
       nw = system%layout%nw
@@ -386,6 +393,7 @@ contains
       self%real_part = 0.0_wp
       call times_mass(system, self%tangent, 1.0_wp, self%e, self%real_part(:nw))
       call times_stiffness(system, self%tangent, -self%h/gamma, self%stage_a, self%real_part(:nw))
+      if (system%condensed) call condense_right_side(system, work, self%real_part(:nw))
       call self%tangent%matrix%solve(self%real_part)
       self%e = self%h/gamma*(self%stage_a + self%real_part(:nw))
       err = sqrt(sum((self%e/self%scale_x)**2) + sum((self%real_part(:nw)/self%scale_w)**2))

@@ -168,10 +168,10 @@ contains
       character(200) :: buffer
       integer :: i
       associate (beam => body%beam, choice => body%choice)
-         write (buffer, '(5(z16, 1x), 8(i0, 1x), 11l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
+         write (buffer, '(5(z16, 1x), 8(i0, 1x), 12l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
             & choice%modes, choice%bending, choice%axial, choice%fidelity, choice%geometric_elements, choice%axial_basis, &
             & choice%derivatives, choice%support, choice%nodal, choice%end_force, choice%centrifugal, &
-            & choice%end_shapes, choice%linear
+            & choice%end_shapes, choice%linear, choice%condensed
          text = trim(buffer)
          write (buffer, '(1x, l1, 1x, z16)') choice%craig_bampton, choice%frequency_limit
          text = text//trim(buffer)//attachments_text(choice%interface)//attachments_text(choice%corrections)
@@ -435,6 +435,7 @@ contains
       choice%centrifugal = block%yes('CENTRIFUGAL')
       choice%derivatives = block%integer('MODAL DERIVATIVES')
       choice%origin = block%real('ORIGIN')
+      choice%condensed = block%word('AXIAL DYNAMICS') == 'STATIC'
    end function new_choice
 
    !> More modes than the lumped mass gives.

@@ -16,7 +16,7 @@ module limber_output_channels
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   public :: recorder_type, new_recorder, follow_angles, channel_values, gather_balance, sample_width
 
    !> What is remembered between samples: the angle of every frame, accumulated over turns
    type :: recorder_type
@@ -31,6 +31,8 @@ module limber_output_channels
       type(effort_type), allocatable :: efforts(:)
       !> Scratch: values of one expression's slots
       real(wp), allocatable :: slots(:)
+      !> True if energies and momenta are those of this sample already
+      logical :: is_balanced = .false.
       !> Kinetic and potential energy, and work, at the sample
       real(wp) :: kinetic = 0.0_wp, potential = 0.0_wp, work = 0.0_wp
       !> Momentum along x and y, and about the fixed origin
@@ -167,8 +169,8 @@ contains
       !> (sample_width)
       real(wp), intent(inout) :: values(:)
       integer :: i, j
-      if (recorder%needs_energy) call mechanical_energy(system, work, q, v, recorder%kinetic, recorder%potential)
-      if (recorder%needs_momentum) call total_momentum(system, q, v, recorder%momentum)
+      if (.not. recorder%is_balanced) call gather_balance(recorder, system, work, q, v)
+      recorder%is_balanced = .false.
       if (recorder%needs_sections) call gather_efforts(recorder%efforts, system, work, q, v, a)
       do i = 1, size(system%model%channels)
          associate (channel => system%model%channels(i))
@@ -180,6 +182,18 @@ contains
       end do
       if (size(values) > size(system%model%channels)) values(size(system%model%channels) + 1:) = q
    end subroutine channel_values
+
+   !> Energies and momenta of a state, for the channels of the sample that follows.
+   subroutine gather_balance(recorder, system, work, q, v)
+      type(recorder_type), intent(inout) :: recorder
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      if (recorder%needs_energy) call mechanical_energy(system, work, q, v, recorder%kinetic, recorder%potential)
+      if (recorder%needs_momentum) call total_momentum(system, q, v, recorder%momentum)
+      recorder%is_balanced = .true.
+   end subroutine gather_balance
 
    !> Value of one quantity.
    real(wp) function quantity_value(recorder, quantity, system, work, t, q, v, a) result(value)

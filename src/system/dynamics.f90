@@ -7,6 +7,7 @@ module limber_system_dynamics
    use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
    use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn
+   use limber_system_condensation, only: update_folds, project_vector, condense_forces, gather_loads, push_bending, axial_posture
    use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system, recover_multipliers
@@ -29,6 +30,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       logical :: singular
       call place_frames(system%model, system%layout, t, q, work%kinematics)
+      if (system%condensed) call update_folds(system, work, q)
       call update_jacobians(system, work)
       call factor_multiplier_system(system, work, q, singular)
       if (singular) call raise(error, 'the multiplier system is singular at t = '//as_text(t, 6)// &
@@ -52,7 +54,11 @@ contains
             call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
          end associate
       end do
-      call solve_multiplier_system(system, work, work%gamma, a)
+      if (system%condensed) then
+         call solve_condensed(system, work, v, a)
+      else
+         call solve_multiplier_system(system, work, work%gamma, a)
+      end if
       call recover_multipliers(system, work)
       do i = 1, size(work%bodies)
          if (.not. system%layout%framed(i)) cycle
@@ -64,6 +70,24 @@ contains
       end do
       work%evaluations = work%evaluations + 1
    end subroutine accelerations
+
+   !> The same where axial coordinates follow at rest; in the model k_g by repeated solutions, eq. (X8).
+   subroutine solve_condensed(system, work, v, a)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: v(:)
+      real(wp), intent(out) :: a(:)
+      integer, parameter :: most = 30
+      integer :: round
+      logical :: settled
+      call condense_forces(system, work, v)
+      do round = 1, most
+         call solve_multiplier_system(system, work, work%gamma, a)
+         call gather_loads(system, work, a)
+         call push_bending(system, work, round, settled)
+         if (settled .or. .not. system%repeats) exit
+      end do
+   end subroutine solve_condensed
 
    !> Accelerations that forces alone make, at rest and with the constraints kept; `linearise` comes first.
    subroutine accelerate(system, work, force, push)
@@ -82,6 +106,8 @@ contains
          work%bodies(i)%force = 0.0_wp
          work%bodies(i)%force(:rates) = force(first:first + rates - 1)
          work%bodies(i)%eta_force = force(first + rates:first + rates + n - 1)
+         if (system%model%bodies(i)%reduced%condensed) call project_vector(system%model%bodies(i)%reduced, work%bodies(i)%fold, &
+            & work%bodies(i)%normal, work%bodies(i)%eta_force)
       end do
       work%gamma = 0.0_wp
       call solve_multiplier_system(system, work, work%gamma, change)
@@ -255,8 +281,14 @@ contains
          if (system%model%bodies(i)%kind /= body_flexible) cycle
          first = system%layout%q(i) + 4
          last = first + system%layout%n(i) - 1
-         call geometric_power(system%model%bodies(i)%reduced, q(first:last), v(first:last), work%bodies(i)%z, &
-            & work%bodies(i)%s, taken)
+         if (system%model%bodies(i)%reduced%condensed) then
+            call axial_posture(system%model%bodies(i)%reduced, work%bodies(i)%load, q(first:last), work%bodies(i)%posture)
+            call geometric_power(system%model%bodies(i)%reduced, work%bodies(i)%posture, v(first:last), work%bodies(i)%z, &
+               & work%bodies(i)%s, taken)
+         else
+            call geometric_power(system%model%bodies(i)%reduced, q(first:last), v(first:last), work%bodies(i)%z, &
+               & work%bodies(i)%s, taken)
+         end if
          power = power - taken
          if (system%model%bodies(i)%reduced%damped) &
             & power = power - sum(system%model%bodies(i)%reduced%damping*v(first:last)**2)

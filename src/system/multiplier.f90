@@ -12,6 +12,7 @@ module limber_system_multiplier
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
    use limber_system_body, only: body_mass, rigid_mass
+   use limber_system_condensation, only: condense_couplings, project_vector
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -35,6 +36,8 @@ contains
                associate (from => body%sources(:, column))
                   body%eta_rows(:, column) = work%jacobians(from(2), from(1))%eta(from(3), :)
                end associate
+               if (system%model%bodies(i)%reduced%condensed) call project_vector(system%model%bodies(i)%reduced, body%fold, &
+                  & body%normal, body%eta_rows(:, column))
             end do
          end associate
       end do
@@ -73,6 +76,7 @@ contains
       logical, intent(out) :: singular
       integer :: i
       call update_masses(system, work, q)
+      if (system%condensed) call condense_couplings(system, work)
       call update_hanging(system, work)
       work%matrix%values = 0.0_wp
       do i = 1, size(work%bodies)

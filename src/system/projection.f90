@@ -5,6 +5,7 @@ module limber_system_projection
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_system_algebra, only: cross
+   use limber_system_condensation, only: place_axial, place_axial_rates, stretch_axial, release_axial
    use limber_system_drivers, only: driven_angle_type
    use limber_system_dynamics, only: linearise, position_residual, velocity_residual
    use limber_system_kinematics, only: place_drives, place_frames, point_position
@@ -12,7 +13,7 @@ module limber_system_projection
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: project_position, project_velocity, settle, settle_position
+   public :: project_position, project_velocity, settle, settle_position, settle_stretched
 
 contains
 
@@ -31,6 +32,7 @@ contains
       !> Residual at first, with all frames of the tree in their places, and residual reached
       real(wp), intent(out) :: before, residual
       call normalise_frames(system, q)
+      if (system%condensed) call place_axial(system, work, q)
       call place_tree(system, work, t, q)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
       call project_placed(system, work, t, q, change, tolerance, before, residual)
@@ -58,6 +60,7 @@ contains
          end do
          q = q + change
          call normalise_frames(system, q)
+         if (system%condensed) call place_axial(system, work, q)
          call place_tree(system, work, t, q)
          call place_frames(system%model, system%layout, t, q, work%kinematics)
          residual = position_residual(system, work)
@@ -111,7 +114,7 @@ contains
       real(wp) :: before, left
       call settle_position(system, work, t, q, change, before, residual, error)
       if (allocated(error)) return
-      if (before > near .or. (exact .and. before > nearest)) then
+      if (before > near .or. ((exact .or. system%condensed) .and. before > nearest)) then
          call linearise(system, work, t, q, error)
          if (allocated(error)) return
          before = 0.0_wp
@@ -121,6 +124,24 @@ contains
       call project_velocity(system, work, v, change, left)
       if (before > nearest) call project_velocity(system, work, v, change, left)
    end subroutine settle
+
+   !> Lets the loads of the last accelerations stretch bodies whose axial coordinates follow at rest, eq. (X7), and moves the state
+   !> onto the constraints so.
+   subroutine settle_stretched(system, work, t, q, v, change, residual, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      !> Scratch (nq)
+      real(wp), intent(inout) :: change(:)
+      !> Residual of the position reached
+      real(wp), intent(out) :: residual
+      type(error_type), allocatable, intent(out) :: error
+      call stretch_axial(system, work)
+      call settle(system, work, t, q, v, change, .true., residual, error)
+      call release_axial(work)
+   end subroutine settle_stretched
 
    !> Moves coordinates that are near the constraints onto them.
    subroutine settle_position(system, work, t, q, change, before, residual, error)
@@ -136,6 +157,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp), parameter :: aim = 1.0e-14_wp
       call normalise_frames(system, q)
+      if (system%condensed) call place_axial(system, work, q)
       call place_tree(system, work, t, q)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
@@ -156,6 +178,7 @@ contains
       integer :: i, first
       real(wp) :: omega
       call clear_forces(work)
+      if (system%condensed) call place_axial_rates(system, work, v)
       residual = velocity_residual(system, work, v)
       call solve_multiplier_system(system, work, work%gamma, change)
       do i = 1, size(work%bodies)

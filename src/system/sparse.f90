@@ -35,7 +35,7 @@ module limber_system_sparse
       integer, private :: unseen(2) = 0
       type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr, complex_numeric = c_null_ptr
    contains
-      procedure :: mark, analyse, place, factor, solve, factor_complex, solve_complex
+      procedure :: mark, analyse, place, holds, factor, solve, factor_complex, solve_complex
       final :: release
    end type sparse_type
 
@@ -130,6 +130,13 @@ contains
          if (self%row(place) == row - 1) return
       end do
    end function place
+
+   !> Whether an entry is in the pattern.
+   pure logical function holds(self, row, column)
+      class(sparse_type), intent(in) :: self
+      integer, intent(in) :: row, column
+      holds = any(self%row(self%first(column) + 1:self%first(column + 1)) == row - 1)
+   end function holds
 
    !> Factors the present values.
    subroutine factor(self, singular)

@@ -29,6 +29,8 @@ module limber_system_system
       integer :: nc = 0
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
       type(tree_type) :: tree
+      !> True if the axial coordinates of some body follow at rest; and whether their loads need several solutions (model k_g)
+      logical :: condensed = .false., repeats = .false.
       !> True if something puts energy in or takes it out: a driver, a load, or the force of the model k_g
       logical :: powered = .false.
       !> True if some constraint equations repeat others: then each may give way by `slack` times its multiplier (nc)
@@ -56,6 +58,16 @@ module limber_system_system
       !> in the multiplier matrix
       integer, allocatable :: frame_place(:, :), rows_place(:, :)
       real(wp), allocatable :: eta_rows(:, :)
+      !> Of a body whose axial coordinates follow at rest (else not allocated): H (axial, bending), the factor of I + H^T H
+      !> (bending, bending), rows of the coupling that were condensed (axial, 3)
+      real(wp), allocatable :: fold(:, :), normal(:, :), axial_coupling(:, :)
+      !> Forces on axial and bending coordinates before, and the part of the axial accelerations that velocities alone make
+      real(wp), allocatable :: axial_force(:), bending_force(:), drift(:)
+      !> Loads on the axial coordinates, inertia included, that stretch the body; those of the last solution, of the one before, and
+      !> by how much they missed (axial)
+      real(wp), allocatable :: load(:), new_load(:), last_load(:), last_gap(:)
+      !> Stretch that is added to the foreshortening at samples; zero else (axial); and scratch (n)
+      real(wp), allocatable :: stretch(:), posture(:)
    end type body_workspace_type
 
    !> Scratch of one load: its forces on both bodies (rates)
@@ -127,6 +139,8 @@ contains
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
             if (body%damped .or. (body%geometric .and. .not. body%full)) system%powered = .true.
+            if (body%condensed) system%condensed = .true.
+            if (body%condensed .and. body%geometric .and. .not. body%full) system%repeats = .true.
          end associate
       end do
    end function new_system
@@ -278,6 +292,28 @@ contains
       pairs = body%bending*(body%bending + 1)/2
       allocate (scratch%coupling(body%n, 3), scratch%eta_force(body%n), scratch%z(pairs), scratch%s(pairs), scratch%rows(0))
       allocate (scratch%sources(3, 0))
+      if (body%condensed) call size_condensed(body, scratch)
    end subroutine size_body
+
+   !> Room for what condenses the axial coordinates.
+   pure subroutine size_condensed(body, scratch)
+      type(reduced_type), intent(in) :: body
+      type(body_workspace_type), intent(inout) :: scratch
+      integer :: axial, i
+      axial = body%n - body%bending
+      allocate (scratch%fold(axial, body%bending), scratch%normal(body%bending, body%bending), scratch%axial_coupling(axial, 3))
+      allocate (scratch%axial_force(axial), scratch%bending_force(body%bending), scratch%drift(axial), scratch%posture(body%n))
+      allocate (scratch%load(axial), scratch%new_load(axial), scratch%last_load(axial), scratch%last_gap(axial), &
+         & scratch%stretch(axial))
+      scratch%fold = 0.0_wp
+      scratch%normal = 0.0_wp
+      do i = 1, body%bending
+         scratch%normal(i, i) = 1.0_wp
+      end do
+      scratch%load = 0.0_wp
+      scratch%last_load = 0.0_wp
+      scratch%last_gap = 0.0_wp
+      scratch%stretch = 0.0_wp
+   end subroutine size_condensed
 
 end module limber_system_system

@@ -161,6 +161,8 @@ module limber_deck_keywords
       &    '', 'YES', 'STATIC: include the response to a centrifugal load'), &
       & option_spec_type('BEAM', 'MODAL DERIVATIVES', kind_count, '', &
       &    '', '3', 'STATIC: number of modal derivatives, of mode pairs 11, 12, 22, 13, ...'), &
+      & option_spec_type('BEAM', 'SEGMENTS', kind_counting, '', &
+      &    '', '1', 'equal pieces, each with a frame, modes and elements of its own, welded together: large deflections'), &
       & option_spec_type('BEAM', 'ORIGIN', kind_real, '', &
       &    'm', '0', 'coordinate along the beam where the floating frame has its origin'), &
       & option_spec_type('BEAM', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &

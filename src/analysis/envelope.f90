@@ -4,7 +4,7 @@ module limber_analysis_envelope
    use limber_base_error, only: error_type
    use limber_model_channels, only: unit_text
    use limber_model_scene, only: model_type
-   use limber_model_segments, only: pieces_of, piece_start
+   use limber_model_segments, only: pieces_of, piece_start, name_in_deck
    use limber_output_history, only: history_type
    use limber_output_internal_forces, only: effort_type
    implicit none
@@ -28,8 +28,7 @@ contains
       integer :: pieces(2)
       pieces = pieces_of(model, body)
       if (.not. allocated(efforts(body)%extremes) .or. body > pieces(1)) return
-      group = '/bodies/'//model%bodies(body)%name//'/envelope'
-      if (model%bodies(body)%whole > 0) group = '/bodies/'//model%wholes(model%bodies(body)%whole)%name//'/envelope'
+      group = '/bodies/'//name_in_deck(model, body)//'/envelope'
       call gather()
       call history%put_real(group//'/member', member, '1', 'member of each section, counted in the order of the deck', error)
       if (.not. allocated(error)) call history%put_real(group//'/coordinate', place, model%units%length, &

@@ -141,7 +141,7 @@ contains
          if (bodies(2) /= ground) then
             if (model%bodies(bodies(2))%whole > 0) then
                call diagnostics%add(block%lines(1)%origin_of(2), "joint '"//block%name()//"' slides along a beam in segments", &
-                  & 'a point slides along one piece only: leave out SEGMENTS')
+                  & 'leave out SEGMENTS: a point slides along an undivided beam only')
                return
             end if
             if (model%bodies(bodies(2))%kind == body_flexible .and. model%bodies(bodies(2))%end_point > 0) then

@@ -16,7 +16,7 @@ module limber_model_segments
    implicit none
    private
    public :: number_of_pieces, choose_basis, choose_frame, place_piece, piece_at, unite, weld_pieces, add_beam_point
-   public :: pieces_of, piece_start, find_frame, has_frame
+   public :: pieces_of, piece_start, name_in_deck, find_frame, has_frame
 
    !> Bending modes of a piece beside the shapes of its ends, where the deck does not say
    integer, parameter :: usual_modes = 1
@@ -166,6 +166,15 @@ contains
       start = 0.0_wp
       if (model%bodies(body)%whole > 0) start = (body - model%wholes(model%bodies(body)%whole)%first)*model%bodies(body)%beam%length
    end function piece_start
+
+   !> Name of a body in the deck: of a piece that of the whole beam.
+   pure function name_in_deck(model, body) result(name)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      character(:), allocatable :: name
+      name = model%bodies(body)%name
+      if (model%bodies(body)%whole > 0) name = model%wholes(model%bodies(body)%whole)%name
+   end function name_in_deck
 
    !> Whether a body has a frame that can be driven or pushed: a beam in segments has only if it is clamped at its start.
    pure logical function has_frame(model, body)

@@ -91,14 +91,19 @@ class Scene:
 
 
 class SliderCrank(Scene):
-    """S1: the rod of 6 mm of Han and Lee 1993 as an ANCF beam; the crank turns at a given speed."""
+    """S1: the rod of 6 mm (or another diameter) of Han and Lee 1993 as an ANCF beam; the crank turns at a given speed."""
 
     end = 4*math.pi/150
     samples = 838
     length = 0.30
 
+    def __init__(self, setting):
+        self.end = setting.get("end", self.end)
+        self.samples = setting.get("samples", self.samples)
+        super().__init__(setting)
+
     def build(self, setting):
-        crank, speed, diameter = 0.15, 150.0, 6e-3
+        crank, speed, diameter = 0.15, 150.0, setting.get("diameter", 6e-3)
         area = math.pi*diameter**2/4
         nodes, _ = self.beam(setting["elements"], self.length, 2e11*area, 2e11*math.pi*diameter**4/64, 7870*area, crank,
                              (crank*speed, -crank*speed/self.length))
@@ -287,7 +292,26 @@ class Chain(Scene):
         return table[:, 0], {"x_end": table[:, 1], "y_end": table[:, 2]}
 
 
-SCENES = {"S1": SliderCrank, "S2": SpinUp, "S3": Squeezer, "S4": FourBars, "S5": Chain}
+class SoftPendulum(Scene):
+    """S6: a very soft rod, pinned, let go from the horizontal."""
+
+    end = 1.1
+    samples = 220
+
+    def build(self, setting):
+        nodes, bodies = self.beam(setting["elements"], 1.2, 1260.0, 8.505e-3, 9.972)
+        self.hold(nodes[0], 0)
+        self.hold(nodes[0], 1)
+        self.weigh(bodies)
+        for node in (nodes[len(nodes)//2], nodes[-1]):
+            self.watch_node(node)
+
+    def columns(self):
+        middle, tip = self.kept()
+        return tip[:, 0], {"x_tip": tip[:, 1], "y_tip": tip[:, 2], "x_middle": middle[:, 1], "y_middle": middle[:, 2]}
+
+
+SCENES = {"S1": SliderCrank, "S2": SpinUp, "S3": Squeezer, "S4": FourBars, "S5": Chain, "S6": SoftPendulum}
 
 
 def simulation_settings(scene, setting):

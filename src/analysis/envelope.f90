@@ -1,9 +1,10 @@
-!> Envelopes of internal forces in a result file: /bodies/<name>/envelope. Floor: analysis.
+!> Envelopes of internal forces in a result file: /bodies/<name>/envelope; those of a beam in segments are one. Floor: analysis.
 module limber_analysis_envelope
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_model_channels, only: unit_text
-   use limber_model_scene, only: body_type, units_type
+   use limber_model_scene, only: model_type
+   use limber_model_segments, only: pieces_of, piece_start, name_in_deck
    use limber_output_history, only: history_type
    use limber_output_internal_forces, only: effort_type
    implicit none
@@ -13,35 +14,58 @@ module limber_analysis_envelope
 contains
 
    !> Least and greatest values over all samples at the sections of a body, each (sections, 2) to h5py; a node has a section before
-   !> it and one behind it.
-   subroutine record_envelope(body, effort, units, history, error)
-      type(body_type), intent(in) :: body
-      type(effort_type), intent(in) :: effort
-      type(units_type), intent(in) :: units
+   !> it and one behind it. Of a beam in segments those of all pieces, with the first.
+   subroutine record_envelope(model, body, efforts, history, error)
+      type(model_type), intent(in) :: model
+      !> Index of the body
+      integer, intent(in) :: body
+      !> Of all bodies
+      type(effort_type), intent(in) :: efforts(:)
       type(history_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: group
-      if (.not. allocated(effort%extremes)) return
-      group = '/bodies/'//body%name//'/envelope'
-      associate (sections => body%recovery%sections(body%point_sections + 1:))
-         call history%put_real(group//'/member', real(sections%member, wp), '1', &
-            & 'member of each section, counted in the order of the deck', error)
-         if (.not. allocated(error)) call history%put_real(group//'/coordinate', sections%x, units%length, &
-            & 'coordinate of each section along its beam or member', error)
-      end associate
-      call put(1, 'axial_force', unit_text([1, -2, 1], units), 'tension')
-      call put(2, 'shear_force', unit_text([1, -2, 1], units), 'shear force')
-      call put(3, 'bending_moment', unit_text([2, -2, 1], units), 'bending moment')
-      if (.not. all(body%strength(3:4, :) > 0.0_wp)) return
-      call put(4, 'stress_top', unit_text([-1, -2, 1], units), 'axial stress in the fibre to the left')
-      call put(5, 'stress_bottom', unit_text([-1, -2, 1], units), 'axial stress in the fibre to the right')
+      real(wp), allocatable :: extremes(:, :, :), place(:), member(:)
+      integer :: pieces(2)
+      pieces = pieces_of(model, body)
+      if (.not. allocated(efforts(body)%extremes) .or. body > pieces(1)) return
+      group = '/bodies/'//name_in_deck(model, body)//'/envelope'
+      call gather()
+      call history%put_real(group//'/member', member, '1', 'member of each section, counted in the order of the deck', error)
+      if (.not. allocated(error)) call history%put_real(group//'/coordinate', place, model%units%length, &
+         & 'coordinate of each section along its beam or member', error)
+      call put(1, 'axial_force', unit_text([1, -2, 1], model%units), 'tension')
+      call put(2, 'shear_force', unit_text([1, -2, 1], model%units), 'shear force')
+      call put(3, 'bending_moment', unit_text([2, -2, 1], model%units), 'bending moment')
+      if (.not. all(model%bodies(body)%strength(3:4, :) > 0.0_wp)) return
+      call put(4, 'stress_top', unit_text([-1, -2, 1], model%units), 'axial stress in the fibre to the left')
+      call put(5, 'stress_bottom', unit_text([-1, -2, 1], model%units), 'axial stress in the fibre to the right')
 
    contains
+
+      !> Sections and values of all pieces, one after another.
+      subroutine gather()
+         integer :: i, n, total
+         total = 0
+         do i = pieces(1), pieces(2)
+            total = total + size(efforts(i)%extremes, 3)
+         end do
+         allocate (extremes(5, 2, total), place(total), member(total))
+         total = 0
+         do i = pieces(1), pieces(2)
+            n = size(efforts(i)%extremes, 3)
+            extremes(:, :, total + 1:total + n) = efforts(i)%extremes
+            associate (sections => model%bodies(i)%recovery%sections(model%bodies(i)%point_sections + 1:))
+               place(total + 1:total + n) = piece_start(model, i) + sections%x
+               member(total + 1:total + n) = real(sections%member, wp)
+            end associate
+            total = total + n
+         end do
+      end subroutine gather
 
       subroutine put(row, name, unit, meaning)
          integer, intent(in) :: row
          character(*), intent(in) :: name, unit, meaning
-         if (.not. allocated(error)) call history%put_real(group//'/'//name, effort%extremes(row, :, :), unit, &
+         if (.not. allocated(error)) call history%put_real(group//'/'//name, extremes(row, :, :), unit, &
             & 'least and greatest '//meaning//' over all samples', error)
       end subroutine put
 

@@ -277,8 +277,7 @@ contains
          integer :: i
          if (.not. allocated(outcome%efforts)) return
          do i = 1, size(outcome%efforts)
-            if (.not. allocated(error)) call record_envelope(scene%system%model%bodies(i), outcome%efforts(i), &
-               & scene%system%model%units, history, error)
+            if (.not. allocated(error)) call record_envelope(scene%system%model, i, outcome%efforts, history, error)
          end do
       end subroutine put_envelopes
 

@@ -262,6 +262,13 @@ contains
                if (i == head + 1) report = report//newline//'   ... '//as_text(size(model%bodies) - head - 1)//' bodies between'
                cycle
             end if
+            if (model%bodies(i)%whole > 0) then
+               associate (whole => model%wholes(model%bodies(i)%whole))
+                  if (i == whole%first) report = report//newline//'   '//whole%name//' in '// &
+                     & as_text(whole%last - whole%first + 1)//' segments; '//body_line(model%bodies(i), model%units)
+               end associate
+               cycle
+            end if
             report = report//newline//'   '//body_line(model%bodies(i), model%units)
          end do
          report = report//newline//'   '//as_text(size(model%joints))//' joints, '//as_text(size(model%drivers))//' drivers, '// &

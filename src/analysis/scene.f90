@@ -13,6 +13,7 @@ module limber_analysis_scene
    use limber_deck_reader, only: read_deck
    use limber_flex_library, only: library_type
    use limber_model_build, only: build_model
+   use limber_model_segments, only: name_in_deck
    use limber_model_scene, only: model_type, step_dynamics
    use limber_system_assembly, only: first_guess, assemble
    use limber_system_held, only: held_type, new_held, balance_start, balance_deflections
@@ -262,7 +263,7 @@ contains
       associate (model => scene%system%model, found => scene%assembly)
          if (found%turned <= model%assembly%largest_turn) return
          origin = origin_type(file=1)
-         block = scene%deck%find_named('RIGID BODY|BEAM', model%bodies(found%body)%name)
+         block = scene%deck%find_named('RIGID BODY|BEAM', name_in_deck(model, found%body))
          if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
          call diagnostics%warn(origin, "the assembly has turned body '"//model%bodies(found%body)%name//"' by "// &
             & as_text(found%turned, 3)//' rad from its guess: make sure that the branch is the one that is meant, or give ANGLE=')

@@ -10,7 +10,7 @@ module limber_model_bodies
    use limber_flex_library, only: library_type
    use limber_flex_mesh, only: new_support, concentrate
    use limber_flex_reduced, only: rigid_reduced
-   use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, point_shape, fidelity_linear, fidelity_kg, &
+   use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, fidelity_linear, fidelity_kg, &
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_lists, only: append
@@ -18,6 +18,8 @@ module limber_model_bodies
    use limber_model_points, only: add_point, enter_name, find_named
    use limber_model_scene, only: model_type, body_type, body_point, body_rigid, body_flexible
    use limber_model_sections, only: read_section
+   use limber_model_segments, only: number_of_pieces, choose_basis, choose_frame, place_piece, piece_at, unite, weld_pieces, &
+      & add_beam_point
    implicit none
    private
    public :: add_rigid_body, add_point_mass, add_beam, add_points, new_body, append_body, is_new_point
@@ -108,10 +110,41 @@ contains
          & "point '"//name//"' is there without being defined", 'choose another name')
    end function is_new_point
 
+   !> A beam, in one piece or in SEGMENTS of them.
    subroutine add_beam(deck, index, model, diagnostics, library)
       type(deck_type), intent(inout) :: deck
       !> Index of the block
       integer, intent(in) :: index
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> Reductions of other models
+      type(library_type), intent(inout), optional :: library
+      integer :: pieces, piece, before, first
+      pieces = number_of_pieces(deck%blocks(index))
+      if (pieces > 1) call choose_basis(deck, index)
+      before = diagnostics%count
+      first = model%counts%bodies + 1
+      do piece = 1, pieces
+         call add_piece(deck, index, piece, pieces, model, diagnostics, library)
+         ! what is wrong with the first piece is wrong with all
+         if (piece == 1 .and. diagnostics%count > before) exit
+      end do
+      if (model%counts%bodies > first) then
+         call unite(model, deck%blocks(index), first)
+      else if (pieces > 1) then
+         model%bodies(first)%name = deck%blocks(index)%name()
+         model%bodies(first)%beam%length = deck%blocks(index)%real('LENGTH')
+         call enter_name(model, 'body', model%bodies(first)%name, first)
+      end if
+      call add_beam_points(deck%blocks(index), first, model, diagnostics)
+      if (model%counts%bodies > first) call weld_pieces(model, model%bodies(first)%whole)
+   end subroutine add_beam
+
+   !> One piece of a beam: a body.
+   subroutine add_piece(deck, index, piece, pieces, model, diagnostics, library)
+      type(deck_type), intent(inout) :: deck
+      !> Index of the block; which piece, of how many
+      integer, intent(in) :: index, piece, pieces
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
       !> Reductions of other models
@@ -122,7 +155,7 @@ contains
       logical :: usable
       integer :: twin, added
       body = new_body(deck%blocks(index), body_flexible)
-      call read_beam(deck, index, body, rigid, diagnostics, usable)
+      call read_beam(deck, index, piece, pieces, body, rigid, diagnostics, usable)
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          twin = find_twin(model, body)
          usable = twin > 0
@@ -145,14 +178,14 @@ contains
          body%kind = body_rigid
          body%reduced = rigid_reduced(rigid(1), rigid(3), [rigid(2) - body%choice%origin, 0.0_wp])
       else
-         call warn_of_basis(deck%blocks(index), body, diagnostics)
+         if (piece == 1) call warn_of_basis(deck%blocks(index), body, diagnostics)
          if (body%reduced%n > 0) body%largest_shape = max(maxval(abs(body%field%w)), maxval(abs(body%field%u)))
       end if
       body%size = body%beam%length
+      if (pieces > 1) call place_piece(deck%blocks(index), piece, pieces, body)
       call append_body(model, body, added)
       if (usable) call enter_name(model, 'beam', fingerprint(body), added)
-      call add_beam_points(deck%blocks(index), model, diagnostics)
-   end subroutine add_beam
+   end subroutine add_piece
 
    !> Index of a beam that was reduced already and is the same to the bit; 0: none.
    pure integer function find_twin(model, body) result(twin)
@@ -196,10 +229,10 @@ contains
       end do
    end function attachments_text
 
-   !> Rigidities, mesh and choices of a beam.
-   subroutine read_beam(deck, index, body, rigid, diagnostics, usable)
+   !> Rigidities, mesh and choices of a piece of a beam.
+   subroutine read_beam(deck, index, piece, pieces, body, rigid, diagnostics, usable)
       type(deck_type), intent(inout) :: deck
-      integer, intent(in) :: index
+      integer, intent(in) :: index, piece, pieces
       type(body_type), intent(inout) :: body
       !> Mass, coordinate of the centre of mass, moment of inertia about it of the rigid beam
       real(wp), intent(out) :: rigid(3)
@@ -219,19 +252,20 @@ contains
          body%beam%ei = body%strength(2, 1)*deck%blocks(material)%real('YOUNG')
          body%beam%rho_a = body%strength(1, 1)*deck%blocks(material)%real('DENSITY')
       end if
-      body%beam%length = deck%blocks(index)%real('LENGTH')
+      body%beam%length = deck%blocks(index)%real('LENGTH')/pieces
       body%beam%elements = deck%blocks(index)%integer('ELEMENTS')
       rigid(1) = body%beam%rho_a*body%beam%length
       rigid(2:3) = [0.5_wp*body%beam%length, body%beam%rho_a*body%beam%length**3/12]
-      call read_masses(deck, index, body, rigid, diagnostics)
+      call read_masses(deck, index, piece, pieces, body, rigid, diagnostics)
       if (deck%blocks(index)%word('AXIAL BASIS') == '') call deck%set_option(index, 'AXIAL BASIS', &
          & merge('STATIC', 'MODES ', deck%blocks(index)%word('GEOMETRIC') == 'FULL'))
       associate (block => deck%blocks(index))
          body%choice = new_choice(block)
-         call choose_attachments(deck, index, body%choice, diagnostics)
-         if (body%choice%origin < 0.0_wp .or. body%choice%origin > body%beam%length) call diagnostics%add( &
+         call choose_attachments(deck, index, piece, pieces, body%choice, diagnostics)
+         if (piece == 1 .and. (body%choice%origin < 0.0_wp .or. body%choice%origin > block%real('LENGTH'))) call diagnostics%add( &
             & block%origin_of('ORIGIN'), "the origin of the frame lies outside beam '"//body%name//"'", &
-            & 'give a coordinate from 0 to '//as_text(body%beam%length))
+            & 'give a coordinate from 0 to '//as_text(block%real('LENGTH')))
+         if (pieces > 1) call choose_frame(block, piece, body%choice)
          if (body%choice%linear .and. body%choice%fidelity == fidelity_full) call diagnostics%add( &
             & block%origin_of('GEOMETRIC INTEGRAL'), "beam '"//body%name//"': FULL needs a tension that is constant in each "// &
             & 'geometric element', 'use GEOMETRIC INTEGRAL=EXACT, or GEOMETRIC=K_G')
@@ -242,10 +276,10 @@ contains
       end associate
    end subroutine read_beam
 
-   !> Masses that *MASS puts on a beam.
-   subroutine read_masses(deck, index, body, rigid, diagnostics)
+   !> Masses that *MASS puts on a piece of a beam.
+   subroutine read_masses(deck, index, piece, pieces, body, rigid, diagnostics)
       type(deck_type), intent(in) :: deck
-      integer, intent(in) :: index
+      integer, intent(in) :: index, piece, pieces
       type(body_type), intent(inout) :: body
       real(wp), intent(inout) :: rigid(3)
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -259,9 +293,11 @@ contains
             associate (line => deck%blocks(i)%lines(k))
                before = diagnostics%count
                x = beam_place(deck%blocks(index), line, diagnostics)
-               if (diagnostics%count == before .and. (x < 0.0_wp .or. x > body%beam%length)) call diagnostics%add( &
-                  & line%origin_of(1), 'the mass lies outside the beam', 'give a coordinate from 0 to '//as_text(body%beam%length))
-               if (diagnostics%count > before) cycle
+               if (diagnostics%count == before .and. (x < 0.0_wp .or. x > pieces*body%beam%length)) call diagnostics%add( &
+                  & line%origin_of(1), 'the mass lies outside the beam', &
+                  & 'give a coordinate from 0 to '//as_text(deck%blocks(index)%real('LENGTH')))
+               if (diagnostics%count > before .or. piece_at(x, body%beam%length, pieces) /= piece) cycle
+               x = min(max(x - (piece - 1)*body%beam%length, 0.0_wp), body%beam%length)
                inertia = 0.0_wp
                if (line%count() > 2) inertia = line%number(3)
                call concentrate(body%beam, x, line%number(2), inertia)
@@ -314,10 +350,10 @@ contains
 
    !> The interface of Craig and Bampton, which is what *ATTACHMENT names or else all that acts on the beam; and what responses
    !> are wanted to besides: what *ATTACHMENT names, and all that acts with CORRECTIONS=YES.
-   subroutine choose_attachments(deck, index, choice, diagnostics)
+   subroutine choose_attachments(deck, index, piece, pieces, choice, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Block of the beam
-      integer, intent(in) :: index
+      !> Block of the beam; which piece, of how many
+      integer, intent(in) :: index, piece, pieces
       type(reduction_type), intent(inout) :: choice
       type(diagnostics_type), intent(inout) :: diagnostics
       type(attachment_type), allocatable :: named(:), acting(:)
@@ -325,6 +361,10 @@ contains
       allocate (acting(0))
       if (choice%craig_bampton .or. deck%blocks(index)%yes('CORRECTIONS')) call find_acting(deck, index, acting)
       if (.not. deck%blocks(index)%yes('CORRECTIONS') .and. size(named) > 0) acting = acting(:0)
+      if (pieces > 1) then
+         call keep_piece(named, piece, pieces, deck%blocks(index)%real('LENGTH')/pieces)
+         call keep_piece(acting, piece, pieces, deck%blocks(index)%real('LENGTH')/pieces)
+      end if
       if (choice%craig_bampton) then
          if (size(named) > 0) then
             call move_alloc(named, choice%interface)
@@ -336,6 +376,19 @@ contains
          allocate (choice%corrections, source=[named, others(acting, named)])
       end if
    end subroutine choose_attachments
+
+   !> Attachments that lie on a piece, with their coordinates along it.
+   subroutine keep_piece(attachments, piece, pieces, length)
+      type(attachment_type), allocatable, intent(inout) :: attachments(:)
+      integer, intent(in) :: piece, pieces
+      !> Of a piece [length]
+      real(wp), intent(in) :: length
+      type(attachment_type), allocatable :: kept(:)
+      integer :: i
+      allocate (kept, source=pack(attachments, [(piece_at(attachments(i)%x, length, pieces) == piece, i=1, size(attachments))]))
+      kept%x = kept%x - (piece - 1)*length
+      call move_alloc(kept, attachments)
+   end subroutine keep_piece
 
    !> Attachments that are not among others.
    pure function others(attachments, among) result(rest)
@@ -479,20 +532,22 @@ contains
    end subroutine warn_of_basis
 
    !> Points of the beam that was added last: start, middle, end, and the named ones, `name, coordinate` a line.
-   subroutine add_beam_points(block, model, diagnostics)
+   subroutine add_beam_points(block, first, model, diagnostics)
       type(block_type), intent(in) :: block
+      !> Index of its body, or of that of its first piece
+      integer, intent(in) :: first
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: i, index
+      integer :: i, pieces
       real(wp) :: length
-      index = model%counts%bodies
-      length = model%bodies(index)%beam%length
-      call place('origin', model%bodies(index)%choice%origin)
+      pieces = model%counts%bodies - first + 1
+      length = pieces*model%bodies(first)%beam%length
+      call place('origin', min(max(block%real('ORIGIN'), 0.0_wp), length))
       call place('start', 0.0_wp)
-      model%bodies(index)%start_point = model%counts%points
+      model%bodies(first:first + pieces - 1)%start_point = model%counts%points
       call place('middle', 0.5_wp*length)
       call place('end', length)
-      model%bodies(index)%end_point = model%counts%points
+      model%bodies(first:first + pieces - 1)%end_point = model%counts%points
       do i = 1, size(block%lines)
          associate (line => block%lines(i))
             if (line%number(2) < 0.0_wp .or. line%number(2) > length) then
@@ -500,7 +555,7 @@ contains
                   & 'give a coordinate from 0 to '//as_text(length))
                cycle
             end if
-            if (is_new_point(model, model%bodies(index)%name//'.'//line%text(1), line%origin_of(1), diagnostics)) &
+            if (is_new_point(model, block%name()//'.'//line%text(1), line%origin_of(1), diagnostics)) &
                & call place(line%text(1), line%number(2))
          end associate
       end do
@@ -510,15 +565,10 @@ contains
       subroutine place(name, s)
          character(*), intent(in) :: name
          real(wp), intent(in) :: s
-         character(:), allocatable :: whole
-         real(wp), allocatable :: phi(:, :), psi(:)
-         real(wp) :: p0(2)
-         whole = model%bodies(index)%name//'.'//name
-         p0 = [s - model%bodies(index)%choice%origin, 0.0_wp]
-         if (model%bodies(index)%kind == body_flexible) call point_shape(model%bodies(index)%field, s, phi, psi)
-         call add_point(model, whole, index, p0, phi, psi)
-         model%points(model%counts%points)%member = 1
-         model%points(model%counts%points)%along = s
+         integer :: piece
+         piece = piece_at(s, length/pieces, pieces)
+         call add_beam_point(model, block%name()//'.'//name, first + piece - 1, &
+            & min(max(s - (piece - 1)*length/pieces, 0.0_wp), length/pieces))
       end subroutine place
 
    end subroutine add_beam_points

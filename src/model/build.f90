@@ -19,6 +19,7 @@ module limber_model_build
    use limber_model_points, only: add_point, find_body
    use limber_model_scalars, only: add_scalars
    use limber_model_scene, only: model_type, body_flexible, ground
+   use limber_model_segments, only: pieces_of
    use limber_model_stresses, only: add_recoveries
    implicit none
    private
@@ -35,7 +36,8 @@ contains
       !> Reductions of models that were built before; those of this one are added
       type(library_type), intent(inout), optional :: library
       integer :: i
-      allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
+      allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
+         & model%forces(0), model%channels(0))
       allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0), model%assembly%deflections(0))
       allocate (model%scalars(0))
       call read_labels(deck, model)
@@ -95,11 +97,12 @@ contains
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: body
+      integer :: body, pieces(2)
       if (.not. block%has('ENVELOPE')) return
       body = find_body(model, block%name('ENVELOPE'))
       if (body == 0) return
-      model%bodies(body)%envelope = .true.
+      pieces = pieces_of(model, body)
+      model%bodies(pieces(1):pieces(2))%envelope = .true.
       if (model%bodies(body)%kind /= body_flexible) call diagnostics%add(block%origin_of('ENVELOPE'), "'"// &
          & model%bodies(body)%name//"' is rigid: its internal forces are not computed", 'use GEOMETRIC=LINEAR, K_G or FULL')
    end subroutine want_envelope
@@ -135,6 +138,9 @@ contains
       length = 0.0_wp
       do i = 1, size(model%bodies)
          length = max(length, model%bodies(i)%size)
+      end do
+      do i = 1, size(model%wholes)
+         length = max(length, model%wholes(i)%length)
       end do
       if (length > 0.0_wp) return
       do i = 1, size(model%bodies)

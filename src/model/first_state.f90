@@ -38,6 +38,12 @@ contains
                cycle
             end if
             associate (body => model%bodies(deflection%body))
+               if (body%whole > 0) then
+                  call diagnostics%add(line%origin_of(1), "'"//line%text(1)// &
+                     & "' is in segments: it has no coordinates of deflection", &
+                     & 'let it start straight, or with INITIAL DEFLECTIONS=STATIC')
+                  cycle
+               end if
                if (deflection%coordinate > body%reduced%n) then
                   call diagnostics%add(line%origin_of(2), "'"//body%name//"' has "//as_text(body%reduced%n)//' coordinates of'// &
                      & ' deflection', 'the bending ones come first, then the axial ones')

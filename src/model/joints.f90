@@ -8,7 +8,8 @@ module limber_model_joints
    use limber_model_curve, only: curve_type, spline_curve, expression_curve
    use limber_model_integral, only: integrate
    use limber_model_lists, only: append
-   use limber_model_points, only: find_point, find_body, find_named, enter_name
+   use limber_model_points, only: find_point, find_named, enter_name
+   use limber_model_segments, only: find_frame
    use limber_model_scene, only: model_type, joint_type, driver_type, term_type, body_point, body_flexible, ground, &
       & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
       & joint_rack, joint_belt, joint_coupler, coordinate_angle, coordinate_joint_angle, coordinate_displacement, driver_angle, &
@@ -138,6 +139,11 @@ contains
          end do
       case (joint_sliding)
          if (bodies(2) /= ground) then
+            if (model%bodies(bodies(2))%whole > 0) then
+               call diagnostics%add(block%lines(1)%origin_of(2), "joint '"//block%name()//"' slides along a beam in segments", &
+                  & 'leave out SEGMENTS: a point slides along an undivided beam only')
+               return
+            end if
             if (model%bodies(bodies(2))%kind == body_flexible .and. model%bodies(bodies(2))%end_point > 0) then
                if (model%bodies(bodies(2))%reduced%n > most_bends) call diagnostics%add(block%lines(1)%origin_of(2), &
                   & "the beam of joint '"//block%name()//"' has "//as_text(model%bodies(bodies(2))%reduced%n)//' coordinates', &
@@ -275,6 +281,7 @@ contains
       !> `of` is 0 if there is an error
       type(term_type), intent(out) :: term
       type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: before
       if (.not. line%fields(1)%expression%is_constant()) then
          call diagnostics%add(line%origin_of(1), "a coefficient of coupler '"//block%name()//"' must be a constant", &
             & 'only value may be an expression of t')
@@ -293,7 +300,9 @@ contains
       if (size(line%fields) < 3) then
          call diagnostics%add(line%origin_of(2), line%text(2)//' of what?', 'add a third field: the body or the joint')
       else if (term%kind == coordinate_angle) then
-         term%of = find_body(model, line%text(3))
+         before = diagnostics%count
+         term%of = find_frame(model, line%text(3), line%origin_of(3), diagnostics)
+         if (diagnostics%count > before) return
          if (term%of == 0) then
             call diagnostics%add(line%origin_of(3), "there is no body '"//line%text(3)//"'")
          else if (model%bodies(term%of)%kind == body_point) then
@@ -377,7 +386,10 @@ contains
       points = 0
       kind = driver_angle
       ok = .true.
-      if (block%has('BODY')) body = find_body(model, block%name('BODY'))
+      if (block%has('BODY')) then
+         body = find_frame(model, block%name('BODY'), block%origin_of('BODY'), diagnostics)
+         if (body == 0) return
+      end if
       if (block%has('JOINT')) joint = find_joint(model, block%name('JOINT'))
       if (block%has('POINT')) then
          points(1) = find_point(model, block%text('POINT'), block%origin_of('POINT'), diagnostics)

@@ -14,6 +14,7 @@ module limber_model_loads
    use limber_model_quantities, only: quantities, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, &
       & quantity_spin, quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, &
       & quantity_joint_spin, quantity_displacement, quantity_sliding_speed
+   use limber_model_segments, only: pieces_of, piece_start, find_frame, has_frame
    use limber_model_scene, only: model_type, force_type, torque_type, spring_type, effort_type, named_load_type, quantity_type, &
       & body_type, body_point, body_flexible, ground, joint_revolute, joint_point_on_line, &
       & joint_translational, effort_axis, effort_follower, &
@@ -69,7 +70,7 @@ contains
       if (size(block%lines) /= 1) return
       points = 0
       if (block%has('BODY')) then
-         torque%body = find_body(model, block%name('BODY'))
+         torque%body = find_frame(model, block%name('BODY'), block%origin_of('BODY'), diagnostics)
          if (torque%body == 0) return
          if (.not. block%has('REACTION') .and. of_time(block%lines(1), 1)) then
             torque%name = block%name()
@@ -186,15 +187,34 @@ contains
       end associate
    end subroutine add_friction
 
-   !> Ratios of damping of the coordinates of a beam: eq. (99).
+   !> Damping of a beam or frame, or of all pieces of a beam in segments.
    subroutine add_damping(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp), allocatable :: ratio(:)
-      integer :: body, i, mode
+      integer :: body, pieces(2), before
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
+      pieces = pieces_of(model, body)
+      if (pieces(2) > pieces(1) .and. (size(block%lines) > 0 .or. block%real('RATIO') > 0.0_wp .or. &
+         & block%real('RAYLEIGH ALPHA') > 0.0_wp)) call diagnostics%warn(block%origin, "damping of '"//block%name('BODY')// &
+         & "' is that of the coordinates of its segments, which are not the modes of the whole beam", &
+         & 'RAYLEIGH BETA means the same for any number of segments')
+      before = diagnostics%count
+      do body = pieces(1), pieces(2)
+         call damp(block, body, model, diagnostics)
+         if (diagnostics%count > before) return
+      end do
+   end subroutine add_damping
+
+   !> Ratios of damping of the coordinates of a body: eq. (99).
+   subroutine damp(block, body, model, diagnostics)
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: body
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), allocatable :: ratio(:)
+      integer :: i, mode
       associate (reduced => model%bodies(body)%reduced)
          if (reduced%damped) then
             call diagnostics%add(block%origin, "beam '"//model%bodies(body)%name//"' is damped twice", 'put both into one *DAMPING')
@@ -216,7 +236,7 @@ contains
          allocate (reduced%damping(reduced%n))
          reduced%damping = 2*ratio*sqrt(reduced%omega2) + block%real('RAYLEIGH ALPHA') + block%real('RAYLEIGH BETA')*reduced%omega2
       end associate
-   end subroutine add_damping
+   end subroutine damp
 
    !> A load along a beam, one effort or two for each component of each line: forces at points that move as the load's share of
    !> the beam does on average, eq. (98).
@@ -224,48 +244,53 @@ contains
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp) :: ends(2)
-      integer :: body, i, k, first
+      real(wp) :: ends(2), length
+      integer :: body, pieces(2), i, k, first
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
-      ends = [block%real('START'), model%bodies(body)%beam%length]
+      pieces = pieces_of(model, body)
+      length = model%bodies(body)%beam%length*(pieces(2) - pieces(1) + 1)
+      ends = [block%real('START'), length]
       if (block%has('END')) ends(2) = block%real('END')
-      if (ends(2) > model%bodies(body)%beam%length*(1 + 1.0e-12_wp) .or. ends(1) >= ends(2)) then
+      if (ends(2) > length*(1 + 1.0e-12_wp) .or. ends(1) >= ends(2)) then
          call diagnostics%add(block%origin_of('END'), "load '"//block%name()//"' acts from "//as_text(ends(1))//' to '// &
-            & as_text(ends(2)), "beam '"//model%bodies(body)%name//"' goes from 0 to "//as_text(model%bodies(body)%beam%length))
+            & as_text(ends(2)), "beam '"//block%name('BODY')//"' goes from 0 to "//as_text(length))
          return
       end if
       first = size(model%efforts) + 1
       do i = 1, size(block%lines)
          do k = 1, 2
-            call add_share(block, block%lines(i), k, body, ends, model)
+            do body = pieces(1), pieces(2)
+               call add_share(block, block%lines(i), k, body, piece_start(model, body), ends, model)
+            end do
          end do
       end do
       call name_load(block, load_distributed, in_efforts, first, model)
    end subroutine add_distributed
 
    !> One component of one line.
-   subroutine add_share(block, line, component, body, ends, model)
+   subroutine add_share(block, line, component, body, start, ends, model)
       type(block_type), intent(in) :: block
       type(line_type), intent(in) :: line
       integer, intent(in) :: component, body
-      !> Interval of the beam
-      real(wp), intent(in) :: ends(2)
+      !> Coordinate along the beam where the body begins, and interval of the beam
+      real(wp), intent(in) :: start, ends(2)
       type(model_type), intent(inout) :: model
-      real(wp) :: total, absolute, place, level
+      real(wp) :: total, absolute, place, level, span
       real(wp), allocatable :: shape(:, :)
       allocate (shape(2, model%bodies(body)%reduced%n))
       associate (law => line%fields(component)%expression)
-         call weigh(model%bodies(body), law, ends, total, absolute, place, shape)
+         call weigh(model%bodies(body), law, start, ends, total, absolute, place, shape)
          if (.not. absolute > 0.0_wp) return
          if (abs(total) >= 0.01_wp*absolute) then
             call push(total, place/total, shape/total)
          else
             ! A load whose parts cancel has no place: a uniform one is added and taken away
             level = absolute
-            call weigh(model%bodies(body), constant(1.0_wp), ends, total, absolute, place, shape)
+            call weigh(model%bodies(body), constant(1.0_wp), start, ends, total, absolute, place, shape)
+            span = total
             call push(-level, place/total, shape/total)
-            call weigh(model%bodies(body), law, ends, total, absolute, place, shape, level/(ends(2) - ends(1)))
+            call weigh(model%bodies(body), law, start, ends, total, absolute, place, shape, level/span)
             call push(total, place/total, shape/total)
          end if
       end associate
@@ -292,11 +317,12 @@ contains
 
    !> Integrals along a beam of a load and of its magnitude, and of the places and shapes times the load: Gauss's formula with
    !> five points in each finite element.
-   subroutine weigh(body, law, ends, total, absolute, place, shape, added)
+   subroutine weigh(body, law, start, ends, total, absolute, place, shape, added)
       type(body_type), intent(in) :: body
       !> Load, of the coordinate s along the beam [force/length]
       type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: ends(2)
+      !> Coordinate along the beam where the body begins, and interval of the beam
+      real(wp), intent(in) :: start, ends(2)
       !> [force], [force length]; shape (2, n)
       real(wp), intent(out) :: total, absolute, place, shape(:, :)
       !> Added to the load [force/length]
@@ -313,12 +339,12 @@ contains
       place = 0.0_wp
       shape = 0.0_wp
       do e = 1, body%beam%elements
-         left = max(ends(1), body%beam%length*(e - 1)/body%beam%elements)
-         right = min(ends(2), body%beam%length*e/body%beam%elements)
+         left = max(ends(1) - start, body%beam%length*(e - 1)/body%beam%elements)
+         right = min(ends(2) - start, body%beam%length*e/body%beam%elements)
          if (right <= left) cycle
          do g = 1, size(points)
             s = 0.5_wp*(left + right) + 0.5_wp*(right - left)*points(g)
-            values = s
+            values = start + s
             q = law%evaluate(values)
             if (present(added)) q = q + added
             q = q*weights(g)*0.5_wp*(right - left)
@@ -362,6 +388,7 @@ contains
             else
                call find_quantity(what, model, quantity, diagnostics)
                if (quantity%of > 0) call check_quantity(quantity%kind, what%origin, diagnostics)
+               if (quantity%of > 0) call check_frame(model, quantity, what%origin, diagnostics)
             end if
          end associate
          model%efforts(effort)%quantities(slot) = quantity
@@ -386,6 +413,24 @@ contains
       end do
       call diagnostics%add(origin, "a load cannot depend on '"//trim(quantities(kind)%name)//"'", 'it may depend on '//list)
    end subroutine check_quantity
+
+   !> Complains of a quantity that is measured from the frame of a beam in segments, unless that is the frame of its own piece.
+   subroutine check_frame(model, quantity, origin, diagnostics)
+      type(model_type), intent(in) :: model
+      type(quantity_type), intent(in) :: quantity
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: body, pieces(2)
+      select case (quantity%kind)
+      case (quantity_angle, quantity_spin); body = quantity%of
+      case (quantity_u1, quantity_u2); body = model%points(quantity%of)%body
+      case default; return
+      end select
+      pieces = pieces_of(model, body)
+      if (has_frame(model, body) .and. body == pieces(1)) return
+      call diagnostics%add(origin, "a load cannot depend on '"//trim(quantities(quantity%kind)%name)//"' of a beam in segments", &
+         & 'let it depend on x, y, vx, vy of points')
+   end subroutine check_frame
 
    !> Whether a field depends on nothing but the time.
    pure logical function of_time(line, field)

@@ -14,7 +14,7 @@ module limber_model_scene
    use limber_flex_reduction, only: reduction_type
    implicit none
    private
-   public :: model_type, body_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
+   public :: model_type, body_type, whole_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
    public :: assembly_choice_type, deflection_type
    public :: effort_type, named_load_type, scalar_type
    public :: dynamics_type, step_type, accuracy_type, channel_type, quantity_type, units_type
@@ -105,7 +105,21 @@ module limber_model_scene
       logical :: envelope = .false.
       !> Number of the sections of points
       integer :: point_sections = 0
+      !> Of a piece of a beam in segments: which of the model's wholes it is a part of; else 0
+      integer :: whole = 0
    end type body_type
+
+   !> A beam of the deck that is divided into pieces, bodies of their own that are welded together. Its name stands for the first
+   !> of them, whose frame is that of the whole beam if it is clamped at its start.
+   type :: whole_type
+      character(:), allocatable :: name
+      !> First and last piece
+      integer :: first = 0, last = 0
+      !> Undeformed length; coordinate along the beam where its frame begins [length]
+      real(wp) :: length = 0.0_wp, origin = 0.0_wp
+      !> Whether the frame of the whole beam is the section at its start; else it lies along the chord
+      logical :: clamped = .false.
+   end type whole_type
 
    !> A named point of a body, or of the ground
    type :: point_type
@@ -337,6 +351,8 @@ module limber_model_scene
       !> Acceleration of gravity (2) [length/time^2]
       real(wp) :: gravity(2) = 0.0_wp
       type(body_type), allocatable :: bodies(:)
+      !> Beams in segments; their pieces are bodies
+      type(whole_type), allocatable :: wholes(:)
       type(point_type), allocatable :: points(:)
       type(joint_type), allocatable :: joints(:)
       type(driver_type), allocatable :: drivers(:)

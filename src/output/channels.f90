@@ -9,6 +9,7 @@ module limber_output_channels
    use limber_output_joints, only: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, &
       & section_rotation, joint_spin, driver_effort, driver_power
    use limber_output_loads, only: load_value
+   use limber_output_segments, only: whole_direction, whole_spin, whole_displacement, whole_rotation
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
@@ -223,22 +224,40 @@ contains
       case (quantity_force_x, quantity_force_y)
          vector = joint_force(system, work, quantity%of)
       case (quantity_angle)
-         value = angle_near(recorder%angle(quantity%of), q(system%layout%q(quantity%of) + 2:))
+         if (system%model%bodies(quantity%of)%whole > 0) then
+            value = angle_near(recorder%angle(quantity%of), whole_direction(system, system%model%bodies(quantity%of)%whole, q))
+         else
+            value = angle_near(recorder%angle(quantity%of), q(system%layout%q(quantity%of) + 2:))
+         end if
       case (quantity_spin)
-         associate (first => system%layout%q(quantity%of) + 2)
-            value = cross(q(first:first + 1), v(first:first + 1))
-         end associate
+         if (system%model%bodies(quantity%of)%whole > 0) then
+            value = whole_spin(system, system%model%bodies(quantity%of)%whole, q, v)
+         else
+            associate (first => system%layout%q(quantity%of) + 2)
+               value = cross(q(first:first + 1), v(first:first + 1))
+            end associate
+         end if
       case (quantity_deflection)
          value = deflection(system, quantity%of, q)
       case (quantity_length)
          value = system%model%bodies(quantity%of)%beam%length
+         if (system%model%bodies(quantity%of)%whole > 0) &
+            & value = system%model%wholes(system%model%bodies(quantity%of)%whole)%length
       case (quantity_torque, quantity_force)
          value = driver_effort(system, work, quantity%of)
       case (quantity_u1, quantity_u2)
-         vector = beam_displacement(system, quantity%of, q)
+         if (system%model%bodies(system%model%points(quantity%of)%body)%whole > 0) then
+            vector = whole_displacement(system, quantity%of, q)
+         else
+            vector = beam_displacement(system, quantity%of, q)
+         end if
       case (quantity_rotation)
          associate (point => system%model%points(quantity%of))
-            value = dot_product(point%psi, q(system%layout%q(point%body) + 4:system%layout%q(point%body) + 3 + size(point%psi)))
+            if (system%model%bodies(point%body)%whole > 0) then
+               value = whole_rotation(system, quantity%of, q)
+            else
+               value = dot_product(point%psi, q(system%layout%q(point%body) + 4:system%layout%q(point%body) + 3 + size(point%psi)))
+            end if
          end associate
       case (quantity_force_1, quantity_force_2); vector = joint_force_in_frame(system, work, quantity%of, q)
       case (quantity_moment); value = joint_moment(system, work, quantity%of, q)

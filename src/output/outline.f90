@@ -215,6 +215,7 @@ contains
          k = k + 1
          geometry%connections(k) = model%joints(i)%name
          geometry%connection_types(k) = type_name(model%joints(i))
+         if (index(model%joints(i)%name, '/') > 0) geometry%connection_types(k) = 'SEGMENTS'
          geometry%connection_places(:, k) = model%joints(i)%points
          geometry%connection_angles(k) = model%joints(i)%angle
          geometry%connection_radii(:, k) = model%joints(i)%radius

@@ -2,12 +2,10 @@
 !> under a transverse load, against elliptic integrals. Usage, in tests/: test_elastica RESULT_FILE
 program test_elastica
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, channel
-   use testing, only: check, check_close, check_no_error, finish
+   use testing, only: check, check_close, finish
    implicit none
    !> Tip (x, y) of the elastica at 1.1 and 1.5 times Euler's load, and under P L^2/(E I) = 1 and 10 across
    real(wp), parameter :: axial(2, 2) = reshape([0.82029593994878_wp, 0.50853415829037_wp, 0.36358822492179_wp, &
@@ -74,32 +72,14 @@ contains
       character(*), intent(in) :: ratio
       real(wp), intent(out) :: place(2)
       type(history_reader_type) :: reader
-      type(error_type), allocatable :: error
-      character(:), allocatable :: report
-      character(16) :: last
-      integer :: unit, i
-      open (newunit=unit, file=trim(results)//'.inp', action='write', status='replace')
-      write (unit, '(a)') '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1', &
-         & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'
-      do i = 1, pieces
-         write (unit, '(a)') '*BEAM, NAME=b'//as_text(i)//', MATERIAL=stuff, SECTION=bar, LENGTH=1/'//as_text(pieces)// &
-            & ', ELEMENTS=4, GEOMETRIC=FULL, BENDING MODES=0, END SHAPES=YES, X='//as_text(i - 1)//'/'//as_text(pieces)
-         last = 'ground.origin'
-         if (i > 1) last = 'b'//as_text(i - 1)//'.end'
-         write (unit, '(a)') '*JOINT, NAME=w'//as_text(i)//', TYPE=WELD, TURN=0', ' b'//as_text(i)//'.start, '//trim(last)
-      end do
-      last = 'b'//as_text(pieces)//'.end'
-      write (unit, '(a)') '*FORCE, NAME=load, POINT='//trim(last), ' -'//ratio//'*pi**2/4, 0', &
-         & '*STATICS, INCREMENTS=4', '*OUTPUT', &
-         & ' x = x('//trim(last)//'), y = y('//trim(last)//')'
-      close (unit)
-      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
-      call check_no_error(error, 'elastica in '//as_text(pieces)//' pieces')
-      place = 0.0_wp
-      if (allocated(error)) return
-      call reader%open(trim(results), error)
-      place(1) = last_of(channel(reader, 'x'))
-      place(2) = last_of(channel(reader, 'y'))
+      character(13) :: old(3), new(3)
+      old = [character(13) :: 'SEGMENTS=16', '-1.5*t', 'INCREMENTS=15']
+      new(1) = 'SEGMENTS='//as_text(pieces)
+      new(2) = '-'//ratio//'*t'
+      new(3) = 'INCREMENTS=4'
+      call run_changed('../input/elastica.inp', trim(results), old, new, reader)
+      place(1) = last_of(channel(reader, 'x_tip'))
+      place(2) = last_of(channel(reader, 'y_tip'))
       call reader%close()
    end subroutine tip
 

@@ -1,0 +1,105 @@
+!> What is measured of a beam in segments as a whole: its frame, from which deflections count, and displacements and rotations of
+!> its points. The frame is the section at the start if the beam is clamped there, else it lies along the chord through its ends,
+!> as the frame of an undivided beam does. Floor: output. Source: doc/theory, eq. (G1).
+module limber_output_segments
+   use limber_base_kinds, only: wp
+   use limber_system_algebra, only: cross
+   use limber_system_kinematics, only: point_position, point_velocity
+   use limber_system_system, only: system_type
+   implicit none
+   private
+   public :: whole_direction, whole_spin, whole_displacement, whole_rotation
+
+contains
+
+   !> Direction of the frame of a whole beam (2), of unit length.
+   pure function whole_direction(system, whole, q) result(direction)
+      type(system_type), intent(in) :: system
+      !> Index of the whole
+      integer, intent(in) :: whole
+      !> Coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      real(wp) :: direction(2)
+      integer :: first
+      first = system%layout%q(system%model%wholes(whole)%first) + 2
+      direction = q(first:first + 1)
+      if (.not. system%model%wholes(whole)%clamped) direction = chord(system, whole, q)
+      direction = direction/norm2(direction)
+   end function whole_direction
+
+   !> Its angular velocity.
+   pure real(wp) function whole_spin(system, whole, q, v) result(spin)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: whole
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      real(wp) :: along(2), rate(2)
+      integer :: first
+      associate (own => system%model%bodies(system%model%wholes(whole)%first), points => system%model%points)
+         if (system%model%wholes(whole)%clamped) then
+            first = system%layout%q(system%model%wholes(whole)%first) + 2
+            spin = cross(q(first:first + 1), v(first:first + 1))
+         else
+            along = chord(system, whole, q)
+            rate = point_velocity(system%layout, points(own%end_point), q, v) &
+               & - point_velocity(system%layout, points(own%start_point), q, v)
+            spin = cross(along, rate)/dot_product(along, along)
+         end if
+      end associate
+   end function whole_spin
+
+   !> From the start of a whole beam to its end (2) [length].
+   pure function chord(system, whole, q)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: whole
+      real(wp), intent(in) :: q(:)
+      real(wp) :: chord(2)
+      associate (own => system%model%bodies(system%model%wholes(whole)%first), points => system%model%points)
+         chord = point_position(system%layout, points(own%end_point), q) - point_position(system%layout, points(own%start_point), q)
+      end associate
+   end function chord
+
+   !> Displacement of a point of a beam in segments from its undeformed place, along the axes of the whole beam's frame (2), eq. (G1).
+   pure function whole_displacement(system, point, q) result(displacement)
+      type(system_type), intent(in) :: system
+      !> Index of the point
+      integer, intent(in) :: point
+      real(wp), intent(in) :: q(:)
+      real(wp) :: displacement(2), direction(2), arm(2)
+      integer :: piece
+      associate (own => system%model%points(point), points => system%model%points)
+         associate (body => system%model%bodies(own%body))
+            direction = whole_direction(system, body%whole, q)
+            arm = point_position(system%layout, own, q) - point_position(system%layout, points(body%start_point), q)
+            piece = own%body - system%model%wholes(body%whole)%first
+            displacement = [dot_product(direction, arm) - (own%along + piece*body%beam%length), cross(direction, arm)]
+         end associate
+      end associate
+   end function whole_displacement
+
+   !> Rotation of the section at a point of a beam in segments within the whole beam's frame: from piece to piece less than half a
+   !> turn [rad].
+   pure real(wp) function whole_rotation(system, point, q) result(angle)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: point
+      real(wp), intent(in) :: q(:)
+      real(wp) :: slope, before(2), here(2)
+      integer :: body, first
+      associate (own => system%model%points(point))
+         before = whole_direction(system, system%model%bodies(own%body)%whole, q)
+         angle = 0.0_wp
+         do body = system%model%wholes(system%model%bodies(own%body)%whole)%first, own%body
+            first = system%layout%q(body) + 2
+            here = q(first:first + 1)
+            angle = angle + atan2(cross(before, here), dot_product(before, here))
+            before = here
+         end do
+         first = system%layout%q(own%body) + 4
+         slope = dot_product(own%psi, q(first:first + size(own%psi) - 1))
+         ! the slope is the sine of the angle in the model FULL, the angle itself in the others
+         if (system%model%bodies(own%body)%reduced%full) slope = asin(min(1.0_wp, max(-1.0_wp, slope)))
+         angle = angle + slope
+      end associate
+   end function whole_rotation
+
+end module limber_output_segments

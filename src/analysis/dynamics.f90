@@ -162,6 +162,7 @@ contains
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
          call check_deflections(scene%system, integrator%t, sample%q, sample%v, error)
          if (allocated(error)) exit
          call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
@@ -195,6 +196,7 @@ contains
          real(wp), intent(in) :: t
          do while (next <= dynamics%outputs .and. sample_time(dynamics, next) <= t)
             call integrator%interpolate(sample_time(dynamics, next), sample%q, sample%v, sample%w)
+            call integrator%complete(scene%system, scene%work, sample_time(dynamics, next), sample%q, sample%v)
             call record(scene, sample_time(dynamics, next), integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
             next = next + 1
@@ -251,6 +253,7 @@ contains
       integer :: culprit
       associate (system => scene%system, work => scene%work)
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
+         call integrator%complete(system, work, integrator%t, sample%q, sample%v)
          call linearise(system, work, t, sample%q, error)
          if (allocated(error)) return
          if (system%nc > 0) then

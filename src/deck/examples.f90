@@ -91,6 +91,8 @@ module limber_deck_examples
       & line_type('COUPLER', ' 2, displacement, right-guide'), &
       & line_type('DRIVER', '*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=motor-shaft, LEVEL=VELOCITY'), &
       & line_type('DRIVER', ' speed*cycloidal(5*t)'), &
+      & line_type('MOTION', '*MOTION, NAME=motor, BODY=crank'), &
+      & line_type('MOTION', ' 0, 0, speed*t'), &
       & line_type('FORCE', '*FORCE, NAME=hammer, POINT=bar.end'), &
       & line_type('FORCE', ' 0, blow*step(duration - t)'), &
       & line_type('TORQUE', '*TORQUE, NAME=elbow-motor, POINT=fore.start, REACTION=upper.end'), &

@@ -59,6 +59,8 @@ module limber_deck_keywords
       & keyword_type('COUPLER', many, form_fields, 1, many, &
       &    'A linear coupling: the sum of coefficient times joint coordinate, a term each line, stays as it is or is given'), &
       & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
+      & keyword_type('MOTION', many, form_fields, 1, 1, &
+      &    'The whole motion of a body as functions of time: it has no unknowns, its mass only adds to the driving forces'), &
       & keyword_type('FORCE', many, form_fields, 1, 1, &
       &    'A force on a point; laws of loads may use places, speeds, angles and joint coordinates, no accelerations'), &
       & keyword_type('TORQUE', many, form_fields, 1, 1, 'A torque on a body, or between two'), &
@@ -271,6 +273,10 @@ module limber_deck_keywords
       &    'rad, m', '', 'VELOCITY, ACCELERATION: the coordinate at first; if not given, as guessed'), &
       & option_spec_type('DRIVER', 'INITIAL VELOCITY', kind_real, '', &
       &    'rad/s, m/s', '', 'ACCELERATION: the rate at first; if not given, 0'), &
+      & option_spec_type('MOTION', 'NAME', kind_name, 'joints, drivers and loads', &
+      &    '', needed, 'name; its drivers are NAME_x, NAME_y and NAME_angle, of which force and torque can be asked'), &
+      & option_spec_type('MOTION', 'BODY', kind_reference, 'RIGID BODY|POINT MASS|BEAM|FRAME', &
+      &    '', needed, 'body whose frame is moved'), &
       & option_spec_type('FORCE', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the force'), &
       & option_spec_type('FORCE', 'POINT', kind_point, '', '', needed, 'point that it acts on: body.point'), &
       & option_spec_type('FORCE', 'FOLLOWER', kind_yes, '', &
@@ -327,6 +333,8 @@ module limber_deck_keywords
       &    'rad', '0.5', 'rotation of a body from its guess beyond which there is a warning: another branch may be meant'), &
       & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN|STATIC', &
       &    '', 'ZERO', 'GIVEN: as the data lines say, others zero; STATIC: in balance with loads and inertia of the motion'), &
+      & option_spec_type('ASSEMBLY', 'ELIMINATION', kind_yes, '', &
+      &    '', 'YES', 'NO: bodies keep all unknowns and joints their multipliers, even where the motion is known; to compare'), &
       & option_spec_type('DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('DYNAMICS', 'START', kind_real, '', &
       &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
@@ -457,6 +465,10 @@ module limber_deck_keywords
       & field_spec_type('COUPLER', 'coordinate', kind_name, '', 'angle, joint_angle, displacement or value'), &
       & field_spec_type('COUPLER', 'object', kind_name, '', 'body of angle, joint of the others', .true.), &
       & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', 'expression of the time t'), &
+      & field_spec_type('MOTION', 'x', kind_time_expression, 'm', 'of the origin of the body''s frame, expression of the time t'), &
+      & field_spec_type('MOTION', 'y', kind_time_expression, 'm', 'of the origin, likewise'), &
+      & field_spec_type('MOTION', 'angle', kind_time_expression, 'rad', &
+      &    'of the frame, likewise; a point mass has none', optional=.true.), &
       & field_spec_type('FORCE', 'fx', kind_law, 'N', &
       &    'component along the first axis, expression of the time t and of quantities'), &
       & field_spec_type('FORCE', 'fy', kind_law, 'N', 'component along the second axis, likewise'), &

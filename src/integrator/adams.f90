@@ -1,6 +1,7 @@
 !> ADAMS: predictor-corrector of Adams, Bashforth and Moulton (PECE) with variable order and step, in the divided-difference
 !> form of Shampine and Gordon, on the equations of index 1. After each correction the coordinates and velocities are
-!> projected onto the constraints, least in the mass norm. Floor: integrator.
+!> projected onto the constraints, least in the mass norm. Coordinates that follow from others at once are not integrated.
+!> Floor: integrator.
 !> Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapters 5 and 10;
 !> doc/theory, eqs. (36)-(38).
 module limber_integrator_adams
@@ -10,8 +11,8 @@ module limber_integrator_adams
    use limber_integrator_scales, only: scales_type, new_scales, update_scales
    use limber_system_condensation, only: place_axial, place_axial_rates, update_folds
    use limber_system_kinematics, only: place_frames
-   use limber_system_dynamics, only: linearise, accelerations, input_power
-   use limber_system_projection, only: project_position, project_velocity
+   use limber_system_dynamics, only: linearise, linearise_placed, accelerations, input_power
+   use limber_system_projection, only: project_position, project_velocity, list_unplaced, place_known
    use limber_system_recursion, only: recursion_type, new_recursion, recursive_accelerations, recursive_settle
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -30,16 +31,25 @@ module limber_integrator_adams
 
    !> Memory of the method, in the names of Shampine and Gordon
    type, extends(integrator_type) :: adams_type
-      !> Length of q; length of y = [q; v; w] or [q; v]
+      !> Number of coordinates that are integrated; length of y = [q; v; w] or [q; v] with those
       integer :: nq = 0, ny = 0
+      !> Indices of these coordinates (nq); whether they are all
+      integer, allocatable :: kept(:)
+      logical :: whole = .true.
+      !> Number of the first components of y whose errors count: with coordinates that are not integrated also the work, which is
+      !> all that feels how fast driven bodies move
+      integer :: weighed = 0
+      !> Otherwise all coordinates, velocities and accelerations at the last state that was evaluated
+      real(wp), allocatable :: q(:), v(:), a(:)
       !> State at t, predicted state, its derivative (ny)
       real(wp), allocatable :: y(:), p(:), yp(:)
       !> Modified divided differences (ny, most + 2)
       real(wp), allocatable :: phi(:, :)
-      !> Scratch (nq)
+      !> Scratch (all coordinates)
       real(wp), allocatable :: change(:)
-      !> Scales of the local error
+      !> Scales of the local error, and those of y (weighed)
       type(scales_type) :: scales
+      real(wp), allocatable :: scale(:)
       !> The bodies of an open chain or tree, whose accelerations need no matrix
       type(recursion_type) :: tree
       !> Next step, last step
@@ -55,6 +65,7 @@ module limber_integrator_adams
       procedure :: start => adams_start
       procedure :: step => adams_step
       procedure :: interpolate => adams_interpolate
+      procedure :: complete => adams_complete
    end type adams_type
 
 contains
@@ -67,13 +78,23 @@ contains
       real(wp), intent(in) :: q(:), v(:)
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: slope
-      self%nq = size(q)
+      integer :: i
+      if (size(system%layout%q) >= many) call new_recursion(system, self%tree)
+      call list_unplaced(system, self%kept)
+      if (self%tree%usable .or. .not. sum(system%inertia(1, :)) > 0.0_wp) self%kept = [(i, i=1, size(q))]
+      self%nq = size(self%kept)
+      self%whole = self%nq == size(q)
       self%ny = 2*self%nq + merge(1, 0, system%powered)
-      if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change)
-      allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(self%nq))
+      self%weighed = merge(2*self%nq, self%ny, self%whole)
+      if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change, self%q, self%v, self%a, self%scale)
+      allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(size(q)))
+      allocate (self%q(size(q)), self%v(size(q)), self%a(size(q)), self%scale(self%weighed))
+      self%q = q
+      self%v = v
+      self%a = 0.0_wp
       self%y = 0.0_wp
-      self%y(:self%nq) = q
-      self%y(self%nq + 1:2*self%nq) = v
+      self%y(:self%nq) = q(self%kept)
+      self%y(self%nq + 1:2*self%nq) = v(self%kept)
       if (system%powered) self%y(self%ny) = self%work_at_start
       self%h_last = 0.0_wp
       self%k = 1
@@ -83,8 +104,8 @@ contains
       self%t = t
       self%t_before = t
       if (.not. allocated(self%scales%value)) self%scales = new_scales(system, duration, .false.)
-      if (size(system%layout%q) >= many) call new_recursion(system, self%tree)
       call update_scales(system, q, v, self%scales)
+      call keep_scales(self, system)
       call evaluate(self, system, work, t, self%y, self%yp, error)
       if (allocated(error)) return
       self%phi = 0.0_wp
@@ -109,20 +130,62 @@ contains
       real(wp), contiguous, intent(in) :: y(:)
       real(wp), contiguous, intent(inout) :: yp(:)
       type(error_type), allocatable, intent(out) :: error
-      if (.not. self%tree%usable) call linearise(system, work, t, y(:self%nq), error)
+      if (.not. self%whole) then
+         call spread_state(self, system, work, t, y)
+         call linearise(system, work, t, self%q, error)
+      else if (.not. self%tree%usable) then
+         call linearise(system, work, t, y(:self%nq), error)
+      end if
       if (allocated(error)) return
       call differentiate(self, system, work, y, yp)
    end subroutine evaluate
 
-   !> The same where the system is linearised at (t, q) already.
+   !> All coordinates and velocities at (t, y).
+   subroutine spread_state(self, system, work, t, y)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: y(:)
+      integer :: i
+      do i = 1, self%nq
+         self%q(self%kept(i)) = y(i)
+         self%v(self%kept(i)) = y(self%nq + i)
+      end do
+      call place_known(system, work, t, self%q, self%v)
+   end subroutine spread_state
+
+   !> The scales of what is integrated.
+   subroutine keep_scales(self, system)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer :: i
+      do i = 1, self%nq
+         self%scale(i) = self%scales%value(self%kept(i))
+         self%scale(self%nq + i) = self%scales%value(size(self%q) + self%kept(i))
+      end do
+      ! A tenth of an energy of the motion, for errors of the work add up
+      if (self%weighed > 2*self%nq) self%scale(self%weighed) = 0.1_wp*sum(system%inertia(1, :))*self%scales%speed**2
+   end subroutine keep_scales
+
+   !> The same where the system is linearised at (t, q) already, and the state is spread.
    subroutine differentiate(self, system, work, y, yp)
       class(adams_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: y(:)
       real(wp), contiguous, intent(inout) :: yp(:)
-      integer :: nq
+      integer :: nq, i
       nq = self%nq
+      if (.not. self%whole) then
+         call accelerations(system, work, self%q, self%v, self%a)
+         do i = 1, nq
+            yp(nq + i) = self%a(self%kept(i))
+         end do
+         yp(:nq) = y(nq + 1:2*nq)
+         if (system%powered) yp(self%ny) = input_power(system, work, self%q, self%v)
+         return
+      end if
       if (self%tree%usable) then
          call recursive_accelerations(self%tree, system%model%gravity, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq))
          work%evaluations = work%evaluations + 1
@@ -133,14 +196,14 @@ contains
       if (system%powered) yp(self%ny) = input_power(system, work, y(:nq), y(nq + 1:2*nq))
    end subroutine differentiate
 
-   !> Norm of a vector of the length of y in units of the scales; the work put in does not count.
+   !> Norm of a vector of the length of y in units of the scales.
    pure real(wp) function weighted(self, vector)
       class(adams_type), intent(in) :: self
       real(wp), intent(in) :: vector(:)
       integer :: i
       weighted = 0.0_wp
-      do i = 1, 2*self%nq
-         weighted = weighted + (vector(i)/self%scales%value(i))**2
+      do i = 1, self%weighed
+         weighted = weighted + (vector(i)/self%scale(i))**2
       end do
       weighted = sqrt(weighted)
    end function weighted
@@ -163,8 +226,9 @@ contains
          if (self%t + self%h > stop) self%h = stop - self%t
          if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
             if (self%tree%usable) call place_frames(system%model, system%layout, self%t, self%y(:self%nq), work%kinematics)
-            i = maxloc(abs((self%yp(:2*self%nq) - self%phi(:2*self%nq, 1))/self%scales%value), dim=1)
-            call self%step_too_small(system, work, count(system%layout%q <= modulo(i - 1, self%nq) + 1), error)
+            i = maxloc(abs((self%yp(:2*self%nq) - self%phi(:2*self%nq, 1))/self%scale(:2*self%nq)), dim=1)
+            if (i > 0) i = self%kept(modulo(i - 1, self%nq) + 1)
+            call self%step_too_small(system, work, count(system%layout%q <= max(1, i)), error)
             return
          end if
          t = self%t + self%h
@@ -201,7 +265,12 @@ contains
       call next_order_and_step(self, estimate, k_next)
       ! A step that was cut short to end at `stop` says nothing about the next one
       if (self%t >= stop .and. failures == 0) self%h = max(self%h, min(wanted, 2*self%h))
-      call update_scales(system, self%y(:self%nq), self%y(self%nq + 1:2*self%nq), self%scales)
+      if (self%whole) then
+         call update_scales(system, self%y(:self%nq), self%y(self%nq + 1:2*self%nq), self%scales)
+      else
+         call update_scales(system, self%q, self%v, self%scales)
+      end if
+      call keep_scales(self, system)
    end subroutine adams_step
 
    !> Coefficients of the formulas for this step (block 1).
@@ -273,11 +342,11 @@ contains
       integer :: i, k
       k = self%k
       norm = 0.0_wp
-      do i = 1, 2*self%nq
+      do i = 1, self%weighed
          difference = self%yp(i) - self%phi(i, 1)
-         norm(0) = norm(0) + (difference/self%scales%value(i))**2
-         if (k > 1) norm(1) = norm(1) + ((self%phi(i, k) + difference)/self%scales%value(i))**2
-         if (k > 2) norm(2) = norm(2) + ((self%phi(i, k - 1) + difference)/self%scales%value(i))**2
+         norm(0) = norm(0) + (difference/self%scale(i))**2
+         if (k > 1) norm(1) = norm(1) + ((self%phi(i, k) + difference)/self%scale(i))**2
+         if (k > 2) norm(2) = norm(2) + ((self%phi(i, k - 1) + difference)/self%scale(i))**2
       end do
       norm = self%h*sqrt(norm)
       err = norm(0)*(self%g(k) - self%g(k + 1))
@@ -336,16 +405,46 @@ contains
          call differentiate(self, system, work, self%y, self%yp)
          return
       end if
+      if (.not. self%whole) then
+         call correct_kept(self, system, work, t, accepted, error)
+         return
+      end if
       call project_position(system, work, t, self%p(:nq), self%change, constraint_tolerance, before, residual)
       accepted = residual <= constraint_limit
       if (.not. accepted) return
       self%statistics%position_residual = max(self%statistics%position_residual, residual)
-      call linearise(system, work, t, self%p(:nq), error)
+      call linearise_placed(system, work, t, self%p(:nq), error)
       if (allocated(error)) return
       call project_velocity(system, work, self%p(nq + 1:2*nq), self%change, residual)
       self%y = self%p
       call differentiate(self, system, work, self%y, self%yp)
    end subroutine correct
+
+   !> The same where not all coordinates are integrated.
+   subroutine correct_kept(self, system, work, t, accepted, error)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      logical, intent(out) :: accepted
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: before, residual
+      integer :: i
+      call spread_state(self, system, work, t, self%p)
+      call project_position(system, work, t, self%q, self%change, constraint_tolerance, before, residual)
+      accepted = residual <= constraint_limit
+      if (.not. accepted) return
+      self%statistics%position_residual = max(self%statistics%position_residual, residual)
+      call linearise_placed(system, work, t, self%q, error)
+      if (allocated(error)) return
+      call project_velocity(system, work, self%v, self%change, residual)
+      do i = 1, self%nq
+         self%p(i) = self%q(self%kept(i))
+         self%p(self%nq + i) = self%v(self%kept(i))
+      end do
+      self%y = self%p
+      call differentiate(self, system, work, self%y, self%yp)
+   end subroutine correct_kept
 
    !> Differences of all orders at the new point (block 4).
    subroutine finish_differences(self)
@@ -429,10 +528,26 @@ contains
       do j = order, 1, -1
          self%p = self%p + (back*g(j))*self%phi(:, j)
       end do
-      q = self%p(:nq)
-      v = self%p(nq + 1:2*nq)
+      if (self%whole) then
+         q = self%p(:nq)
+         v = self%p(nq + 1:2*nq)
+      else
+         q = self%q
+         v = self%v
+         q(self%kept) = self%p(:nq)
+         v(self%kept) = self%p(nq + 1:2*nq)
+      end if
       w = 0.0_wp
       if (self%ny > 2*nq) w = self%p(self%ny)
    end subroutine adams_interpolate
+
+   subroutine adams_complete(self, system, work, t, q, v)
+      class(adams_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: q(:), v(:)
+      if (.not. self%whole) call place_known(system, work, t, q, v)
+   end subroutine adams_complete
 
 end module limber_integrator_adams

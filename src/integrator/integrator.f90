@@ -37,6 +37,8 @@ module limber_integrator_integrator
       procedure(start_interface), deferred :: start
       procedure(step_interface), deferred :: step
       procedure(interpolate_interface), deferred :: interpolate
+      !> Coordinates and velocities that `interpolate` leaves to those they follow from; called behind it
+      procedure :: complete => complete_nothing
       procedure :: count_step, step_too_small
    end type integrator_type
 
@@ -77,6 +79,18 @@ module limber_integrator_integrator
    end interface
 
 contains
+
+   !> Of an integrator that carries on all coordinates.
+   subroutine complete_nothing(self, system, work, t, q, v)
+      class(integrator_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> The time of `interpolate`
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      if (t > self%t .and. work%evaluations < 0 .and. system%nc < 0) q = q + 0*v
+   end subroutine complete_nothing
 
    !> Counts an accepted step.
    subroutine count_step(self, h, order)

@@ -12,6 +12,7 @@ module limber_model_build
    use limber_model_first_state, only: read_assembly
    use limber_model_frames, only: add_frame
    use limber_model_joints, only: add_joint, add_coupler, add_driver
+   use limber_model_motions, only: add_motion
    use limber_model_lists, only: trim_lists
    use limber_model_loads, only: add_force, add_torque, add_spring, add_bushing, add_distributed, add_friction, add_damping, &
       & resolve_laws
@@ -74,6 +75,7 @@ contains
          select case (deck%blocks(i)%keyword)
          case ('COUPLER'); call add_coupler(deck%blocks(i), model, diagnostics)
          case ('DRIVER'); call add_driver(deck%blocks(i), model, diagnostics)
+         case ('MOTION'); call add_motion(deck%blocks(i), model, diagnostics)
          case ('FRICTION'); call add_friction(deck%blocks(i), model, diagnostics)
          end select
       end do

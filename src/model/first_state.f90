@@ -20,6 +20,7 @@ contains
       type(deflection_type) :: deflection
       integer :: i
       model%assembly%largest_turn = block%real('LARGEST TURN')
+      model%assembly%elimination = block%yes('ELIMINATION')
       model%assembly%static_deflections = block%word('INITIAL DEFLECTIONS') == 'STATIC'
       if (size(block%lines) > 0 .and. block%word('INITIAL DEFLECTIONS') /= 'GIVEN') then
          call diagnostics%add(block%lines(1)%origin, 'data lines give deflections, but INITIAL DEFLECTIONS='// &

@@ -301,6 +301,8 @@ module limber_model_scene
       real(wp) :: largest_turn = 0.5_wp
       !> Whether deflections start in equilibrium with loads and inertia
       logical :: static_deflections = .false.
+      !> Whether what hangs, or is held by what is known, is solved without unknowns and multipliers
+      logical :: elimination = .true.
       !> Deflections that are given; all others start at zero
       type(deflection_type), allocatable :: deflections(:)
    end type assembly_choice_type

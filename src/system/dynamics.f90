@@ -14,7 +14,7 @@ module limber_system_dynamics
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: linearise, accelerations, accelerate, sum_forces
+   public :: linearise, linearise_placed, accelerations, accelerate, sum_forces
    public :: position_residual, velocity_residual
    public :: input_power, mechanical_energy, worst_constraint
 
@@ -28,14 +28,23 @@ contains
       real(wp), intent(in) :: t, q(:)
       !> The matrix is singular
       type(error_type), allocatable, intent(out) :: error
-      logical :: singular
       call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call linearise_placed(system, work, t, q, error)
+   end subroutine linearise
+
+   !> The same where the kinematics are placed at (t, q) already.
+   subroutine linearise_placed(system, work, t, q, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t, q(:)
+      type(error_type), allocatable, intent(out) :: error
+      logical :: singular
       if (system%condensed) call update_folds(system, work, q)
       call update_jacobians(system, work)
       call factor_multiplier_system(system, work, q, singular)
       if (singular) call raise(error, 'the multiplier system is singular at t = '//as_text(t, 6)// &
          & ': a constraint is redundant there, or a body without mass is free to move')
-   end subroutine linearise
+   end subroutine linearise_placed
 
    !> Accelerations and multipliers at (t, q, v); `linearise` at the same (t, q) comes first.
    subroutine accelerations(system, work, q, v, a)
@@ -44,7 +53,7 @@ contains
       !> Coordinates and velocities (nq)
       real(wp), intent(in) :: q(:), v(:)
       !> Second derivatives of q (nq)
-      real(wp), intent(out) :: a(:)
+      real(wp), contiguous, intent(out) :: a(:)
       integer :: i, first
       real(wp) :: alpha
       call move_frames(system%model, system%layout, q, v, work%kinematics)
@@ -57,7 +66,7 @@ contains
       if (system%condensed) then
          call solve_condensed(system, work, v, a)
       else
-         call solve_multiplier_system(system, work, work%gamma, a)
+         call solve_multiplier_system(system, work, work%gamma, a, .false.)
       end if
       call recover_multipliers(system, work)
       do i = 1, size(work%bodies)
@@ -82,7 +91,7 @@ contains
       logical :: settled
       call condense_forces(system, work, v)
       do round = 1, most
-         call solve_multiplier_system(system, work, work%gamma, a)
+         call solve_multiplier_system(system, work, work%gamma, a, .false.)
          call gather_loads(system, work, a)
          call push_bending(system, work, round, settled)
          if (settled .or. .not. system%repeats) exit
@@ -110,7 +119,7 @@ contains
             & work%bodies(i)%normal, work%bodies(i)%eta_force)
       end do
       work%gamma = 0.0_wp
-      call solve_multiplier_system(system, work, work%gamma, change)
+      call solve_multiplier_system(system, work, work%gamma, change, .false.)
       do i = 1, size(work%bodies)
          first = system%layout%w(i)
          rates = system%layout%rates(i)
@@ -228,7 +237,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: v(:)
       integer :: i, side, body, row, k, at, first
-      real(wp) :: rates(3)
+      real(wp) :: rates(3), speed
       largest = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
@@ -243,12 +252,11 @@ contains
                if (system%layout%framed(body)) rates(3) = dot_product(turn(work%kinematics%frames(body)%u), v(first + 2:first + 3))
                associate (jacobian => work%jacobians(side, i))
                   do row = 1, item%rows
-                     do k = 1, 3
-                        work%gamma(at + row) = work%gamma(at + row) - jacobian%z(row, k)*rates(k)
-                     end do
+                     speed = jacobian%z(row, 1)*rates(1) + jacobian%z(row, 2)*rates(2) + jacobian%z(row, 3)*rates(3)
                      do k = 1, system%layout%n(body)
-                        work%gamma(at + row) = work%gamma(at + row) - jacobian%eta(row, k)*v(first + 3 + k)
+                        speed = speed + jacobian%eta(row, k)*v(first + 3 + k)
                      end do
+                     work%gamma(at + row) = work%gamma(at + row) - speed
                   end do
                end associate
             end do

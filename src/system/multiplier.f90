@@ -13,6 +13,7 @@ module limber_system_multiplier
    use limber_model_scene, only: ground
    use limber_system_body, only: body_mass, rigid_mass
    use limber_system_condensation, only: condense_couplings, project_vector
+   use limber_system_holding, only: split_motion
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -81,7 +82,8 @@ contains
       work%matrix%values = 0.0_wp
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), n => system%layout%n(i))
-            if (n > 0) call condense_body(n, body%coupling, body%eta_rows, body%rows_place, body%mass, work%matrix%values)
+            if (n > 0) call condense_body(n, size(body%rows), body%coupling, body%eta_rows, body%rows_place, body%mass, &
+               & work%matrix%values)
             if (system%tree%plain(i)) then
                call add_frame(body%frame_place, body%mass, work%matrix%values)
             else
@@ -114,6 +116,7 @@ contains
       associate (tree => system%tree)
          do k = 1, size(tree%order)
             i = tree%order(k)
+            if (tree%grip(i) > 0) call hold_frame(system, work, i)
             if (tree%carrier(i) == ground) cycle
             associate (hanging => work%bodies(i)%hanging, carrier => work%bodies(tree%carrier(i))%hanging, &
                   & lever => work%kinematics%markers(tree%marker(i))%lever)
@@ -126,13 +129,41 @@ contains
       end associate
    end subroutine update_hanging
 
+   !> What the rows that hold a frame leave free, and what they give, eqs. (P1), (P2).
+   pure subroutine hold_frame(system, work, body)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: body
+      real(wp) :: z(3, 3)
+      integer :: k, row, rows
+      row = 0
+      associate (tree => system%tree)
+         do k = 1, size(tree%holders, 1)
+            if (tree%holders(k, body) == 0) exit
+            associate (c => tree%holders(k, body))
+               rows = system%constraints(c)%item%rows
+               z(row + 1:row + rows, :) = work%jacobians(side_at(system, c, body), c)%z
+               row = row + rows
+            end associate
+         end do
+         call split_motion(system%layout%rates(body), row, z, system%model%length, work%bodies(body)%inverse, &
+            & work%bodies(body)%hanging)
+      end associate
+   end subroutine hold_frame
+
+   !> The side of a constraint that a body is.
+   pure integer function side_at(system, constraint, body) result(side)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: constraint, body
+      side = merge(1, 2, system%constraints(constraint)%item%bodies(1) == body)
+   end function side_at
+
    !> Takes from a body's mass the part of eta, and adds what eta makes between the constraints.
-   pure subroutine condense_body(n, coupling, eta_rows, rows_place, mass, values)
-      integer, intent(in) :: n
-      !> (n,3), (n,rows)
-      real(wp), intent(in) :: coupling(:, :), eta_rows(:, :)
-      !> Places of the block between the constraint rows (rows,rows)
-      integer, intent(in) :: rows_place(:, :)
+   pure subroutine condense_body(n, rows, coupling, eta_rows, rows_place, mass, values)
+      integer, intent(in) :: n, rows
+      real(wp), intent(in) :: coupling(n, 3), eta_rows(n, rows)
+      !> Places of the block between the constraint rows
+      integer, intent(in) :: rows_place(rows, rows)
       real(wp), intent(inout) :: mass(3, 3)
       !> Entries of the multiplier matrix
       real(wp), contiguous, intent(inout) :: values(:)
@@ -148,7 +179,7 @@ contains
             mass(j, i) = mass(i, j)
          end do
       end do
-      do j = 1, size(rows_place, 2)
+      do j = 1, rows
          do i = 1, j
             part = 0.0_wp
             do k = 1, n
@@ -159,6 +190,52 @@ contains
          end do
       end do
    end subroutine condense_body
+
+   !> Takes from a frame's force, and from the right-hand sides of the constraints on it, the part of eta.
+   pure subroutine condense_force(n, rows, rates, coupling, eta_rows, eta_force, list, condensed, solution)
+      integer, intent(in) :: n, rows, rates
+      real(wp), intent(in) :: coupling(n, 3), eta_rows(n, rows), eta_force(n)
+      !> Places of the constraints among the unknowns
+      integer, intent(in) :: list(rows)
+      real(wp), intent(inout) :: condensed(3)
+      real(wp), contiguous, intent(inout) :: solution(:)
+      real(wp) :: part
+      integer :: j, k
+      do j = 1, rates
+         part = 0.0_wp
+         do k = 1, n
+            part = part + coupling(k, j)*eta_force(k)
+         end do
+         condensed(j) = condensed(j) - part
+      end do
+      do j = 1, rows
+         part = 0.0_wp
+         do k = 1, n
+            part = part + eta_rows(k, j)*eta_force(k)
+         end do
+         solution(list(j)) = solution(list(j)) - part
+      end do
+   end subroutine condense_force
+
+   !> Second derivatives of eta, eq. (14).
+   pure subroutine expand_eta(n, rows, coupling, eta_rows, eta_force, list, solution, acceleration, a)
+      integer, intent(in) :: n, rows
+      real(wp), intent(in) :: coupling(n, 3), eta_rows(n, rows), eta_force(n)
+      integer, intent(in) :: list(rows)
+      !> Unknowns, and accelerations of the frame
+      real(wp), contiguous, intent(in) :: solution(:)
+      real(wp), intent(in) :: acceleration(3)
+      real(wp), intent(inout) :: a(n)
+      integer :: j, k
+      do k = 1, n
+         a(k) = eta_force(k) - coupling(k, 1)*acceleration(1) - coupling(k, 2)*acceleration(2) - coupling(k, 3)*acceleration(3)
+      end do
+      do j = 1, rows
+         do k = 1, n
+            a(k) = a(k) - eta_rows(k, j)*solution(list(j))
+         end do
+      end do
+   end subroutine expand_eta
 
    !> Adds the mass of a free frame.
    pure subroutine add_frame(place, mass, values)
@@ -272,15 +349,17 @@ contains
 
    !> Solves with the factors. In: `force` and `eta_force` of each body in the workspace, `gamma` of the constraints.
    !> Out: a (nq layout; the places of u hold [alpha, 0]), and the multipliers of the unknowns in work%solution.
-   subroutine solve_multiplier_system(system, work, gamma, a)
+   subroutine solve_multiplier_system(system, work, gamma, a, still)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Right-hand sides of the constraints (nc)
       real(wp), intent(in) :: gamma(:)
       !> Frame accelerations, alpha and eta'' (nq)
-      real(wp), intent(out) :: a(:)
+      real(wp), contiguous, intent(out) :: a(:)
+      !> Whether all forces are zero
+      logical, intent(in) :: still
       call set_bias(system, work, gamma)
-      call set_right_side(system, work, gamma)
+      call set_right_side(system, work, gamma, still)
       call work%matrix%solve(work%solution)
       if (system%redundant) call refine(system, work)
       call expand(system, work, a)
@@ -303,19 +382,29 @@ contains
       end do
    end subroutine refine
 
-   !> The same without forces, and with all frames of the tree in their places: only the other constraints have a right-hand side.
+   !> The same without forces, and with all frames that hang in their places: only the other constraints have a right-hand side.
    subroutine solve_gaps(system, work, gaps, a)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      !> Right-hand sides (nc); those of the tree are not looked at
+      !> Right-hand sides (nc); those of what hangs are not looked at, or zero
       real(wp), intent(in) :: gaps(:)
       !> As in `solve_multiplier_system`
-      real(wp), intent(out) :: a(:)
+      real(wp), contiguous, intent(out) :: a(:)
       integer :: i
       do i = 1, size(work%bodies)
          work%bodies(i)%bias = 0.0_wp
          work%bodies(i)%eta_force = 0.0_wp
       end do
+      if (system%tree%holds) then
+         do i = 1, size(work%bodies)
+            work%bodies(i)%force = 0.0_wp
+         end do
+         call set_bias(system, work, gaps)
+         call set_right_side(system, work, gaps, .true.)
+         call work%matrix%solve(work%solution)
+         call expand(system, work, a)
+         return
+      end if
       work%solution(:system%tree%free) = 0.0_wp
       do i = 1, size(gaps)
          if (system%tree%row(i) > 0) work%solution(system%tree%row(i)) = gaps(i)
@@ -328,9 +417,8 @@ contains
    subroutine expand(system, work, a)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(out) :: a(:)
-      integer :: i, j, k, first
-      real(wp) :: value
+      real(wp), contiguous, intent(out) :: a(:)
+      integer :: i, j, first
       do i = 1, size(work%bodies)
          first = system%layout%q(i)
          associate (body => work%bodies(i))
@@ -345,16 +433,8 @@ contains
             a(first:first + 1) = body%acceleration(1:2)
             if (.not. system%layout%framed(i)) cycle
             a(first + 2:first + 3) = [body%acceleration(3), 0.0_wp]
-            do k = 1, system%layout%n(i)
-               value = body%eta_force(k)
-               do j = 1, 3
-                  value = value - body%coupling(k, j)*body%acceleration(j)
-               end do
-               do j = 1, size(body%rows)
-                  value = value - body%eta_rows(k, j)*work%solution(body%rows(j))
-               end do
-               a(first + 3 + k) = value
-            end do
+            if (system%layout%n(i) > 0) call expand_eta(system%layout%n(i), size(body%rows), body%coupling, body%eta_rows, &
+               & body%eta_force, body%rows, work%solution, body%acceleration, a(first + 4:first + 3 + system%layout%n(i)))
          end associate
       end do
    end subroutine expand
@@ -371,6 +451,10 @@ contains
             if (tree%plain(i)) cycle
             associate (bias => work%bodies(i)%bias)
                bias = 0.0_wp
+               if (tree%grip(i) > 0) then
+                  call set_held_bias(system, work, i, gamma)
+                  cycle
+               end if
                if (tree%joint(i) > 0) then
                   row = system%constraints(tree%joint(i))%item%first
                   bias(1:2) = gamma(row:row + 1)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
@@ -387,11 +471,37 @@ contains
       end associate
    end subroutine set_bias
 
+   !> What the rows that hold a frame give it beside the unknowns, eq. (P3).
+   pure subroutine set_held_bias(system, work, body, gamma)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: body
+      real(wp), intent(in) :: gamma(:)
+      real(wp) :: right
+      integer :: k, j, row, side, other
+      row = 0
+      do k = 1, size(system%tree%holders, 1)
+         if (system%tree%holders(k, body) == 0) exit
+         associate (c => system%tree%holders(k, body), bias => work%bodies(body)%bias, inverse => work%bodies(body)%inverse)
+            side = 3 - side_at(system, c, body)
+            other = system%constraints(c)%item%bodies(side)
+            do j = 1, system%constraints(c)%item%rows
+               right = gamma(system%constraints(c)%item%first + j - 1)
+               if (other /= ground) right = right - dot_product(work%jacobians(side, c)%z(j, :), work%bodies(other)%bias)
+               row = row + 1
+               bias = bias + inverse(:, row)*right
+            end do
+         end associate
+      end do
+   end subroutine set_held_bias
+
    !> Right-hand side of the unknowns, eqs. (15) and (33b).
-   subroutine set_right_side(system, work, gamma)
+   subroutine set_right_side(system, work, gamma, still)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: gamma(:)
+      !> Whether there are no forces on eta
+      logical, intent(in) :: still
       integer :: i, j, k, rates, column
       associate (tree => system%tree, solution => work%solution)
          solution(:tree%free) = 0.0_wp
@@ -402,14 +512,8 @@ contains
             rates = system%layout%rates(i)
             associate (body => work%bodies(i))
                body%condensed = body%force
-               do k = 1, system%layout%n(i)
-                  do j = 1, rates
-                     body%condensed(j) = body%condensed(j) - body%coupling(k, j)*body%eta_force(k)
-                  end do
-                  do j = 1, size(body%rows)
-                     solution(body%rows(j)) = solution(body%rows(j)) - body%eta_rows(k, j)*body%eta_force(k)
-                  end do
-               end do
+               if (system%layout%n(i) > 0 .and. .not. still) call condense_force(system%layout%n(i), size(body%rows), rates, &
+                  & body%coupling, body%eta_rows, body%eta_force, body%rows, body%condensed, solution)
                if (tree%plain(i)) then
                   do j = 1, rates
                      column = tree%columns(j, i)
@@ -483,15 +587,22 @@ contains
             end do
             associate (body => work%bodies(i))
                do j = 1, size(body%rows)
-                  left = left - work%jacobians(body%sources(2, j), body%sources(1, j))%condensed(body%sources(3, j), :) &
-                     & *work%solution(body%rows(j))
+                  associate (condensed => work%jacobians(body%sources(2, j), body%sources(1, j))%condensed)
+                     do row = 1, 3
+                        left(row) = left(row) - condensed(body%sources(3, j), row)*work%solution(body%rows(j))
+                     end do
+                  end associate
                end do
             end associate
             j = tree%first(i)
             do while (j > 0)
-               call take_joint(system, work, j, left)
+               call take_borne(system, work, j, left)
                j = tree%next(j)
             end do
+            if (tree%grip(i) > 0) then
+               call recover_held(system, work, i, left)
+               cycle
+            end if
             if (tree%joint(i) > 0) then
                row = system%constraints(tree%joint(i))%item%first
                work%lambda(row:row + 1) = left(1:2)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
@@ -504,20 +615,37 @@ contains
       end associate
    end subroutine recover_multipliers
 
-   !> Takes from what is left of a carrier's forces those of the joint on which a body hangs.
-   pure subroutine take_joint(system, work, hanging, left)
+   !> Multipliers of the rows that hold a frame, from what is left of its forces, eq. (P4).
+   pure subroutine recover_held(system, work, body, left)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: body
+      real(wp), intent(in) :: left(3)
+      integer :: k, j, row
+      row = 0
+      do k = 1, size(system%tree%holders, 1)
+         if (system%tree%holders(k, body) == 0) exit
+         associate (item => system%constraints(system%tree%holders(k, body))%item)
+            do j = item%first, item%first + item%rows - 1
+               row = row + 1
+               work%lambda(j) = dot_product(work%bodies(body)%inverse(:, row), left)
+            end do
+         end associate
+      end do
+   end subroutine recover_held
+
+   !> Takes from what is left of a body's forces those of a constraint that places another one on it.
+   pure subroutine take_borne(system, work, number, left)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
-      !> Index of the body that hangs
-      integer, intent(in) :: hanging
+      !> Of the constraint's side, 2 (c - 1) + s
+      integer, intent(in) :: number
       real(wp), intent(inout) :: left(3)
-      integer :: row
-      associate (joint => system%tree%joint(hanging))
-         do row = 1, 2
-            left = left - work%jacobians(3 - system%tree%side(hanging), joint)%z(row, :) &
-               & *work%lambda(system%constraints(joint)%item%first + row - 1)
-         end do
-      end associate
-   end subroutine take_joint
+      integer :: row, c
+      c = (number + 1)/2
+      do row = 1, system%constraints(c)%item%rows
+         left = left - work%jacobians(number - 2*(c - 1), c)%z(row, :)*work%lambda(system%constraints(c)%item%first + row - 1)
+      end do
+   end subroutine take_borne
 
 end module limber_system_multiplier

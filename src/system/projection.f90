@@ -4,16 +4,17 @@
 module limber_system_projection
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
+   use limber_model_scene, only: point_type
    use limber_system_algebra, only: cross
    use limber_system_condensation, only: place_axial, place_axial_rates, stretch_axial, release_axial
    use limber_system_drivers, only: driven_angle_type
    use limber_system_dynamics, only: linearise, position_residual, velocity_residual
-   use limber_system_kinematics, only: place_drives, place_frames, point_position
+   use limber_system_kinematics, only: place_drives, place_frames, point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians, solve_multiplier_system, solve_gaps
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: project_position, project_velocity, settle, settle_position, settle_stretched
+   public :: project_position, project_velocity, settle, settle_position, settle_stretched, list_unplaced, place_known
 
 contains
 
@@ -26,7 +27,7 @@ contains
       !> Coordinates (nq)
       real(wp), intent(inout) :: q(:)
       !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
+      real(wp), contiguous, intent(inout) :: change(:)
       !> Residual relative to the constraints' scales that is small enough
       real(wp), intent(in) :: tolerance
       !> Residual at first, with all frames of the tree in their places, and residual reached
@@ -43,7 +44,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
-      real(wp), intent(inout) :: q(:), change(:)
+      real(wp), contiguous, intent(inout) :: q(:), change(:)
       real(wp), intent(in) :: tolerance
       real(wp), intent(out) :: before, residual
       integer, parameter :: most = 6
@@ -68,14 +69,14 @@ contains
    end subroutine project_placed
 
    !> Puts frames that hang on others, or are driven, where they belong.
-   pure subroutine place_tree(system, work, t, q)
+   subroutine place_tree(system, work, t, q)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates (nq)
       real(wp), intent(inout) :: q(:)
       real(wp) :: place(2)
-      integer :: i, k, first
+      integer :: i, j, k, first
       call place_drives(system%model, t, work%kinematics)
       associate (tree => system%tree)
          do k = 1, size(tree%order)
@@ -85,15 +86,104 @@ contains
                place = point_position(system%layout, system%model%points(system%marker_points(tree%marker(i))), q)
                q(first:first + 1) = place
             end if
-            if (tree%driver(i) > 0) then
-               select type (item => system%constraints(tree%driver(i))%item)
-               type is (driven_angle_type)
-                  q(first + 2:first + 3) = work%kinematics%drives(item%drive)%heading
-               end select
+            if (tree%driver(i) > 0) call head_frame(tree%driver(i))
+            if (tree%grip(i) > 0) then
+               do j = 1, count(tree%holders(:, i) > 0)
+                  call head_frame(tree%holders(j, i))
+               end do
+               if (tree%axes(1, i) > 0) q(first:first + 1) = work%kinematics%drives(tree%axes(:, i))%value
             end if
          end do
       end associate
+
+   contains
+
+      !> To where a driver turns it, if the constraint is one.
+      subroutine head_frame(constraint)
+         integer, intent(in) :: constraint
+         select type (item => system%constraints(constraint)%item)
+         type is (driven_angle_type)
+            q(first + 2:first + 3) = work%kinematics%drives(item%drive)%heading
+         end select
+      end subroutine head_frame
+
    end subroutine place_tree
+
+   !> Indices of the coordinates that `place_known` does not give.
+   subroutine list_unplaced(system, list)
+      type(system_type), intent(in) :: system
+      integer, allocatable, intent(out) :: list(:)
+      logical :: placed(system%layout%nq)
+      integer :: i, j, first
+      placed = .false.
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i)
+         placed(first:first + 1) = system%tree%given(1, i)
+         if (system%layout%framed(i)) placed(first + 2:first + 3) = system%tree%given(2, i)
+      end do
+      allocate (list(count(.not. placed)))
+      list = pack([(j, j=1, size(placed))], .not. placed)
+   end subroutine list_unplaced
+
+   !> Coordinates and velocities that follow from the time alone: of frames that are driven, and origins of those that hang on them.
+   subroutine place_known(system, work, t, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      integer :: i, j, k, first
+      call place_drives(system%model, t, work%kinematics)
+      associate (tree => system%tree)
+         do k = 1, size(tree%order)
+            i = tree%order(k)
+            first = system%layout%q(i)
+            if (tree%given(1, i)) then
+               if (tree%joint(i) > 0) then
+                  call follow_carrier(system, system%model%points(system%marker_points(tree%marker(i))), first, q, v)
+               else
+                  q(first:first + 1) = work%kinematics%drives(tree%axes(:, i))%value
+                  v(first:first + 1) = work%kinematics%drives(tree%axes(:, i))%rate
+               end if
+            end if
+            if (.not. tree%given(2, i)) cycle
+            if (tree%driver(i) > 0) call turn_frame(system, work, tree%driver(i), first, q, v)
+            do j = 1, count(tree%holders(:, i) > 0)
+               call turn_frame(system, work, tree%holders(j, i), first, q, v)
+            end do
+         end do
+      end associate
+   end subroutine place_known
+
+   !> Origin of a frame at a point of another body, or of the ground.
+   pure subroutine follow_carrier(system, point, first, q, v)
+      type(system_type), intent(in) :: system
+      type(point_type), intent(in) :: point
+      !> First index of the frame's coordinates
+      integer, intent(in) :: first
+      real(wp), intent(inout) :: q(:), v(:)
+      real(wp) :: place(2), rate(2)
+      place = point_position(system%layout, point, q)
+      rate = point_velocity(system%layout, point, q, v)
+      q(first:first + 1) = place
+      v(first:first + 1) = rate
+   end subroutine follow_carrier
+
+   !> A frame as a driver turns it, if the constraint is one.
+   pure subroutine turn_frame(system, work, constraint, first, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      integer, intent(in) :: constraint, first
+      real(wp), intent(inout) :: q(:), v(:)
+      select type (item => system%constraints(constraint)%item)
+      type is (driven_angle_type)
+         associate (drive => work%kinematics%drives(item%drive))
+            q(first + 2:first + 3) = drive%heading
+            v(first + 2) = -drive%rate*drive%heading(2)
+            v(first + 3) = drive%rate*drive%heading(1)
+         end associate
+      end select
+   end subroutine turn_frame
 
    !> Moves a state that is near the constraints onto them, at position and at velocity level.
    subroutine settle(system, work, t, q, v, change, exact, residual, error)
@@ -103,7 +193,7 @@ contains
       !> Coordinates and velocities (nq)
       real(wp), intent(inout) :: q(:), v(:)
       !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
+      real(wp), contiguous, intent(inout) :: change(:)
       !> Whether the multiplier system is to be left linearised at the very state, as accelerations want it
       logical, intent(in) :: exact
       !> Residual of the position reached
@@ -151,7 +241,7 @@ contains
       !> Coordinates (nq)
       real(wp), intent(inout) :: q(:)
       !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
+      real(wp), contiguous, intent(inout) :: change(:)
       !> Residual before, zero if nothing had to be moved but what hangs or is driven; and residual reached
       real(wp), intent(out) :: before, residual
       type(error_type), allocatable, intent(out) :: error
@@ -172,7 +262,7 @@ contains
       !> Velocities (nq)
       real(wp), intent(inout) :: v(:)
       !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
+      real(wp), contiguous, intent(inout) :: change(:)
       !> Residual before, relative to the constraints' scales
       real(wp), intent(out) :: residual
       integer :: i, first
@@ -180,7 +270,7 @@ contains
       call clear_forces(work)
       if (system%condensed) call place_axial_rates(system, work, v)
       residual = velocity_residual(system, work, v)
-      call solve_multiplier_system(system, work, work%gamma, change)
+      call solve_multiplier_system(system, work, work%gamma, change, .true.)
       do i = 1, size(work%bodies)
          if (.not. system%layout%framed(i)) cycle
          first = system%layout%q(i) + 2

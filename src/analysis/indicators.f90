@@ -11,7 +11,8 @@ module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_flex_stations, only: stations_type, new_stations
-   use limber_model_scene, only: body_type, ground, joint_point_on_line, joint_translational, joint_curve, joint_sliding
+   use limber_model_scene, only: body_type, ground, joint_point_on_line, joint_translational, joint_curve, joint_sliding, &
+      & joint_revolute, joint_weld
    use limber_system_algebra, only: cross
    use limber_system_kinematics, only: point_position
    use limber_system_system, only: system_type, workspace_type
@@ -23,11 +24,11 @@ module limber_analysis_indicators
    !> Kinds of indicators, those of a body in this order
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
-      & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_count = 12
+      & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, indicator_count = 13
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
-      & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping']
+      & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', 'shortening']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(100) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -40,12 +41,13 @@ module limber_analysis_indicators
       & 'largest work of the axial force on the bending / energy of bending', &
       & 'the same for the axial force that the model lacks in the mean of its k_G elements', &
       & 'the same for the variation of the axial force within the k_G elements', &
-      & 'error of the frequencies by the lumped masses, of the modes that move']
+      & 'error of frequencies and deflections by the lumped masses', &
+      & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending']
 
    !> Maxima that the indicators are made of
    integer, parameter :: peak_deflection = 1, peak_slope = 2, peak_rotation = 3, peak_compression = 4, peak_tension = 5, &
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
-      & peak_stiffness = 12, peaks = 12
+      & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peaks = 14
 
    !> One flexible body
    type :: body_indicators_type
@@ -58,8 +60,8 @@ module limber_analysis_indicators
       !> Maxima and their times; largest energy of each bending coordinate, and its time
       real(wp) :: peak(peaks) = 0.0_wp, time(peaks) = 0.0_wp
       real(wp), allocatable :: modal(:), modal_time(:)
-      !> Scratch: deflection of bending, slopes and axial forces at the stations, amplitudes along and across, forces at places
-      real(wp), allocatable, private :: slope(:), force(:), along(:), across(:)
+      !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates
+      real(wp), allocatable, private :: slope(:), force(:), along(:), across(:), own(:)
    end type body_indicators_type
 
    !> All flexible bodies of a scene
@@ -121,6 +123,7 @@ contains
       type(error_type), allocatable :: error
       real(wp), allocatable :: place(:)
       logical, allocatable :: jointed(:)
+      logical :: held
       body%body = index
       associate (flexible => system%model%bodies(index))
          body%is_beam = .not. flexible%is_frame .and. flexible%reduced%bending > 0
@@ -130,24 +133,27 @@ contains
          body%modal = 0.0_wp
          body%modal_time = 0.0_wp
          if (.not. body%is_beam) return
-         call find_places(self, system, index, place, jointed)
-         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, body%stations, error)
+         call find_places(self, system, index, place, jointed, held)
+         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, held, &
+            & body%stations, error)
          body%is_beam = .not. allocated(error)
          associate (stations => body%stations)
             allocate (body%slope(stations%count), body%force(stations%count))
-            allocate (body%along(size(stations%pull, 1)), body%across(2 + 2*size(place)))
+            allocate (body%along(size(stations%pull, 1)), body%across(2 + 2*size(place)), body%own(stations%bending))
          end associate
       end associate
    end subroutine start_body
 
    !> Where joints and loads act on a beam.
-   subroutine find_places(self, system, index, place, jointed)
+   subroutine find_places(self, system, index, place, jointed, held)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: index
       !> Coordinates along the beam, all different, and whether joints act there
       real(wp), allocatable, intent(out) :: place(:)
       logical, allocatable, intent(out) :: jointed(:)
+      !> Whether two places are pinned or welded to the same other body
+      logical, intent(out) :: held
       real(wp) :: found(2*size(system%constraints) + 3*size(system%loads))
       logical :: joint(size(found))
       integer :: i, side, count
@@ -166,10 +172,35 @@ contains
             end do
          end associate
       end do
+      held = .false.
+      do i = 1, size(system%model%joints)
+         do side = 1, i - 1
+            held = held .or. partner(i) == partner(side) .and. partner(i) >= 0 .and. ends_of(i) /= ends_of(side)
+         end do
+      end do
       allocate (place, source=found(:count))
       allocate (jointed, source=joint(:count))
 
    contains
+
+      !> The body that a pin or weld joins to the beam; -1 if the joint is another one.
+      pure integer function partner(joint)
+         integer, intent(in) :: joint
+         partner = -1
+         if (all(system%model%joints(joint)%kind /= [joint_revolute, joint_weld])) return
+         associate (bodies => system%constraints(joint)%item%bodies)
+            if (bodies(1) == index .and. bodies(2) /= index) partner = bodies(2)
+            if (bodies(2) == index .and. bodies(1) /= index) partner = bodies(1)
+         end associate
+      end function partner
+
+      !> Place of the joint on the beam.
+      pure integer function ends_of(joint)
+         integer, intent(in) :: joint
+         associate (item => system%constraints(joint)%item)
+            ends_of = self%place(item%points(merge(1, 2, item%bodies(1) == index)))
+         end associate
+      end function ends_of
 
       subroutine enter(point, is_joint)
          integer, intent(in) :: point
@@ -309,6 +340,7 @@ contains
       self%across = 0.0_wp
       self%across(1) = -cross(u, heavy)
       self%across(2) = -alpha
+      self%own = omega**2*eta(:b) - acceleration(:b)
    end subroutine start_amplitudes
 
    !> Forces of joints and drivers.
@@ -398,23 +430,34 @@ contains
       type(body_indicators_type), intent(inout) :: self
       type(body_type), intent(in) :: body
       real(wp), intent(in) :: t, eta(:)
-      real(wp) :: load, work, lack, coarse, elastic, left_out, row
+      real(wp) :: load, work, lack, coarse, elastic, left_out, lost, row, foreshortening, quartic
       integer :: s, k
       associate (stations => self%stations)
          load = 0.0_wp
          work = 0.0_wp
+         quartic = 0.0_wp
+         foreshortening = 0.0_wp
+         if (stations%membrane > 0.0_wp) foreshortening = sum(stations%weight*self%slope**2)
          do s = 1, stations%count
             self%force(s) = 0.0_wp
             do k = 1, size(self%along)
                self%force(s) = self%force(s) + stations%pull(k, s)*self%along(k)
             end do
+            self%force(s) = self%force(s) + stations%membrane*foreshortening
             load = load + stations%buckling(s)*self%force(s)
             work = work + stations%weight(s)*self%force(s)*self%slope(s)**2
+            quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
          end do
          call compare_tension(self, eta, lack, coarse)
          elastic = 0.0_wp
+         lost = 0.0_wp
          do k = 1, stations%bending
             elastic = elastic + body%reduced%omega2(k)*eta(k)**2
+            row = stations%lost(k, 1)*self%across(1) + stations%lost(k, 2)*self%across(2)
+            do s = 1, stations%bending
+               row = row + stations%lost(k, 2 + s)*self%own(s)
+            end do
+            lost = lost + row**2/body%reduced%omega2(k)
          end do
          left_out = 0.0_wp
          do s = 1, size(self%across)
@@ -432,6 +475,8 @@ contains
       call raise_peak(self, peak_axial, abs(lack), t)
       call raise_peak(self, peak_coarse, abs(coarse), t)
       call raise_peak(self, peak_left_out, left_out, t)
+      call raise_peak(self, peak_lost, lost, t)
+      call raise_peak(self, peak_quartic, abs(quartic), t)
    end subroutine observe_forces
 
    !> Work on the bending of the axial force that the model lacks: in the means of the k_G elements, and in what varies about them.
@@ -532,7 +577,9 @@ contains
          case (indicator_coarseness); value = ratio(peak(peak_coarse), peak(peak_stiffness))
          case (indicator_lumping)
             value = 0.0_wp
-            if (self%is_beam) value = ratio(maxval(self%modal*self%stations%lumping), peak(peak_energy))
+            if (self%is_beam) value = max(ratio(maxval(self%modal*self%stations%lumping), peak(peak_energy)), &
+               & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
+         case (indicator_shortening); value = ratio(peak(peak_quartic), peak(peak_stiffness))
          case default; value = peak(kind)
          end select
       end associate
@@ -553,7 +600,8 @@ contains
       case (indicator_coarseness); t = self%time(peak_coarse)
       case (indicator_lumping)
          t = 0.0_wp
-         if (self%is_beam) t = self%modal_time(maxloc(self%modal*self%stations%lumping, dim=1))
+         if (self%is_beam) t = self%time(peak_lost)
+      case (indicator_shortening); t = self%time(peak_quartic)
       case default; t = self%time(kind)
       end select
    end function indicator_time

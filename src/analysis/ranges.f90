@@ -17,7 +17,7 @@ module limber_analysis_ranges
 
    !> Values from which a warning is given, each about an error of some per cent in the deflection; huge: none
    real(wp), parameter :: indicator_limits(indicator_count) = [0.1_wp, 0.3_wp, 1.0_wp, 1.0_wp, huge(1.0_wp), huge(1.0_wp), &
-      & huge(1.0_wp), 0.05_wp, 0.05_wp, 0.05_wp, 0.05_wp, 0.02_wp]
+      & huge(1.0_wp), 0.05_wp, 0.05_wp, 0.05_wp, 0.05_wp, 0.02_wp, 0.02_wp]
 
 contains
 

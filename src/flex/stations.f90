@@ -42,8 +42,12 @@ module limber_flex_stations
       real(wp), allocatable :: buckling(:)
       !> Flexibility across the beam that the chosen functions leave out, for unit amplitudes (2 + 2 places, 2 + 2 places), eq. (I6)
       real(wp), allocatable :: left_out(:, :)
-      !> Relative error of each bending frequency by the lumped masses (bending), eq. (I9)
-      real(wp), allocatable :: lumping(:)
+      !> Relative error of each bending frequency by the lumped masses (bending), and what they lose of the force that a uniform
+      !> acceleration, one about the origin of the frame, and those of the coordinates put on each (bending, 2 + bending),
+      !> eqs. (I9), (I10)
+      real(wp), allocatable :: lumping(:), lost(:, :)
+      !> E A / 2 length of a beam whose ends cannot approach each other while its model lets them, otherwise zero
+      real(wp) :: membrane = 0.0_wp
    end type stations_type
 
    !> Least number of stations
@@ -52,7 +56,7 @@ module limber_flex_stations
 contains
 
    !> Makes the stations of a beam.
-   subroutine new_stations(beam, choice, field, body, place, jointed, stations, error)
+   subroutine new_stations(beam, choice, field, body, place, jointed, held, stations, error)
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
       type(field_type), intent(in) :: field
@@ -60,6 +64,8 @@ contains
       !> Coordinates along the beam where joints and loads act [length], and whether these are joints
       real(wp), intent(in) :: place(:)
       logical, intent(in) :: jointed(:)
+      !> Whether joints hold two of its places at a distance
+      logical, intent(in) :: held
       type(stations_type), intent(out) :: stations
       type(error_type), allocatable, intent(out) :: error
       stations%bending = body%bending
@@ -68,6 +74,8 @@ contains
       stations%elements = choice%geometric_elements
       stations%linear = choice%linear
       allocate (stations%place, source=place)
+      if (.not. body%full .and. (held .or. (choice%support%u_start .and. choice%support%u_end))) &
+         & stations%membrane = 0.5_wp*beam%ea/beam%length
       call divide(beam, stations)
       call shape_stations(field, beam%length, stations)
       call share_tension(beam, choice, field, body, stations)
@@ -75,6 +83,7 @@ contains
       call find_euler(body, jointed, stations)
       call find_left_out(beam, choice, field, body, stations, error)
       call estimate_lumping(beam, field, body, stations)
+      call weigh_loads(beam, choice%origin, field, stations)
    end subroutine new_stations
 
    !> Places and weights: three Gauss points in each of equal pieces of the k_G elements.
@@ -304,5 +313,44 @@ contains
             & + b**4/1440
       end do
    end subroutine estimate_lumping
+
+   !> What the masses in the nodes take from the loads of accelerations: their sum, less the integral along the beam.
+   subroutine weigh_loads(beam, origin, field, stations)
+      type(beam_type), intent(in) :: beam
+      real(wp), intent(in) :: origin
+      type(field_type), intent(in) :: field
+      type(stations_type), intent(inout) :: stations
+      real(wp), parameter :: gauss(4) = [-0.861136311594053_wp, -0.339981043584856_wp, 0.339981043584856_wp, 0.861136311594053_wp]
+      real(wp), parameter :: heavy(4) = [0.173927422568727_wp, 0.326072577431273_wp, 0.326072577431273_wp, 0.173927422568727_wp]
+      real(wp) :: l, x, part
+      integer :: e, k
+      allocate (stations%lost(stations%bending, 2 + stations%bending))
+      stations%lost = 0.0_wp
+      do e = 1, beam%elements
+         l = element_length(beam, e)
+         do k = e - 1, e
+            part = -0.5_wp*beam%rho_a*l
+            call add(field%w(k, :), field%s(k))
+         end do
+         do k = 1, 4
+            x = field%s(e - 1) + 0.5_wp*(1 + gauss(k))*l
+            part = heavy(k)*beam%rho_a*l
+            call add(deflection_at(field, x), x)
+         end do
+      end do
+
+   contains
+
+      subroutine add(w, at)
+         real(wp), intent(in) :: w(:), at
+         integer :: j
+         stations%lost(:, 1) = stations%lost(:, 1) + part*w
+         stations%lost(:, 2) = stations%lost(:, 2) + part*w*(at - origin)
+         do j = 1, stations%bending
+            stations%lost(:, 2 + j) = stations%lost(:, 2 + j) + part*w*w(j)
+         end do
+      end subroutine add
+
+   end subroutine weigh_loads
 
 end module limber_flex_stations

@@ -29,7 +29,7 @@ module limber_analysis_indicators
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', 'shortening']
-   character(*), parameter :: indicator_meanings(indicator_count) = [character(100) :: &
+   character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
       & 'largest rotation speed of the frame / first frequency', &
@@ -39,8 +39,8 @@ module limber_analysis_indicators
       & 'part of the last bending coordinate in the energy of bending', &
       & 'part of the energy of bending that the coordinates cannot carry', &
       & 'largest work of the axial force on the bending / energy of bending', &
-      & 'the same for the axial force that the model lacks in the mean of its k_G elements', &
-      & 'the same for the variation of the axial force within the k_G elements', &
+      & 'relative deflection that the axial force makes which the model lacks in the means of its k_G elements', &
+      & 'the same of the variation of the axial force within the k_G elements', &
       & 'error of frequencies and deflections by the lumped masses', &
       & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending']
 
@@ -60,8 +60,9 @@ module limber_analysis_indicators
       !> Maxima and their times; largest energy of each bending coordinate, and its time
       real(wp) :: peak(peaks) = 0.0_wp, time(peaks) = 0.0_wp
       real(wp), allocatable :: modal(:), modal_time(:)
-      !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates
-      real(wp), allocatable, private :: slope(:), force(:), along(:), across(:), own(:)
+      !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
+      !> forces on these
+      real(wp), allocatable, private :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
    end type body_indicators_type
 
    !> All flexible bodies of a scene
@@ -139,7 +140,8 @@ contains
          body%is_beam = .not. allocated(error)
          associate (stations => body%stations)
             allocate (body%slope(stations%count), body%force(stations%count))
-            allocate (body%along(size(stations%pull, 1)), body%across(2 + 2*size(place)), body%own(stations%bending))
+            allocate (body%along(size(stations%pull, 1)), body%across(2 + 2*size(place)), body%own(stations%bending), &
+               & body%push(3, stations%bending))
          end associate
       end associate
    end subroutine start_body
@@ -448,7 +450,7 @@ contains
             work = work + stations%weight(s)*self%force(s)*self%slope(s)**2
             quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
          end do
-         call compare_tension(self, eta, lack, coarse)
+         call compare_tension(self, body, eta, lack, coarse)
          elastic = 0.0_wp
          lost = 0.0_wp
          do k = 1, stations%bending
@@ -472,23 +474,24 @@ contains
       call raise_peak(self, peak_tension, load, t)
       call raise_peak(self, peak_geometric, abs(work), t)
       call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
-      call raise_peak(self, peak_axial, abs(lack), t)
-      call raise_peak(self, peak_coarse, abs(coarse), t)
+      call raise_peak(self, peak_axial, lack, t)
+      call raise_peak(self, peak_coarse, coarse, t)
       call raise_peak(self, peak_left_out, left_out, t)
       call raise_peak(self, peak_lost, lost, t)
       call raise_peak(self, peak_quartic, abs(quartic), t)
    end subroutine observe_forces
 
-   !> Work on the bending of the axial force that the model lacks: in the means of the k_G elements, and in what varies about them.
-   pure subroutine compare_tension(self, eta, lack, coarse)
-      type(body_indicators_type), intent(in) :: self
+   !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about them;
+   !> the squares of relative deflections times the energy of bending, eqs. (I5), (I6).
+   pure subroutine compare_tension(self, body, eta, lack, coarse)
+      type(body_indicators_type), intent(inout) :: self
+      type(body_type), intent(in) :: body
       real(wp), intent(in) :: eta(:)
       real(wp), intent(out) :: lack, coarse
-      real(wp) :: length, mean, tilt, bent, moment, own, tension, part
+      real(wp) :: length, mean, tilt, own, tension, part
       integer :: g, s, k, j, from, each
+      self%push = 0.0_wp
       associate (stations => self%stations)
-         lack = 0.0_wp
-         coarse = 0.0_wp
          each = stations%count/stations%elements
          do g = 1, stations%elements
             from = (g - 1)*each
@@ -510,19 +513,25 @@ contains
                   end do
                end do
             end if
-            bent = 0.0_wp
-            moment = 0.0_wp
             do s = from + 1, from + each
                tension = own
                do k = 1, stations%axial
                   tension = tension + stations%strain(k, s)*eta(stations%bending + k)
                end do
-               part = stations%weight(s)*self%slope(s)**2
-               bent = bent + part*(tension - mean - tilt*stations%xi(s))
-               moment = moment + part*(self%force(s) - mean - tilt*stations%xi(s))
+               do j = 1, stations%bending
+                  part = stations%weight(s)*self%slope(s)*stations%slope(j, s)
+                  self%push(1, j) = self%push(1, j) + part*(tension - mean - tilt*stations%xi(s))
+                  self%push(2, j) = self%push(2, j) + part*(self%force(s) - mean - tilt*stations%xi(s))
+                  self%push(3, j) = self%push(3, j) + stations%weight(s)*self%force(s)*stations%slope(j, s)**2
+               end do
             end do
-            lack = lack + bent
-            coarse = coarse + moment
+         end do
+         lack = 0.0_wp
+         coarse = 0.0_wp
+         do j = 1, stations%bending
+            part = body%reduced%omega2(j) + max(self%push(3, j), 0.0_wp)
+            lack = lack + self%push(1, j)**2/part
+            coarse = coarse + self%push(2, j)**2/part
          end do
       end associate
    end subroutine compare_tension
@@ -573,8 +582,8 @@ contains
             if (size(self%modal) > 0) value = ratio(self%modal(size(self%modal)), peak(peak_energy))
          case (indicator_residual); value = ratio(peak(peak_left_out), peak(peak_left_out) + peak(peak_energy))
          case (indicator_geometric); value = ratio(peak(peak_geometric), peak(peak_stiffness))
-         case (indicator_axial); value = ratio(peak(peak_axial), peak(peak_stiffness))
-         case (indicator_coarseness); value = ratio(peak(peak_coarse), peak(peak_stiffness))
+         case (indicator_axial); value = sqrt(ratio(peak(peak_axial), peak(peak_stiffness)))
+         case (indicator_coarseness); value = sqrt(ratio(peak(peak_coarse), peak(peak_stiffness)))
          case (indicator_lumping)
             value = 0.0_wp
             if (self%is_beam) value = max(ratio(maxval(self%modal*self%stations%lumping), peak(peak_energy)), &

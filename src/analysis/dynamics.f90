@@ -209,7 +209,7 @@ contains
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
       !> Steps, and parts of the run, after which they are observed again
-      integer, parameter :: steps = 16, parts = 100
+      integer, parameter :: steps = 32, parts = 50
       type(error_type), allocatable :: error
       integer :: before(2)
       if (size(outcome%indicators%bodies) == 0) return

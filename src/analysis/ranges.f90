@@ -15,8 +15,8 @@ module limber_analysis_ranges
    private
    public :: range_warnings, record_indicators, excess
 
-   !> Part of the length below which a deflection is none
-   real(wp), parameter :: nothing = 1.0e-9_wp
+   !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
+   real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter :: slow = 0.3_wp
 
@@ -68,9 +68,13 @@ contains
       type(indicators_type), intent(in) :: indicators
       type(model_type), intent(in) :: model
       character(:), allocatable :: text
-      real(wp) :: most, value
+      real(wp) :: most, value, largest
       integer :: kind, i, worst, others
       text = ''
+      largest = 0.0_wp
+      do i = 1, size(indicators%bodies)
+         largest = max(largest, indicator_value(indicators%bodies(i), indicator_deflection)*indicators%bodies(i)%length)
+      end do
       do kind = 1, indicator_count
          most = 1.0_wp
          worst = 0
@@ -78,6 +82,8 @@ contains
          do i = 1, size(indicators%bodies)
             value = excess(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind)
             if (.not. value > 1.0_wp) cycle
+            if (all(kind /= [indicator_rotation, indicator_compression]) .and. indicators%bodies(i)%length &
+               & *indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
             others = others + 1
             if (.not. value > most) cycle
             most = value

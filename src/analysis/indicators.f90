@@ -47,13 +47,15 @@ module limber_analysis_indicators
    !> Maxima that the indicators are made of
    integer, parameter :: peak_deflection = 1, peak_slope = 2, peak_rotation = 3, peak_compression = 4, peak_tension = 5, &
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
-      & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peaks = 14
+      & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peaks = 15
 
    !> One flexible body
    type :: body_indicators_type
       !> Index of the body in the model, and whether it is a straight beam: a frame has no indicators of axial forces and loads
       integer :: body = 0
       logical :: is_beam = .false.
+      !> Whether its model is FULL
+      logical :: is_full = .false.
       type(stations_type) :: stations
       !> First frequency, and length or size
       real(wp) :: first_frequency = 1.0_wp, length = 1.0_wp
@@ -130,6 +132,7 @@ contains
          body%is_beam = .not. flexible%is_frame .and. flexible%reduced%bending > 0
          body%first_frequency = sqrt(minval(flexible%reduced%omega2))
          body%length = flexible%size
+         body%is_full = flexible%reduced%full
          allocate (body%modal(flexible%reduced%bending), body%modal_time(flexible%reduced%bending))
          body%modal = 0.0_wp
          body%modal_time = 0.0_wp
@@ -262,14 +265,16 @@ contains
       type(body_type), intent(in) :: body
       !> Time, angular velocity of the frame, coordinates and their rates (n)
       real(wp), intent(in) :: t, omega, eta(:), rate(:)
-      real(wp) :: deflection, slope, elastic, kinetic, part
+      real(wp) :: deflection, slope, elastic, kinetic, bent, part
       integer :: k, s
       elastic = 0.0_wp
       kinetic = 0.0_wp
+      bent = 0.0_wp
       do k = 1, body%reduced%bending
          part = body%reduced%omega2(k)*eta(k)**2
          elastic = elastic + part
          kinetic = kinetic + rate(k)**2
+         bent = bent + eta(k)**2
          if (part > self%modal(k)) then
             self%modal(k) = part
             self%modal_time(k) = t
@@ -300,6 +305,7 @@ contains
       call raise_peak(self, peak_rotation, abs(omega)/self%first_frequency, t)
       call raise_peak(self, peak_energy, elastic, t)
       call raise_peak(self, peak_kinetic, kinetic, t)
+      call raise_peak(self, peak_bent, bent, t)
    end subroutine observe_motion
 
    !> Largest displacement and rotation of the nodes of a frame.
@@ -482,7 +488,7 @@ contains
    end subroutine observe_forces
 
    !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about them;
-   !> the squares of relative deflections times the energy of bending, eqs. (I5), (I6).
+   !> squares of the change: in energy, of what FULL lacks in deflection, eqs. (I5), (I6).
    pure subroutine compare_tension(self, body, eta, lack, coarse)
       type(body_indicators_type), intent(inout) :: self
       type(body_type), intent(in) :: body
@@ -530,7 +536,7 @@ contains
          coarse = 0.0_wp
          do j = 1, stations%bending
             part = body%reduced%omega2(j) + max(self%push(3, j), 0.0_wp)
-            lack = lack + self%push(1, j)**2/part
+            lack = lack + merge((self%push(1, j)/part)**2, self%push(1, j)**2/part, body%reduced%full)
             coarse = coarse + self%push(2, j)**2/part
          end do
       end associate
@@ -582,7 +588,7 @@ contains
             if (size(self%modal) > 0) value = ratio(self%modal(size(self%modal)), peak(peak_energy))
          case (indicator_residual); value = ratio(peak(peak_left_out), peak(peak_left_out) + peak(peak_energy))
          case (indicator_geometric); value = ratio(peak(peak_geometric), peak(peak_stiffness))
-         case (indicator_axial); value = sqrt(ratio(peak(peak_axial), peak(peak_stiffness)))
+         case (indicator_axial); value = sqrt(ratio(peak(peak_axial), peak(merge(peak_bent, peak_stiffness, self%is_full))))
          case (indicator_coarseness); value = sqrt(ratio(peak(peak_coarse), peak(peak_stiffness)))
          case (indicator_lumping)
             value = 0.0_wp

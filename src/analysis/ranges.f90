@@ -44,7 +44,7 @@ contains
          if (linear) then
             limit = 0.5_wp
          else if (indicator_value(indicators, indicator_pace) < slow) then
-            limit = merge(1.0_wp, 0.9_wp, body%reduced%full)
+            limit = 1.0_wp
          end if
       case (indicator_geometric)
          if (linear) limit = 0.05_wp

@@ -49,7 +49,7 @@ contains
       case (indicator_geometric)
          if (linear) limit = 0.05_wp
       case (indicator_axial)
-         if (.not. linear) limit = 0.05_wp
+         if (.not. linear) limit = 0.04_wp
       case (indicator_coarseness)
          if (.not. linear) limit = 0.05_wp
       case (indicator_residual, indicator_lumping)

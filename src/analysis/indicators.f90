@@ -67,6 +67,14 @@ module limber_analysis_indicators
       real(wp), allocatable, private :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
    end type body_indicators_type
 
+   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that does not slide along the beam, and the other
+   !> body of a pin or weld, -1 for others
+   type :: contact_type
+      integer :: point = 0
+      logical :: is_joint = .false.
+      integer :: partner = -1
+   end type contact_type
+
    !> All flexible bodies of a scene
    type :: indicators_type
       type(body_indicators_type), allocatable :: bodies(:)
@@ -87,6 +95,8 @@ contains
    subroutine start_indicators(self, system)
       type(indicators_type), intent(out) :: self
       type(system_type), intent(in) :: system
+      type(contact_type), allocatable :: contacts(:)
+      integer :: first(size(system%model%bodies) + 1)
       integer :: i, count, most
       allocate (self%of(size(system%model%bodies)), self%place(size(system%model%points)))
       allocate (self%fixed(2, size(system%constraints)))
@@ -112,16 +122,18 @@ contains
             self%fixed(2, i) = .false.
          end select
       end do
+      call list_contacts(self, system, first, contacts)
       do i = 1, size(self%of)
-         if (self%of(i) > 0) call start_body(self, system, i, self%bodies(self%of(i)))
+         if (self%of(i) > 0) call start_body(self, system, i, contacts(first(i):first(i + 1) - 1), self%bodies(self%of(i)))
       end do
    end subroutine start_indicators
 
    !> The constants of one body.
-   subroutine start_body(self, system, index, body)
+   subroutine start_body(self, system, index, contacts, body)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: index
+      type(contact_type), intent(in) :: contacts(:)
       type(body_indicators_type), intent(inout) :: body
       type(error_type), allocatable :: error
       real(wp), allocatable :: place(:)
@@ -137,7 +149,7 @@ contains
          body%modal = 0.0_wp
          body%modal_time = 0.0_wp
          if (.not. body%is_beam) return
-         call find_places(self, system, index, place, jointed, held)
+         call find_places(self, system, index, contacts, place, jointed, held)
          call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, held, &
             & body%stations, error)
          body%is_beam = .not. allocated(error)
@@ -149,84 +161,104 @@ contains
       end associate
    end subroutine start_body
 
+   !> What acts on flexible bodies, body by body.
+   subroutine list_contacts(self, system, first, contacts)
+      type(indicators_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      !> Where the contacts of a body begin (bodies + 1)
+      integer, intent(out) :: first(:)
+      type(contact_type), allocatable, intent(out) :: contacts(:)
+      integer :: pass, i, side, fill(size(first)), partner
+      first = 0
+      do pass = 1, 2
+         do i = 1, size(system%constraints)
+            associate (item => system%constraints(i)%item)
+               do side = 1, 2
+                  partner = -1
+                  if (i <= size(system%model%joints)) then
+                     if (any(system%model%joints(i)%kind == [joint_revolute, joint_weld])) partner = item%bodies(3 - side)
+                  end if
+                  call enter(item%bodies(side), item%points(side), i <= size(system%model%joints) .and. self%fixed(side, i), &
+                     & partner)
+               end do
+            end associate
+         end do
+         do i = 1, size(system%loads)
+            associate (item => system%loads(i)%item)
+               do side = 1, size(item%points)
+                  call enter(item%bodies(side), item%points(side), .false., -1)
+               end do
+            end associate
+         end do
+         if (pass == 2) exit
+         first(1) = 1
+         do i = 2, size(first)
+            first(i) = first(i - 1) + first(i)
+         end do
+         fill = first
+         allocate (contacts(first(size(first)) - 1))
+      end do
+
+   contains
+
+      !> First counts, then enters.
+      subroutine enter(body, point, is_joint, partner)
+         integer, intent(in) :: body, point, partner
+         logical, intent(in) :: is_joint
+         if (body == ground .or. point == 0) return
+         if (self%of(body) == 0) return
+         if (pass == 1) then
+            first(body + 1) = first(body + 1) + 1
+         else
+            contacts(fill(body))%point = point
+            contacts(fill(body))%is_joint = is_joint
+            contacts(fill(body))%partner = partner
+            fill(body) = fill(body) + 1
+         end if
+      end subroutine enter
+
+   end subroutine list_contacts
+
    !> Where joints and loads act on a beam.
-   subroutine find_places(self, system, index, place, jointed, held)
+   subroutine find_places(self, system, index, contacts, place, jointed, held)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: index
+      !> Those of the beam
+      type(contact_type), intent(in) :: contacts(:)
       !> Coordinates along the beam, all different, and whether joints act there
       real(wp), allocatable, intent(out) :: place(:)
       logical, allocatable, intent(out) :: jointed(:)
       !> Whether two places are pinned or welded to the same other body
       logical, intent(out) :: held
-      real(wp) :: found(2*size(system%constraints) + 3*size(system%loads))
-      logical :: joint(size(found))
-      integer :: i, side, count
+      real(wp) :: found(size(contacts)), x
+      logical :: joint(size(contacts))
+      integer :: i, k, count
       count = 0
       joint = .false.
-      do i = 1, size(system%constraints)
-         do side = 1, 2
-            if (system%constraints(i)%item%bodies(side) == index) &
-               & call enter(system%constraints(i)%item%points(side), i <= size(system%model%joints) .and. self%fixed(side, i))
-         end do
-      end do
-      do i = 1, size(system%loads)
-         associate (item => system%loads(i)%item)
-            do side = 1, size(item%bodies)
-               if (item%bodies(side) == index) call enter(item%points(side), .false.)
-            end do
-         end associate
-      end do
       held = .false.
-      do i = 1, size(system%model%joints)
-         do side = 1, i - 1
-            held = held .or. partner(i) == partner(side) .and. partner(i) >= 0 .and. ends_of(i) /= ends_of(side)
+      associate (body => system%model%bodies(index))
+         do i = 1, size(contacts)
+            x = min(max(system%model%points(contacts(i)%point)%p0(1) + body%choice%origin, 0.0_wp), body%beam%length)
+            do k = 1, count
+               if (abs(found(k) - x) <= 1.0e-9_wp*body%beam%length) exit
+            end do
+            if (k > count) then
+               count = k
+               found(k) = x
+            end if
+            joint(k) = joint(k) .or. contacts(i)%is_joint
+            self%place(contacts(i)%point) = k
+         end do
+      end associate
+      do i = 1, size(contacts)
+         do k = 1, i - 1
+            if (contacts(i)%partner < 0 .or. contacts(i)%partner /= contacts(k)%partner) cycle
+            held = held .or. self%place(contacts(i)%point) /= self%place(contacts(k)%point)
          end do
       end do
       allocate (place, source=found(:count))
       allocate (jointed, source=joint(:count))
-
-   contains
-
-      !> The body that a pin or weld joins to the beam; -1 if the joint is another one.
-      pure integer function partner(joint)
-         integer, intent(in) :: joint
-         partner = -1
-         if (all(system%model%joints(joint)%kind /= [joint_revolute, joint_weld])) return
-         associate (bodies => system%constraints(joint)%item%bodies)
-            if (bodies(1) == index .and. bodies(2) /= index) partner = bodies(2)
-            if (bodies(2) == index .and. bodies(1) /= index) partner = bodies(1)
-         end associate
-      end function partner
-
-      !> Place of the joint on the beam.
-      pure integer function ends_of(joint)
-         integer, intent(in) :: joint
-         associate (item => system%constraints(joint)%item)
-            ends_of = self%place(item%points(merge(1, 2, item%bodies(1) == index)))
-         end associate
-      end function ends_of
-
-      subroutine enter(point, is_joint)
-         integer, intent(in) :: point
-         logical, intent(in) :: is_joint
-         real(wp) :: x
-         integer :: k
-         if (point == 0) return
-         associate (body => system%model%bodies(index))
-            x = min(max(system%model%points(point)%p0(1) + body%choice%origin, 0.0_wp), body%beam%length)
-            do k = 1, count
-               if (abs(found(k) - x) <= 1.0e-9_wp*body%beam%length) exit
-            end do
-         end associate
-         if (k > count) then
-            count = k
-            found(k) = x
-         end if
-         joint(k) = joint(k) .or. is_joint
-         self%place(point) = k
-      end subroutine enter
-
    end subroutine find_places
 
    !> Takes a state into the maxima. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.

@@ -6,6 +6,7 @@ module limber_analysis_dynamics
    use limber_base_text, only: as_text, newline
    use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, start_axial_watch, watch_axial, &
       & pass_axial_break, axial_findings
+   use limber_analysis_indicators, only: indicators_type, start_indicators, observe
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
    use limber_integrator_adams, only: adams_type
@@ -47,12 +48,17 @@ module limber_analysis_dynamics
       character(:), allocatable :: axial
       !> Envelopes of internal forces (bodies)
       type(effort_type), allocatable :: efforts(:)
+      !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it
+      type(indicators_type), allocatable :: indicators
    end type outcome_type
 
    !> Scratch of the sampling, allocated once
    type :: sample_type
       real(wp), allocatable :: q(:), v(:), a(:), change(:), values(:)
       real(wp) :: w = 0.0_wp
+      !> Number of the step and time at which flexible bodies are to be observed next, whichever comes first
+      integer(long) :: next_step = 0
+      real(wp) :: next_look = -huge(1.0_wp)
    end type sample_type
 
 contains
@@ -99,6 +105,8 @@ contains
       associate (nq => scene%system%layout%nq, dynamics => scene%system%model%dynamics)
          allocate (sample%q(nq), sample%v(nq), sample%a(nq), sample%change(nq), sample%values(sample_width(scene%system)))
          sample%a = 0.0_wp
+         allocate (outcome%indicators)
+         call start_indicators(outcome%indicators, scene%system)
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%angle = scene%angle
          outcome%reached = dynamics%start
@@ -163,6 +171,7 @@ contains
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
+         call look(scene, dynamics, integrator, sample, outcome)
          call check_deflections(scene%system, integrator%t, sample%q, sample%v, error)
          if (allocated(error)) exit
          call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
@@ -237,6 +246,34 @@ contains
             & "', AXIAL DYNAMICS=STATIC: "//verdict%words//'; use FULL')
       end do
    end subroutine report_axial
+
+   !> Observes the flexible bodies now and then: it takes an evaluation, which is not counted.
+   subroutine look(scene, dynamics, integrator, sample, outcome)
+      type(scene_type), intent(inout) :: scene
+      type(dynamics_type), intent(in) :: dynamics
+      class(integrator_type), intent(in) :: integrator
+      !> With the state at the end of a step
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      !> Steps, and parts of the run, after which they are observed again
+      integer, parameter :: steps = 32, parts = 50
+      type(error_type), allocatable :: error
+      integer :: before(2)
+      if (size(outcome%indicators%bodies) == 0) return
+      if (integrator%statistics%steps < sample%next_step .and. integrator%t < sample%next_look) return
+      sample%next_step = integrator%statistics%steps + steps
+      sample%next_look = integrator%t + (dynamics%end - dynamics%start)/parts
+      associate (system => scene%system, work => scene%work)
+         before = [work%evaluations, work%matrix%factorisations]
+         call linearise(system, work, integrator%t, sample%q, error)
+         if (.not. allocated(error)) then
+            call accelerations(system, work, sample%q, sample%v, sample%a)
+            call observe(outcome%indicators, system, work, integrator%t, sample%q, sample%v, sample%a)
+         end if
+         work%evaluations = before(1)
+         work%matrix%factorisations = before(2)
+      end associate
+   end subroutine look
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.

@@ -9,6 +9,7 @@ module limber_analysis_record
    use limber_analysis_dynamics, only: outcome_type
    use limber_analysis_envelope, only: record_envelope
    use limber_analysis_scalars, only: scalar_values
+   use limber_analysis_ranges, only: record_indicators
    use limber_analysis_scene, only: scene_type
    use limber_analysis_steps, only: passed_type
    use limber_deck_effective, only: effective_deck
@@ -238,6 +239,8 @@ contains
       if (.not. allocated(error)) call put_checks()
       if (.not. allocated(error)) call put_envelopes()
       if (.not. allocated(error)) call put_scalars()
+      if (allocated(outcome%indicators) .and. .not. allocated(error)) call record_indicators(outcome%indicators, &
+         & scene%system%model, history, error)
       if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
       if (allocated(error)) return
       if (message == '') then

@@ -7,6 +7,7 @@ module limber_analysis_run
    use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table
    use limber_analysis_errors, only: magnitude
+   use limber_analysis_ranges, only: range_warnings
    use limber_analysis_record, only: open_history, record_outcome, record_steps
    use limber_analysis_scalars, only: scalar_values, scalar_lines
    use limber_analysis_scene, only: scene_type, read_scene, mobility_line
@@ -125,7 +126,7 @@ contains
       call run_dynamics(scene, integrator, history, progress, outcome, error)
       if (.not. quiet) call progress%finish()
       if (allocated(outcome%warnings)) scene%warnings = scene%warnings//outcome%warnings
-      scene%warnings = scene%warnings//energy_warning(outcome)
+      scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)//energy_warning(outcome)
       if (allocated(error)) then
          call record_outcome(scene, outcome, integrator%statistics, error%message, history%history_type, write_error)
          error%message = path//': '//error%message//what_is_left(results, batch%in_memory)
@@ -175,6 +176,7 @@ contains
       type(error_type), allocatable :: write_error
       character(:), allocatable :: lines
       call run_steps(scene, path, quiet, history, passed, outcome, statistics, lines, error)
+      if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
       call record_steps(scene, passed, history%history_type, write_error)
       report = scene%warnings//path//': '//scene%system%model%heading//lines//newline//'   '//as_text(outcome%cpu, 3)// &
          & ' s CPU; '//as_text(scene%reading + scene%building + scene%assembling, 3)//' s before it'//newline//'   '// &

@@ -6,6 +6,7 @@ module limber_analysis_statics
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
    use limber_analysis_dynamics, only: outcome_type, check_residuals
+   use limber_analysis_indicators, only: start_indicators, observe
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_model_scene, only: step_type, leave_unstable, stop_unstable
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
@@ -61,6 +62,8 @@ contains
       call cpu_time(cpu)
       outcome%cpu = -cpu
       outcome%reached = step%dynamics%start
+      allocate (outcome%indicators)
+      call start_indicators(outcome%indicators, scene%system)
       call start(scene, statics)
       call pass_increments(scene, step, statics, history, progress, outcome, error)
       call load_scene(scene, step, 1.0_wp, statics)
@@ -414,6 +417,7 @@ contains
          call update_jacobians(system, work)
          work%lambda = statics%lambda
          call check_residuals(system, work, .false., balance%v, outcome)
+         call observe(outcome%indicators, system, work, t, statics%q, balance%v, balance%a)
          statics%recorder%work = 0.0_wp
          call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)
       end associate

@@ -4,6 +4,7 @@ module limber_analysis_steps
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
    use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
+   use limber_analysis_indicators, only: join_indicators
    use limber_analysis_kinematics, only: run_kinematics
    use limber_analysis_modes, only: run_modes
    use limber_analysis_scene, only: scene_type, settle_integrator
@@ -160,10 +161,11 @@ contains
 
    !> Adds the outcome of an analysis to that of all.
    subroutine add_outcome(part, is_first, outcome)
-      type(outcome_type), intent(in) :: part
+      type(outcome_type), intent(inout) :: part
       logical, intent(in) :: is_first
       type(outcome_type), intent(inout) :: outcome
       call join_envelopes(part%efforts, outcome%efforts)
+      call join_indicators(part%indicators, outcome%indicators)
       outcome%reached = part%reached
       outcome%samples = outcome%samples + part%samples
       outcome%wall = outcome%wall + part%wall

@@ -10,7 +10,7 @@ module limber_flex_mesh
    private
    public :: beam_type, support_type, field_type, new_support, mesh_beam, count_bending_modes, count_axial_modes
    public :: concentrate, bending_modes, axial_modes, nodal_masses, nodal_inertias, deflection_at, slope_at, extension_at
-   public :: element_of
+   public :: element_of, element_length
 
    !> A straight uniform beam along the body's x axis and its division into elements
    type :: beam_type
@@ -41,6 +41,8 @@ module limber_flex_mesh
       real(wp), allocatable :: w(:, :), theta(:, :)
       !> Axial displacement of each axial coordinate (0:elements, number)
       real(wp), allocatable :: u(:, :)
+      !> Mean strain of each axial coordinate over the k_G elements, or their pieces (pieces, number)
+      real(wp), allocatable :: strain(:, :)
       !> Squared circular frequencies of both [1/time^2]
       real(wp), allocatable :: omega2_bending(:), omega2_axial(:)
    end type field_type

@@ -139,6 +139,7 @@ contains
          if (all(left_out > 0)) note = note//', '
          note = note//left_out_note(left_out(2), 'axial ')
       end if
+      allocate (field%strain, source=strains)
 
       call sum_inertia(beam, choice%origin, field, body)
       allocate (body%omega2, source=[field%omega2_bending, field%omega2_axial])

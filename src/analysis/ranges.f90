@@ -1,0 +1,211 @@
+!> The ranges of the models of flexible bodies: judges the indicators of a run, warns where a model was used outside its range, and
+!> writes them to the result file. What error a model makes at the limits is measured in doc/fidelity.md. Floor: analysis.
+!> Source: doc/theory, eqs. (I1)-(I10).
+module limber_analysis_ranges
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
+      & indicator_names, indicator_meanings, indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
+      & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
+      & indicator_lumping, indicator_shortening
+   use limber_model_scene, only: model_type, body_type
+   use limber_output_history, only: history_type
+   implicit none
+   private
+   public :: range_warnings, record_indicators, excess
+
+   !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
+   real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
+   !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
+   real(wp), parameter :: slow = 0.3_wp
+
+contains
+
+   !> An indicator of a body relative to the limit of the body's model: outside its range above 1, zero where there is no limit.
+   !> At the limits the deflections err by some per cent.
+   pure real(wp) function excess(indicators, body, kind)
+      type(body_indicators_type), intent(in) :: indicators
+      type(body_type), intent(in) :: body
+      !> One of indicator_...
+      integer, intent(in) :: kind
+      logical :: linear
+      real(wp) :: limit
+      linear = .not. body%reduced%geometric
+      limit = huge(1.0_wp)
+      select case (kind)
+      case (indicator_deflection)
+         if (.not. body%reduced%full) limit = 0.1_wp
+      case (indicator_slope)
+         limit = 0.3_wp
+      case (indicator_rotation)
+         if (linear) limit = 1.0_wp
+      case (indicator_compression)
+         if (linear) then
+            limit = 0.5_wp
+         else if (indicator_value(indicators, indicator_pace) < slow) then
+            limit = 1.0_wp
+         end if
+      case (indicator_geometric)
+         if (linear) limit = 0.05_wp
+      case (indicator_axial)
+         if (.not. linear) limit = 0.04_wp
+      case (indicator_coarseness)
+         if (.not. linear) limit = 0.05_wp
+      case (indicator_residual, indicator_lumping)
+         limit = 0.05_wp
+      case (indicator_shortening)
+         limit = 0.03_wp
+      end select
+      excess = indicator_value(indicators, kind)/limit
+      if (any(kind == [indicator_rotation, indicator_compression])) return
+      if (.not. indicator_value(indicators, indicator_deflection) > nothing) excess = 0.0_wp
+   end function excess
+
+   !> Warnings of a run, one line after another, for each kind of indicator one, of the body that is worst; empty if all is within
+   !> range.
+   function range_warnings(indicators, model) result(text)
+      type(indicators_type), intent(in) :: indicators
+      type(model_type), intent(in) :: model
+      character(:), allocatable :: text
+      real(wp) :: most, value, largest
+      integer :: kind, i, worst, others
+      text = ''
+      largest = 0.0_wp
+      do i = 1, size(indicators%bodies)
+         largest = max(largest, indicator_value(indicators%bodies(i), indicator_deflection)*indicators%bodies(i)%length)
+      end do
+      do kind = 1, indicator_count
+         most = 1.0_wp
+         worst = 0
+         others = -1
+         do i = 1, size(indicators%bodies)
+            value = excess(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind)
+            if (.not. value > 1.0_wp) cycle
+            if (all(kind /= [indicator_rotation, indicator_compression]) .and. indicators%bodies(i)%length &
+               & *indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
+            others = others + 1
+            if (.not. value > most) cycle
+            most = value
+            worst = i
+         end do
+         if (worst == 0) cycle
+         associate (body => indicators%bodies(worst), of => model%bodies(indicators%bodies(worst)%body))
+            text = text//'warning: '//trim(merge('frame', 'beam ', of%is_frame))//" '"//of%name//"'"
+            if (others > 0) text = text//' (and '//as_text(others)//' more)'
+            text = text//' '//what_is_wrong(body, of, kind)//'; '//what_to_do(body, of, kind, most)//newline
+         end associate
+      end do
+   end function range_warnings
+
+   !> The number, when, and why it matters.
+   function what_is_wrong(indicators, body, kind) result(text)
+      type(body_indicators_type), intent(in) :: indicators
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: kind
+      character(:), allocatable :: text
+      character(:), allocatable :: value, percent, when
+      value = as_text(indicator_value(indicators, kind), 2)
+      percent = as_text(100*indicator_value(indicators, kind), 2)//' %'
+      when = ' at t = '//as_text(indicator_time(indicators, kind), 4)
+      select case (kind)
+      case (indicator_deflection)
+         text = 'deflects by '//percent//' of its length in its frame'//when//', beyond the 10 % that '//fidelity(body)// &
+            & ' is for'
+      case (indicator_slope)
+         text = 'has slopes up to '//value//' in its frame'//when//', beyond the 0.3 that one frame is for'
+      case (indicator_rotation)
+         text = 'rotates at '//value//' times its first frequency'//when//', and a LINEAR beam is not stiffened by the tension'// &
+            & ' that rotation makes'
+      case (indicator_compression)
+         text = 'is compressed by '//value//" times its Euler load"//when
+         if (body%reduced%full) text = text//'; how far a beam buckles, one frame describes badly'
+         if (body%reduced%geometric .and. .not. body%reduced%full) text = text//', where K_G has nothing that ends the buckling'
+         if (.not. body%reduced%geometric) text = text//', and a LINEAR beam does not buckle'
+      case (indicator_geometric)
+         text = 'deflects under axial forces whose work on the bending is '//percent//' of its elastic energy'//when// &
+            & ', and a LINEAR beam leaves it out'
+      case (indicator_axial)
+         text = 'lacks axial force that changes its deflection by about '//percent//when
+         if (indicators%stations%membrane > 0.0_wp) then
+            text = text//': its ends cannot approach each other as it bends'
+         else if (body%reduced%full) then
+            text = text//': it locks, for its axial functions cannot carry the shortening by bending'
+         else
+            text = text//': its axial functions cannot carry the tension'
+         end if
+      case (indicator_coarseness)
+         text = 'has an axial force that varies within its '//as_text(indicators%stations%elements)//' k_G elements, which'// &
+            & ' changes its deflection by about '//percent//when
+      case (indicator_residual)
+         text = 'bends under the forces and couples of its joints and loads by '//percent//' of the energy in ways that its '// &
+            & as_text(body%reduced%bending)//' bending coordinates cannot'//when
+      case (indicator_lumping)
+         text = 'has too few elements: with the mass in the nodes its deflection errs by about '//percent//when
+      case default
+         text = 'has large slopes under an axial force'//when//': the shortening that one frame leaves out does work of '// &
+            & percent//' of the energy of bending'
+      end select
+   end function what_is_wrong
+
+   !> What to use instead.
+   function what_to_do(indicators, body, kind, over) result(text)
+      type(body_indicators_type), intent(in) :: indicators
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: kind
+      !> How many times above its limit
+      real(wp), intent(in) :: over
+      character(:), allocatable :: text
+      select case (kind)
+      case (indicator_deflection); text = 'use GEOMETRIC=FULL, or divide the beam into SEGMENTS'
+      case (indicator_rotation); text = 'use GEOMETRIC=K_G or FULL'
+      case (indicator_compression)
+         text = 'divide the beam into SEGMENTS'
+         if (.not. body%reduced%geometric) text = 'use GEOMETRIC=FULL, or divide the beam into SEGMENTS'
+      case (indicator_geometric)
+         text = 'use GEOMETRIC=K_G or FULL'
+         if (indicators%stations%membrane > 0.0_wp) text = 'use GEOMETRIC=FULL'
+      case (indicator_axial)
+         text = 'use AXIAL BASIS=STATIC or ELEMENTS'
+         if (indicators%stations%membrane > 0.0_wp) text = 'use GEOMETRIC=FULL'
+         if (body%reduced%n == body%reduced%bending) text = 'give it AXIAL MODES, or AXIAL BASIS=STATIC'
+      case (indicator_coarseness)
+         text = 'use GEOMETRIC ELEMENTS='//as_text(ceiling(1.2_wp*indicators%stations%elements*sqrt(over)))
+         if (.not. body%reduced%full) text = text//', or GEOMETRIC INTEGRAL=LINEAR'
+      case (indicator_residual)
+         text = 'use more BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints'
+      case (indicator_lumping)
+         text = 'use ELEMENTS='//as_text(ceiling(1.2_wp*body%beam%elements*sqrt(over)))
+      case default; text = 'divide the beam into SEGMENTS'
+      end select
+   end function what_to_do
+
+   pure function fidelity(body) result(name)
+      type(body_type), intent(in) :: body
+      character(:), allocatable :: name
+      name = 'LINEAR'
+      if (body%reduced%geometric) name = 'K_G'
+      if (body%reduced%full) name = 'FULL'
+   end function fidelity
+
+   !> The indicators of all flexible bodies: /bodies/<name>/indicators/<indicator>, its value and its time.
+   subroutine record_indicators(indicators, model, history, error)
+      type(indicators_type), intent(in) :: indicators
+      type(model_type), intent(in) :: model
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: group
+      integer :: i, k
+      do i = 1, size(indicators%bodies)
+         associate (body => indicators%bodies(i))
+            group = '/bodies/'//model%bodies(body%body)%name//'/indicators'
+            do k = 1, indicator_count
+               call history%put_real(group//'/'//trim(indicator_names(k)), [indicator_value(body, k), indicator_time(body, k)], &
+                  & '1, '//model%units%time, trim(indicator_meanings(k))//', and when', error)
+               if (allocated(error)) return
+            end do
+         end associate
+      end do
+   end subroutine record_indicators
+
+end module limber_analysis_ranges

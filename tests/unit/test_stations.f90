@@ -1,0 +1,118 @@
+!> Stations of beams: Euler's loads and the axial force of rotation in closed form, the flexibility that modes leave out, the error by
+!> the lumped masses against frequencies that are known.
+program test_stations
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_flex_mesh, only: beam_type, field_type, new_support
+   use limber_flex_reduced, only: reduced_type
+   use limber_flex_reduction, only: reduction_type, reduce_beam, fidelity_kg, axial_by_elements
+   use limber_flex_stations, only: stations_type, new_stations
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+   call test_euler()
+   call test_rotation()
+   call test_left_out()
+   call test_lumping()
+   call finish()
+
+contains
+
+   !> A beam of unit length, mass and bending rigidity with joints or loads at both ends.
+   subroutine make(support, elements, modes, jointed, stations, omega2)
+      character(*), intent(in) :: support
+      integer, intent(in) :: elements, modes
+      logical, intent(in) :: jointed(2)
+      type(stations_type), intent(out) :: stations
+      real(wp), allocatable, intent(out) :: omega2(:)
+      type(beam_type) :: beam
+      type(reduction_type) :: choice
+      type(field_type) :: field
+      type(reduced_type) :: body
+      type(error_type), allocatable :: error
+      beam%ea = 1.0e6_wp
+      beam%ei = 1.0_wp
+      beam%rho_a = 1.0_wp
+      beam%length = 1.0_wp
+      beam%elements = elements
+      choice%support = new_support(support)
+      choice%bending = modes
+      choice%axial = 0
+      choice%fidelity = fidelity_kg
+      choice%geometric_elements = 2
+      choice%axial_basis = axial_by_elements
+      call reduce_beam(beam, choice, body, field, error)
+      call check_no_error(error, support)
+      call new_stations(beam, choice, field, body, [0.0_wp, 1.0_wp], jointed, .false., stations, error)
+      call check_no_error(error, support//': stations')
+      allocate (omega2, source=body%omega2(:body%bending))
+   end subroutine make
+
+   subroutine test_euler()
+      call judge('PINNED-ROLLER', [.true., .true.], 1, pi**2, 1.0e-6_wp)
+      call judge('CLAMPED-FREE', [.true., .false.], 6, pi**2/4, 3.0e-3_wp)
+      call judge('CLAMPED-CLAMPED', [.true., .true.], 6, 4*pi**2, 3.0e-3_wp)
+      ! Modes of a cantilever between two pins: the force acts along the line through them
+      call judge('CLAMPED-FREE', [.true., .true.], 10, pi**2, 2.0e-2_wp)
+      call judge('FREE-FREE', [.true., .true.], 10, pi**2, 2.0e-2_wp)
+   end subroutine test_euler
+
+   subroutine judge(support, jointed, modes, load, tolerance)
+      character(*), intent(in) :: support
+      logical, intent(in) :: jointed(2)
+      integer, intent(in) :: modes
+      real(wp), intent(in) :: load, tolerance
+      type(stations_type) :: stations
+      real(wp), allocatable :: omega2(:)
+      call make(support, 64, modes, jointed, stations, omega2)
+      call check_close(stations%euler/load, 1.0_wp, tolerance, support//": Euler's load")
+      call check(stations%euler > load*(1 - 1.0e-6_wp), support//': from above')
+      call check_close(sum(stations%buckling)*stations%euler, 1.0_wp, 1.0e-9_wp, support//': of a uniform force')
+   end subroutine judge
+
+   !> N = 1/2 omega^2 (1 - x^2), and that of forces at both ends.
+   subroutine test_rotation()
+      type(stations_type) :: stations
+      real(wp), allocatable :: omega2(:), force(:)
+      real(wp) :: amplitude(2 + 2 + 3 + 2)
+      call make('CLAMPED-FREE', 7, 3, [.true., .false.], stations, omega2)
+      call check(size(stations%pull, 1) == size(amplitude), 'amplitudes')
+      amplitude = 0.0_wp
+      amplitude(2) = 9.0_wp
+      allocate (force(stations%count))
+      force(:) = matmul(amplitude, stations%pull)
+      ! Half of each element is at its node: within h^2/8 of the uniform beam
+      call check_close(maxval(abs(force - 4.5_wp*(1 - stations%x**2))), 0.0_wp, 9.0_wp/(8*49) + 1.0e-9_wp, 'rotation')
+      amplitude = 0.0_wp
+      amplitude(8:9) = [3.0_wp, 5.0_wp]
+      force(:) = matmul(amplitude, stations%pull)
+      call check_close(maxval(abs(force - 5.0_wp)), 0.0_wp, 1.0e-12_wp, 'forces at the ends')
+   end subroutine test_rotation
+
+   !> The tip of a cantilever yields by 1/3 to a force and by 1 to a couple, less what the modes carry: 4/omega^2, (2 beta tan)^2/omega^2.
+   subroutine test_left_out()
+      type(stations_type) :: stations
+      real(wp), allocatable :: omega2(:)
+      call make('CLAMPED-FREE', 128, 1, [.true., .false.], stations, omega2)
+      call check_close(stations%left_out(5, 5), 1/3.0_wp - 4/12.3623633683_wp, 2.0e-4_wp, 'force at the tip')
+      call check_close(stations%left_out(6, 6), 1 - (2*1.3765055_wp)**2/12.3623633683_wp, 5.0e-4_wp, 'couple at the tip')
+      call check_close(maxval(abs(stations%left_out(3:4, :))), 0.0_wp, 1.0e-12_wp, 'at the clamp')
+      call check_close(maxval(abs(stations%left_out - transpose(stations%left_out))), 0.0_wp, 1.0e-12_wp, 'symmetric')
+   end subroutine test_left_out
+
+   !> Frequencies of lumped masses in closed form between pins, of a cantilever from tables.
+   subroutine test_lumping()
+      type(stations_type) :: stations
+      real(wp), allocatable :: omega2(:)
+      call make('PINNED-ROLLER', 10, 4, [.true., .true.], stations, omega2)
+      call check_close(stations%lumping(2)/(1 - sqrt(omega2(2))/(4*pi**2)), 1.0_wp, 0.1_wp, 'second mode between pins')
+      call make('CLAMPED-FREE', 16, 1, [.true., .false.], stations, omega2)
+      call check_close(sqrt(omega2(1)), 3.5097247_wp, 1.0e-6_wp, 'lumped cantilever')
+      call check_close(stations%lumping(1)/(1 - 3.5097247_wp/3.5160153_wp), 1.0_wp, 0.05_wp, 'cantilever')
+      call make('PINNED-ROLLER', 2, 1, [.true., .true.], stations, omega2)
+      ! Of the uniform load on one mode of two elements: 5/8 of the length in place of 1/2
+      call check_close(stations%lost(1, 1)*sqrt(0.5_wp), 0.125_wp, 1.0e-9_wp, 'load lost')
+   end subroutine test_lumping
+
+end program test_stations

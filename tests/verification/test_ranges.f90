@@ -1,0 +1,205 @@
+!> No silent wrong answers: for each assumption of the models of beams a scene that breaks it, wrong against an independent value and
+!> warned of, and beside it one within range, right and without a warning. Sources: elliptic integrals and shooting for the elastica,
+!> shooting for w'''' = (T w')' + omega^2 w, beam-columns and membranes in closed form (doc/fidelity.md). Usage, in tests/:
+!> test_ranges RESULT_FILE
+program test_ranges
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, channel
+   use testing, only: check, check_no_error, finish
+   implicit none
+   !> The beam on a hinge and a roller, and between two hinges: words that are exchanged
+   character(*), parameter :: pins = 'CLAMPED-FREE > PINNED-ROLLER; TYPE=WELD > TYPE=REVOLUTE; *FORCE, NAME=tip > '
+   character(*), parameter :: on_roller = pins//'*JOINT, NAME=roller, TYPE=POINT ON LINE'//achar(10)// &
+      & ' beam.end, ground.origin'//achar(10)//'*FORCE, NAME=tip; '
+   character(*), parameter :: on_hinges = pins//'*JOINT, NAME=second, TYPE=REVOLUTE'//achar(10)//' beam.end, ground.far'// &
+      & achar(10)//'*GROUND'//achar(10)//' far, 1, 0'//achar(10)//'*FORCE, NAME=tip; '
+   character(*), parameter :: linear = 'GEOMETRIC=K_G > GEOMETRIC=LINEAR; ', full = 'GEOMETRIC=K_G > GEOMETRIC=FULL; '
+   character(*), parameter :: one_mode = 'AXIAL BASIS=STATIC > AXIAL BASIS=MODES, AXIAL MODES=1; '
+   character(*), parameter :: pushed = 'across = 0 > across = '
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_linear()
+   call check_buckling()
+   call check_size()
+   call check_axial()
+   call check_loads()
+   call check_motion()
+   call finish()
+
+contains
+
+   !> LINEAR leaves out the work of axial forces: of rotation, and of a compression.
+   subroutine check_linear()
+      call judge('rotation 0.28 of the first frequency', pushed//'0.1; speed = 0 > speed = 1; '//linear, 'tip', &
+         & 0.0327510999_wp, 0.10_wp, 'geometric', 0.088_wp, "beam 'beam' deflects under axial forces")
+      call judge('rotation 0.14 of it', pushed//'0.1; speed = 0 > speed = 0.5; '//linear, 'tip', &
+         & 0.0331853505_wp, 0.03_wp, 'geometric', 0.023_wp, '')
+      call judge('K_G under rotation', pushed//'0.1; speed = 0 > speed = 1', 'tip', &
+         & 0.0327510999_wp, 0.005_wp, 'geometric', 0.088_wp, '')
+      call judge('LINEAR beam-column', on_roller//linear//'along = 0 > along = -4; weight = 0 > weight = 0.001', 'middle', &
+         & -2.1925982355e-5_wp, 0.40_wp, 'geometric', 0.405_wp, 'a LINEAR beam leaves it out')
+      call judge('LINEAR beam-column at 2 %', on_roller//linear//'along = 0 > along = -0.2; weight = 0 > weight = 0.001', &
+         & 'middle', -1.3288756e-5_wp, 0.025_wp, 'geometric', 0.020_wp, '')
+   end subroutine check_linear
+
+   !> At 1.115 times Euler's load the elastica has its middle at 0.268.
+   subroutine check_buckling()
+      call judge('LINEAR does not buckle', on_roller//linear//'along = 0 > along = -11', 'middle', 0.2679176218_wp, 1.0_wp, &
+         & 'compression', 1.115_wp, 'a LINEAR beam does not buckle')
+      call judge('FULL behind buckling', on_roller//full//'along = 0 > along = -11', 'middle', 0.2679176218_wp, 0.42_wp, &
+         & 'compression', 1.115_wp, 'how far a beam buckles, one frame describes badly')
+      call judge('K_G at 0.96 of it', on_roller//'along = 0 > along = -9.5; weight = 0 > weight = 0.001', 'middle', &
+         & -3.4898191519e-4_wp, 0.002_wp, 'compression', 0.9625_wp, '')
+   end subroutine check_buckling
+
+   !> Deflections and slopes in one frame, against the elastica under a dead load at the tip.
+   subroutine check_size()
+      call judge('K_G at 16 % of the length', pushed//'0.5', 'tip', 0.162144_wp, 0.027_wp, 'deflection', 0.1666_wp, &
+         & 'of its length in its frame at t = 0, beyond the 10 % that K_G is for')
+      call judge('K_G at 7 %', pushed//'0.2', 'tip', 0.066364_wp, 0.005_wp, 'deflection', 0.0666_wp, '')
+      call judge('FULL at 16 %', full//pushed//'0.5', 'tip', 0.162144_wp, 0.002_wp, 'slope', 0.238_wp, '')
+      call judge('FULL with slopes of 0.6', full//pushed//'1.5', 'tip', 0.410978_wp, 0.034_wp, 'slope', 0.62_wp, &
+         & 'beyond the 0.3 that one frame is for')
+   end subroutine check_size
+
+   !> Axial functions that cannot carry the tension or the shortening, k_G elements that are too few, ends that cannot approach.
+   subroutine check_axial()
+      character(*), parameter :: sixteen = 'GEOMETRIC ELEMENTS=8 > GEOMETRIC ELEMENTS=16; '
+      call judge('FULL locks', full//one_mode//pushed//'0.3', 'tip', 0.098991_wp, 0.88_wp, 'axial', 6.1_wp, &
+         & 'it locks, for its axial functions')
+      call judge('FULL with static functions', full//pushed//'0.3', 'tip', 0.098991_wp, 0.003_wp, 'axial', 0.0012_wp, '')
+      call judge('one axial mode for a centrifugal tension', one_mode//sixteen//pushed//'0.1; speed = 0 > speed = 10', 'tip', &
+         & 0.0144294776_wp, 0.19_wp, 'axial', 0.056_wp, 'its axial functions cannot carry the tension')
+      call judge('static functions for it', sixteen//pushed//'0.1; speed = 0 > speed = 10', 'tip', &
+         & 0.0144294776_wp, 0.02_wp, 'axial', 0.0012_wp, '')
+      call judge('2 k_G elements', pushed//'0.1; speed = 0 > speed = 6; GEOMETRIC ELEMENTS=8 > GEOMETRIC ELEMENTS=2', 'tip', &
+         & 0.0213660959_wp, 0.1_wp, 'coarseness', 0.13_wp, 'use GEOMETRIC ELEMENTS=4')
+      call judge('8 k_G elements', pushed//'0.1; speed = 0 > speed = 6', 'tip', 0.0213660959_wp, 0.012_wp, 'coarseness', &
+         & 0.007_wp, '')
+      call judge('held ends', on_hinges//'weight = 0 > weight = 0.1', 'middle', -1.0272756052e-3_wp, 0.26_wp, 'axial', 0.30_wp, &
+         & 'its ends cannot approach each other')
+      call judge('held ends, little bent', on_hinges//'weight = 0 > weight = 0.01', 'middle', -1.2965712247e-4_wp, 0.006_wp, &
+         & 'axial', 0.0043_wp, '')
+   end subroutine check_axial
+
+   !> Loads and joints that the modes cannot follow, and masses in too few nodes.
+   subroutine check_loads()
+      call judge('a couple on two modes', 'couple = 0 > couple = 0.05; MODES=4 > MODES=2', 'slope', 0.05_wp, 0.2_wp, &
+         & 'residual', 0.2_wp, 'in ways that its 2 bending coordinates cannot')
+      call judge('with the shapes of its ends', 'couple = 0 > couple = 0.05; MODES=4 > MODES=2, END SHAPES=YES', &
+         & 'slope', 0.05_wp, 0.003_wp, 'residual', 0.0_wp, '')
+      call judge('modes of pins on a weld', 'CLAMPED-FREE > PINNED-ROLLER; '//pushed//'0.1', 'slope', 1/60.0_wp, 0.03_wp, &
+         & 'residual', 0.13_wp, 'a SUPPORT that is like its joints')
+      call judge('two elements', on_roller//'weight = 0 > weight = 0.1; ELEMENTS=40 > ELEMENTS=2; MODES=4 > MODES=1; '// &
+         & 'GEOMETRIC ELEMENTS=8 > GEOMETRIC ELEMENTS=1', 'middle', -1.3020833333e-3_wp, 0.2_wp, 'lumping', 0.25_wp, &
+         & 'use ELEMENTS=6')
+      call judge('ten elements', on_roller//'weight = 0 > weight = 0.1; ELEMENTS=40 > ELEMENTS=10', 'middle', &
+         & -1.3020833333e-3_wp, 0.009_wp, 'lumping', 0.01_wp, '')
+   end subroutine check_loads
+
+   !> The linear slider-crank of the paper in half a turn: 0.01876 in place of 0.015388; a blade above its first frequency.
+   subroutine check_motion()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: tip(:)
+      real(wp) :: right, wrong
+      call run_changed('../input/slider_crank_fig5_linear.inp', trim(results), [character(9) :: 'turns = 2'], &
+         & [character(11) :: 'turns = 0.5'], reader)
+      wrong = maxval(abs(channel(reader, 'deflection_over_length')))
+      call check(wrong > 1.15_wp*0.015388114793_wp, 'the linear rod deflects too much')
+      call check_warning(reader, "beam 'rod' deflects under axial forces", 'linear rod')
+      call reader%close()
+      call run_changed('../input/slider_crank_fig5_kg.inp', trim(results), [character(9) :: 'turns = 2'], &
+         & [character(11) :: 'turns = 0.5'], reader)
+      right = maxval(abs(channel(reader, 'deflection_over_length')))
+      call check(abs(right/0.015388114793_wp - 1) < 0.03_wp, 'that with k_G elements does not')
+      call check_warning(reader, '', 'rod with k_G elements')
+      call reader%close()
+      call run_changed('verification/range_rotor.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (tip, source=channel(reader, 'tip'))
+      wrong = tip(size(tip))
+      call check_warning(reader, 'rotates at 1.1 times its first frequency', 'linear blade')
+      call reader%close()
+      call run_changed('verification/range_rotor.inp', trim(results), [character(16) :: 'GEOMETRIC=LINEAR'], &
+         & [character(16) :: 'GEOMETRIC=FULL'], reader)
+      tip(:) = channel(reader, 'tip')
+      right = maxval(abs(tip))
+      call check_warning(reader, '', 'blade with tension')
+      call reader%close()
+      print '(a,2es12.3)', 'blade above its first frequency: linear, full', wrong, right
+      call check(abs(wrong) > 3*right, 'the linear blade runs away')
+   end subroutine check_motion
+
+   !> Runs the beam with words exchanged and compares the last sample of a channel with its true value, an indicator with a value
+   !> to a tenth, and the warnings of the run.
+   subroutine judge(name, words, of, truth, error, indicator, value, warning)
+      !> What is judged; words and those that stand for them: 'old > new; old > new'; channel and its true value
+      character(*), intent(in) :: name, words, of
+      real(wp), intent(in) :: truth
+      !> Relative error: about what it is, if there is a warning (between 0.8 and 1.25 times that), else its bound
+      real(wp), intent(in) :: error
+      character(*), intent(in) :: indicator
+      real(wp), intent(in) :: value
+      !> Part of the warning; empty: there is none
+      character(*), intent(in) :: warning
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: failure
+      real(wp), allocatable :: samples(:), pair(:)
+      character(200) :: old(12), new(12)
+      real(wp) :: off
+      integer :: count
+      call split(words, old, new, count)
+      call run_changed('verification/range_beam.inp', trim(results), old(:count), new(:count), reader)
+      allocate (samples, source=channel(reader, of))
+      off = abs(abs(samples(size(samples))/truth) - 1)
+      call reader%read_numbers('/bodies/beam/indicators/'//indicator, pair, failure)
+      call check_no_error(failure, name//': indicator')
+      print '(2(a,es10.2),3a)', name//': error', off, ', '//indicator, pair(1), ' (', warning, ')'
+      if (warning == '') then
+         call check(off < error, name//': right to '//as_text(error, 2)//', off by '//as_text(off, 3))
+      else
+         call check(off > 0.8_wp*error .and. off < 1.25_wp*error, name//': wrong by '//as_text(error, 2)//', '//as_text(off, 3))
+      end if
+      call check(abs(pair(1) - value) <= 0.1_wp*value + 1.0e-3_wp, name//': '//indicator//' is '//as_text(pair(1), 4))
+      call check_warning(reader, warning, name)
+      call reader%close()
+   end subroutine judge
+
+   pure subroutine split(words, old, new, count)
+      character(*), intent(in) :: words
+      character(*), intent(out) :: old(:), new(:)
+      integer, intent(out) :: count
+      integer :: from, to, arrow
+      count = 0
+      from = 1
+      do while (len_trim(words(from:)) > 0)
+         to = index(words(from:), ';') + from - 2
+         if (to < from) to = len(words)
+         arrow = index(words(from:to), '>') + from - 1
+         count = count + 1
+         old(count) = adjustl(words(from:arrow - 1))
+         new(count) = adjustl(words(arrow + 1:to))
+         from = to + 2
+         if (from > len(words)) exit
+      end do
+   end subroutine split
+
+   !> Checks that a run has a warning with a text, or none.
+   subroutine check_warning(reader, warning, name)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: warning, name
+      character(:), allocatable :: text
+      type(error_type), allocatable :: error
+      call reader%read_text('/run/warnings', text, error)
+      call check_no_error(error, name//': warnings')
+      if (warning == '') then
+         call check(text == '', name//' has no warning, but: '//text)
+      else
+         call check(index(text, warning) > 0, name//' is warned of: '//text)
+      end if
+   end subroutine check_warning
+
+end program test_ranges

@@ -21,6 +21,8 @@ module limber_system_forest
    integer, parameter :: many = 10
    !> Pivots below this part of the first entry are none
    real(wp), parameter :: least_pivot = 1.0e-11_wp
+   !> Largest block
+   integer, parameter :: most_order = 40
 
    !> A place in the order of the elimination: a body and the pin that it hangs on
    type :: place_type
@@ -49,7 +51,7 @@ module limber_system_forest
       type(place_type), allocatable :: places(:)
       !> Places of pins and their shapes (2, 0:n, pins)
       real(wp), allocatable :: pins(:, :, :)
-      !> A, then its factors (order, order, places)
+      !> A, then its inverse (order, order, places)
       real(wp), allocatable :: block(:, :, :)
       !> G^T, then A^-1 G^T; and L (order, 2, places)
       real(wp), allocatable :: reaction(:, :, :), rows(:, :, :)
@@ -75,6 +77,7 @@ contains
       integer :: bodies, i, k, last, n, pairs
       bodies = size(system%model%bodies)
       if (bodies < many .or. size(system%loads) > 0 .or. system%redundant) return
+      if (3 + maxval(system%layout%n) > most_order) return
       if (size(system%constraints) > bodies .or. size(system%angles) + size(system%bends) > 0) return
       do i = 1, bodies
          if (.not. may_belong(system%model%bodies(i)%kind, system%model%bodies(i)%reduced)) return
@@ -251,37 +254,95 @@ contains
       if (same .and. a%full) same = all(abs(a%quartic - b%quartic) <= 0.0_wp)
    end function same_body
 
-   !> Factors of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (S6), (S7).
+   !> Inverse of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (S6), (S7).
    pure subroutine eliminate(order, m, pinned, block, reaction, rows, compliance, singular)
       !> Leading dimension; number of the body's rates
       integer, intent(in) :: order, m
       !> Whether it has a pin
       logical, intent(in) :: pinned
-      !> A, then its factors; G^T, then A^-1 G^T; L; S^-1
+      !> A, then its inverse; G^T, then A^-1 G^T; L^T; S^-1
       real(wp), intent(inout) :: block(order, order), reaction(order, 2)
       real(wp), intent(in) :: rows(order, 2)
       real(wp), intent(inout) :: compliance(2, 2)
       !> True if a pivot vanishes
       logical, intent(out) :: singular
-      real(wp) :: s(2, 2), determinant
+      select case (merge(m, 0, m == order))
+      case (3); call eliminate_order(3, 3, pinned, block, reaction, rows, compliance, singular)
+      case (5); call eliminate_order(5, 5, pinned, block, reaction, rows, compliance, singular)
+      case (6); call eliminate_order(6, 6, pinned, block, reaction, rows, compliance, singular)
+      case (7); call eliminate_order(7, 7, pinned, block, reaction, rows, compliance, singular)
+      case default; call eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
+      end select
+   end subroutine eliminate
+
+   !> The same; where the order is constant the compiler unrolls it.
+   pure subroutine eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
+      integer, intent(in) :: order, m
+      logical, intent(in) :: pinned
+      real(wp), intent(inout) :: block(order, order), reaction(order, 2)
+      real(wp), intent(in) :: rows(order, 2)
+      real(wp), intent(inout) :: compliance(2, 2)
+      logical, intent(out) :: singular
+      real(wp) :: s(2, 2), g(most_order, 2), determinant
       integer :: i, j
-      call factor(order, m, block, singular)
+      call invert(order, m, block, singular)
       if (singular .or. .not. pinned) return
-      call back_solve(order, m, block, reaction(:, 1))
-      call back_solve(order, m, block, reaction(:, 2))
-      do j = 1, 2
-         do i = 1, 2
-            s(i, j) = dot(m, rows(:, i), reaction(:, j))
+      g(:m, 1) = reaction(:m, 1)
+      g(:m, 2) = reaction(:m, 2)
+      reaction(:m, 1) = 0.0_wp
+      reaction(:m, 2) = 0.0_wp
+      do j = 1, m
+         do i = 1, m
+            reaction(i, 1) = reaction(i, 1) + block(i, j)*g(j, 1)
+            reaction(i, 2) = reaction(i, 2) + block(i, j)*g(j, 2)
          end do
+      end do
+      s = 0.0_wp
+      do i = 1, m
+         s(1, 1) = s(1, 1) + rows(i, 1)*reaction(i, 1)
+         s(2, 1) = s(2, 1) + rows(i, 2)*reaction(i, 1)
+         s(1, 2) = s(1, 2) + rows(i, 1)*reaction(i, 2)
+         s(2, 2) = s(2, 2) + rows(i, 2)*reaction(i, 2)
       end do
       determinant = s(1, 1)*s(2, 2) - s(1, 2)*s(2, 1)
       singular = .not. abs(determinant) > least_pivot*(abs(s(1, 1)*s(2, 2)) + abs(s(1, 2)*s(2, 1)))
       if (singular) return
-      compliance(1, 1) = s(2, 2)/determinant
-      compliance(2, 2) = s(1, 1)/determinant
-      compliance(1, 2) = -s(1, 2)/determinant
-      compliance(2, 1) = -s(2, 1)/determinant
-   end subroutine eliminate
+      determinant = 1/determinant
+      compliance(1, 1) = s(2, 2)*determinant
+      compliance(2, 2) = s(1, 1)*determinant
+      compliance(1, 2) = -s(1, 2)*determinant
+      compliance(2, 1) = -s(2, 1)*determinant
+   end subroutine eliminate_order
+
+   !> Inverse in place, without a search for pivots. An inverse takes fewer and quicker operations to multiply with than factors to
+   !> solve with, in blocks so small.
+   pure subroutine invert(order, m, a, singular)
+      integer, intent(in) :: order, m
+      real(wp), intent(inout) :: a(order, m)
+      logical, intent(out) :: singular
+      real(wp) :: first(most_order), column(most_order), pivot, part
+      integer :: i, j, k
+      singular = .false.
+      do k = 1, m
+         first(k) = least_pivot*abs(a(k, k))
+      end do
+      do k = 1, m
+         if (.not. abs(a(k, k)) > first(k)) singular = .true.
+         pivot = 1/a(k, k)
+         do i = 1, m
+            column(i) = a(i, k)
+            a(i, k) = 0.0_wp
+         end do
+         a(k, k) = 1.0_wp
+         do j = 1, m
+            part = a(k, j)*pivot
+            do i = 1, m
+               a(i, j) = a(i, j) - column(i)*part
+            end do
+            a(k, j) = part
+         end do
+      end do
+   end subroutine invert
 
    !> Adds to the block of the carrier what hangs on its pin: eq. (S7).
    pure subroutine hand_on(order, m, compliance, carried, carrying, block)
@@ -291,6 +352,19 @@ contains
       !> N^T, then (S^-1 N)^T
       real(wp), intent(inout) :: carrying(order, 2)
       real(wp), intent(inout) :: block(order, order)
+      select case (merge(m, 0, m == order))
+      case (3); call hand_on_order(3, 3, compliance, carried, carrying, block)
+      case (5); call hand_on_order(5, 5, compliance, carried, carrying, block)
+      case (6); call hand_on_order(6, 6, compliance, carried, carrying, block)
+      case (7); call hand_on_order(7, 7, compliance, carried, carrying, block)
+      case default; call hand_on_order(order, m, compliance, carried, carrying, block)
+      end select
+   end subroutine hand_on
+
+   pure subroutine hand_on_order(order, m, compliance, carried, carrying, block)
+      integer, intent(in) :: order, m
+      real(wp), intent(in) :: compliance(2, 2), carried(order, 2)
+      real(wp), intent(inout) :: carrying(order, 2), block(order, order)
       real(wp) :: first, second
       integer :: i, j
       do j = 1, m
@@ -302,124 +376,147 @@ contains
             block(i, j) = block(i, j) + carried(i, 1)*first + carried(i, 2)*second
          end do
       end do
-   end subroutine hand_on
+   end subroutine hand_on_order
 
-   !> Factors in place, without a search for pivots; the inverses of the pivots stand on the diagonal.
-   pure subroutine factor(order, m, a, singular)
-      integer, intent(in) :: order, m
-      real(wp), intent(inout) :: a(order, order)
-      logical, intent(out) :: singular
-      real(wp) :: first(m)
-      integer :: i, j, k
-      singular = .false.
-      do k = 1, m
-         first(k) = abs(a(k, k))
-      end do
-      do k = 1, m
-         if (.not. abs(a(k, k)) > least_pivot*first(k)) singular = .true.
-         a(k, k) = 1/a(k, k)
-         do i = k + 1, m
-            a(i, k) = a(i, k)*a(k, k)
-         end do
-         do j = k + 1, m
-            do i = k + 1, m
-               a(i, j) = a(i, j) - a(i, k)*a(k, j)
-            end do
-         end do
-      end do
-   end subroutine factor
-
-   !> Solves in place with such factors.
-   pure subroutine back_solve(order, m, a, x)
-      integer, intent(in) :: order, m
-      real(wp), intent(in) :: a(order, order)
-      real(wp), intent(inout) :: x(m)
-      integer :: i, k
-      do k = 1, m - 1
-         do i = k + 1, m
-            x(i) = x(i) - a(i, k)*x(k)
-         end do
-      end do
-      do k = m, 1, -1
-         x(k) = x(k)*a(k, k)
-         do i = 1, k - 1
-            x(i) = x(i) - a(i, k)*x(k)
-         end do
-      end do
-   end subroutine back_solve
-
-   pure real(wp) function dot(m, a, b)
-      integer, intent(in) :: m
-      real(wp), intent(in) :: a(m), b(m)
-      integer :: i
-      dot = 0.0_wp
-      do i = 1, m
-         dot = dot + a(i)*b(i)
-      end do
-   end function dot
-
-   !> Solves in place with the factors at hand: eq. (S8).
+   !> Solves in place with the inverses at hand: eq. (S8).
    pure subroutine forest_solve(forest, x)
       type(forest_type), intent(in) :: forest
       !> Right-hand sides of the bodies in the layout of the rates, and of the constraints; then the unknowns (nw + nc)
       real(wp), intent(inout) :: x(*)
+      real(wp) :: none(1)
       integer :: k, c, order
       order = forest%order
+      none = 0.0_wp
       do k = size(forest%places), 1, -1
-         associate (place => forest%places(k))
+         associate (place => forest%places(k), z => forest%nw + forest%places(k)%row)
             c = place%carrier
-            call back_solve(order, 3 + place%n, forest%block(:, :, k), x(place%w))
-            if (c < 0) cycle
-            call pull(order, 3 + place%n, place%sign, forest%rows(:, :, k), forest%compliance(:, :, k), x(place%w), &
-               & x(forest%nw + place%row))
-            if (c > 0) call add_rows(order, 3 + forest%places(c)%n, 1.0_wp, forest%carried(:, :, k), x(forest%nw + place%row), &
-               & x(forest%places(c)%w))
+            if (c > 0) then
+               call gather(order, 3 + place%n, 3 + forest%places(c)%n, place%sign, forest%block(:, :, k), forest%rows(:, :, k), &
+                  & forest%compliance(:, :, k), forest%carried(:, :, k), x(place%w), x(z), x(forest%places(c)%w))
+            else if (c == 0) then
+               call gather(order, 3 + place%n, 0, place%sign, forest%block(:, :, k), forest%rows(:, :, k), &
+                  & forest%compliance(:, :, k), forest%carried(:, :, k), x(place%w), x(z), none)
+            else
+               call multiply(order, 3 + place%n, forest%block(:, :, k), x(place%w))
+            end if
          end associate
       end do
       do k = 1, size(forest%places)
-         associate (place => forest%places(k))
+         associate (place => forest%places(k), z => forest%nw + forest%places(k)%row)
             c = place%carrier
-            if (c < 0) cycle
-            if (c > 0) call take_rows(order, 3 + forest%places(c)%n, forest%carrying(:, :, k), x(forest%places(c)%w), &
-               & x(forest%nw + place%row))
-            call add_rows(order, 3 + place%n, -1.0_wp, forest%reaction(:, :, k), x(forest%nw + place%row), x(place%w))
-            if (place%sign < 0) x(forest%nw + place%row:forest%nw + place%row + 1) = &
-               & -x(forest%nw + place%row:forest%nw + place%row + 1)
+            if (c > 0) then
+               call spread_out(order, 3 + place%n, 3 + forest%places(c)%n, place%sign, forest%reaction(:, :, k), &
+                  & forest%carrying(:, :, k), x(forest%places(c)%w), x(z), x(place%w))
+            else if (c == 0) then
+               call spread_out(order, 3 + place%n, 0, place%sign, forest%reaction(:, :, k), forest%carrying(:, :, k), &
+                  & none, x(z), x(place%w))
+            end if
          end associate
       end do
    end subroutine forest_solve
 
-   !> z = S^-1 (L y - g).
-   pure subroutine pull(order, m, sign, rows, compliance, y, z)
-      integer, intent(in) :: order, m
-      real(wp), intent(in) :: sign, rows(order, 2), compliance(2, 2), y(m)
-      !> g, then z
-      real(wp), intent(inout) :: z(2)
-      real(wp) :: a, b
-      a = dot(m, rows(:, 1), y) - sign*z(1)
-      b = dot(m, rows(:, 2), y) - sign*z(2)
-      z(1) = compliance(1, 1)*a + compliance(1, 2)*b
-      z(2) = compliance(2, 1)*a + compliance(2, 2)*b
-   end subroutine pull
+   !> On the way to the roots: y = A^-1 f, z = S^-1 (L y - g), and H^T z for the carrier.
+   pure subroutine gather(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
+      !> Leading dimension; numbers of the rates of the body and of its carrier
+      integer, intent(in) :: order, m, carriers
+      real(wp), intent(in) :: sign, block(order, order), rows(order, 2), compliance(2, 2), carried(order, 2)
+      !> f, then y; g, then z
+      real(wp), intent(inout) :: y(m), z(2)
+      !> Right-hand side of the carrier
+      real(wp), intent(inout) :: f(*)
+      if (m == order .and. carriers == order) then
+         select case (order)
+         case (3); call gather_order(3, 3, 3, sign, block, rows, compliance, carried, y, z, f)
+         case (5); call gather_order(5, 5, 5, sign, block, rows, compliance, carried, y, z, f)
+         case (6); call gather_order(6, 6, 6, sign, block, rows, compliance, carried, y, z, f)
+         case (7); call gather_order(7, 7, 7, sign, block, rows, compliance, carried, y, z, f)
+         case default; call gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
+         end select
+      else
+         call gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
+      end if
+   end subroutine gather
 
-   !> x = x + factor R^T z.
-   pure subroutine add_rows(order, m, factor, rows, z, x)
-      integer, intent(in) :: order, m
-      real(wp), intent(in) :: factor, rows(order, 2), z(2)
-      real(wp), intent(inout) :: x(m)
+   pure subroutine gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
+      integer, intent(in) :: order, m, carriers
+      real(wp), intent(in) :: sign, block(order, order), rows(order, 2), compliance(2, 2), carried(order, 2)
+      real(wp), intent(inout) :: y(m), z(2), f(*)
+      real(wp) :: a, b, first, second
       integer :: i
+      call multiply(order, m, block, y)
+      a = -sign*z(1)
+      b = -sign*z(2)
       do i = 1, m
-         x(i) = x(i) + factor*(rows(i, 1)*z(1) + rows(i, 2)*z(2))
+         a = a + rows(i, 1)*y(i)
+         b = b + rows(i, 2)*y(i)
       end do
-   end subroutine add_rows
+      first = compliance(1, 1)*a + compliance(1, 2)*b
+      second = compliance(2, 1)*a + compliance(2, 2)*b
+      z(1) = first
+      z(2) = second
+      do i = 1, carriers
+         f(i) = f(i) + carried(i, 1)*first + carried(i, 2)*second
+      end do
+   end subroutine gather_order
 
-   !> z = z - R x.
-   pure subroutine take_rows(order, m, rows, x, z)
+   !> y = A y.
+   pure subroutine multiply(order, m, a, y)
       integer, intent(in) :: order, m
-      real(wp), intent(in) :: rows(order, 2), x(m)
-      real(wp), intent(inout) :: z(2)
-      z(1) = z(1) - dot(m, rows(:, 1), x)
-      z(2) = z(2) - dot(m, rows(:, 2), x)
-   end subroutine take_rows
+      real(wp), intent(in) :: a(order, m)
+      real(wp), intent(inout) :: y(m)
+      real(wp) :: x(most_order)
+      integer :: i, j
+      do i = 1, m
+         x(i) = a(i, 1)*y(1)
+      end do
+      do j = 2, m
+         do i = 1, m
+            x(i) = x(i) + a(i, j)*y(j)
+         end do
+      end do
+      do i = 1, m
+         y(i) = x(i)
+      end do
+   end subroutine multiply
+
+   !> On the way back: l = z - S^-1 N x of the carrier, x = y - A^-1 G^T l.
+   pure subroutine spread_out(order, m, carriers, sign, reaction, carrying, above, z, y)
+      integer, intent(in) :: order, m, carriers
+      real(wp), intent(in) :: sign, reaction(order, 2), carrying(order, 2)
+      !> x of the carrier
+      real(wp), intent(in) :: above(*)
+      !> z, then the multipliers in their own sign; y, then x
+      real(wp), intent(inout) :: z(2), y(m)
+      if (m == order .and. carriers == order) then
+         select case (order)
+         case (3); call spread_order(3, 3, 3, sign, reaction, carrying, above, z, y)
+         case (5); call spread_order(5, 5, 5, sign, reaction, carrying, above, z, y)
+         case (6); call spread_order(6, 6, 6, sign, reaction, carrying, above, z, y)
+         case (7); call spread_order(7, 7, 7, sign, reaction, carrying, above, z, y)
+         case default; call spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
+         end select
+      else
+         call spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
+      end if
+   end subroutine spread_out
+
+   pure subroutine spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
+      integer, intent(in) :: order, m, carriers
+      real(wp), intent(in) :: sign, reaction(order, 2), carrying(order, 2), above(*)
+      real(wp), intent(inout) :: z(2), y(m)
+      real(wp) :: first, second
+      integer :: i
+      first = z(1)
+      second = z(2)
+      do i = 1, carriers
+         first = first - carrying(i, 1)*above(i)
+         second = second - carrying(i, 2)*above(i)
+      end do
+      do i = 1, m
+         y(i) = y(i) - (reaction(i, 1)*first + reaction(i, 2)*second)
+      end do
+      z(1) = sign*first
+      z(2) = sign*second
+   end subroutine spread_order
 
 end module limber_system_forest

@@ -419,8 +419,10 @@ contains
       logical, intent(out) :: singular
       !> As in `settle`
       real(wp), parameter :: near = 1.0e-4_wp, nearest = 1.0e-9_wp, aim = 1.0e-14_wp
+      !> Gaps that hardly shrink and are smaller are rounding of the coordinates
+      real(wp), parameter :: rounding = 1.0e-10_wp, no_progress = 0.1_wp
       integer, parameter :: most = 6
-      real(wp) :: before
+      real(wp) :: before, last
       integer :: round
       call normalise(forest, q)
       call factor_masses(forest, model, q, singular)
@@ -432,7 +434,9 @@ contains
          if (residual <= aim) exit
          call forest_solve(forest, forest%x)
          call move(forest, q)
+         last = residual
          call find_gaps(forest, q, residual)
+         if (residual <= rounding .and. residual > no_progress*last) exit
       end do
       if (before <= aim) before = 0.0_wp
       if (before > near) then

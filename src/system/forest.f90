@@ -10,6 +10,10 @@
 module limber_system_forest
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type
+   use limber_system_forest_six, only: eliminate_six => eliminate_block, hand_on_six => hand_on_block, gather_six => gather_block, &
+      & spread_six => spread_block
+   use limber_system_forest_three, only: eliminate_three => eliminate_block, hand_on_three => hand_on_block, &
+      & gather_three => gather_block, spread_three => spread_block
    use limber_model_scene, only: model_type, point_type, body_rigid, body_flexible, ground
    use limber_system_joints, only: revolute_type
    use limber_system_system, only: system_type
@@ -267,15 +271,13 @@ contains
       !> True if a pivot vanishes
       logical, intent(out) :: singular
       select case (merge(m, 0, m == order))
-      case (3); call eliminate_order(3, 3, pinned, block, reaction, rows, compliance, singular)
-      case (5); call eliminate_order(5, 5, pinned, block, reaction, rows, compliance, singular)
-      case (6); call eliminate_order(6, 6, pinned, block, reaction, rows, compliance, singular)
-      case (7); call eliminate_order(7, 7, pinned, block, reaction, rows, compliance, singular)
+      case (3); call eliminate_three(pinned, block, reaction, rows, compliance, singular)
+      case (6); call eliminate_six(pinned, block, reaction, rows, compliance, singular)
       case default; call eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
       end select
    end subroutine eliminate
 
-   !> The same; where the order is constant the compiler unrolls it.
+   !> The same for any order.
    pure subroutine eliminate_order(order, m, pinned, block, reaction, rows, compliance, singular)
       integer, intent(in) :: order, m
       logical, intent(in) :: pinned
@@ -353,10 +355,8 @@ contains
       real(wp), intent(inout) :: carrying(order, 2)
       real(wp), intent(inout) :: block(order, order)
       select case (merge(m, 0, m == order))
-      case (3); call hand_on_order(3, 3, compliance, carried, carrying, block)
-      case (5); call hand_on_order(5, 5, compliance, carried, carrying, block)
-      case (6); call hand_on_order(6, 6, compliance, carried, carrying, block)
-      case (7); call hand_on_order(7, 7, compliance, carried, carrying, block)
+      case (3); call hand_on_three(compliance, carried, carrying, block)
+      case (6); call hand_on_six(compliance, carried, carrying, block)
       case default; call hand_on_order(order, m, compliance, carried, carrying, block)
       end select
    end subroutine hand_on
@@ -426,10 +426,8 @@ contains
       real(wp), intent(inout) :: f(*)
       if (m == order .and. carriers == order) then
          select case (order)
-         case (3); call gather_order(3, 3, 3, sign, block, rows, compliance, carried, y, z, f)
-         case (5); call gather_order(5, 5, 5, sign, block, rows, compliance, carried, y, z, f)
-         case (6); call gather_order(6, 6, 6, sign, block, rows, compliance, carried, y, z, f)
-         case (7); call gather_order(7, 7, 7, sign, block, rows, compliance, carried, y, z, f)
+         case (3); call gather_three(sign, block, rows, compliance, carried, y, z, f)
+         case (6); call gather_six(sign, block, rows, compliance, carried, y, z, f)
          case default; call gather_order(order, m, carriers, sign, block, rows, compliance, carried, y, z, f)
          end select
       else
@@ -489,10 +487,8 @@ contains
       real(wp), intent(inout) :: z(2), y(m)
       if (m == order .and. carriers == order) then
          select case (order)
-         case (3); call spread_order(3, 3, 3, sign, reaction, carrying, above, z, y)
-         case (5); call spread_order(5, 5, 5, sign, reaction, carrying, above, z, y)
-         case (6); call spread_order(6, 6, 6, sign, reaction, carrying, above, z, y)
-         case (7); call spread_order(7, 7, 7, sign, reaction, carrying, above, z, y)
+         case (3); call spread_three(sign, reaction, carrying, above, z, y)
+         case (6); call spread_six(sign, reaction, carrying, above, z, y)
          case default; call spread_order(order, m, carriers, sign, reaction, carrying, above, z, y)
          end select
       else

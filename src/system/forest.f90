@@ -19,7 +19,7 @@ module limber_system_forest
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: forest_type, new_forest, eliminate, hand_on, forest_solve
+   public :: forest_type, new_forest, most_order, eliminate, hand_on, forest_solve
 
    !> Bodies from which on a system is worth the trouble
    integer, parameter :: many = 10
@@ -67,6 +67,8 @@ module limber_system_forest
       logical, allocatable :: started(:)
       !> Vector of the unknowns (nw + nc)
       real(wp), allocatable :: x(:)
+      !> Derivatives of the momenta of a step by its increments, if they are wanted (order, order, places)
+      real(wp), allocatable :: masses(:, :, :)
       !> Scratch of the elastic force: (pairs, 2), (pairs, 2), (n, n)
       real(wp), allocatable :: pairs(:, :), slope(:, :), tangent(:, :)
    end type forest_type

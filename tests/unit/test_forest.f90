@@ -225,7 +225,9 @@ contains
          call check(.not. singular, title//': pivots of the masses')
          call check_close(residual, 0.0_wp, 1.0e-12_wp, title//': gaps')
          call check_close(maxval(abs(q2 - q)), 0.0_wp, 1.0e-12_wp, title//': place, '//as_text(round))
-         call check_close(maxval(abs(v2 - v)), 0.0_wp, 1.0e-10_wp, title//': velocities, '//as_text(round))
+         ! Factors of the place before the gaps were closed leave a difference of second order
+         call check_close(maxval(abs(v2 - v)), 0.0_wp, merge(1.0e-9_wp, 1.0e-11_wp, round == 1), &
+            & title//': velocities, '//as_text(round))
       end do
       if (.not. system%powered) return
       call linearise(system, work, 0.0_wp, q, error)

@@ -8,9 +8,11 @@ program test_forest
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_assembly, only: assemble
+   use limber_system_discrete, only: begin_step, frame_rates, linearise_step, new_step, step_residual, step_type
    use limber_system_dynamics, only: accelerations, input_power, linearise
    use limber_system_forest, only: forest_type, forest_solve, new_forest
    use limber_system_forest_motion, only: forest_factor, forest_power, forest_residual, forest_settle, forest_times_mass
+   use limber_system_forest_step, only: begin_forest_step, forest_step_factor, forest_step_mass, forest_step_residual
    use limber_system_kinematics, only: rates_of, velocities_of
    use limber_system_projection, only: settle
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
@@ -128,6 +130,7 @@ contains
       if (.not. forest%usable) return
       call test_motion(title, system, work, forest)
       call test_settle(title, system, work, forest)
+      call test_step(title, system, work, forest)
    end subroutine test_scene
 
    !> Residual and Newton step at a random state that keeps no constraint.
@@ -187,6 +190,66 @@ contains
       call forest_times_mass(forest, system%model, q, 2.0_wp, w, motion2)
       call check_close(maxval(abs(motion2 - motion)), 0.0_wp, 1.0e-12_wp*maxval(abs(motion)), title//': mass')
    end subroutine test_motion
+
+   !> Residual and Newton step of a step that conserves energy, from a random state by random increments.
+   subroutine test_step(title, system, work, forest)
+      character(*), intent(in) :: title
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(forest_type), intent(inout) :: forest
+      real(wp), parameter :: h = 0.03_wp
+      type(tangent_type) :: tangent
+      type(step_type) :: step
+      real(wp), allocatable :: q(:), b(:), y(:), lambda(:), motion(:), phi(:), motion2(:), phi2(:), x(:), x2(:)
+      real(wp) :: turn
+      logical :: singular
+      integer :: i, at
+      associate (nq => system%layout%nq, nw => system%layout%nw, nc => system%nc)
+         allocate (q(nq), b(nw), y(nw), lambda(nc), motion(nw), phi(nc), motion2(nw), phi2(nc), x(nw + nc), x2(nw + nc))
+      end associate
+      do i = 1, size(q)
+         q(i) = 0.3_wp*random()
+      end do
+      do i = 1, size(system%layout%q)
+         at = system%layout%q(i) + 2
+         turn = 3*random()
+         q(at:at + 1) = [cos(turn), sin(turn)]
+      end do
+      do i = 1, size(b)
+         b(i) = 2*random()
+         y(i) = 0.1_wp*random()
+      end do
+      do i = 1, size(lambda)
+         lambda(i) = random()
+      end do
+      do i = 1, size(x)
+         x(i) = random()
+      end do
+      x2 = x
+      call new_tangent(system, tangent)
+      call new_step(system, work, step)
+      call begin_step(system, step, 0.0_wp, h, h, q, b)
+      call step_residual(system, work, step, y, lambda, motion, phi)
+      call linearise_step(system, work, step, tangent, y, lambda)
+      call tangent%matrix%factor(singular)
+      call tangent%matrix%solve(x)
+      step%p = 0.0_wp
+      step%new_p = 0.0_wp
+      call begin_forest_step(forest, system%model, step, 0.0_wp, h, h, q, b)
+      call forest_step_residual(forest, system%model, system%layout, step, y, lambda, motion2, phi2)
+      call check_close(maxval(abs(motion2 - motion)), 0.0_wp, 1.0e-11_wp*maxval(abs(motion)), title//': balance of a step')
+      call check_close(maxval(abs(phi2 - phi)), 0.0_wp, 1.0e-13_wp*maxval(abs(phi)), title//': pins after a step')
+      allocate (forest%masses, source=forest%block)
+      call forest_step_factor(forest, system%model, step, y, lambda, singular)
+      call check(.not. singular, title//': pivots of a step')
+      call forest_solve(forest, x2)
+      call check_close(maxval(abs(x2 - x)), 0.0_wp, 1.0e-9_wp*maxval(abs(x)), title//': Newton step of a step')
+      motion = 0.0_wp
+      motion2 = 0.0_wp
+      call times_mass(system, tangent, 1.0_wp, y, motion)
+      call forest_step_mass(forest, y, motion2)
+      call check_close(maxval(abs(motion2 - motion)), 0.0_wp, 1.0e-12_wp*maxval(abs(motion)), title//': momenta of a step')
+   end subroutine test_step
 
    !> A state a little off the constraints is moved onto them in the same way.
    subroutine test_settle(title, system, work, forest)

@@ -420,7 +420,7 @@ contains
       !> As in `settle`
       real(wp), parameter :: near = 1.0e-4_wp, nearest = 1.0e-9_wp, aim = 1.0e-14_wp
       !> Gaps that hardly shrink and are smaller are rounding of the coordinates
-      real(wp), parameter :: rounding = 1.0e-10_wp, no_progress = 0.1_wp
+      real(wp), parameter :: rounding = 1.0e-11_wp, no_progress = 0.5_wp
       integer, parameter :: most = 6
       real(wp) :: before, last
       integer :: round

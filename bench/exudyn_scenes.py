@@ -256,7 +256,8 @@ class FourBars(Scene):
 
 
 class Chain(Scene):
-    """S5: bars of 1 m and 1 kg, pinned one to the next, released along the horizontal; rigid or ANCF beams."""
+    """S5: bars of 1 m and 1 kg, pinned one to the next, released along the horizontal; rigid or ANCF beams:
+    those of input/chain_rigid.inp and input/chain_flexible.inp."""
 
     end = 1.0
     samples = 10
@@ -267,11 +268,13 @@ class Chain(Scene):
 
     def build(self, setting):
         bars, elements = setting["bars"], setting.get("elements", 0)
+        young, density, width, height = 2.1e11, 7850, 0.02, 0.005
+        area = width*height
         last = self.point(self.ground, (0, 0))
         bodies = []
         for i in range(bars):
             if elements:
-                nodes, members = self.beam(elements, 1.0, 1e6, 1e3, 1.0, float(i))
+                nodes, members = self.beam(elements, 1.0, young*area, young*area*height**2/12, density*area, float(i))
                 start, end = (self.mbs.AddMarker(MarkerNodePosition(nodeNumber=nodes[k])) for k in (0, -1))
                 bodies += members
             else:

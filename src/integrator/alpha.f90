@@ -15,6 +15,8 @@ module limber_integrator_alpha
    use limber_system_condensed_motion, only: condensed_rows_type, new_condensed_rows, condense_residual, condense_tangent, &
       & condense_right_side
    use limber_system_dynamics, only: linearise, accelerations, input_power
+   use limber_system_forest, only: forest_type, new_forest, forest_solve
+   use limber_system_forest_motion, only: forest_residual, forest_factor, forest_settle, forest_times_mass, forest_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
@@ -46,6 +48,8 @@ module limber_integrator_alpha
       type(tangent_type) :: tangent
       type(condensed_rows_type) :: condensed_rows
       type(crossing_type) :: crossing
+      !> Where bodies on pins close no loop: takes the place of the tangent and of the multiplier system
+      type(forest_type) :: forest
       type(layout_type) :: layout
       type(scales_type) :: scales
       !> Scales of coordinates and rates in the layout of the rates (nw)
@@ -85,9 +89,8 @@ contains
             & self%q_before(nq), self%w_before(nw), self%increment(nw), self%new_q(nq), self%new_v(nq), self%new_w(nw), &
             & self%new_a(nw), self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), &
             & self%change(nq), self%unknown(nw + nc), self%e(nw), self%scale_x(nw), self%scale_w(nw))
-         call new_tangent(system, self%tangent)
-         if (system%condensed) call new_condensed_rows(system, self%tangent, self%condensed_rows)
-         call new_crossing(system, self%crossing)
+         call new_forest(system, self%forest)
+         if (.not. self%forest%usable) call use_sparse(self, system)
          self%scales = new_scales(system, duration, .true.)
       end if
       self%work_done = self%work_at_start
@@ -137,15 +140,15 @@ contains
          if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
          if (self%t + 1.0001_wp*self%h > stop) self%h = stop - self%t
          if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+            if (self%forest%usable) call place_motion(system, work, self%t, self%q, self%v)
             i = maxloc(abs(self%e)/self%scale_w, dim=1)
             call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return
          end if
-         if (.not. self%fresh) call refresh(self, system, work)
-         if (abs(self%h - self%h_factors) > 0.0_wp) call factor_matrix(self, error)
+         call prepare(self, system, work, error)
          if (allocated(error)) return
          call iterate(self, system, work, min(self%t + self%h, stop), good)
-         if (.not. good) then
+         if (.not. good .and. .not. self%forest%usable) then
             call pass_fold(self, system, work, stop, good)
             if (good) then
                self%statistics%rejected = self%statistics%rejected + 1
@@ -180,6 +183,38 @@ contains
       call update_scales(system, self%q, self%v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
    end subroutine alpha_step
+
+   !> Room for sparse matrices.
+   subroutine use_sparse(self, system)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      self%forest%usable = .false.
+      call new_tangent(system, self%tangent)
+      if (system%condensed) call new_condensed_rows(system, self%tangent, self%condensed_rows)
+      call new_crossing(system, self%crossing)
+   end subroutine use_sparse
+
+   !> Factors of the Newton matrix at the present state and for the present step.
+   subroutine prepare(self, system, work, error)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(error_type), allocatable, intent(out) :: error
+      logical :: singular
+      if (self%forest%usable .and. abs(self%h - self%h_factors) > 0.0_wp) then
+         call forest_factor(self%forest, system%model, self%q, self%w, self%a, self%lambda, mass_factor(self), &
+            & self%h*self%beta/self%gamma, singular)
+         if (.not. self%fresh) self%statistics%jacobians = self%statistics%jacobians + 1
+         self%statistics%factorisations = self%statistics%factorisations + 1
+         self%fresh = .not. singular
+         self%h_factors = self%h
+         ! Where the trees lose a pivot, sparse factors look for others
+         if (singular) call use_sparse(self, system)
+      end if
+      if (self%forest%usable) return
+      if (.not. self%fresh) call refresh(self, system, work)
+      if (abs(self%h - self%h_factors) > 0.0_wp) call factor_matrix(self, error)
+   end subroutine prepare
 
    !> Derivatives at the present state.
    subroutine refresh(self, system, work)
@@ -238,14 +273,20 @@ contains
          self%x = self%h*self%w + self%h**2*((0.5_wp - self%beta)*self%e + self%beta*self%new_algorithmic)
          self%new_w = self%w + self%h*((1 - self%gamma)*self%e + self%gamma*self%new_algorithmic)
          call advance(system%layout, self%q, self%x, self%new_q)
-         call velocities_of(system%layout, self%new_q, self%new_w, self%new_v)
+         if (converged .or. .not. self%forest%usable) call velocities_of(system%layout, self%new_q, self%new_w, self%new_v)
          if (converged) return
-         call motion_residual(system, work, t, self%new_q, self%new_v, self%new_a, self%new_lambda, self%motion, self%rate)
-         if (system%condensed) call condense_residual(system, work, self%new_q, self%new_v, self%motion)
-         if (system%redundant) call give_way(self%tangent, self%new_lambda, self%rate)
+         if (self%forest%usable) then
+            call forest_residual(self%forest, system%model, self%new_q, self%new_w, self%new_a, self%new_lambda, self%motion, &
+               & self%rate)
+            work%evaluations = work%evaluations + 1
+         else
+            call motion_residual(system, work, t, self%new_q, self%new_v, self%new_a, self%new_lambda, self%motion, self%rate)
+            if (system%condensed) call condense_residual(system, work, self%new_q, self%new_v, self%motion)
+            if (system%redundant) call give_way(self%tangent, self%new_lambda, self%rate)
+         end if
          self%unknown(:nw) = -self%motion
          self%unknown(nw + 1:) = -self%rate
-         call self%tangent%matrix%solve(self%unknown)
+         call solve(self, self%unknown)
          self%new_a = self%new_a + mass_factor(self)*self%unknown(:nw)
          self%new_lambda = self%new_lambda + self%unknown(nw + 1:)
          size_now = sqrt(sum((self%unknown(:nw)/self%scale_w)**2) + sum((self%h*self%unknown(:nw)/self%scale_x)**2))
@@ -261,6 +302,30 @@ contains
       converged = .false.
    end subroutine iterate
 
+   !> Solves with the factors at hand.
+   subroutine solve(self, x)
+      class(alpha_type), intent(inout) :: self
+      real(wp), contiguous, intent(inout) :: x(:)
+      if (self%forest%usable) then
+         call forest_solve(self%forest, x)
+      else
+         call self%tangent%matrix%solve(x)
+      end if
+   end subroutine solve
+
+   !> product = product + M vector mass_factor at the present state.
+   subroutine add_mass(self, system, vector, product)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), contiguous, intent(in) :: vector(:)
+      real(wp), contiguous, intent(inout) :: product(:)
+      if (self%forest%usable) then
+         call forest_times_mass(self%forest, system%model, self%q, mass_factor(self), vector, product)
+      else
+         call times_mass(system, self%tangent, mass_factor(self), vector, product)
+      end if
+   end subroutine add_mass
+
    !> Local error in units of the scales: the next terms of the series, through the Newton matrix, which lets pass what the
    !> step resolves.
    subroutine estimate_error(self, system, work, err)
@@ -275,15 +340,15 @@ contains
       factor_w = 1.0_wp/12 + 0.5_wp*abs(self%alpha_m - self%alpha_f)
       self%unknown = 0.0_wp
       self%e = factor_x*self%h**2*(self%new_a - self%a)
-      call times_mass(system, self%tangent, mass_factor(self), self%e, self%unknown(:nw))
+      call add_mass(self, system, self%e, self%unknown(:nw))
       if (system%condensed) call condense_right_side(system, work, self%unknown(:nw))
-      call self%tangent%matrix%solve(self%unknown)
+      call solve(self, self%unknown)
       err = sum((self%unknown(:nw)/self%scale_x)**2)
       self%unknown = 0.0_wp
       self%e = factor_w*self%h*(self%new_a - self%a - self%h*self%jerk)
-      call times_mass(system, self%tangent, mass_factor(self), self%e, self%unknown(:nw))
+      call add_mass(self, system, self%e, self%unknown(:nw))
       if (system%condensed) call condense_right_side(system, work, self%unknown(:nw))
-      call self%tangent%matrix%solve(self%unknown)
+      call solve(self, self%unknown)
       err = sqrt(err + sum((self%unknown(:nw)/self%scale_w)**2))
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error
@@ -298,10 +363,20 @@ contains
       logical, intent(out) :: good
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: residual, t
+      logical :: singular
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
-      call settle(system, work, t, self%new_q, self%new_v, self%change, .false., residual, error)
-      if (allocated(error)) return
+      if (self%forest%usable) then
+         call forest_settle(self%forest, system%model, self%new_q, self%new_v, residual, singular)
+         self%h_factors = 0.0_wp
+         good = .not. singular
+         if (singular) call use_sparse(self, system)
+         if (singular) self%fresh = .false.
+         if (singular) return
+      else
+         call settle(system, work, t, self%new_q, self%new_v, self%change, .false., residual, error)
+         if (allocated(error)) return
+      end if
       good = residual <= constraint_limit
       if (.not. good) return
       self%statistics%position_residual = max(self%statistics%position_residual, residual)
@@ -320,8 +395,12 @@ contains
       self%power_before = self%power
       self%work_before = self%work_done
       if (system%powered) then
-         call accelerations(system, work, self%q, self%v, self%change)
-         self%power = input_power(system, work, self%q, self%v)
+         if (self%forest%usable) then
+            self%power = forest_power(self%forest, system%model, self%q, self%w)
+         else
+            call accelerations(system, work, self%q, self%v, self%change)
+            self%power = input_power(system, work, self%q, self%v)
+         end if
          self%work_done = self%work_done + 0.5_wp*self%h*(self%power_before + self%power)
       end if
    end subroutine accept

@@ -13,7 +13,9 @@ module limber_integrator_conserving
    use limber_system_discrete, only: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, &
       & linearise_step, step_work
    use limber_system_dynamics, only: linearise, accelerations
-   use limber_system_kinematics, only: layout_type, rates_of, velocities_of
+   use limber_system_forest, only: forest_type, new_forest, forest_solve
+   use limber_system_forest_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
+   use limber_system_kinematics, only: layout_type, place_frames, rates_of, velocities_of
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, times_mass, give_way
    implicit none
@@ -47,6 +49,8 @@ module limber_integrator_conserving
       real(wp), allocatable :: motion(:), phi(:), unknown(:), e(:), change(:)
       type(step_type) :: trial
       type(tangent_type) :: tangent
+      !> Where bodies on pins close no loop: takes the place of the tangent
+      type(forest_type) :: forest
       type(layout_type) :: layout
       type(scales_type) :: scales
       !> Scales of coordinates and rates in the layout of the rates (nw)
@@ -82,7 +86,9 @@ contains
             & self%increment(nw), self%w(nw), self%mean(nw, 2), self%mean_lambda(nc, 2), self%curvature_before(nw), &
             & self%curvature(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
             & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc))
-         call new_tangent(system, self%tangent)
+         call new_forest(system, self%forest)
+         if (.not. self%forest%usable) call new_tangent(system, self%tangent)
+         if (self%forest%usable .and. .not. self%fixed_step > 0.0_wp) allocate (self%forest%masses, source=self%forest%block)
          call new_step(system, work, self%trial)
          self%scales = new_scales(system, duration, .true.)
       end if
@@ -142,12 +148,12 @@ contains
          if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
          h = even_step(stop - self%t, self%h)
          if (h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+            if (self%forest%usable) call place_frames(system%model, system%layout, self%t, self%q, work%kinematics)
             i = max(1, maxloc(abs(self%unknown(:system%layout%nw))/self%scale_x, dim=1))
             call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return
          end if
-         call begin_step(system, self%trial, self%t, h, merge(stop, self%t + (h - self%rounding), h >= stop - self%t), self%q, &
-            & self%b)
+         call begin(self, system, h, merge(stop, self%t + (h - self%rounding), h >= stop - self%t))
          call predict(self, system, .true.)
          call iterate(self, system, work, good)
          if (.not. good) then
@@ -179,6 +185,19 @@ contains
       end if
       call find_scales(self, system)
    end subroutine conserving_step
+
+   !> Places the start of a step of length h.
+   subroutine begin(self, system, h, final)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Length, time at the end
+      real(wp), intent(in) :: h, final
+      if (self%forest%usable) then
+         call begin_forest_step(self%forest, system%model, self%trial, self%t, h, final, self%q, self%b)
+      else
+         call begin_step(system, self%trial, self%t, h, final, self%q, self%b)
+      end if
+   end subroutine begin
 
    !> Scales at the present state.
    subroutine find_scales(self, system)
@@ -255,7 +274,7 @@ contains
       noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*self%scales%speed))*max(1.0_wp, nw/many_rates)
       size_last = 0.0_wp
       do round = 1, most_iterations
-         call step_residual(system, work, self%trial, self%y, self%lambda, self%motion, self%phi)
+         call find_residual(self, system, work)
          if (converged) return
          if (.not. self%h_factors > 0.0_wp) then
             call refresh(self, system, work)
@@ -265,7 +284,7 @@ contains
          if (system%redundant) call give_way(self%tangent, self%lambda, self%phi)
          self%unknown(:nw) = -self%motion
          self%unknown(nw + 1:) = -self%phi
-         call self%tangent%matrix%solve(self%unknown)
+         call solve(self)
          size_now = sqrt(sum((self%unknown(:nw)/(self%trial%h*self%scale_w))**2) + sum((self%trial%h*self%unknown(nw + 1:)/ &
             & self%scale_lambda)**2))
          if (.not. size_now <= 1.0e10_wp) return
@@ -284,12 +303,47 @@ contains
       converged = .false.
    end subroutine iterate
 
+   !> Residuals of the end that is tried.
+   subroutine find_residual(self, system, work)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      if (self%forest%usable) then
+         call forest_step_residual(self%forest, system%model, system%layout, self%trial, self%y, self%lambda, self%motion, self%phi)
+         work%evaluations = work%evaluations + 1
+      else
+         call step_residual(system, work, self%trial, self%y, self%lambda, self%motion, self%phi)
+      end if
+   end subroutine find_residual
+
+   !> Solves for the unknowns with the factors at hand.
+   subroutine solve(self)
+      class(conserving_type), intent(inout) :: self
+      if (self%forest%usable) then
+         call forest_solve(self%forest, self%unknown)
+      else
+         call self%tangent%matrix%solve(self%unknown)
+      end if
+   end subroutine solve
+
    !> Derivatives and factors at the state of the last residual.
    subroutine refresh(self, system, work)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       logical :: singular
+      if (self%forest%usable) then
+         call forest_step_factor(self%forest, system%model, self%trial, self%y, self%lambda, singular)
+         self%statistics%jacobians = self%statistics%jacobians + 1
+         self%statistics%factorisations = self%statistics%factorisations + 1
+         if (.not. singular) self%h_factors = self%trial%h
+         if (.not. singular) return
+         ! Where the trees lose a pivot, sparse factors look for others
+         self%forest%usable = .false.
+         call new_tangent(system, self%tangent)
+         call begin_step(system, self%trial, self%t, self%trial%h, self%trial%final, self%q, self%b)
+         call find_residual(self, system, work)
+      end if
       call linearise_step(system, work, self%trial, self%tangent, self%y, self%lambda)
       call self%tangent%matrix%factor(singular)
       self%statistics%jacobians = self%statistics%jacobians + 1
@@ -325,8 +379,12 @@ contains
       call fixed_rates(system%layout, self%trial%new_q, derivative, self%e)
       self%e = self%trial%h**3/12*self%e
       self%unknown = 0.0_wp
-      call times_mass(system, self%tangent, 1.0_wp, self%e, self%unknown(:system%layout%nw))
-      call self%tangent%matrix%solve(self%unknown)
+      if (self%forest%usable) then
+         call forest_step_mass(self%forest, self%e, self%unknown)
+      else
+         call times_mass(system, self%tangent, 1.0_wp, self%e, self%unknown(:system%layout%nw))
+      end if
+      call solve(self)
       square = sum((self%unknown(:system%layout%nw)/scales)**2)
    end function part_of_error
 

@@ -287,6 +287,8 @@ contains
       real(wp) :: x, inertia, centre
       if (.not. (body%beam%length > 0.0_wp .and. body%beam%elements > 0)) return
       do i = 1, size(deck%blocks)
+         ! Quick, for decks of thousands of beams
+         if (len(deck%blocks(i)%keyword) /= len('MASS')) cycle
          if (deck%blocks(i)%keyword /= 'MASS') cycle
          if (.not. is_part(deck, i, index)) cycle
          do k = 1, size(deck%blocks(i)%lines)

@@ -23,6 +23,7 @@ module limber_system_discrete
    implicit none
    private
    public :: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, linearise_step, step_work
+   public :: gauss, find_end, into_frame
 
    !> Gauss points of a step: to degree three, that of the elastic force
    real(wp), parameter :: gauss(2) = [0.5_wp - sqrt(3.0_wp)/6, 0.5_wp + sqrt(3.0_wp)/6]

@@ -1,0 +1,631 @@
+!> Equations of motion of a forest of bodies on pins at an instant, and what moves a state onto the pins: what `motion_residual`,
+!> `linearise_motion` and `settle` do for any scene, to round-off, but body by body in one pass, without kinematics of markers in
+!> between, and with the solution by elimination along the trees. No allocation. Floor: system.
+!> Source: doc/theory, eqs. (12), (34), (35), (39)-(41), (S1)-(S3).
+module limber_system_forest_motion
+   use limber_base_kinds, only: wp
+   use limber_flex_elastic, only: elastic_force, elastic_tangent, geometric_power
+   use limber_flex_reduced, only: reduced_type
+   use limber_model_scene, only: model_type
+   use limber_system_forest, only: forest_type, eliminate, hand_on, forest_solve
+   implicit none
+   private
+   public :: forest_residual, forest_factor, forest_settle, forest_times_mass, forest_power, start_place, add_pin, pin_rows
+
+contains
+
+   !> Residual of the equations of motion (nw) and of the velocity equations of the pins (nc): that of `motion_residual`.
+   subroutine forest_residual(forest, model, q, w, a, lambda, motion, rates)
+      type(forest_type), intent(inout) :: forest
+      type(model_type), intent(in) :: model
+      !> Coordinates (nq), rates, accelerations (nw), multipliers (nc)
+      real(wp), intent(in) :: q(*), w(*), a(*), lambda(*)
+      real(wp), intent(inout) :: motion(*), rates(*)
+      real(wp) :: force(2), speed(2)
+      integer :: k, c
+      do k = 1, size(forest%places)
+         associate (place => forest%places(k))
+            c = place%carrier
+            associate (at => place%q, to => place%w, reduced => model%bodies(place%model)%reduced)
+               call inertia_forces(reduced, place%n, model%gravity, q(at + 2), q(at + 4), w(to + 2), w(to + 3), a(to), a(to + 2), &
+                  & a(to + 3), motion(to))
+               if (place%n > 0) call add_elastic(forest, reduced, q(at + 4:at + 3 + place%n), w(to + 3:to + 2 + place%n), &
+                  & motion(to + 3:to + 2 + place%n))
+               if (c < 0) cycle
+               force = place%sign*lambda(place%row:place%row + 1)
+               speed = 0.0_wp
+               call add_pin(place%n, 1.0_wp, forest%pins(:, :, place%own), q(at + 2), q(at + 4), w(to), force, motion(to), speed)
+               if (c > 0) then
+                  associate (carrier => forest%places(c))
+                     call add_pin(carrier%n, -1.0_wp, forest%pins(:, :, place%base), q(carrier%q + 2), q(carrier%q + 4), &
+                        & w(carrier%w), force, motion(carrier%w), speed)
+                  end associate
+               end if
+               rates(place%row:place%row + 1) = place%sign*speed
+            end associate
+         end associate
+      end do
+   end subroutine forest_residual
+
+   !> M a + velocity terms - weight of a body, eq. (12).
+   pure subroutine inertia_forces(body, n, gravity, u, eta, omega, rate, acceleration, alpha, push_rate, motion)
+      type(reduced_type), intent(in) :: body
+      integer, intent(in) :: n
+      !> Vector of the frame (2), deflection coordinates (n), angular velocity, rates (n)
+      real(wp), intent(in) :: gravity(2), u(2), eta(n), omega, rate(n)
+      !> r'' (2), alpha, eta'' (n)
+      real(wp), intent(in) :: acceleration(2), alpha, push_rate(n)
+      real(wp), intent(out) :: motion(3 + n)
+      real(wp) :: c(2), drift(2), push(2), heavy(2), own(2), turning, inertia, square, h
+      integer :: j, k
+      c = body%c0
+      drift = 0.0_wp
+      push = 0.0_wp
+      turning = 0.0_wp
+      inertia = body%i0
+      square = omega**2
+      do k = 1, n
+         c(1) = c(1) + body%c(1, k)*eta(k)
+         c(2) = c(2) + body%c(2, k)*eta(k)
+         drift(1) = drift(1) + body%c(1, k)*rate(k)
+         drift(2) = drift(2) + body%c(2, k)*rate(k)
+         push(1) = push(1) + body%c(1, k)*push_rate(k)
+         push(2) = push(2) + body%c(2, k)*push_rate(k)
+         turning = turning + (body%d(k) + eta(k))*rate(k)
+         inertia = inertia + (2*body%d(k) + eta(k))*eta(k)
+      end do
+      heavy = acceleration - gravity
+      own(1) = u(1)*heavy(1) + u(2)*heavy(2)
+      own(2) = u(1)*heavy(2) - u(2)*heavy(1)
+      push(1) = push(1) - alpha*c(2) - square*c(1) - 2*omega*drift(2)
+      push(2) = push(2) + alpha*c(1) - square*c(2) + 2*omega*drift(1)
+      motion(1) = body%mass*heavy(1) + push(1)*u(1) - push(2)*u(2)
+      motion(2) = body%mass*heavy(2) + push(1)*u(2) + push(2)*u(1)
+      motion(3) = c(1)*own(2) - c(2)*own(1) + inertia*alpha + 2*omega*turning
+      do k = 1, n
+         h = body%e(k)
+         turning = 0.0_wp
+         do j = 1, n
+            h = h + body%skew(j, k)*eta(j)
+            turning = turning + body%skew(j, k)*rate(j)
+         end do
+         motion(3) = motion(3) + h*push_rate(k)
+         motion(3 + k) = body%c(1, k)*own(1) + body%c(2, k)*own(2) + h*alpha + push_rate(k) - square*(body%d(k) + eta(k)) &
+            & + 2*omega*turning
+      end do
+   end subroutine inertia_forces
+
+   !> Adds the elastic force and the damping of a body.
+   subroutine add_elastic(forest, body, eta, rate, motion)
+      type(forest_type), intent(inout) :: forest
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: eta(:), rate(:)
+      real(wp), intent(inout) :: motion(:)
+      call elastic_force(body, eta, motion, forest%pairs(:, 1), forest%pairs(:, 2))
+      if (body%damped) motion = motion + body%damping*rate
+   end subroutine add_elastic
+
+   !> Adds a force at a pin to the forces of its body, and the velocity of the pin to that of a gap.
+   pure subroutine add_pin(n, sign, pin, u, eta, w, force, motion, speed)
+      integer, intent(in) :: n
+      !> 1 on the body that hangs, -1 on its carrier
+      real(wp), intent(in) :: sign
+      !> Place and shapes of the pin; vector of the frame, coordinates, rates of the body, force along the fixed axes
+      real(wp), intent(in) :: pin(2, 0:n), u(2), eta(n), w(3 + n), force(2)
+      real(wp), intent(inout) :: motion(3 + n), speed(2)
+      real(wp) :: p(2), drift(2), own(2)
+      integer :: k
+      own(1) = sign*(u(1)*force(1) + u(2)*force(2))
+      own(2) = sign*(u(1)*force(2) - u(2)*force(1))
+      p = pin(:, 0)
+      drift = 0.0_wp
+      do k = 1, n
+         p(1) = p(1) + pin(1, k)*eta(k)
+         p(2) = p(2) + pin(2, k)*eta(k)
+         drift(1) = drift(1) + pin(1, k)*w(3 + k)
+         drift(2) = drift(2) + pin(2, k)*w(3 + k)
+         motion(3 + k) = motion(3 + k) + pin(1, k)*own(1) + pin(2, k)*own(2)
+      end do
+      motion(1) = motion(1) + sign*force(1)
+      motion(2) = motion(2) + sign*force(2)
+      motion(3) = motion(3) + p(1)*own(2) - p(2)*own(1)
+      drift(1) = drift(1) - w(3)*p(2)
+      drift(2) = drift(2) + w(3)*p(1)
+      speed(1) = speed(1) + sign*(w(1) + drift(1)*u(1) - drift(2)*u(2))
+      speed(2) = speed(2) + sign*(w(2) + drift(1)*u(2) + drift(2)*u(1))
+   end subroutine add_pin
+
+   !> Factors of mass M + D + stiffness (K, and the drift of the rows): the matrix (41) at a state.
+   subroutine forest_factor(forest, model, q, w, a, lambda, mass, stiffness, singular)
+      type(forest_type), intent(inout) :: forest
+      type(model_type), intent(in) :: model
+      !> As in `forest_residual`
+      real(wp), intent(in) :: q(*), w(*), a(*), lambda(*)
+      !> Factors of the mass and of the stiffness
+      real(wp), intent(in) :: mass, stiffness
+      logical, intent(out) :: singular
+      real(wp) :: force(2)
+      integer :: k, c, order
+      order = forest%order
+      singular = .false.
+      forest%started = .false.
+      do k = size(forest%places), 1, -1
+         associate (place => forest%places(k))
+            c = place%carrier
+            if (.not. forest%started(k)) call start_newton(forest, model, k, q, w, a, mass, stiffness)
+            if (c >= 0) then
+               force = place%sign*lambda(place%row:place%row + 1)
+               call pin_rows(order, place%n, forest%pins(:, :, place%own), q(place%q + 2), q(place%q + 4), &
+                  & forest%reaction(:, :, k), forest%rows(:, :, k))
+               call pin_derivatives(order, place%n, stiffness, forest%pins(:, :, place%own), q(place%q + 2), q(place%q + 4), &
+                  & w(place%w), force, forest%rows(:, :, k), forest%block(:, :, k))
+            end if
+            call eliminate(order, 3 + place%n, c >= 0, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
+               & forest%compliance(:, :, k), singular)
+            if (singular) return
+            if (c <= 0) cycle
+            associate (carrier => forest%places(c))
+               if (.not. forest%started(c)) call start_newton(forest, model, c, q, w, a, mass, stiffness)
+               call pin_rows(order, carrier%n, forest%pins(:, :, place%base), q(carrier%q + 2), q(carrier%q + 4), &
+                  & forest%carried(:, :, k), forest%carrying(:, :, k))
+               call pin_derivatives(order, carrier%n, stiffness, forest%pins(:, :, place%base), q(carrier%q + 2), &
+                  & q(carrier%q + 4), w(carrier%w), -force, forest%carrying(:, :, k), forest%block(:, :, c))
+               call hand_on(order, 3 + carrier%n, forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), &
+                  & forest%block(:, :, c))
+            end associate
+         end associate
+      end do
+   end subroutine forest_factor
+
+   !> The block of a body: mass M + D + stiffness K.
+   subroutine start_newton(forest, model, k, q, w, a, mass, stiffness)
+      type(forest_type), intent(inout) :: forest
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: k
+      real(wp), intent(in) :: q(*), w(*), a(*)
+      real(wp), intent(in) :: mass, stiffness
+      integer :: i, n
+      associate (place => forest%places(k), reduced => model%bodies(forest%places(k)%model)%reduced)
+         n = place%n
+         forest%started(k) = .true.
+         call inertia_tangent(forest%order, n, reduced, mass, stiffness, model%gravity, q(place%q + 2), q(place%q + 4), &
+            & w(place%w + 2), w(place%w + 3), a(place%w), forest%block(:, :, k))
+         if (n == 0) return
+         forest%tangent(:n, :n) = 0.0_wp
+         call elastic_tangent(reduced, q(place%q + 4:place%q + 3 + n), forest%tangent(:n, :n), forest%pairs(:, 1), &
+            & forest%pairs(:, 2), forest%slope(:reduced%bending*(reduced%bending + 1)/2, :))
+         forest%block(4:3 + n, 4:3 + n, k) = forest%block(4:3 + n, 4:3 + n, k) + stiffness*forest%tangent(:n, :n)
+         if (.not. reduced%damped) return
+         do i = 1, n
+            forest%block(3 + i, 3 + i, k) = forest%block(3 + i, 3 + i, k) + reduced%damping(i)
+         end do
+      end associate
+   end subroutine start_newton
+
+   !> mass M + D + stiffness K of the inertia forces and the weight, eqs. (10), (40).
+   pure subroutine inertia_tangent(order, n, body, mass, stiffness, gravity, u, eta, omega, rate, a, block)
+      integer, intent(in) :: order, n
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: mass, stiffness, gravity(2)
+      !> As in `inertia_forces`; accelerations (3 + n)
+      real(wp), intent(in) :: u(2), eta(n), omega, rate(n), a(3 + n)
+      real(wp), intent(out) :: block(order, 3 + n)
+      real(wp) :: c(2), drift(2), push(2), own(2), arm(2), turning, inertia, square, h, spin, sway, along_r, across_r, moment
+      integer :: j, k
+      c = body%c0
+      drift = 0.0_wp
+      push = 0.0_wp
+      turning = 0.0_wp
+      inertia = body%i0
+      square = omega**2
+      do k = 1, n
+         c(1) = c(1) + body%c(1, k)*eta(k)
+         c(2) = c(2) + body%c(2, k)*eta(k)
+         drift(1) = drift(1) + body%c(1, k)*rate(k)
+         drift(2) = drift(2) + body%c(2, k)*rate(k)
+         push(1) = push(1) + body%c(1, k)*a(3 + k)
+         push(2) = push(2) + body%c(2, k)*a(3 + k)
+         turning = turning + (body%d(k) + eta(k))*rate(k)
+         inertia = inertia + (2*body%d(k) + eta(k))*eta(k)
+      end do
+      own(1) = u(1)*(a(1) - gravity(1)) + u(2)*(a(2) - gravity(2))
+      own(2) = u(1)*(a(2) - gravity(2)) - u(2)*(a(1) - gravity(1))
+      push(1) = push(1) - a(3)*c(2) - square*c(1) - 2*omega*drift(2)
+      push(2) = push(2) + a(3)*c(1) - square*c(2) + 2*omega*drift(1)
+      ! Columns of r, and that of the rotation; in the axes of the frame first
+      block(1, 1) = mass*body%mass
+      block(2, 1) = 0.0_wp
+      block(1, 2) = 0.0_wp
+      block(2, 2) = mass*body%mass
+      block(3, 1) = mass*(-c(1)*u(2) - c(2)*u(1))
+      block(3, 2) = mass*(c(1)*u(1) - c(2)*u(2))
+      arm(1) = -mass*c(2) - stiffness*push(2) - 2*drift(2) - 2*omega*c(1)
+      arm(2) = mass*c(1) + stiffness*push(1) + 2*drift(1) - 2*omega*c(2)
+      block(1, 3) = arm(1)*u(1) - arm(2)*u(2)
+      block(2, 3) = arm(1)*u(2) + arm(2)*u(1)
+      block(3, 3) = mass*inertia + 2*turning - stiffness*(c(1)*own(1) + c(2)*own(2))
+      ! Of what stands along a shape, and across it: J C_j
+      along_r = mass - stiffness*square
+      across_r = stiffness*a(3) + 2*omega
+      do j = 1, n
+         h = body%e(j)
+         spin = 0.0_wp
+         sway = 0.0_wp
+         do k = 1, n
+            h = h + body%skew(k, j)*eta(k)
+            spin = spin + body%skew(k, j)*rate(k)
+            sway = sway + body%skew(k, j)*a(3 + k)
+            block(3 + k, 3 + j) = -body%skew(k, j)*across_r
+         end do
+         block(3 + j, 3 + j) = block(3 + j, 3 + j) + along_r
+         arm(1) = along_r*body%c(1, j) - across_r*body%c(2, j)
+         arm(2) = along_r*body%c(2, j) + across_r*body%c(1, j)
+         block(1, 3 + j) = arm(1)*u(1) - arm(2)*u(2)
+         block(2, 3 + j) = arm(1)*u(2) + arm(2)*u(1)
+         moment = stiffness*(body%c(1, j)*own(2) - body%c(2, j)*own(1))
+         block(3, 3 + j) = mass*h + moment + 2*(body%d(j) + eta(j))*(stiffness*a(3) + omega) + stiffness*(2*omega*rate(j) - sway)
+         block(3 + j, 1) = mass*(body%c(1, j)*u(1) - body%c(2, j)*u(2))
+         block(3 + j, 2) = mass*(body%c(1, j)*u(2) + body%c(2, j)*u(1))
+         block(3 + j, 3) = mass*h + moment - 2*omega*(body%d(j) + eta(j)) + 2*spin
+      end do
+   end subroutine inertia_tangent
+
+   !> Rows of a pin on a body, transposed: derivatives of its place by (r, rotation, eta), twice.
+   pure subroutine pin_rows(order, n, pin, u, eta, rows, again)
+      integer, intent(in) :: order, n
+      real(wp), intent(in) :: pin(2, 0:n), u(2), eta(n)
+      real(wp), intent(inout) :: rows(order, 2), again(order, 2)
+      real(wp) :: p(2)
+      integer :: k
+      p = pin(:, 0)
+      do k = 1, n
+         p(1) = p(1) + pin(1, k)*eta(k)
+         p(2) = p(2) + pin(2, k)*eta(k)
+         rows(3 + k, 1) = pin(1, k)*u(1) - pin(2, k)*u(2)
+         rows(3 + k, 2) = pin(1, k)*u(2) + pin(2, k)*u(1)
+      end do
+      rows(1, 1) = 1.0_wp
+      rows(2, 1) = 0.0_wp
+      rows(1, 2) = 0.0_wp
+      rows(2, 2) = 1.0_wp
+      rows(3, 1) = -p(1)*u(2) - p(2)*u(1)
+      rows(3, 2) = p(1)*u(1) - p(2)*u(2)
+      do k = 1, 3 + n
+         again(k, 1) = rows(k, 1)
+         again(k, 2) = rows(k, 2)
+      end do
+   end subroutine pin_rows
+
+   !> Adds the drift of the rows of a pin to them, and the derivatives of its force to the block of the body.
+   pure subroutine pin_derivatives(order, n, stiffness, pin, u, eta, w, force, rows, block)
+      integer, intent(in) :: order, n
+      real(wp), intent(in) :: stiffness, pin(2, 0:n), u(2), eta(n), w(3 + n), force(2)
+      real(wp), intent(inout) :: rows(order, 2), block(order, 3 + n)
+      real(wp) :: p(2), drift(2), own(2), part, turned
+      integer :: k
+      own(1) = stiffness*(u(1)*force(1) + u(2)*force(2))
+      own(2) = stiffness*(u(1)*force(2) - u(2)*force(1))
+      p = pin(:, 0)
+      drift = 0.0_wp
+      turned = stiffness*w(3)
+      do k = 1, n
+         p(1) = p(1) + pin(1, k)*eta(k)
+         p(2) = p(2) + pin(2, k)*eta(k)
+         drift(1) = drift(1) + pin(1, k)*w(3 + k)
+         drift(2) = drift(2) + pin(2, k)*w(3 + k)
+         part = pin(1, k)*own(2) - pin(2, k)*own(1)
+         block(3, 3 + k) = block(3, 3 + k) + part
+         block(3 + k, 3) = block(3 + k, 3) + part
+         rows(3 + k, 1) = rows(3 + k, 1) - turned*(pin(1, k)*u(2) + pin(2, k)*u(1))
+         rows(3 + k, 2) = rows(3 + k, 2) + turned*(pin(1, k)*u(1) - pin(2, k)*u(2))
+      end do
+      block(3, 3) = block(3, 3) - p(1)*own(1) - p(2)*own(2)
+      drift(1) = stiffness*drift(1) - turned*p(2)
+      drift(2) = stiffness*drift(2) + turned*p(1)
+      rows(3, 1) = rows(3, 1) - drift(1)*u(2) - drift(2)*u(1)
+      rows(3, 2) = rows(3, 2) + drift(1)*u(1) - drift(2)*u(2)
+   end subroutine pin_derivatives
+
+   !> Factors of the mass matrix with the pins, eq. (32), at q.
+   subroutine factor_masses(forest, model, q, singular)
+      type(forest_type), intent(inout) :: forest
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: q(*)
+      logical, intent(out) :: singular
+      integer :: k, c, order
+      order = forest%order
+      singular = .false.
+      forest%started = .false.
+      do k = size(forest%places), 1, -1
+         associate (place => forest%places(k))
+            c = place%carrier
+            if (.not. forest%started(k)) call start_place(forest, model, k, q)
+            if (c >= 0) call pin_rows(order, place%n, forest%pins(:, :, place%own), q(place%q + 2), q(place%q + 4), &
+               & forest%reaction(:, :, k), forest%rows(:, :, k))
+            call eliminate(order, 3 + place%n, c >= 0, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
+               & forest%compliance(:, :, k), singular)
+            if (singular) return
+            if (c <= 0) cycle
+            associate (carrier => forest%places(c))
+               if (.not. forest%started(c)) call start_place(forest, model, c, q)
+               call pin_rows(order, carrier%n, forest%pins(:, :, place%base), q(carrier%q + 2), q(carrier%q + 4), &
+                  & forest%carried(:, :, k), forest%carrying(:, :, k))
+               call hand_on(order, 3 + carrier%n, forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), &
+                  & forest%block(:, :, c))
+            end associate
+         end associate
+      end do
+   end subroutine factor_masses
+
+   !> The mass matrix of a body as its block.
+   pure subroutine start_place(forest, model, k, q)
+      type(forest_type), intent(inout) :: forest
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: k
+      real(wp), intent(in) :: q(*)
+      associate (place => forest%places(k))
+         forest%started(k) = .true.
+         call mass_matrix(forest%order, place%n, model%bodies(place%model)%reduced, q(place%q + 2), q(place%q + 4), &
+            & forest%block(:, :, k))
+      end associate
+   end subroutine start_place
+
+   !> Mass matrix of a body, eq. (10).
+   pure subroutine mass_matrix(order, n, body, u, eta, block)
+      integer, intent(in) :: order, n
+      type(reduced_type), intent(in) :: body
+      real(wp), intent(in) :: u(2), eta(n)
+      real(wp), intent(out) :: block(order, 3 + n)
+      real(wp) :: c(2), h
+      integer :: j, k
+      c = body%c0
+      block(3, 3) = body%i0
+      do k = 1, n
+         c(1) = c(1) + body%c(1, k)*eta(k)
+         c(2) = c(2) + body%c(2, k)*eta(k)
+         block(3, 3) = block(3, 3) + (2*body%d(k) + eta(k))*eta(k)
+         h = body%e(k)
+         do j = 1, n
+            h = h + body%skew(j, k)*eta(j)
+            block(3 + j, 3 + k) = 0.0_wp
+         end do
+         block(3 + k, 3 + k) = 1.0_wp
+         block(3, 3 + k) = h
+         block(3 + k, 3) = h
+         block(1, 3 + k) = body%c(1, k)*u(1) - body%c(2, k)*u(2)
+         block(2, 3 + k) = body%c(1, k)*u(2) + body%c(2, k)*u(1)
+         block(3 + k, 1) = block(1, 3 + k)
+         block(3 + k, 2) = block(2, 3 + k)
+      end do
+      block(1, 1) = body%mass
+      block(2, 1) = 0.0_wp
+      block(1, 2) = 0.0_wp
+      block(2, 2) = body%mass
+      block(3, 1) = -c(1)*u(2) - c(2)*u(1)
+      block(3, 2) = c(1)*u(1) - c(2)*u(2)
+      block(1, 3) = block(3, 1)
+      block(2, 3) = block(3, 2)
+   end subroutine mass_matrix
+
+   !> Moves a state that is near the pins onto them, at position and velocity level: `settle` of a forest. The factors at hand are
+   !> lost.
+   subroutine forest_settle(forest, model, q, v, residual, singular)
+      type(forest_type), intent(inout) :: forest
+      type(model_type), intent(in) :: model
+      !> Coordinates and velocities (nq)
+      real(wp), intent(inout) :: q(*), v(*)
+      !> Largest gap that is left, in units of the scales of the pins
+      real(wp), intent(out) :: residual
+      logical, intent(out) :: singular
+      !> As in `settle`
+      real(wp), parameter :: near = 1.0e-4_wp, nearest = 1.0e-9_wp, aim = 1.0e-14_wp
+      !> Gaps that hardly shrink and are smaller are rounding of the coordinates
+      real(wp), parameter :: rounding = 1.0e-11_wp, no_progress = 0.5_wp
+      integer, parameter :: most = 6
+      real(wp) :: before, last
+      integer :: round
+      call normalise(forest, q)
+      call factor_masses(forest, model, q, singular)
+      residual = huge(residual)
+      if (singular) return
+      call find_gaps(forest, q, residual)
+      before = residual
+      do round = 1, most
+         if (residual <= aim) exit
+         call forest_solve(forest, forest%x)
+         call move(forest, q)
+         last = residual
+         call find_gaps(forest, q, residual)
+         if (residual <= rounding .and. residual > no_progress*last) exit
+      end do
+      if (before <= aim) before = 0.0_wp
+      if (before > near) then
+         call factor_masses(forest, model, q, singular)
+         if (singular) return
+         before = 0.0_wp
+      end if
+      call settle_rates(forest, q, v)
+      if (before > nearest) call settle_rates(forest, q, v)
+   end subroutine forest_settle
+
+   !> Brings the frames' vectors to unit length, and frames that hang to their places.
+   pure subroutine normalise(forest, q)
+      type(forest_type), intent(in) :: forest
+      real(wp), intent(inout) :: q(*)
+      integer :: k
+      do k = 1, size(forest%places)
+         associate (at => forest%places(k)%q)
+            q(at + 2:at + 3) = q(at + 2:at + 3)/sqrt(q(at + 2)**2 + q(at + 3)**2)
+         end associate
+         if (forest%places(k)%hangs) call hang(forest, k, q)
+      end do
+   end subroutine normalise
+
+   !> Puts a frame on its pin.
+   pure subroutine hang(forest, k, q)
+      type(forest_type), intent(in) :: forest
+      integer, intent(in) :: k
+      real(wp), intent(inout) :: q(*)
+      associate (place => forest%places(k))
+         q(place%q:place%q + 1) = place_of_base(forest, k, q)
+      end associate
+   end subroutine hang
+
+   !> Place of the pin on the carrier.
+   pure function place_of_base(forest, k, q) result(position)
+      type(forest_type), intent(in) :: forest
+      integer, intent(in) :: k
+      real(wp), intent(in) :: q(*)
+      real(wp) :: position(2)
+      associate (base => forest%places(k)%base, c => forest%places(k)%carrier)
+         if (c == 0) then
+            position = forest%pins(:, 0, base)
+         else
+            position = place_of_pin(forest%places(c)%n, forest%pins(:, :, base), q(forest%places(c)%q))
+         end if
+      end associate
+   end function place_of_base
+
+   pure function place_of_pin(n, pin, q) result(position)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: pin(2, 0:n), q(4 + n)
+      real(wp) :: position(2), p(2)
+      integer :: k
+      p = pin(:, 0)
+      do k = 1, n
+         p(1) = p(1) + pin(1, k)*q(4 + k)
+         p(2) = p(2) + pin(2, k)*q(4 + k)
+      end do
+      position(1) = q(1) + p(1)*q(3) - p(2)*q(4)
+      position(2) = q(2) + p(1)*q(4) + p(2)*q(3)
+   end function place_of_pin
+
+   !> Right-hand side that closes the gaps of the pins, into `x`; the largest gap in units of the scales.
+   pure subroutine find_gaps(forest, q, largest)
+      type(forest_type), intent(inout) :: forest
+      real(wp), intent(in) :: q(*)
+      real(wp), intent(out) :: largest
+      real(wp) :: gap(2)
+      integer :: k
+      largest = 0.0_wp
+      forest%x(:forest%nw) = 0.0_wp
+      do k = 1, size(forest%places)
+         associate (place => forest%places(k))
+            if (place%carrier < 0) cycle
+            gap = place_of_pin(place%n, forest%pins(:, :, place%own), q(place%q)) - place_of_base(forest, k, q)
+            largest = max(largest, abs(gap(1))/place%scale, abs(gap(2))/place%scale)
+            forest%x(forest%nw + place%row:forest%nw + place%row + 1) = -place%sign*gap
+         end associate
+      end do
+   end subroutine find_gaps
+
+   !> Moves coordinates by the increments in `x`.
+   pure subroutine move(forest, q)
+      type(forest_type), intent(in) :: forest
+      real(wp), intent(inout) :: q(*)
+      real(wp) :: u(2), size_of
+      integer :: k
+      do k = 1, size(forest%places)
+         associate (place => forest%places(k), at => forest%places(k)%q, x => forest%x)
+            u(1) = q(at + 2) - x(place%w + 2)*q(at + 3)
+            u(2) = q(at + 3) + x(place%w + 2)*q(at + 2)
+            size_of = sqrt(u(1)**2 + u(2)**2)
+            q(at:at + 1) = q(at:at + 1) + x(place%w:place%w + 1)
+            q(at + 2:at + 3) = u/size_of
+            q(at + 4:at + 3 + place%n) = q(at + 4:at + 3 + place%n) + x(place%w + 3:place%w + 2 + place%n)
+            if (place%hangs) call hang(forest, k, q)
+         end associate
+      end do
+   end subroutine move
+
+   !> Takes out of the velocities what violates the velocity equations of the pins.
+   subroutine settle_rates(forest, q, v)
+      type(forest_type), intent(inout) :: forest
+      real(wp), intent(in) :: q(*)
+      real(wp), intent(inout) :: v(*)
+      real(wp) :: speed(2), omega
+      integer :: k, c
+      forest%x(:forest%nw) = 0.0_wp
+      do k = 1, size(forest%places)
+         associate (place => forest%places(k))
+            c = place%carrier
+            if (c < 0) cycle
+            speed = speed_of_pin(place%n, forest%pins(:, :, place%own), q(place%q), v(place%q))
+            if (c > 0) speed = speed - speed_of_pin(forest%places(c)%n, forest%pins(:, :, place%base), q(forest%places(c)%q), &
+               & v(forest%places(c)%q))
+            forest%x(forest%nw + place%row:forest%nw + place%row + 1) = -place%sign*speed
+         end associate
+      end do
+      call forest_solve(forest, forest%x)
+      do k = 1, size(forest%places)
+         associate (place => forest%places(k), at => forest%places(k)%q, x => forest%x)
+            omega = q(at + 2)*v(at + 3) - q(at + 3)*v(at + 2) + x(place%w + 2)
+            v(at:at + 1) = v(at:at + 1) + x(place%w:place%w + 1)
+            v(at + 2) = -omega*q(at + 3)
+            v(at + 3) = omega*q(at + 2)
+            v(at + 4:at + 3 + place%n) = v(at + 4:at + 3 + place%n) + x(place%w + 3:place%w + 2 + place%n)
+         end associate
+      end do
+   end subroutine settle_rates
+
+   pure function speed_of_pin(n, pin, q, v) result(speed)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: pin(2, 0:n), q(4 + n), v(4 + n)
+      real(wp) :: speed(2), p(2), drift(2), omega
+      integer :: k
+      p = pin(:, 0)
+      drift = 0.0_wp
+      do k = 1, n
+         p(1) = p(1) + pin(1, k)*q(4 + k)
+         p(2) = p(2) + pin(2, k)*q(4 + k)
+         drift(1) = drift(1) + pin(1, k)*v(4 + k)
+         drift(2) = drift(2) + pin(2, k)*v(4 + k)
+      end do
+      omega = q(3)*v(4) - q(4)*v(3)
+      drift(1) = drift(1) - omega*p(2)
+      drift(2) = drift(2) + omega*p(1)
+      speed(1) = v(1) + drift(1)*q(3) - drift(2)*q(4)
+      speed(2) = v(2) + drift(1)*q(4) + drift(2)*q(3)
+   end function speed_of_pin
+
+   !> product = product + factor M vector, in the layout of the rates, at q; the blocks of the factors are not touched.
+   subroutine forest_times_mass(forest, model, q, factor, vector, product)
+      type(forest_type), intent(in) :: forest
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: q(*), vector(*)
+      real(wp), intent(in) :: factor
+      real(wp), intent(inout) :: product(*)
+      real(wp) :: block(forest%order, forest%order)
+      integer :: k, j, m
+      do k = 1, size(forest%places)
+         associate (place => forest%places(k))
+            m = 3 + place%n
+            call mass_matrix(forest%order, place%n, model%bodies(place%model)%reduced, q(place%q + 2), q(place%q + 4), block)
+            do j = 1, m
+               product(place%w:place%w + m - 1) = product(place%w:place%w + m - 1) + factor*vector(place%w + j - 1)*block(:m, j)
+            end do
+         end associate
+      end do
+   end subroutine forest_times_mass
+
+   !> Power put in: less what damping and the geometric force of the model k_g take.
+   real(wp) function forest_power(forest, model, q, w) result(power)
+      type(forest_type), intent(inout) :: forest
+      type(model_type), intent(in) :: model
+      !> Coordinates (nq) and rates (nw)
+      real(wp), intent(in) :: q(*), w(*)
+      real(wp) :: taken
+      integer :: k
+      power = 0.0_wp
+      do k = 1, size(forest%places)
+         associate (place => forest%places(k), reduced => model%bodies(forest%places(k)%model)%reduced)
+            if (place%n == 0) cycle
+            call geometric_power(reduced, q(place%q + 4:place%q + 3 + place%n), w(place%w + 3:place%w + 2 + place%n), &
+               & forest%pairs(:, 1), forest%pairs(:, 2), taken)
+            power = power - taken
+            if (reduced%damped) power = power - sum(reduced%damping*w(place%w + 3:place%w + 2 + place%n)**2)
+         end associate
+      end do
+   end function forest_power
+
+end module limber_system_forest_motion

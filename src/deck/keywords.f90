@@ -68,7 +68,7 @@ module limber_deck_keywords
       & keyword_type('BUSHING', many, form_fields, 1, 1, &
       &    'Springs and dampers that hold a point near another one, and two sections near one direction'), &
       & keyword_type('DISTRIBUTED LOAD', many, form_fields, 1, many, &
-      &    'A load along a beam; several data lines are added'), &
+      &    'A load along a beam or a member of a frame; several data lines are added'), &
       & keyword_type('DAMPING', many, form_fields, 0, many, &
       &    'Damping of the coordinates of a beam or frame; data lines: modes with a ratio of their own'), &
       & keyword_type('FRICTION', many, form_none, 0, 0, 'Viscous friction in a joint'), &
@@ -312,12 +312,13 @@ module limber_deck_keywords
       & option_spec_type('BUSHING', 'ANGLE', kind_real, '', &
       &    'rad', '0', 'angle of the first section less that of the second without torque'), &
       & option_spec_type('DISTRIBUTED LOAD', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the load'), &
-      & option_spec_type('DISTRIBUTED LOAD', 'BODY', kind_reference, 'BEAM', '', needed, 'beam that it acts on'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'BODY', kind_reference, 'BEAM|FRAME', '', needed, 'beam or frame that it acts on'), &
+      & option_spec_type('DISTRIBUTED LOAD', 'MEMBER', kind_counting, '', '', '', 'number of the member of the frame'), &
       & option_spec_type('DISTRIBUTED LOAD', 'FOLLOWER', kind_yes, '', &
-      &    '', 'NO', 'components along and across the beam''s floating frame instead of the axes of space'), &
+      &    '', 'NO', 'components along and across the undeformed beam or member in the floating frame, not the axes of space'), &
       & option_spec_type('DISTRIBUTED LOAD', 'START', kind_nonnegative, '', 'm', '0', 'coordinate s where it begins'), &
       & option_spec_type('DISTRIBUTED LOAD', 'END', kind_positive, '', &
-      &    'm', '', 'coordinate s where it ends; if not given, the end of the beam'), &
+      &    'm', '', 'coordinate s where it ends; if not given, the end of the beam or member'), &
       & option_spec_type('DAMPING', 'BODY', kind_reference, 'BEAM|FRAME', '', needed, 'beam or frame that is damped'), &
       & option_spec_type('DAMPING', 'RAYLEIGH ALPHA', kind_nonnegative, '', &
       &    '1/s', '0', 'damping for each unit of modal mass'), &
@@ -480,7 +481,7 @@ module limber_deck_keywords
       &    'added: expression of the elongation x, its rate v, the time t, quantities', .true.), &
       & field_spec_type('BUSHING', 'first point', kind_point, '', 'body.point'), &
       & field_spec_type('BUSHING', 'second point', kind_point, '', 'body.point: its section carries the axes'), &
-      & field_spec_type('DISTRIBUTED LOAD', 'qx', kind_shape, 'N/m', 'along the first axis, expression of s along the beam'), &
+      & field_spec_type('DISTRIBUTED LOAD', 'qx', kind_shape, 'N/m', 'along the first axis, expression of s along it'), &
       & field_spec_type('DISTRIBUTED LOAD', 'qy', kind_shape, 'N/m', 'along the second axis, expression of s'), &
       & field_spec_type('DISTRIBUTED LOAD', 'factor', kind_law, '', &
       &    'expression of the time t and of quantities', .true.), &

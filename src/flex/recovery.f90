@@ -25,6 +25,8 @@ module limber_flex_recovery
       integer :: member = 1
       !> Coordinate along the member [length]
       real(wp) :: x = 0.0_wp
+      !> Of a load along the member: where its parts act [length], and these, with the sum 1; otherwise unallocated
+      real(wp), allocatable :: at(:), part(:)
    end type load_place_type
 
    !> The coefficients of all sections of a body
@@ -169,20 +171,57 @@ contains
       force(3) = -0.25_wp*(load(2, 1) + load(2, 2))*x*(frame%length(e) - x)
    end function spread_forces
 
-   !> What a unit load makes within its element while the nodes are held, eq. (128).
+   !> Unit load at a place as forces and couples on nodes (3, nodes).
+   pure function nodal_load(frame, place, part) result(load)
+      type(frame_type), intent(in) :: frame
+      type(load_place_type), intent(in) :: place
+      !> 1, 2: force along the first or second axis of the body; 3: couple, of which a load along a member has none
+      integer, intent(in) :: part
+      real(wp) :: load(3, size(frame%place, 2))
+      integer :: k
+      load = 0.0_wp
+      if (.not. allocated(place%at)) then
+         load = unit_load(frame, place%member, place%x, part)
+      else if (part < 3) then
+         do k = 1, size(place%at)
+            load = load + place%part(k)*unit_load(frame, place%member, place%at(k), part)
+         end do
+      end if
+   end function nodal_load
+
    pure function held_forces(frame, place, part, section) result(force)
       type(frame_type), intent(in) :: frame
       type(load_place_type), intent(in) :: place
+      integer, intent(in) :: part
+      type(section_type), intent(in) :: section
+      real(wp) :: force(3)
+      integer :: k
+      force = 0.0_wp
+      if (section%member /= place%member) return
+      if (.not. allocated(place%at)) then
+         force = held_by(frame, place%x, part, section)
+      else if (part < 3) then
+         do k = 1, size(place%at)
+            force = force + place%part(k)*held_by(frame, place%at(k), part, section)
+         end do
+      end if
+   end function held_forces
+
+   !> What a unit load makes within its element while the nodes are held, eq. (128).
+   pure function held_by(frame, at, part, section) result(force)
+      type(frame_type), intent(in) :: frame
+      !> Coordinate along the member of the section [length]
+      real(wp), intent(in) :: at
       integer, intent(in) :: part
       type(section_type), intent(in) :: section
       real(wp) :: force(3), along, across, a, b, l, y, near
       logical :: beyond
       integer :: e
       force = 0.0_wp
-      e = element_at(frame, place%member, place%x)
-      if (section%member /= place%member .or. element_of_section(frame, section) /= e) return
+      e = element_at(frame, section%member, at)
+      if (element_of_section(frame, section) /= e) return
       l = frame%length(e)
-      a = place%x - frame%from(e)
+      a = at - frame%from(e)
       b = l - a
       y = section%x - frame%from(e)
       ! The ends of a member are within it
@@ -202,7 +241,7 @@ contains
       if (.not. beyond) return
       force(1:2) = force(1:2) - [along, across]
       force(3) = force(3) + across*(y - a)
-   end function held_forces
+   end function held_by
 
    pure integer function element_of_section(frame, section) result(e)
       type(frame_type), intent(in) :: frame

@@ -14,13 +14,14 @@ module limber_model_build
    use limber_model_joints, only: add_joint, add_coupler, add_driver
    use limber_model_motions, only: add_motion
    use limber_model_lists, only: trim_lists
-   use limber_model_loads, only: add_force, add_torque, add_spring, add_bushing, add_distributed, add_friction, add_damping, &
+   use limber_model_loads, only: add_force, add_torque, add_spring, add_bushing, add_friction, add_damping, &
       & resolve_laws
    use limber_model_parts, only: check_parts
    use limber_model_points, only: add_point, find_body
    use limber_model_scalars, only: add_scalars
    use limber_model_scene, only: model_type, body_flexible, ground
    use limber_model_segments, only: pieces_of
+   use limber_model_spreads, only: add_distributed
    use limber_model_stresses, only: add_recoveries
    implicit none
    private
@@ -40,7 +41,7 @@ contains
       allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
          & model%forces(0), model%channels(0))
       allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0), model%assembly%deflections(0))
-      allocate (model%scalars(0))
+      allocate (model%scalars(0), model%spreads(0))
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
@@ -90,6 +91,7 @@ contains
          if (deck%blocks(i)%keyword == 'SCALAR') call add_scalars(deck%blocks(i), model, diagnostics)
       end do
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
+      deallocate (model%spreads)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_model

@@ -99,6 +99,7 @@ contains
       integer :: i, available
       body%mesh = new_frame(draft%place, draft%members)
       allocate (body%strength, source=draft%strength)
+      allocate (body%member_numbers, source=draft%number)
       do i = 1, size(draft%node)
          body%mesh%free(:, i) = draft%free(:, i)
          body%mesh%mass(1:2, i) = body%mesh%mass(1:2, i) + draft%mass(i)

@@ -1,4 +1,4 @@
-!> Loads of the deck: forces, torques, springs, bushings, distributed loads, friction, and the damping of beams. What is more
+!> Loads of the deck: forces, torques, springs, bushings, friction, and the damping of beams. What is more
 !> than a time law on a point or body, or a linear spring between two points, becomes efforts. Floor: model.
 module limber_model_loads
    use limber_base_kinds, only: wp
@@ -8,13 +8,12 @@ module limber_model_loads
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: op_constant
    use limber_deck_origin, only: origin_type
-   use limber_flex_reduction, only: point_shape
    use limber_model_channels, only: find_quantity
    use limber_model_points, only: add_point, find_point, find_named, find_body
    use limber_model_quantities, only: quantities, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, &
       & quantity_spin, quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, &
       & quantity_joint_spin, quantity_displacement, quantity_sliding_speed
-   use limber_model_segments, only: pieces_of, piece_start, find_frame, has_frame
+   use limber_model_segments, only: pieces_of, find_frame, has_frame
    use limber_model_scene, only: model_type, force_type, torque_type, spring_type, effort_type, named_load_type, quantity_type, &
       & body_type, body_point, body_flexible, ground, joint_revolute, joint_point_on_line, &
       & joint_translational, effort_axis, effort_follower, &
@@ -22,7 +21,8 @@ module limber_model_loads
       & load_distributed, load_friction, in_forces, in_torques, in_springs, in_efforts, own_elongation, own_rate, most_slots
    implicit none
    private
-   public :: add_force, add_torque, add_spring, add_bushing, add_distributed, add_friction, add_damping, resolve_laws
+   public :: add_force, add_torque, add_spring, add_bushing, add_friction, add_damping, resolve_laws
+   public :: new_effort, set_law, append_effort, name_load, constant
 
    real(wp), parameter :: quarter = 0.5_wp*acos(-1.0_wp)
 
@@ -237,126 +237,6 @@ contains
          reduced%damping = 2*ratio*sqrt(reduced%omega2) + block%real('RAYLEIGH ALPHA') + block%real('RAYLEIGH BETA')*reduced%omega2
       end associate
    end subroutine damp
-
-   !> A load along a beam, one effort or two for each component of each line: forces at points that move as the load's share of
-   !> the beam does on average, eq. (98).
-   subroutine add_distributed(block, model, diagnostics)
-      type(block_type), intent(in) :: block
-      type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp) :: ends(2), length
-      integer :: body, pieces(2), i, k, first
-      body = find_body(model, block%name('BODY'))
-      if (body == 0) return
-      pieces = pieces_of(model, body)
-      length = model%bodies(body)%beam%length*(pieces(2) - pieces(1) + 1)
-      ends = [block%real('START'), length]
-      if (block%has('END')) ends(2) = block%real('END')
-      if (ends(2) > length*(1 + 1.0e-12_wp) .or. ends(1) >= ends(2)) then
-         call diagnostics%add(block%origin_of('END'), "load '"//block%name()//"' acts from "//as_text(ends(1))//' to '// &
-            & as_text(ends(2)), "beam '"//block%name('BODY')//"' goes from 0 to "//as_text(length))
-         return
-      end if
-      first = size(model%efforts) + 1
-      do i = 1, size(block%lines)
-         do k = 1, 2
-            do body = pieces(1), pieces(2)
-               call add_share(block, block%lines(i), k, body, piece_start(model, body), ends, model)
-            end do
-         end do
-      end do
-      call name_load(block, load_distributed, in_efforts, first, model)
-   end subroutine add_distributed
-
-   !> One component of one line.
-   subroutine add_share(block, line, component, body, start, ends, model)
-      type(block_type), intent(in) :: block
-      type(line_type), intent(in) :: line
-      integer, intent(in) :: component, body
-      !> Coordinate along the beam where the body begins, and interval of the beam
-      real(wp), intent(in) :: start, ends(2)
-      type(model_type), intent(inout) :: model
-      real(wp) :: total, absolute, place, level, span
-      real(wp), allocatable :: shape(:, :)
-      allocate (shape(2, model%bodies(body)%reduced%n))
-      associate (law => line%fields(component)%expression)
-         call weigh(model%bodies(body), law, start, ends, total, absolute, place, shape)
-         if (.not. absolute > 0.0_wp) return
-         if (abs(total) >= 0.01_wp*absolute) then
-            call push(total, place/total, shape/total)
-         else
-            ! A load whose parts cancel has no place: a uniform one is added and taken away
-            level = absolute
-            call weigh(model%bodies(body), constant(1.0_wp), start, ends, total, absolute, place, shape)
-            span = total
-            call push(-level, place/total, shape/total)
-            call weigh(model%bodies(body), law, start, ends, total, absolute, place, shape, level/span)
-            call push(total, place/total, shape/total)
-         end if
-      end associate
-
-   contains
-
-      subroutine push(force, at, shape)
-         real(wp), intent(in) :: force, at, shape(:, :)
-         type(effort_type) :: effort
-         real(wp) :: psi(size(shape, 2))
-         psi = 0.0_wp
-         call add_point(model, ' '//block%name(), body, [at, 0.0_wp], shape, psi)
-         effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), model%counts%points, 0)
-         effort%angle = (component - 1)*quarter
-         if (line%count() > 2) then
-            call set_law(effort, line%fields(3)%expression, force)
-         else
-            call set_law(effort, constant(1.0_wp), force)
-         end if
-         call append_effort(model, effort)
-      end subroutine push
-
-   end subroutine add_share
-
-   !> Integrals along a beam of a load and of its magnitude, and of the places and shapes times the load: Gauss's formula with
-   !> five points in each finite element.
-   subroutine weigh(body, law, start, ends, total, absolute, place, shape, added)
-      type(body_type), intent(in) :: body
-      !> Load, of the coordinate s along the beam [force/length]
-      type(expression_type), intent(in) :: law
-      !> Coordinate along the beam where the body begins, and interval of the beam
-      real(wp), intent(in) :: start, ends(2)
-      !> [force], [force length]; shape (2, n)
-      real(wp), intent(out) :: total, absolute, place, shape(:, :)
-      !> Added to the load [force/length]
-      real(wp), intent(in), optional :: added
-      real(wp), parameter :: points(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
-         & 0.906179845938663993_wp]
-      real(wp), parameter :: weights(5) = [0.236926885056189088_wp, 0.478628670499366468_wp, 0.568888888888888889_wp, &
-         & 0.478628670499366468_wp, 0.236926885056189088_wp]
-      real(wp), allocatable :: phi(:, :), psi(:)
-      real(wp) :: left, right, s, q, values(1)
-      integer :: e, g
-      total = 0.0_wp
-      absolute = 0.0_wp
-      place = 0.0_wp
-      shape = 0.0_wp
-      do e = 1, body%beam%elements
-         left = max(ends(1) - start, body%beam%length*(e - 1)/body%beam%elements)
-         right = min(ends(2) - start, body%beam%length*e/body%beam%elements)
-         if (right <= left) cycle
-         do g = 1, size(points)
-            s = 0.5_wp*(left + right) + 0.5_wp*(right - left)*points(g)
-            values = start + s
-            q = law%evaluate(values)
-            if (present(added)) q = q + added
-            q = q*weights(g)*0.5_wp*(right - left)
-            total = total + q
-            absolute = absolute + abs(q)
-            place = place + q*(s - body%choice%origin)
-            if (body%kind /= body_flexible) cycle
-            call point_shape(body%field, s, phi, psi)
-            shape = shape + q*phi
-         end do
-      end do
-   end subroutine weigh
 
    !> Finds what the laws of all efforts ask for, once all bodies, joints and springs are known.
    subroutine resolve_laws(model, diagnostics)

@@ -16,7 +16,7 @@ module limber_model_scene
    private
    public :: model_type, body_type, whole_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
    public :: assembly_choice_type, deflection_type
-   public :: effort_type, named_load_type, scalar_type
+   public :: effort_type, spread_type, named_load_type, scalar_type
    public :: dynamics_type, step_type, accuracy_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
@@ -95,6 +95,8 @@ module limber_model_scene
       !> True for a frame; its mesh, what was chosen of it, and its shapes at the nodes (3, nodes, n)
       logical :: is_frame = .false.
       type(frame_type) :: mesh
+      !> Numbers of its members in the deck (members)
+      integer, allocatable :: member_numbers(:)
       type(frame_choice_type) :: frame_choice
       real(wp), allocatable :: shape(:, :, :)
       !> Cross-section of each member, of a beam its only one: area [length^2], second moment of area [length^4], distances from the
@@ -140,6 +142,18 @@ module limber_model_scene
       !> Index among the sections of its body where internal forces are asked for; 0: none are
       integer :: section = 0
    end type point_type
+
+   !> A load along a member whose point stands for it, for the internal forces that it makes
+   type :: spread_type
+      !> Index of the point, and of its member
+      integer :: point = 0, member = 1
+      !> Where it begins and ends [length]
+      real(wp) :: ends(2) = 0.0_wp
+      !> Of the coordinate s along the beam or member, where the body begins there [length], what is added [force/length]; and the
+      !> whole [force]
+      type(expression_type) :: law
+      real(wp) :: start = 0.0_wp, added = 0.0_wp, total = 1.0_wp
+   end type spread_type
 
    !> A term of a coupler
    type :: term_type
@@ -362,6 +376,8 @@ module limber_model_scene
       type(torque_type), allocatable :: torques(:)
       type(spring_type), allocatable :: springs(:)
       type(effort_type), allocatable :: efforts(:)
+      !> While the model is built
+      type(spread_type), allocatable :: spreads(:)
       !> All loads by their names, each an interval of one of these lists
       type(named_load_type), allocatable :: loads(:)
       type(channel_type), allocatable :: channels(:)

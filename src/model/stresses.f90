@@ -7,7 +7,8 @@ module limber_model_stresses
    use limber_flex_frame, only: frame_type, beam_frame
    use limber_flex_recovery, only: section_type, load_place_type, new_recovery, all_sections
    use limber_model_quantities, only: is_internal_force
-   use limber_model_scene, only: model_type, body_flexible
+   use limber_model_scene, only: model_type
+   use limber_model_spreads, only: spread_parts
    use limber_base_kinds, only: wp
    implicit none
    private
@@ -57,10 +58,12 @@ contains
          associate (point => model%points(i))
             if (point%body /= index .or. point%member == 0) cycle
             place = place + 1
-            places(place) = load_place_type(point%member, point%along)
+            places(place)%member = point%member
+            places(place)%x = point%along
             if (point%section > 0) sections(point%section) = section_type(point%member, point%along, .not. point%along > 0.0_wp)
          end associate
       end do
+      call spread_places(model, index, sections, places)
       associate (body => model%bodies(index))
          if (body%is_frame) then
             call new_recovery(body%mesh, body%shape, body%reduced, body%frame_choice%geometric_elements, &
@@ -74,7 +77,25 @@ contains
       end associate
    end subroutine add_recovery
 
-   !> Number of points of a body that are places along it; where a distributed load acts is none.
+   !> The places of a body that stand for loads along a member.
+   subroutine spread_places(model, index, sections, places)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: index
+      type(section_type), intent(in) :: sections(:)
+      type(load_place_type), intent(inout) :: places(:)
+      integer :: i, k, place
+      place = 0
+      do i = 1, size(model%points)
+         if (model%points(i)%body /= index .or. model%points(i)%member == 0) cycle
+         place = place + 1
+         do k = 1, size(model%spreads)
+            if (model%spreads(k)%point == i) call spread_parts(model%spreads(k), model%bodies(index), &
+               & pack(sections%x, sections%member == places(place)%member), places(place)%at, places(place)%part)
+         end do
+      end do
+   end subroutine spread_places
+
+   !> Number of points of a body that are places along it.
    pure integer function own_points(model, index)
       type(model_type), intent(in) :: model
       integer, intent(in) :: index

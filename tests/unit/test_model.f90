@@ -10,7 +10,7 @@ program test_model
    character(*), parameter :: refused(*) = [character(32) :: 'cannot_assemble', 'channels', 'contradiction', 'dead_centre', &
       & 'driven_against_joint', 'driven_point_mass', 'driven_twice', 'end_before_start', 'frame', 'joint_to_itself', &
       & 'joints', 'loads', 'motion', 'no_body', 'no_branch', 'no_output', 'origin_outside', 'point_names', 'point_off_beam', &
-      & 'points', 'section', 'section_missing', 'segments', 'too_many_bending_modes', &
+      & 'points', 'section', 'section_missing', 'segments', 'spread_loads', 'too_many_bending_modes', &
       & 'too_many_modes']
    character(*), parameter :: warned(*) = [character(32) :: 'warn_divisions', 'warn_locks', 'warn_no_tension', &
       & 'warn_redundant_joint', &

@@ -1,0 +1,278 @@
+!> Loads along beams and members of frames: each becomes forces at points that move as the load's share of the body does on
+!> average, and keeps its parts for the internal forces. Floor: model. Source: doc/theory, eq. (98).
+module limber_model_spreads
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: block_type, line_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_expression, only: expression_type
+   use limber_flex_frame, only: member_length
+   use limber_flex_frame_reduction, only: frame_point_shape
+   use limber_flex_reduction, only: point_shape
+   use limber_model_loads, only: new_effort, set_law, append_effort, name_load, constant
+   use limber_model_points, only: add_point, find_body
+   use limber_model_segments, only: pieces_of, piece_start
+   use limber_model_scene, only: model_type, effort_type, spread_type, body_type, body_flexible, effort_axis, effort_follower, &
+      & load_distributed, in_efforts
+   implicit none
+   private
+   public :: add_distributed, spread_parts
+
+   real(wp), parameter :: quarter = 0.5_wp*acos(-1.0_wp)
+   !> Gauss's formula in an interval from -1 to 1
+   real(wp), parameter :: points(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
+      & 0.906179845938663993_wp]
+   real(wp), parameter :: weights(5) = [0.236926885056189088_wp, 0.478628670499366468_wp, 0.568888888888888889_wp, &
+      & 0.478628670499366468_wp, 0.236926885056189088_wp]
+
+contains
+
+   !> One effort or two for each component of each line.
+   subroutine add_distributed(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp) :: ends(2), length
+      integer :: body, pieces(2), member, i, k, first
+      body = find_body(model, block%name('BODY'))
+      if (body == 0) return
+      call find_member(block, model%bodies(body), member, length, diagnostics)
+      if (member == 0) return
+      pieces = pieces_of(model, body)
+      length = length*(pieces(2) - pieces(1) + 1)
+      ends = [block%real('START'), length]
+      if (block%has('END')) ends(2) = block%real('END')
+      if (ends(2) > length*(1 + 1.0e-12_wp) .or. ends(1) >= ends(2)) then
+         call diagnostics%add(block%origin_of('END'), "load '"//block%name()//"' acts from "//as_text(ends(1))//' to '// &
+            & as_text(ends(2)), trim(merge('member', 'beam  ', model%bodies(body)%is_frame))//" of '"//block%name('BODY')// &
+            & "' goes from 0 to "//as_text(length))
+         return
+      end if
+      first = size(model%efforts) + 1
+      do i = 1, size(block%lines)
+         do k = 1, 2
+            do body = pieces(1), pieces(2)
+               call add_share(block, block%lines(i), k, body, member, piece_start(model, body), ends, model)
+            end do
+         end do
+      end do
+      call name_load(block, load_distributed, in_efforts, first, model)
+   end subroutine add_distributed
+
+   !> The member that a load acts on, and its length; 0 with a complaint if there is none.
+   subroutine find_member(block, body, member, length, diagnostics)
+      type(block_type), intent(in) :: block
+      type(body_type), intent(in) :: body
+      integer, intent(out) :: member
+      real(wp), intent(out) :: length
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: number
+      member = 1
+      length = body%beam%length
+      if (.not. body%is_frame) then
+         if (block%has('MEMBER')) call diagnostics%add(block%origin_of('MEMBER'), "'"//body%name//"' is a beam and has no members")
+         return
+      end if
+      member = 0
+      if (.not. allocated(body%mesh%first)) return
+      if (.not. block%has('MEMBER')) then
+         call diagnostics%add(block%origin, "load '"//block%name()//"' acts on a frame", 'add MEMBER=, the number of a member')
+         return
+      end if
+      number = block%integer('MEMBER')
+      do member = size(body%member_numbers), 1, -1
+         if (body%member_numbers(member) == number) exit
+      end do
+      if (member == 0) then
+         call diagnostics%add(block%origin_of('MEMBER'), "frame '"//body%name//"' has no member "//as_text(number))
+      else
+         length = member_length(body%mesh, member)
+      end if
+   end subroutine find_member
+
+   !> One component of one line.
+   subroutine add_share(block, line, component, body, member, start, whole, model)
+      type(block_type), intent(in) :: block
+      type(line_type), intent(in) :: line
+      integer, intent(in) :: component, body, member
+      !> Coordinate along the beam where the body begins, if it is a piece of one; interval of the beam or member
+      real(wp), intent(in) :: start, whole(2)
+      type(model_type), intent(inout) :: model
+      real(wp) :: total, absolute, place, level, ends(2)
+      real(wp), allocatable :: shape(:, :)
+      ends = whole - start
+      if (.not. model%bodies(body)%is_frame) ends = min(max(ends, 0.0_wp), model%bodies(body)%beam%length)
+      if (.not. ends(2) > ends(1)) return
+      allocate (shape(2, model%bodies(body)%reduced%n))
+      associate (law => line%fields(component)%expression)
+         call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, place, shape)
+         if (.not. absolute > 0.0_wp) return
+         if (abs(total) >= 0.01_wp*absolute) then
+            call push(law, 0.0_wp, total)
+         else
+            ! A load whose parts cancel has no place: a uniform one is added and taken away
+            level = absolute/(ends(2) - ends(1))
+            call weigh(model%bodies(body), member, constant(1.0_wp), start, 0.0_wp, ends, total, absolute, place, shape)
+            call push(constant(1.0_wp), 0.0_wp, total, -level)
+            call weigh(model%bodies(body), member, law, start, level, ends, total, absolute, place, shape)
+            call push(law, level, total)
+         end if
+      end associate
+
+   contains
+
+      !> With the integrals of a load that were found last.
+      subroutine push(law, added, total, factor)
+         type(expression_type), intent(in) :: law
+         real(wp), intent(in) :: added, total
+         !> Of the load
+         real(wp), intent(in), optional :: factor
+         type(effort_type) :: effort
+         real(wp) :: psi(size(shape, 2)), origin(2), axis(2), force
+         psi = 0.0_wp
+         force = total
+         if (present(factor)) force = factor*total
+         call line_of(model%bodies(body), member, origin, axis)
+         call add_point(model, ' '//block%name(), body, origin + axis*place/total, shape/total, psi)
+         model%points(model%counts%points)%member = member
+         model%points(model%counts%points)%along = place/total
+         call append_spread(model, law, start, added, total, member, ends)
+         effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), model%counts%points, 0)
+         effort%angle = (component - 1)*quarter
+         if (block%yes('FOLLOWER')) effort%angle = effort%angle + atan2(axis(2), axis(1))
+         if (line%count() > 2) then
+            call set_law(effort, line%fields(3)%expression, force)
+         else
+            call set_law(effort, constant(1.0_wp), force)
+         end if
+         call append_effort(model, effort)
+      end subroutine push
+
+   end subroutine add_share
+
+   !> Start and direction of a member in the axes of its body.
+   pure subroutine line_of(body, member, origin, axis)
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: member
+      real(wp), intent(out) :: origin(2), axis(2)
+      origin = [-body%choice%origin, 0.0_wp]
+      axis = [1.0_wp, 0.0_wp]
+      if (.not. body%is_frame) return
+      associate (e => body%mesh%first(member))
+         origin = body%mesh%place(:, body%mesh%ends(1, e))
+         axis = body%mesh%axis(:, e)
+      end associate
+   end subroutine line_of
+
+   !> The point that was added last stands for a load.
+   subroutine append_spread(model, law, start, added, total, member, ends)
+      type(model_type), intent(inout) :: model
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, added, total, ends(2)
+      integer, intent(in) :: member
+      type(spread_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%spreads) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%spreads
+      longer(n)%point = model%counts%points
+      longer(n)%member = member
+      longer(n)%ends = ends
+      longer(n)%law = law
+      longer(n)%start = start
+      longer(n)%added = added
+      longer(n)%total = total
+      call move_alloc(longer, model%spreads)
+   end subroutine append_spread
+
+   !> Integrals along a member of a load and of its magnitude, and of the places and shapes times the load.
+   subroutine weigh(body, member, law, start, added, ends, total, absolute, place, shape)
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: member
+      !> Load, of the coordinate s along the beam or member, where the body begins there, and what is added [force/length]
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, added, ends(2)
+      !> [force], [force length]; shape (2, n)
+      real(wp), intent(out) :: total, absolute, place, shape(:, :)
+      real(wp), allocatable :: s(:), q(:), phi(:, :), psi(:)
+      integer :: g
+      call sample(law, start, added, edges_of(body, member, ends), s, q)
+      total = sum(q)
+      absolute = sum(abs(q))
+      place = sum(q*s)
+      shape = 0.0_wp
+      if (body%kind /= body_flexible) return
+      do g = 1, size(s)
+         if (body%is_frame) then
+            call frame_point_shape(body%mesh, body%shape, member, s(g), phi, psi)
+         else
+            call point_shape(body%field, s(g), phi, psi)
+         end if
+         shape = shape + q(g)*phi
+      end do
+   end subroutine weigh
+
+   !> Places along the member and parts of a load, whose sum is 1; no part reaches over a section.
+   subroutine spread_parts(spread, body, sections, at, part)
+      type(spread_type), intent(in) :: spread
+      type(body_type), intent(in) :: body
+      !> Their coordinates along the member [length]
+      real(wp), intent(in) :: sections(:)
+      real(wp), allocatable, intent(inout) :: at(:), part(:)
+      real(wp), allocatable :: edges(:)
+      real(wp) :: cut
+      integer :: i, k
+      allocate (edges, source=edges_of(body, spread%member, spread%ends))
+      do i = 1, size(sections)
+         cut = sections(i)
+         if (cut <= edges(1) .or. cut >= edges(size(edges))) cycle
+         k = count(edges < cut)
+         edges = [edges(:k), cut, edges(k + 1:)]
+      end do
+      call sample(spread%law, spread%start, spread%added, edges, at, part)
+      part = part/spread%total
+   end subroutine spread_parts
+
+   !> Ends of the intervals of a load within the elements of its member.
+   pure function edges_of(body, member, ends) result(edges)
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: member
+      real(wp), intent(in) :: ends(2)
+      real(wp), allocatable :: edges(:), nodes(:)
+      integer :: e
+      if (body%is_frame) then
+         allocate (nodes(body%mesh%first(member + 1) - body%mesh%first(member)))
+         nodes = body%mesh%from(body%mesh%first(member):body%mesh%first(member + 1) - 1)
+      else if (body%kind == body_flexible) then
+         allocate (nodes(size(body%field%s)))
+         nodes = body%field%s
+      else
+         allocate (nodes(body%beam%elements))
+         nodes = [(body%beam%length*e/body%beam%elements, e=1, body%beam%elements)]
+      end if
+      allocate (edges(2 + count(nodes > ends(1) .and. nodes < ends(2))))
+      edges = [ends(1), pack(nodes, nodes > ends(1) .and. nodes < ends(2)), ends(2)]
+   end function edges_of
+
+   !> A load at the points of Gauss's formula in each interval, times the weights [force].
+   subroutine sample(law, start, added, edges, s, q)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, added, edges(:)
+      real(wp), allocatable, intent(inout) :: s(:), q(:)
+      real(wp) :: values(1), half
+      integer :: i, g, k
+      if (allocated(s)) deallocate (s)
+      if (allocated(q)) deallocate (q)
+      allocate (s(5*(size(edges) - 1)), q(5*(size(edges) - 1)))
+      do i = 1, size(edges) - 1
+         half = 0.5_wp*(edges(i + 1) - edges(i))
+         do g = 1, 5
+            k = 5*(i - 1) + g
+            s(k) = edges(i) + half*(1 + points(g))
+            values = start + s(k)
+            q(k) = (law%evaluate(values) + added)*weights(g)*half
+         end do
+      end do
+   end subroutine sample
+
+end module limber_model_spreads

@@ -1,0 +1,102 @@
+!> Internal forces under loads along beams and members of frames, against statics and free-body diagrams. Usage, in tests/:
+!> test_spread_loads <file for results>
+program test_spread_loads
+   use limber_base_kinds, only: wp
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, channel
+   use testing, only: check_close, finish
+   implicit none
+   character(512) :: results
+
+   call get_command_argument(1, results)
+   call check_statics()
+   call check_free_bar()
+   call finish()
+
+contains
+
+   !> What is behind a section, at rest: polynomials, few modes, sections within elements, members at an angle.
+   subroutine check_statics()
+      real(wp), parameter :: l = 2.0_wp, q = 0.03_wp, c = 0.6_wp, d = 0.8_wp, all = q*l
+      type(history_reader_type) :: reader
+      real(wp) :: pull(2), press
+      call run_changed('verification/spread_loads.inp', trim(results), [character(4) :: 'l = '], [character(4) :: 'l = '], reader)
+      call last(reader, 'bending_moment_cantilever_start', -q*(3*l**2/8 + l**2/5), all)
+      call last(reader, 'shear_force_cantilever_start', -q*(l/2 + l/4), all)
+      call last(reader, 'axial_force_cantilever_start', q*l/2, all)
+      call last(reader, 'bending_moment_cantilever_quarter', &
+         & q*l**2*cubic_moment(0.25_wp) - q*l**2*(0.75_wp**2 - 0.25_wp**2)/2, all)
+      call last(reader, 'bending_moment_cantilever_inside', q*l**2*cubic_moment(0.57_wp) - q*l**2*0.43_wp**2/2, all)
+      call last(reader, 'shear_force_cantilever_inside', -q*l*(0.43_wp + (1 - 0.57_wp**4)/4), all)
+      call last(reader, 'axial_force_cantilever_inside', q*l*(1 - 0.57_wp**2)/2, all)
+      call last(reader, 'bending_moment_cantilever_end', 0.0_wp, all)
+      call last(reader, 'shear_force_cantilever_end', 0.0_wp, all)
+      call last(reader, 'half', -q*0.55_wp**2, all)
+      call last(reader, 'half_shear', -2*q*0.55_wp, all)
+      call last(reader, 'half_axial', q*0.55_wp, all)
+      pull = 0.8_wp*q*[1, -2]
+      press = q*l**2*(1 - 0.9_wp**2)/2
+      call last(reader, 'knee_axial', c*pull(1) + d*pull(2), all)
+      call last(reader, 'knee_shear', c*pull(2) - d*pull(1) - press, all)
+      call last(reader, 'knee', (0.1_wp*l*c + 0.6_wp)*pull(2) - 0.1_wp*l*d*pull(1) &
+         & - q*l**3*((1 - 0.9_wp**3)/3 - 0.9_wp*(1 - 0.9_wp**2)/2), all)
+      call last(reader, 'foot_axial', c*pull(1) + d*pull(2), all)
+      call last(reader, 'foot_shear', c*pull(2) - d*pull(1) - q*l**2/2, all)
+      call last(reader, 'foot', (l*c + 0.6_wp)*pull(2) - l*d*pull(1) - q*l**3/3, all)
+      call last(reader, 'foot_x', -pull(1) - d*q*l**2/2, all)
+      call last(reader, 'foot_y', -pull(2) + c*q*l**2/2, all)
+      call reader%close()
+   end subroutine check_statics
+
+   !> Moment of a cubic load (s/l)^3 downward behind a part of the length, per q l^2.
+   pure real(wp) function cubic_moment(x)
+      real(wp), intent(in) :: x
+      cubic_moment = -((1 - x**5)/5 - x*(1 - x**4)/4)
+   end function cubic_moment
+
+   !> The last value of a channel; errors are parts of a scale.
+   subroutine last(reader, name, expected, scale)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: expected, scale
+      real(wp), allocatable :: values(:)
+      allocate (values, source=channel(reader, name))
+      call check_close(values(size(values))/scale, expected/scale, 1.0e-9_wp, 'at rest: '//name)
+      deallocate (values)
+   end subroutine last
+
+   !> A free bar: the load less the inertia of its rigid motion, the deflections being at rest; places from -1 to 1 along it.
+   subroutine check_free_bar()
+      real(wp), parameter :: q = 30.0_wp, place = 0.24_wp
+      type(history_reader_type) :: reader
+      call run_changed('verification/free_load.inp', trim(results), [character(4) :: 'l = '], [character(4) :: 'l = '], reader)
+      call first(reader, 'zero', 0.0_wp, q)
+      call first(reader, 'zero_shear', 0.0_wp, q)
+      call first(reader, 'zero_axial', 0.0_wp, q)
+      call first(reader, 'quarter', q*inertia_moment(-0.5_wp) - q, q)
+      call first(reader, 'middle', q*inertia_moment(0.0_wp) - q/2, q)
+      call first(reader, 'inside', q*inertia_moment(place) - q*(1 - place)**2/2, q)
+      call first(reader, 'shear', -q/2*(1 - place) + 0.375_wp*q*(1 - place**2), q)
+      call first(reader, 'axial', q/2*(1 - place), q)
+      call reader%close()
+   end subroutine check_free_bar
+
+   !> Moment of the inertia 1/2 + 3/4 s behind a place.
+   pure real(wp) function inertia_moment(x)
+      real(wp), intent(in) :: x
+      inertia_moment = (1 - x)**2/4 + 0.75_wp*(1.0_wp/3 - x/2 + x**3/6)
+   end function inertia_moment
+
+   !> The first value of a channel; the mass is lumped at nodes.
+   subroutine first(reader, name, expected, scale)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: expected, scale
+      real(wp), allocatable :: values(:)
+      allocate (values, source=channel(reader, name))
+      print '(3a,2es13.5)', 'free bar: ', name, ' ', values(1)/scale, expected/scale
+      call check_close(values(1)/scale, expected/scale, 1.0e-3_wp, 'free bar: '//name)
+      deallocate (values)
+   end subroutine first
+
+end program test_spread_loads

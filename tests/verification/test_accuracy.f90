@@ -115,7 +115,7 @@ contains
       call advise_deck('accuracy/slider_crank.inp', none, request, .true., report, error)
       call check_no_error(error, 'advice')
       call check(index(report, 'FULL 1 + 2') > 0, 'the report names the rung: '//report)
-      call run_deck(deck, trim(results), none, .true., .true., report, error)
+      call run_deck(deck, trim(results), .true., .true., report, error)
       call check_no_error(error, 'the written deck')
       call reader%open(trim(results), error)
       call check(size(reader%estimates) == 0, 'the written deck has no target any more')
@@ -130,7 +130,7 @@ contains
       character(:), allocatable :: report
       call change_deck('accuracy/slider_crank_thin.inp', trim(results)//'.inp', [character(30) :: 'X=crank', 'turns = 2'], &
          & [character(30) :: 'X=crank', 'turns = 0.5'])
-      call run_deck(trim(results)//'.inp', trim(results), none, .true., .true., report, error)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
       call check(allocated(error), 'the thin rod is refused in one frame')
       if (.not. allocated(error)) return
       call check(error%status == 3, 'status of a target that is not kept')

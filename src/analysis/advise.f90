@@ -150,6 +150,7 @@ contains
          text = text//newline//"   beam '"//scene%deck%blocks(advice%rungs(i)%block)%name()//"': no rung is expected to"// &
             & ' keep its share of '//as_text(advice%share, 2)//', for its slopes reach '//as_text(advice%probe%beams(i)%slope, 2)
       end do
+      if (advice%probe%blind) text = text//newline//'   with rigid beams the scene does not move: these are assumptions'
       text = text//newline//'   '//as_text(advice%probe%cpu, 2)//' s CPU for the probe: '//as_text(advice%probe%steps)// &
          & ' steps with rigid beams'
    end function advice_table

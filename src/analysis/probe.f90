@@ -54,8 +54,8 @@ module limber_analysis_probe
    type :: probe_type
       !> Beams whose rungs were asked for, in their order
       type(prospect_type), allocatable :: beams(:)
-      !> Least of the largest deflections that a channel asks for, relative to the scale of the integrators
-      real(wp) :: scale = 1.0_wp
+      !> True if the scene does not move with rigid beams, so that nothing is known of it
+      logical :: blind = .false.
       !> Length of the analysis [time], and steps of the rigid scene
       real(wp) :: duration = 0.0_wp
       integer :: steps = 0, bodies = 0
@@ -105,7 +105,6 @@ contains
       if (.not. deck%blocks(deck%find('DYNAMICS'))%given('INTEGRATOR')) &
          & call rigid%deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'ADAMS')
       call build(flexible, error)
-      if (.not. allocated(error)) call build(rigid, error)
       if (allocated(error)) return
       probe%bodies = size(flexible%system%model%bodies)
       associate (dynamics => flexible%system%model%dynamics)
@@ -113,8 +112,17 @@ contains
       end associate
       call find_beams(flexible, rungs, probe)
       if (size(probe%beams) > 0) then
-         call move_rigidly(rigid, flexible, track, probe%steps, error)
-         if (allocated(error)) return
+         call build(rigid, error)
+         if (.not. allocated(error)) then
+            if (rigid%system%nc /= flexible%system%nc) call raise(error, 'the rigid scene has other constraints')
+         end if
+         if (.not. allocated(error)) call move_rigidly(rigid, flexible, track, probe%steps, error)
+         if (allocated(error)) then
+            ! Without its beams' deflections the scene does not move: nothing is known before it runs
+            deallocate (error)
+            call assume(probe)
+            return
+         end if
          call find_mobility(flexible, mobility, stiffness, error)
          if (allocated(error)) return
          associate (n => size(stiffness))
@@ -130,6 +138,24 @@ contains
       call cpu_time(clock(2))
       probe%cpu = clock(2) - clock(1)
    end subroutine make_probe
+
+   !> What is assumed of beams where a probe fails: that they matter, and bend as much as FULL describes to three digits.
+   subroutine assume(probe)
+      type(probe_type), intent(inout) :: probe
+      integer :: i, k
+      probe%blind = .true.
+      do i = 1, size(probe%beams)
+         associate (beam => probe%beams(i))
+            beam%part = [(1/real(k, wp)**5, k=1, beam%bending)]
+            beam%effect = 1.0_wp
+            beam%geometric = 1.0_wp
+            beam%deflection = 0.015_wp
+            beam%slope = 0.05_wp
+            beam%vibration = 1.0_wp
+            beam%frequency = 1/max(probe%duration, tiny(1.0_wp))
+         end associate
+      end do
+   end subroutine assume
 
    subroutine build(scene, error)
       type(scene_type), intent(inout) :: scene

@@ -138,7 +138,7 @@ contains
       end do
    end subroutine free_options
 
-   !> The deck without outputs and given deflections, which ask for coordinates that a rung need not have.
+   !> The deck without outputs, damping and given deflections, which ask for coordinates that a rung need not have.
    subroutine bare_deck(deck, bare)
       type(deck_type), intent(in) :: deck
       type(deck_type), intent(out) :: bare
@@ -147,7 +147,9 @@ contains
       do i = 1, size(bare%blocks)
          if (bare%blocks(i)%keyword == 'ASSEMBLY') bare%blocks(i)%lines = bare%blocks(i)%lines(:0)
          ! Blocks keep their places: this becomes one that no model is made of
-         if (bare%blocks(i)%keyword == 'OUTPUT') bare%blocks(i)%keyword = 'STUDY'
+         select case (bare%blocks(i)%keyword)
+         case ('OUTPUT', 'SCALAR', 'DAMPING'); bare%blocks(i)%keyword = 'STUDY'
+         end select
       end do
    end subroutine bare_deck
 

@@ -94,8 +94,8 @@ contains
          reached%of_beam = 0.0_wp
          call find_floors(reached%advice)
          reached%of_time = 0.0_wp
-         call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, huge(1.0_wp), .false., quiet, &
-            & 'run', candidate, error)
+         call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, huge(1.0_wp), &
+            & .false., quiet, 'run', candidate, error)
          if (allocated(error)) return
          reached%runs = reached%runs + 1
          if (candidate%reason /= '') then
@@ -156,11 +156,12 @@ contains
    end subroutine take_outcome
 
    !> Runs a setting into memory.
-   subroutine run_trial(deck, rungs, tolerance, limit, wide, quiet, label, trial, error)
+   subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error)
       type(deck_type), intent(in) :: deck
       type(rung_type), intent(in) :: rungs(:)
-      !> Tolerance, and CPU seconds after which the run is given up
-      real(wp), intent(in) :: tolerance, limit
+      !> Tolerance, and what part it is of that of the run: steps that the deck gives are shortened as those of order two would be;
+      !> CPU seconds after which the run is given up
+      real(wp), intent(in) :: tolerance, part, limit
       !> Whether the quantities of the channels are sampled too, and their scales found
       logical, intent(in) :: wide, quiet
       !> For the progress
@@ -192,6 +193,9 @@ contains
          else if (model%motion) then
             width = width + scene%system%layout%nq
          end if
+         model%dynamics%initial_step = part**(1.0_wp/3)*model%dynamics%initial_step
+         model%dynamics%maximum_step = part**(1.0_wp/3)*model%dynamics%maximum_step
+         model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step
          call new_integrator(model%dynamics, integrator)
          call trial%samples%start(width, model%dynamics%outputs + 1, limit)
          if (.not. quiet) call progress%start(model%dynamics%start, model%dynamics%end, label)
@@ -251,8 +255,9 @@ contains
          estimate%companion = max(least_tolerance, ladder*advice%tolerance)
          estimate%reason = ''
          estimate%of_model = .true.
-         limit = 5 + 40*candidate%outcome%cpu
-         call run_trial(deck, advice%rungs, estimate%companion, limit, .true., quiet, 'check of the integration', check, error)
+         limit = 2 + 25*candidate%outcome%cpu
+         call run_trial(deck, advice%rungs, estimate%companion, ladder, limit, .true., quiet, 'check of the integration', check, &
+            & error)
          if (allocated(error)) return
          call count_run(check)
          if (check%reason /= '') then
@@ -269,7 +274,8 @@ contains
             if (.not. can_climb(advice%rungs(i)) .or. advice%expected(i) < no_matter*target) cycle
             allocate (rungs, source=advice%rungs)
             rungs(i) = next_rung(advice%rungs(i))
-            call run_trial(deck, rungs, estimate%companion, limit, .false., quiet, 'check of '//rung_name(rungs(i)), other, error)
+            call run_trial(deck, rungs, estimate%companion, ladder, limit, .false., quiet, 'check of '//rung_name(rungs(i)), &
+               & other, error)
             if (allocated(error)) return
             deallocate (rungs)
             call count_run(other)

@@ -7,6 +7,7 @@ program limber
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use limber_base_error, only: error_type
+   use limber_analysis_advise, only: advise_deck
    use limber_analysis_command, only: command_type, read_command, usage
    use limber_analysis_diff, only: compare_histories
    use limber_analysis_drawing, only: export_motion
@@ -27,10 +28,12 @@ program limber
    if (.not. allocated(error)) then
       select case (command%verb)
       case ('run')
-         call run_deck(trim(command%words(1)), command%output, command%overrides, command%force, command%quiet, report, error)
+         call run_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error, command%overrides)
       case ('study'); call study_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
       case ('sweep')
          call sweep_deck(trim(command%words(1)), command%output, command%sweep, command%force, command%quiet, report, error)
+      case ('advise')
+         call advise_deck(trim(command%words(1)), command%overrides, command%advice, command%force, report, error)
       case ('check'); call check_deck(trim(command%words(1)), command%overrides, report, error)
       case ('export')
          if (command%motion) then

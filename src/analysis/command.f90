@@ -3,6 +3,7 @@ module limber_analysis_command
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: nearest_name, newline
    use limber_base_kinds, only: wp
+   use limber_analysis_advise, only: advice_request_type
    use limber_analysis_diff, only: tolerance_type
    use limber_analysis_drawing, only: choice_type
    use limber_analysis_sweep, only: sweep_request_type
@@ -15,12 +16,12 @@ module limber_analysis_command
    !> Longest argument that is taken
    integer, parameter :: longest = 4096
 
-   character(*), parameter :: verbs(*) = [character(9) :: 'run', 'check', 'study', 'sweep', 'export', 'diff', 'help', &
+   character(*), parameter :: verbs(*) = [character(9) :: 'run', 'check', 'advise', 'study', 'sweep', 'export', 'diff', 'help', &
       & '--version', '--help']
 
    !> What the user asked for
    type :: command_type
-      !> run, check, study, sweep, export, diff, help, --version
+      !> run, check, advise, study, sweep, export, diff, help, --version
       character(:), allocatable :: verb
       !> Files, channels or keywords, in order
       character(longest), allocatable :: words(:)
@@ -30,6 +31,8 @@ module limber_analysis_command
       !> Values of parameters; what a sweep is asked for
       type(override_type), allocatable :: overrides(:)
       type(sweep_request_type) :: sweep
+      !> What an advice is asked for
+      type(advice_request_type) :: advice
       !> Tolerances of `diff`
       type(tolerance_type) :: tolerance
       !> Whether `export` is to print what can be drawn, and of that what
@@ -50,6 +53,9 @@ contains
          & '                       with other values of parameters', &
          & '   limber check DECK [--set NAME=VALUE ...]', &
          & '                       read, build and assemble only', &
+         & '   limber advise DECK [--set NAME=VALUE ...] [--target E] [--all] [--write FILE] [--force]', &
+         & '                       say which model keeps the relative error E (else TARGET of the deck, else 1e-3)', &
+         & '                       and what decided it; --all: also where the deck chooses; the deck with it in FILE', &
          & '   limber study DECK [-o FILE] [--force] [--quiet]', &
          & '                       weigh speed against error: integrators, tolerances and fineness of a deck;', &
          & '                       the table of the runs in FILE (else study.h5)', &
@@ -125,16 +131,17 @@ contains
       character(longest) :: value
       character(*), parameter :: options(*) = [character(12) :: '-o', '--force', '--quiet', '--rtol', '--range', '--atol', &
          & '--manual', '--motion', '--sample', '--time', '--samples', '--deflection', '--path', '--set', '--jobs', '--part', &
-         & '--collect', '--keep']
+         & '--collect', '--keep', '--target', '--write', '--all']
       select case (word)
       case ('--collect'); command%sweep%collect = .true.
       case ('--keep'); command%sweep%keep = .true.
+      case ('--all'); command%advice%all = .true.
       case ('--force'); command%force = .true.
       case ('--quiet'); command%quiet = .true.
       case ('--manual'); command%manual = .true.
       case ('--motion'); command%motion = .true.
       case ('-o', '--rtol', '--range', '--atol', '--sample', '--time', '--samples', '--deflection', '--path', '--set', '--jobs', &
-         & '--part')
+         & '--part', '--target', '--write')
          if (i == command_argument_count()) then
             call raise(error, 'a value is missing behind '//trim(word), status_deck)
             return
@@ -142,6 +149,8 @@ contains
          i = i + 1
          call get_command_argument(i, value)
          if (word == '-o') command%output = trim(value)
+         if (word == '--write') command%advice%write = trim(value)
+         if (word == '--target') call read_real(value, command%advice%target, error)
          if (word == '--rtol') call read_real(value, command%tolerance%relative, error)
          if (word == '--range') call read_real(value, command%tolerance%of_range, error)
          if (word == '--atol') call read_real(value, command%tolerance%absolute, error)
@@ -233,7 +242,7 @@ contains
       least = 0
       most = huge(most)
       select case (command%verb)
-      case ('run', 'check', 'study', 'sweep')
+      case ('run', 'check', 'advise', 'study', 'sweep')
          least = 1
          most = 1
       case ('export')

@@ -17,7 +17,7 @@ module limber_analysis_estimate
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: kept_type, estimate_type, make_estimate, varied, round_off
+   public :: kept_type, estimate_type, make_estimate, varied, round_off, add_quantities, natural_scale
 
    !> Neighbours on each side that the envelope takes in
    integer, parameter :: reach = 2
@@ -50,6 +50,8 @@ module limber_analysis_estimate
       !> Tolerance of the run itself, of the run that it is compared with, and of the one that gives the ratios; zero: there
       !> was none
       real(wp) :: tolerance = 0.0_wp, companion = 0.0_wp, check = 0.0_wp
+      !> True if the runs that it comes of differ in the model too
+      logical :: of_model = .false.
       !> CPU seconds of the time loops of these runs, and that in units of the run itself
       real(wp) :: cpu = 0.0_wp, factor = 0.0_wp
    end type estimate_type

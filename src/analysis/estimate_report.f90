@@ -52,10 +52,16 @@ contains
          status = estimate%reason
          if (status == '') status = 'made'
          call history%put_attribute('/'//group, 'status', status, error)
-         if (.not. allocated(error)) call history%put_attribute('/'//group, 'method', &
+         if (estimate%of_model) then
+            if (.not. allocated(error)) call history%put_attribute('/'//group, 'method', &
+               & 'verified: sum of the differences to a run at companion_tolerance and to runs with each beam that matters one'// &
+               & ' rung higher, enlarged by a quarter and over neighbouring samples', error)
+         else if (.not. allocated(error)) then
+            call history%put_attribute('/'//group, 'method', &
             & 'paired runs: difference to a run at companion_tolerance, enlarged by 1/(1 - shrinkage) and over neighbouring'// &
             & ' samples, not below round-off; shrinkage from a run at check_tolerance', error)
-         if (.not. allocated(error)) call history%put_attribute('/'//group, 'excluded', excluded, error)
+         end if
+         if (.not. (allocated(error) .or. estimate%of_model)) call history%put_attribute('/'//group, 'excluded', excluded, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group, 'companion_tolerance', estimate%companion, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group, 'check_tolerance', estimate%check, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group, 'cpu_seconds', estimate%cpu, error)
@@ -100,6 +106,8 @@ contains
       if (estimate%reason /= '') return
       first = maxval([7, (len(channels(i)%name), i=1, size(channels))])
       text = '   estimated errors of the time integration, from runs at TOLERANCE='//as_text(estimate%companion, 3)
+      if (estimate%of_model) text = '   verified errors, from runs one rung higher and at TOLERANCE='// &
+         & as_text(estimate%companion, 3)
       if (estimate%check > 0.0_wp) text = text//' and '//as_text(estimate%check, 3)
       text = text//', '//as_text(estimate%cpu, 3)//' s CPU or '//as_text(estimate%factor, 2)//' times the run itself:'//newline// &
          & '      '//left('channel', first)//right('largest')//right('at the end')//right('error')//right('relative')
@@ -111,7 +119,7 @@ contains
             & right(as_text(worst/magnitude(samples%values(i, :samples%samples)), 2))
          if (estimate%stuck(i)) text = text//'  does not shrink'
       end do
-      text = text//newline//'      '//excluded
+      if (.not. estimate%of_model) text = text//newline//'      '//excluded
    end function estimate_table
 
    !> A text filled up to a length.

@@ -1,8 +1,10 @@
 !> `limber run`: deck -> model -> modes -> system -> integrator -> history, with a closing report. Floor: analysis.
 module limber_analysis_run
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
+   use limber_analysis_advise, only: advice_table, target_of
+   use limber_analysis_advice, only: apply_advice
    use limber_analysis_dynamics, only: run_dynamics, new_integrator, outcome_type
    use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table
@@ -10,8 +12,12 @@ module limber_analysis_run
    use limber_analysis_ranges, only: range_warnings
    use limber_analysis_record, only: open_history, record_outcome, record_steps
    use limber_analysis_scalars, only: scalar_values, scalar_lines
-   use limber_analysis_scene, only: scene_type, read_scene, mobility_line
+   use limber_analysis_scene, only: scene_type, read_scene, build_scene, seconds_since, mobility_line
    use limber_analysis_steps, only: run_steps, passed_type
+   use limber_analysis_target, only: reached_type, reach_target
+   use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_reader, only: read_deck
    use limber_deck_parameters, only: override_type
    use limber_flex_library, only: library_type
    use limber_integrator_integrator, only: integrator_type
@@ -44,44 +50,32 @@ module limber_analysis_run
       real(wp), allocatable :: scalars(:)
    end type batch_type
 
-   !> Runs a deck, as it is or with other values of parameters
-   interface run_deck
-      module procedure run_as_it_is, run_with
-   end interface run_deck
-
 contains
 
-   !> Runs a deck as it is.
-   subroutine run_as_it_is(path, output, force, quiet, report, error)
-      !> As in `run_with`
-      character(*), intent(in) :: path, output
-      logical, intent(in) :: force, quiet
-      character(:), allocatable, intent(out) :: report
-      type(error_type), allocatable, intent(out) :: error
-      type(override_type) :: none(0)
-      call run_with(path, output, none, force, quiet, report, error)
-   end subroutine run_as_it_is
-
    !> Runs a deck.
-   subroutine run_with(path, output, overrides, force, quiet, report, error)
+   subroutine run_deck(path, output, force, quiet, report, error, overrides)
       !> The deck, and the result file; empty: the deck's name with the ending .h5, in the working folder
       character(*), intent(in) :: path, output
-      !> Values of parameters in place of those of the deck
-      type(override_type), intent(in) :: overrides(:)
       !> Whether an existing result may be replaced; whether the progress is not shown
       logical, intent(in) :: force, quiet
       !> What to tell the user
       character(:), allocatable, intent(out) :: report
       !> A deck that cannot be used (status 2), or a run that could not finish (status 3)
       type(error_type), allocatable, intent(out) :: error
+      !> Values of parameters in place of those of the deck
+      type(override_type), intent(in), optional :: overrides(:)
       type(batch_type) :: batch
-      allocate (batch%overrides, source=overrides)
+      if (present(overrides)) then
+         allocate (batch%overrides, source=overrides)
+      else
+         allocate (batch%overrides(0))
+      end if
       if (output == '') then
          call run_one(path, default_results(path, '.h5'), force, quiet, batch, report, error)
       else
          call run_one(path, output, force, quiet, batch, report, error)
       end if
-   end subroutine run_with
+   end subroutine run_deck
 
    !> Runs a deck, by itself or as one of many.
    subroutine run_one(path, results, force, quiet, batch, report, error)
@@ -97,14 +91,24 @@ contains
       type(progress_type) :: progress
       type(outcome_type) :: outcome
       type(error_type), allocatable :: write_error
+      type(diagnostics_type) :: diagnostics
       character(:), allocatable :: table
+      integer(long) :: tick
       real(wp) :: started
       call cpu_time(started)
       report = ''
       batch%error = -1.0_wp
       batch%cpu = 0.0_wp
       batch%warnings = ''
-      call read_scene(path, scene, error, batch%overrides, batch%library)
+      call system_clock(tick)
+      call read_deck(path, scene%deck, diagnostics, batch%overrides)
+      scene%reading = seconds_since(tick)
+      if (diagnostics%count == 0 .and. target_of(scene%deck) > 0.0_wp) then
+         call run_to_target(path, results, force, quiet, batch, scene, history, report, error)
+         if (allocated(scene%warnings)) call fill_batch()
+         return
+      end if
+      call build_scene(scene, diagnostics, error, batch%library)
       if (allocated(error)) return
       if (.not. scene%system%model%dynamics%wanted) then
          call raise(error, path//': nothing to run; add an analysis, such as *DYNAMICS (limber help DYNAMICS)', status_deck)
@@ -150,6 +154,90 @@ contains
       end subroutine fill_batch
 
    end subroutine run_one
+
+   !> Runs a deck with the model that its target asks for.
+   subroutine run_to_target(path, results, force, quiet, batch, scene, history, report, error)
+      !> The deck, and the result file, as in `run_one`
+      character(*), intent(in) :: path, results
+      logical, intent(in) :: force, quiet
+      type(batch_type), intent(inout) :: batch
+      !> With its deck as it was read; on return as it was run at last
+      type(scene_type), intent(inout) :: scene
+      type(kept_type), intent(inout) :: history
+      character(:), allocatable, intent(out) :: report
+      !> A deck that cannot be used (status 2), or a target that no rung keeps (status 3)
+      type(error_type), allocatable, intent(out) :: error
+      type(reached_type) :: reached
+      type(error_type), allocatable :: write_error
+      class(integrator_type), allocatable :: integrator
+      character(:), allocatable :: table
+      real(wp) :: reading
+      integer :: k
+      report = ''
+      reading = scene%reading
+      call check_target(path, scene, force, results, error)
+      if (.not. allocated(error)) call reach_target(scene%deck, target_of(scene%deck), quiet, reached, error)
+      if (.not. allocated(error)) call build_reached(reached, scene, error)
+      if (allocated(error)) return
+      scene%reading = reading
+      if (batch%usual_scalars) call add_usual_scalars(scene%system%model)
+      if (size(scene%system%model%scalars) > 0) call history%summarise(size(scene%system%model%channels))
+      call open_history(scene, results, force, history%history_type, error, batch%in_memory)
+      do k = 1, reached%samples%samples
+         if (allocated(error)) return
+         call history%append(reached%samples%times(k), reached%samples%values(:, k), error)
+      end do
+      if (allocated(error)) return
+      batch%error = reached%error
+      if (allocated(reached%outcome%warnings)) scene%warnings = scene%warnings//reached%outcome%warnings
+      scene%warnings = scene%warnings//energy_warning(reached%outcome)
+      call new_integrator(scene%system%model%dynamics, integrator)
+      integrator%statistics = reached%statistics
+      if (allocated(reached%estimate%values)) call record_estimate(reached%estimate, scene%system%model%channels, &
+         & history%history_type, error)
+      if (allocated(error)) return
+      if (.not. reached%done) then
+         call record_outcome(scene, reached%outcome, reached%statistics, reached%reason, history%history_type, write_error)
+         call raise(error, path//': '//reached%reason//reached%path//what_is_left(results, batch%in_memory))
+         return
+      end if
+      call record_outcome(scene, reached%outcome, reached%statistics, '', history%history_type, error)
+      table = estimate_table(reached%estimate, scene%system%model%channels, reached%samples)
+      report = scene%warnings//closing_report(path, scene, reached%outcome, integrator, results)// &
+         & scalar_lines(scene%system%model, history)//newline//advice_table(reached%advice, scene)//reached%path//newline//table
+   end subroutine run_to_target
+
+   !> What speaks against a target before anything runs: a deck that is wrong, and a result that is there already.
+   subroutine check_target(path, scene, force, results, error)
+      character(*), intent(in) :: path, results
+      type(scene_type), intent(in) :: scene
+      logical, intent(in) :: force
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type) :: trial
+      type(diagnostics_type) :: diagnostics
+      logical :: exists
+      trial%deck = scene%deck
+      call build_scene(trial, diagnostics, error)
+      if (allocated(error)) return
+      if (.not. trial%system%model%dynamics%wanted) call raise(error, path// &
+         & ': nothing to run; add an analysis, such as *DYNAMICS (limber help DYNAMICS)', status_deck)
+      if (size(trial%system%model%channels) == 0 .and. .not. allocated(error)) call raise(error, path// &
+         & ': TARGET is for channels; add an *OUTPUT block (limber help OUTPUT)', status_deck)
+      inquire (file=results, exist=exists)
+      if (exists .and. .not. (force .or. allocated(error))) call raise(error, results// &
+         & ' is there already; use --force to replace it', status_deck)
+   end subroutine check_target
+
+   !> The scene as it was run at last.
+   subroutine build_reached(reached, scene, error)
+      type(reached_type), intent(in) :: reached
+      !> With its deck as it was read
+      type(scene_type), intent(inout) :: scene
+      type(error_type), allocatable, intent(out) :: error
+      type(diagnostics_type) :: diagnostics
+      call apply_advice(reached%advice, scene%deck)
+      call build_scene(scene, diagnostics, error)
+   end subroutine build_reached
 
    !> Where the results of a run are that could not finish.
    pure function what_is_left(results, in_memory) result(text)

@@ -319,24 +319,27 @@ contains
    end function indices
 
    !> Sets a word, text or YES/NO that was left open in the deck, so that the effective deck shows it.
-   pure subroutine set_option(self, block, name, text)
+   pure subroutine set_option(self, block, name, text, given)
       class(deck_type), intent(inout) :: self
       !> Index of the block
       integer, intent(in) :: block
       !> Option in upper case, and its value
       character(*), intent(in) :: name, text
+      !> Whether it counts as given by the deck; default: as before
+      logical, intent(in), optional :: given
       integer :: i
       i = self%blocks(block)%position(name)
       if (i == 0) return
       associate (option => self%blocks(block)%options(i))
          option%text = text
+         if (present(given)) option%given = given
          if (option%kind == kind_word .or. option%kind == kind_yes) option%text = collapsed(text)
          option%has_value = .true.
       end associate
    end subroutine set_option
 
    !> Sets a number, whole or not, in place of that of the deck.
-   pure subroutine set_number(self, block, name, value)
+   pure subroutine set_number(self, block, name, value, given)
       class(deck_type), intent(inout) :: self
       !> Index of the block
       integer, intent(in) :: block
@@ -344,11 +347,14 @@ contains
       character(*), intent(in) :: name
       !> In the unit of the table
       real(wp), intent(in) :: value
+      !> As in `set_option`
+      logical, intent(in), optional :: given
       integer :: i
       i = self%blocks(block)%position(name)
       if (i == 0) return
       associate (option => self%blocks(block)%options(i))
          option%value = value
+         if (present(given)) option%given = given
          if (is_integer_kind(option%kind)) option%whole = nint(value)
          option%text = as_text(value)
          option%has_value = .true.

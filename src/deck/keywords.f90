@@ -360,6 +360,8 @@ module limber_deck_keywords
       &    '', '', 'after another analysis: those at its end (default), none, or those that the deck gives the bodies'), &
       & option_spec_type('ACCURACY', 'ESTIMATE', kind_yes, '', &
       &    '', 'NO', 'a dataset beside each channel with its error of time integration, from runs at other tolerances'), &
+      & option_spec_type('ACCURACY', 'TARGET', kind_positive, '', &
+      &    '', '', 'error of every channel relative to its largest value: limber chooses the fidelity that keeps it, and checks'), &
       & option_spec_type('STUDY', 'REPEATS', kind_counting, '', &
       &    '', '3', 'runs of each setting that can be worth its time; their median counts'), &
       & option_spec_type('STUDY', 'REFERENCE', kind_path, '', &

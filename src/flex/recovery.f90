@@ -189,6 +189,7 @@ contains
       end if
    end function nodal_load
 
+   !> What a unit load makes at a section while all nodes are held, eq. (128).
    pure function held_forces(frame, place, part, section) result(force)
       type(frame_type), intent(in) :: frame
       type(load_place_type), intent(in) :: place

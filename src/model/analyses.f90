@@ -42,6 +42,9 @@ contains
          now = model%steps(count)%dynamics%end
       end do
       if (count > 0) model%dynamics = model%steps(1)%dynamics
+      if (model%accuracy%target > 0.0_wp .and. count > 0 .and. .not. single_dynamics(model)) call diagnostics%add( &
+         & deck%blocks(deck%find('ACCURACY'))%origin_of('TARGET'), 'an accuracy can be asked of a single *DYNAMICS only', &
+         & 'a deck with TARGET has no other analysis')
       if (model%accuracy%estimate .and. count > 0 .and. .not. single_dynamics(model)) call diagnostics%add( &
          & deck%blocks(deck%find('ACCURACY'))%origin_of('ESTIMATE'), 'errors are estimated of a single *DYNAMICS only', &
          & 'a deck whose results are estimated has no other analysis')

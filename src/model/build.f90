@@ -52,7 +52,7 @@ contains
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
          case ('BEAM'); call add_beam(deck, i, model, diagnostics, library)
          case ('FRAME'); call add_frame(deck, i, model, diagnostics)
-         case ('ACCURACY'); model%accuracy%estimate = deck%blocks(i)%yes('ESTIMATE')
+         case ('ACCURACY'); call read_accuracy(deck%blocks(i), model, diagnostics)
          end select
       end do
       call check_parts(deck, diagnostics)
@@ -110,6 +110,19 @@ contains
       if (model%bodies(body)%kind /= body_flexible) call diagnostics%add(block%origin_of('ENVELOPE'), "'"// &
          & model%bodies(body)%name//"' is rigid: its internal forces are not computed", 'use GEOMETRIC=LINEAR, K_G or FULL')
    end subroutine want_envelope
+
+   !> What is asked of the errors.
+   subroutine read_accuracy(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), parameter :: largest = 0.1_wp, smallest = 1.0e-9_wp
+      model%accuracy%estimate = block%yes('ESTIMATE')
+      model%accuracy%target = block%real('TARGET')
+      if (.not. block%has('TARGET')) return
+      if (model%accuracy%target > largest .or. model%accuracy%target < smallest) call diagnostics%add( &
+         & block%origin_of('TARGET'), 'no error that can be aimed at', 'give a relative error from 1e-9 to 0.1')
+   end subroutine read_accuracy
 
    !> Heading and units.
    subroutine read_labels(deck, model)

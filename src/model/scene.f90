@@ -347,6 +347,8 @@ module limber_model_scene
    type :: accuracy_type
       !> True if the error of each channel is to be estimated
       logical :: estimate = .false.
+      !> Error asked for, relative to the largest value of each channel; zero: none
+      real(wp) :: target = 0.0_wp
    end type accuracy_type
 
    !> Names of the units that the deck's numbers are in; they label results only

@@ -1,0 +1,250 @@
+!> The choice of a model for a requested accuracy: of each beam the cheapest rung whose expected error is within its share, and the
+!> tolerance of the integration. The expectations come from a probe and from formulas whose constants were measured.
+!> Floor: analysis. Equations: doc/theory.md, accuracy on request.
+module limber_analysis_advice
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_probe, only: probe_type, prospect_type, make_probe
+   use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, functions_of, enough_derivatives, &
+      & level_rigid, level_linear, level_kg, level_full, most_modes, most_elements, most_segments, first_pieces, in_pieces
+   use limber_deck_content, only: deck_type
+   implicit none
+   private
+   public :: advice_type, make_advice, find_floors, apply_advice, expected_error, cost_of, lumping_elements, wanted_tolerance
+
+   !> What is advised
+   type :: advice_type
+      !> Error asked for, relative to the largest value of each channel
+      real(wp) :: target = 0.0_wp
+      !> Beams that limber chooses for, and what the probe found of them
+      type(rung_type), allocatable :: rungs(:)
+      type(probe_type) :: probe
+      !> Expected error of each beam's model, and its share of the target
+      real(wp), allocatable :: expected(:)
+      !> The part of it that no richer basis in one frame takes away, and no verification by one sees
+      real(wp), allocatable :: floor(:)
+      real(wp) :: share = 0.0_wp
+      !> Tolerance, and whether it is limber's to choose; whether the integrator is
+      real(wp) :: tolerance = 0.0_wp
+      logical :: open_tolerance = .true., open_integrator = .true.
+   end type advice_type
+
+   !> Parts of the target for the models and for the integration
+   real(wp), parameter :: part_model = 0.65_wp, part_time = 0.3_wp
+   !> Constants of eqs. (V6) to (V8), measured
+   real(wp), parameter :: kg_static = 4.0_wp, kg_dynamic = 0.12_wp, full_floor = 50.0_wp, of_pieces = 15.0_wp
+   !> Parts below which a beam does not matter, relative to the target
+   real(wp), parameter :: no_matter = 0.01_wp, little = 0.2_wp
+   !> Ratio of errors that is worth a higher cost where no rung is good enough
+   real(wp), parameter :: worth = 1.5_wp
+
+contains
+
+   !> Probes a deck and chooses.
+   subroutine make_advice(deck, target, advice, error)
+      type(deck_type), intent(in) :: deck
+      !> Relative error that is aimed at
+      real(wp), intent(in) :: target
+      type(advice_type), intent(out) :: advice
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, matter
+      advice%target = target
+      call find_rungs(deck, advice%rungs)
+      call make_probe(deck, advice%rungs, advice%probe, error)
+      if (allocated(error)) return
+      allocate (advice%expected(size(advice%rungs)), advice%floor(size(advice%rungs)))
+      advice%floor = 0.0_wp
+      associate (beams => advice%probe%beams)
+         matter = count(beams%effect + beams%stretch > little*target)
+         advice%share = part_model*target/max(1, matter)
+         do i = 1, size(beams)
+            call choose(advice, i)
+         end do
+      end associate
+      associate (block => deck%blocks(deck%find('DYNAMICS')))
+         advice%open_tolerance = .not. block%given('TOLERANCE')
+         advice%open_integrator = .not. block%given('INTEGRATOR')
+         advice%tolerance = block%real('TOLERANCE')
+         if (advice%open_tolerance) advice%tolerance = wanted_tolerance(advice)
+      end associate
+   end subroutine make_advice
+
+   !> The cheapest rung of a beam whose expected error is within its share, or that of least error.
+   subroutine choose(advice, which)
+      type(advice_type), intent(inout) :: advice
+      integer, intent(in) :: which
+      type(rung_type) :: rung, best
+      real(wp) :: least, error
+      integer :: level, n, pieces
+      associate (beam => advice%probe%beams(which), start => advice%rungs(which))
+         best = start
+         least = huge(least)
+         advice%expected(which) = huge(least)
+         do level = level_rigid, level_full
+            if (.not. start%open_level .and. level /= start%level) cycle
+            do n = 1, most_modes
+               rung = start
+               rung%level = level
+               if (level == level_rigid .and. n > 1) exit
+               if (rung%open_modes) then
+                  rung%bending = n
+                  rung%derivatives = enough_derivatives(n)
+                  rung%spun = n > 1
+               else if (n > 1) then
+                  exit
+               end if
+               rung%stretched = beam%stretch > 0.1_wp*advice%share
+               if (.not. start%given_elements) rung%elements = lumping_elements(rung, advice, beam)
+               error = expected_error(rung, beam, advice%probe%duration)
+               call consider()
+            end do
+         end do
+         pieces = first_pieces
+         do while (start%open_segments .and. pieces <= most_segments)
+            rung = in_pieces(start, pieces)
+            if (.not. start%given_elements) rung%elements = lumping_elements(rung, advice, beam)
+            error = expected_error(rung, beam, advice%probe%duration)
+            call consider()
+            pieces = 2*pieces
+         end do
+         start = best
+      end associate
+
+   contains
+
+      !> Takes a rung if it is better than the best so far.
+      subroutine consider()
+         logical :: enough, had
+         enough = error <= advice%share
+         had = advice%expected(which) <= advice%share
+         if (had .and. .not. enough) return
+         if (enough .and. had) then
+            if (cost_of(rung) >= least) return
+         else if (.not. enough .and. worth*error >= advice%expected(which)) then
+            return
+         end if
+         best = rung
+         least = cost_of(rung)
+         advice%expected(which) = error
+      end subroutine consider
+
+   end subroutine choose
+
+   !> Expected error of a beam's model in the channels, relative to their largest values: eqs. (V5) to (V8).
+   pure real(wp) function expected_error(rung, beam, duration) result(error)
+      type(rung_type), intent(in) :: rung
+      type(prospect_type), intent(in) :: beam
+      !> Of the analysis [time]
+      real(wp), intent(in) :: duration
+      real(wp) :: slope, turns
+      integer :: modes
+      modes = rung%bending
+      if (rung%segments > 1) then
+         error = floor_of(rung, beam)
+         return
+      end if
+      slope = beam%slope
+      turns = beam%frequency*duration*beam%vibration
+      error = norm2(beam%part(min(modes, size(beam%part)) + 1:))
+      if (modes >= size(beam%part) .and. size(beam%part) > 0) error = beam%part(size(beam%part)) &
+         & *(real(size(beam%part), wp)/modes)**4
+      select case (rung%level)
+      case (level_rigid)
+         error = beam%effect + beam%stretch
+      case (level_linear)
+         error = error + beam%effect*min(1.0_wp, beam%geometric + (kg_static + kg_dynamic*turns)*slope**2)
+         if (.not. rung%stretched) error = error + beam%stretch
+      case (level_kg)
+         error = error + beam%effect*min(0.6_wp, (kg_static + kg_dynamic*turns)*slope**2)
+      case (level_full)
+         error = error + floor_of(rung, beam)
+      end select
+   end function expected_error
+
+   !> What FULL leaves out however rich its basis: the next order of the geometry, eq. (V8).
+   pure real(wp) function floor_of(rung, beam) result(error)
+      type(rung_type), intent(in) :: rung
+      type(prospect_type), intent(in) :: beam
+      if (rung%segments > 1) then
+         error = beam%effect*min(0.2_wp, of_pieces*beam%slope**2/real(rung%segments, wp)**4)
+      else
+         error = beam%effect*min(0.3_wp, full_floor*beam%slope**4)
+      end if
+   end function floor_of
+
+   !> The floors of all beams on their rungs.
+   subroutine find_floors(advice)
+      type(advice_type), intent(inout) :: advice
+      integer :: i
+      advice%floor = 0.0_wp
+      do i = 1, size(advice%rungs)
+         if (advice%rungs(i)%level == level_full .and. advice%rungs(i)%segments == 1) &
+            & advice%floor(i) = floor_of(advice%rungs(i), advice%probe%beams(i))
+      end do
+   end subroutine find_floors
+
+   !> What a rung costs in an evaluation, in units of a rigid body: counted operations, eq. (V9).
+   pure real(wp) function cost_of(rung) result(cost)
+      type(rung_type), intent(in) :: rung
+      real(wp) :: n, axial, pairs
+      cost = 1.0_wp
+      if (rung%level == level_rigid) return
+      n = rung%bending
+      axial = functions_of(rung)
+      pairs = n*(n + 1)/2
+      cost = 2.0_wp + 0.15_wp*(n + axial) + 0.02_wp*(n + axial)**2
+      if (rung%level >= level_kg) cost = cost + 0.02_wp*pairs*axial
+      if (rung%level == level_full) cost = cost + 0.02_wp*pairs*(axial + pairs)
+      cost = 1.5_wp*cost*rung%segments
+      if (rung%segments == 1) cost = cost/1.5_wp
+   end function cost_of
+
+   !> Finite elements that keep the error of the lumped masses in a tenth of the share, closed form: eq. (V10).
+   pure integer function lumping_elements(rung, advice, beam) result(elements)
+      type(rung_type), intent(in) :: rung
+      type(advice_type), intent(in) :: advice
+      type(prospect_type), intent(in) :: beam
+      real(wp) :: allowed, phases, b
+      allowed = 0.1_wp*advice%target/max(beam%effect, 1.0e-3_wp)
+      phases = 1.0_wp + beam%frequency*advice%probe%duration*beam%vibration
+      do elements = 24, most_elements - 24, 24
+         b = acos(-1.0_wp)/elements
+         if (rung%free_end) then
+            if (0.046_wp*b**2*phases <= allowed) exit
+         else
+            if (b**2/12 + (rung%bending*b**4 + b**4*phases)/1440 <= allowed) exit
+         end if
+      end do
+   end function lumping_elements
+
+   !> Tolerance whose error of the integration is its part of the target: eq. (V11).
+   pure real(wp) function wanted_tolerance(advice) result(tolerance)
+      type(advice_type), intent(in) :: advice
+      real(wp), parameter :: largest = 1.0e-2_wp, smallest = 1.0e-12_wp
+      !> Error of the deflections by that of a step, relative to their scale; the same of rigid scenes
+      real(wp), parameter :: of_deflections = 3.0e-3_wp, of_motion = 10.0_wp
+      integer :: i
+      tolerance = part_time*advice%target/of_motion
+      if (any(advice%rungs%level > level_rigid)) tolerance = 5*part_time*advice%target
+      do i = 1, size(advice%rungs)
+         if (advice%rungs(i)%level == level_rigid) cycle
+         associate (beam => advice%probe%beams(i))
+            if (beam%effect > no_matter*advice%target) tolerance = min(tolerance, part_time*advice%target &
+               & *beam%deflection/(of_deflections*beam%effect))
+         end associate
+      end do
+      tolerance = max(smallest, min(largest, tolerance))
+   end function wanted_tolerance
+
+   !> Writes the choices into a deck.
+   subroutine apply_advice(advice, deck)
+      type(advice_type), intent(in) :: advice
+      type(deck_type), intent(inout) :: deck
+      integer :: i
+      do i = 1, size(advice%rungs)
+         call apply_rung(advice%rungs(i), deck)
+      end do
+      if (advice%open_tolerance) call deck%set_number(deck%find('DYNAMICS'), 'TOLERANCE', advice%tolerance, given=.true.)
+   end subroutine apply_advice
+
+end module limber_analysis_advice

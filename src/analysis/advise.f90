@@ -1,0 +1,218 @@
+!> `limber advise`: which model a scene needs for a requested accuracy, from a probe, without running it; and a deck with the
+!> choices written out. Floor: analysis; deck -> advice -> report and deck.
+module limber_analysis_advise
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, cost_of
+   use limber_analysis_probe, only: prospect_type
+   use limber_analysis_rungs, only: rung_type, rung_name, next_rung, can_climb, free_options, level_rigid, level_linear, &
+      & level_kg
+   use limber_analysis_scene, only: scene_type, build_scene
+   use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_effective, only: effective_deck
+   use limber_deck_parameters, only: override_type
+   use limber_deck_reader, only: read_deck
+   implicit none
+   private
+   public :: advice_request_type, advise_deck, advice_table, target_of, read_whole_deck
+
+   !> What is asked of an advice
+   type :: advice_request_type
+      !> Error that is aimed at; zero: that of the deck, else 1e-3
+      real(wp) :: target = 0.0_wp
+      !> Whether the choices that the deck gives are free as well
+      logical :: all = .false.
+      !> File for the deck with the choices; not allocated: none is written
+      character(:), allocatable :: write
+   end type advice_request_type
+
+   !> Error that is aimed at if neither deck nor command say
+   real(wp), parameter :: usual_target = 1.0e-3_wp
+
+contains
+
+   !> Advises on a deck.
+   subroutine advise_deck(path, overrides, request, force, report, error)
+      !> The deck
+      character(*), intent(in) :: path
+      !> Values of parameters in place of those of the deck
+      type(override_type), intent(in) :: overrides(:)
+      type(advice_request_type), intent(in) :: request
+      !> Whether the file with the choices may be replaced
+      logical, intent(in) :: force
+      character(:), allocatable, intent(out) :: report
+      !> The deck cannot be used (status 2)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type) :: scene
+      type(advice_type) :: advice
+      type(deck_type) :: deck
+      type(diagnostics_type) :: diagnostics
+      real(wp) :: aim
+      report = ''
+      call read_whole_deck(path, overrides, deck, error)
+      if (allocated(error)) return
+      if (request%all) call free_options(deck)
+      aim = target_of(deck)
+      if (request%target > 0.0_wp) aim = request%target
+      if (.not. aim > 0.0_wp) aim = usual_target
+      call make_advice(deck, aim, advice, error)
+      if (allocated(error)) return
+      scene%deck = deck
+      call apply_advice(advice, scene%deck)
+      call build_scene(scene, diagnostics, error)
+      if (allocated(error)) return
+      report = scene%warnings//path//': '//scene%system%model%heading//newline//advice_table(advice, scene)
+      if (.not. allocated(request%write)) return
+      call write_deck(scene, request%write, force, error)
+      if (.not. allocated(error)) report = report//newline//'   The deck with these choices is '//request%write
+   end subroutine advise_deck
+
+   !> Reads a deck that has a dynamic analysis.
+   subroutine read_whole_deck(path, overrides, deck, error)
+      character(*), intent(in) :: path
+      type(override_type), intent(in) :: overrides(:)
+      type(deck_type), intent(out) :: deck
+      !> What is wrong with it, rendered; status 2
+      type(error_type), allocatable, intent(out) :: error
+      type(diagnostics_type) :: diagnostics
+      call read_deck(path, deck, diagnostics, overrides)
+      if (diagnostics%count > 0) then
+         call raise(error, diagnostics%render(deck%source), status_deck)
+      else if (deck%find('DYNAMICS') == 0) then
+         call raise(error, path//': nothing to advise on; add a *DYNAMICS block (limber help DYNAMICS)', status_deck)
+      end if
+   end subroutine read_whole_deck
+
+   !> Error that a deck asks for, relative to the largest value of each channel; zero: none.
+   pure real(wp) function target_of(deck) result(target)
+      type(deck_type), intent(in) :: deck
+      integer :: block
+      target = 0.0_wp
+      block = deck%find('ACCURACY')
+      if (block > 0) target = deck%blocks(block)%real('TARGET')
+   end function target_of
+
+   !> Writes the deck with all choices, and no longer with the target that they were made for.
+   subroutine write_deck(scene, path, force, error)
+      type(scene_type), intent(in) :: scene
+      character(*), intent(in) :: path
+      logical, intent(in) :: force
+      type(error_type), allocatable, intent(out) :: error
+      type(deck_type) :: deck
+      integer :: unit, status, block
+      logical :: exists
+      inquire (file=path, exist=exists)
+      if (exists .and. .not. force) then
+         call raise(error, path//': exists already; use --force to replace it', status_deck)
+         return
+      end if
+      deck = scene%deck
+      deck%repeats = deck%repeats(:0)
+      block = deck%find('ACCURACY')
+      if (block > 0) where (deck%blocks(block)%options%name == 'TARGET') deck%blocks(block)%options%has_value = .false.
+      call deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', scene%system%model%dynamics%integrator)
+      open (newunit=unit, file=path, access='stream', action='write', status='replace', iostat=status)
+      if (status == 0) write (unit, iostat=status) effective_deck(deck)
+      if (status /= 0) then
+         call raise(error, path//': cannot be written', status_deck)
+         return
+      end if
+      close (unit)
+   end subroutine write_deck
+
+   !> The choices, each with what decided it.
+   function advice_table(advice, scene) result(text)
+      type(advice_type), intent(in) :: advice
+      !> As it will run
+      type(scene_type), intent(in) :: scene
+      character(:), allocatable :: text
+      integer :: i, width
+      text = '   for a relative error of '//as_text(advice%target, 2)//' in every channel:'
+      width = 4
+      do i = 1, size(advice%rungs)
+         width = max(width, len(scene%deck%blocks(advice%rungs(i)%block)%name()))
+      end do
+      if (size(advice%rungs) > 0) text = text//newline//'   '//left('beam', width)//left('rung', 22)// &
+         & left('k_G el.', 8)//left('elements', 9)//left('expected', 9)//left('cost', 7)//left('the next', 30)//'decided by'
+      do i = 1, size(advice%rungs)
+         text = text//newline//'   '//left(scene%deck%blocks(advice%rungs(i)%block)%name(), width)// &
+            & beam_cells(advice%rungs(i), advice%probe%beams(i), advice, advice%expected(i), scene%deck)
+      end do
+      if (size(advice%rungs) == 0) text = text//newline//'   no beam whose fidelity is open'
+      associate (dynamics => scene%system%model%dynamics)
+         text = text//newline//'   '//dynamics%integrator//' at TOLERANCE='//as_text(dynamics%tolerance, 2)
+         if (dynamics%reason /= '') text = text//': '//dynamics%reason
+      end associate
+      do i = 1, size(advice%rungs)
+         if (advice%expected(i) <= advice%share) cycle
+         text = text//newline//"   beam '"//scene%deck%blocks(advice%rungs(i)%block)%name()//"': no rung is expected to"// &
+            & ' keep its share of '//as_text(advice%share, 2)//', for its slopes reach '//as_text(advice%probe%beams(i)%slope, 2)
+      end do
+      if (advice%probe%blind) text = text//newline//'   with rigid beams the scene does not move: these are assumptions'
+      text = text//newline//'   '//as_text(advice%probe%cpu, 2)//' s CPU for the probe: '//as_text(advice%probe%steps)// &
+         & ' steps with rigid beams'
+   end function advice_table
+
+   function beam_cells(rung, beam, advice, expected, deck) result(text)
+      type(rung_type), intent(in) :: rung
+      type(prospect_type), intent(in) :: beam
+      type(advice_type), intent(in) :: advice
+      real(wp), intent(in) :: expected
+      type(deck_type), intent(in) :: deck
+      character(:), allocatable :: text, next
+      type(rung_type) :: higher
+      next = 'none'
+      if (can_climb(rung)) then
+         higher = next_rung(rung)
+         next = rung_name(higher)//': '//as_text(expected_error(higher, beam, advice%probe%duration), 2)//' at '// &
+            & as_text(cost_of(higher)/cost_of(rung), 2)//' times'
+      end if
+      text = left(rung_name(rung), 22)
+      if (rung%level >= level_kg) then
+         text = text//left(as_text(deck%blocks(rung%block)%integer('GEOMETRIC ELEMENTS')), 8)
+      else
+         text = text//left('-', 8)
+      end if
+      if (rung%level > level_rigid) then
+         text = text//left(as_text(deck%blocks(rung%block)%integer('ELEMENTS')), 9)
+      else
+         text = text//left('-', 9)
+      end if
+      text = text//left(as_text(expected, 2), 9)//left(as_text(cost_of(rung), 2), 7)//left(next, 30)//reason_of(rung, beam)
+   end function beam_cells
+
+   !> The number that decided.
+   function reason_of(rung, beam) result(text)
+      type(rung_type), intent(in) :: rung
+      type(prospect_type), intent(in) :: beam
+      character(:), allocatable :: text
+      if (.not. rung%open_level) then
+         text = 'the deck; it bends to '//as_text(beam%deflection, 2)//' of its length'
+         return
+      end if
+      select case (rung%level)
+      case (level_rigid)
+         text = 'all that it bends and stretches makes '//as_text(beam%effect + beam%stretch, 2)//' of a channel'
+      case (level_linear)
+         text = 'its axial force changes the deflection by '//as_text(beam%geometric, 2)//' ('//as_text(beam%force, 2)// &
+            & ' of the Euler load, rotation '//as_text(beam%rotation, 2)//' of the first frequency)'
+      case (level_kg)
+         text = 'axial force '//as_text(beam%force, 2)//' of the Euler load, rotation '//as_text(beam%rotation, 2)// &
+            & ' of the first frequency; slope '//as_text(beam%slope, 2)
+      case default
+         text = 'slope '//as_text(beam%slope, 2)//', deflection '//as_text(beam%deflection, 2)//' of the length; axial force '// &
+            & as_text(beam%force, 2)//' of the Euler load'
+      end select
+   end function reason_of
+
+   !> A text filled up to a length, with at least two blanks behind it.
+   pure function left(cell, length) result(text)
+      character(*), intent(in) :: cell
+      integer, intent(in) :: length
+      character(max(length, len(cell)) + 2) :: text
+      text = cell
+   end function left
+
+end module limber_analysis_advise

@@ -1,0 +1,301 @@
+!> The ladder of fidelities of a beam, from rigid over linear and k_g to full, with more coordinates on the higher rungs and with
+!> the beam divided on the last: what a rung asks of the deck, which rung comes next, and which options the deck leaves open.
+!> Floor: analysis. Equations: doc/theory.md, accuracy on request.
+module limber_analysis_rungs
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: deck_type
+   use limber_deck_keywords, only: keyword_options
+   use limber_deck_schema, only: option_spec_type
+   implicit none
+   private
+   public :: rung_type, find_rungs, bare_deck, apply_rung, next_rung, better_rung, can_climb, rung_name, has_option, functions_of
+   public :: free_options, enough_derivatives, in_pieces
+
+   !> Levels of the ladder
+   integer, parameter, public :: level_rigid = 0, level_linear = 1, level_kg = 2, level_full = 3
+   !> Most bending modes, and most pieces of a beam
+   integer, parameter, public :: most_modes = 12, most_segments = 16, most_elements = 480
+   !> Pieces that a beam is divided into first
+   integer, parameter, public :: first_pieces = 4
+   !> Words of the option GEOMETRIC for the levels
+   character(6), parameter :: level_words(0:3) = ['RIGID ', 'LINEAR', 'K_G   ', 'FULL  ']
+   !> Elements of the geometric part: of no cost in the time loop
+   integer, parameter :: geometric_elements = 12
+   !> The same for a piece of a beam, and its coordinates beside the bending modes: shapes of its ends, axial functions
+   integer, parameter :: of_piece = 2, of_ends = 2
+
+   !> A beam on its rung
+   type :: rung_type
+      !> Its block in the deck
+      integer :: block = 0
+      !> level_rigid, ...
+      integer :: level = level_kg
+      !> Bending modes, modal derivatives of FULL, finite elements, pieces
+      integer :: bending = 1, derivatives = 0, elements = 48, segments = 1
+      !> Whether something pulls at its end, so that its axial functions have the response to an end force
+      logical :: pulled = .false.
+      !> Whether its axial functions have the response to the centrifugal load too although something pulls
+      logical :: spun = .false.
+      !> Whether a linear beam stretches
+      logical :: stretched = .false.
+      !> Whether the deck gives the number of elements; whether an end of the supports is free
+      logical :: given_elements = .false., free_end = .false.
+      !> Whether limber chooses the level, the modes, the number of pieces
+      logical :: open_level = .false., open_modes = .false., open_segments = .false.
+   end type rung_type
+
+contains
+
+   !> The beams whose fidelity the deck leaves open, wholly or in part.
+   subroutine find_rungs(deck, rungs)
+      type(deck_type), intent(in) :: deck
+      type(rung_type), allocatable, intent(out) :: rungs(:)
+      type(rung_type) :: rung
+      integer, allocatable :: beams(:)
+      integer :: i
+      allocate (rungs(0))
+      allocate (beams, source=deck%indices('BEAM'))
+      do i = 1, size(beams)
+         rung = given_rung(deck, beams(i))
+         if (rung%segments == 1 .and. (rung%open_level .or. rung%open_modes)) rungs = [rungs, rung]
+      end do
+   end subroutine find_rungs
+
+   !> What the deck says of a beam.
+   function given_rung(deck, place) result(rung)
+      type(deck_type), intent(in) :: deck
+      !> Index of its block
+      integer, intent(in) :: place
+      type(rung_type) :: rung
+      associate (block => deck%blocks(place))
+         rung%block = place
+         rung%open_level = .not. block%given('GEOMETRIC')
+         rung%open_modes = .not. (block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES'))
+         rung%open_segments = has_option('SEGMENTS') .and. .not. block%given('SEGMENTS')
+         rung%level = max(0, findloc(level_words, block%word('GEOMETRIC'), 1) - 1)
+         if (.not. rung%open_level .and. rung%level == level_rigid) rung%open_modes = .false.
+         rung%given_elements = block%given('ELEMENTS')
+         rung%free_end = index(block%word('SUPPORT'), 'FREE') > 0
+         if (rung%given_elements) rung%elements = block%integer('ELEMENTS')
+         if (block%given('BENDING MODES')) rung%bending = block%integer('BENDING MODES')
+         if (has_option('SEGMENTS') .and. block%given('SEGMENTS')) rung%segments = block%integer('SEGMENTS')
+         rung%pulled = holds_end(deck, block%name()) .or. block%word('SUPPORT') == 'FREE-FREE'
+      end associate
+   end function given_rung
+
+   !> Whether a joint, spring or mass holds a beam anywhere but at its start.
+   pure logical function holds_end(deck, name)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: name
+      integer :: i, j, k
+      character(:), allocatable :: text
+      holds_end = .false.
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'JOINT' .and. deck%blocks(i)%keyword /= 'SPRING' .and. &
+            & deck%blocks(i)%keyword /= 'BUSHING') cycle
+         do j = 1, size(deck%blocks(i)%lines)
+            do k = 1, min(2, deck%blocks(i)%lines(j)%count())
+               text = deck%blocks(i)%lines(j)%text(k)
+               if (index(text, name//'.') /= 1) cycle
+               if (text /= name//'.start' .and. text /= name//'.origin') holds_end = .true.
+            end do
+         end do
+      end do
+   end function holds_end
+
+   !> Whether beams have an option at all.
+   logical function has_option(name)
+      character(*), intent(in) :: name
+      type(option_spec_type), allocatable :: specs(:)
+      allocate (specs, source=keyword_options('BEAM'))
+      has_option = any(specs%name == name)
+   end function has_option
+
+   !> Takes back what the deck says of the fidelity of its beams and of the integration.
+   pure subroutine free_options(deck)
+      type(deck_type), intent(inout) :: deck
+      character(20), parameter :: free(*) = [character(20) :: 'GEOMETRIC', 'MODES', 'BENDING MODES', 'AXIAL MODES', &
+         & 'AXIAL BASIS', 'END FORCE', 'CENTRIFUGAL', 'MODAL DERIVATIVES', 'ELEMENTS', 'GEOMETRIC ELEMENTS', &
+         & 'GEOMETRIC INTEGRAL', 'SEGMENTS', 'AXIAL DYNAMICS', 'INTEGRATOR', 'TOLERANCE']
+      integer :: i, j
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'BEAM' .and. deck%blocks(i)%keyword /= 'DYNAMICS') cycle
+         do j = 1, size(deck%blocks(i)%options)
+            associate (option => deck%blocks(i)%options(j))
+               if (.not. any(free == option%name)) cycle
+               option%given = .false.
+               if (option%name == 'AXIAL BASIS' .or. option%name == 'BENDING MODES' .or. option%name == 'AXIAL MODES') then
+                  option%has_value = .false.
+                  option%text = ''
+               else if (option%name == 'GEOMETRIC INTEGRAL') then
+                  option%text = 'EXACT'
+               else if (option%name == 'INTEGRATOR') then
+                  option%text = 'AUTO'
+               end if
+            end associate
+         end do
+      end do
+   end subroutine free_options
+
+   !> The deck without outputs, damping and given deflections, which ask for coordinates that a rung need not have.
+   subroutine bare_deck(deck, bare)
+      type(deck_type), intent(in) :: deck
+      type(deck_type), intent(out) :: bare
+      integer :: i
+      bare = deck
+      do i = 1, size(bare%blocks)
+         if (bare%blocks(i)%keyword == 'ASSEMBLY') bare%blocks(i)%lines = bare%blocks(i)%lines(:0)
+         ! Blocks keep their places: this becomes one that no model is made of
+         select case (bare%blocks(i)%keyword)
+         case ('OUTPUT', 'SCALAR', 'DAMPING'); bare%blocks(i)%keyword = 'STUDY'
+         end select
+      end do
+   end subroutine bare_deck
+
+   !> Writes a rung into the deck, as a user would; what the deck gives stays.
+   subroutine apply_rung(rung, deck)
+      type(rung_type), intent(in) :: rung
+      type(deck_type), intent(inout) :: deck
+      logical :: statics
+      statics = rung%level >= level_kg
+      if (rung%open_level) call deck%set_option(rung%block, 'GEOMETRIC', trim(level_words(rung%level)), given=.true.)
+      if (rung%level == level_rigid) return
+      if (rung%segments > 1) then
+         ! A piece has the shapes of its ends besides, and axial functions of its own
+         call number('SEGMENTS', rung%segments)
+         if (rung%open_modes) call number('BENDING MODES', rung%bending)
+         call number('ELEMENTS', max(6, rung%elements/rung%segments))
+         call number('GEOMETRIC ELEMENTS', of_piece)
+         return
+      end if
+      if (rung%open_modes) then
+         call number('BENDING MODES', rung%bending)
+         call number('AXIAL MODES', merge(0, merge(1, 0, rung%stretched), statics))
+      end if
+      call number('ELEMENTS', rung%elements)
+      if (.not. statics) return
+      call number('GEOMETRIC ELEMENTS', min(geometric_elements, rung%elements))
+      if (.not. rung%open_modes .and. rung%level == level_kg) return
+      call word('AXIAL BASIS', 'STATIC')
+      call word('END FORCE', merge('YES', 'NO ', rung%pulled))
+      call word('CENTRIFUGAL', merge('YES', 'NO ', rung%spun .or. .not. rung%pulled))
+      call number('MODAL DERIVATIVES', merge(rung%derivatives, 0, rung%level == level_full))
+
+   contains
+
+      !> Sets a number that the deck leaves open.
+      subroutine number(name, value)
+         character(*), intent(in) :: name
+         integer, intent(in) :: value
+         if (.not. deck%blocks(rung%block)%given(name)) call deck%set_number(rung%block, name, real(value, wp), given=.true.)
+      end subroutine number
+
+      !> Sets a word that the deck leaves open.
+      subroutine word(name, value)
+         character(*), intent(in) :: name, value
+         if (.not. deck%blocks(rung%block)%given(name)) call deck%set_option(rung%block, name, trim(value), given=.true.)
+      end subroutine word
+
+   end subroutine apply_rung
+
+   !> Number of axial functions of a rung.
+   pure integer function functions_of(rung) result(functions)
+      type(rung_type), intent(in) :: rung
+      functions = 0
+      if (rung%segments > 1) then
+         functions = of_ends + of_piece
+         return
+      end if
+      select case (rung%level)
+      case (level_linear); functions = merge(1, 0, rung%stretched)
+      case (level_kg, level_full)
+         functions = merge(merge(2, 1, rung%spun), 1, rung%pulled)
+         if (rung%level == level_full) functions = functions + min(rung%derivatives, rung%bending*(rung%bending + 1)/2)
+      end select
+   end function functions_of
+
+   !> Whether there is a rung above.
+   pure logical function can_climb(rung)
+      type(rung_type), intent(in) :: rung
+      can_climb = rung%open_level .and. rung%level < level_full
+      if (rung%segments > 1) then
+         can_climb = rung%open_segments .and. rung%segments < most_segments
+         return
+      end if
+      if (rung%level > level_rigid) can_climb = can_climb .or. (rung%open_modes .and. rung%bending < most_modes) &
+         & .or. (rung%open_segments .and. rung%segments < most_segments)
+   end function can_climb
+
+   !> The next rung: higher in fidelity and richer in coordinates, so that what both leave out shows.
+   pure function next_rung(rung) result(next)
+      type(rung_type), intent(in) :: rung
+      type(rung_type) :: next
+      next = rung
+      if (rung%segments > 1) then
+         if (rung%open_segments .and. rung%segments < most_segments) next%segments = 2*rung%segments
+         return
+      end if
+      if (rung%level == level_rigid .and. rung%open_level) then
+         next%level = level_linear
+         if (next%open_modes) next%bending = 2
+         return
+      end if
+      if (rung%open_level .and. rung%level < level_full) next%level = rung%level + 1
+      if (rung%open_modes .and. rung%bending < most_modes) next%bending = min(most_modes, rung%bending &
+         & + merge(1, 2, next%level == level_kg))
+      ! As many as the pairs of the first modes, so that what too few leave out shows
+      if (next%open_modes .and. next%level == level_full) next%derivatives = max(3, min(10, rung%derivatives + 3))
+      next%spun = next%bending > 1
+      if (.not. next%given_elements) next%elements = min(most_elements, 2*rung%elements)
+   end function next_rung
+
+   !> A beam in pieces, full in each.
+   pure function in_pieces(rung, pieces) result(divided)
+      type(rung_type), intent(in) :: rung
+      integer, intent(in) :: pieces
+      type(rung_type) :: divided
+      divided = rung
+      divided%segments = pieces
+      if (divided%open_level) divided%level = level_full
+      if (divided%open_modes) divided%bending = 1
+   end function in_pieces
+
+   !> The rung to go to from one that is not good enough: higher in fidelity, or where there is no higher one richer.
+   pure function better_rung(rung, divided) result(better)
+      type(rung_type), intent(in) :: rung
+      !> Whether one frame is not enough, so that the beam is to be divided if limber may
+      logical, intent(in) :: divided
+      type(rung_type) :: better
+      better = next_rung(rung)
+      if (rung%segments > 1) return
+      if (divided .and. rung%open_segments) then
+         better = in_pieces(rung, first_pieces)
+         return
+      end if
+      if (rung%level > level_rigid) better%elements = rung%elements
+      if (.not. rung%open_modes) return
+      if (better%level > rung%level .and. rung%level > level_rigid) better%bending = rung%bending
+      if (rung%level == level_full .and. rung%bending < 3) better%bending = rung%bending + 1
+      better%spun = better%bending > 1
+      if (better%level == level_full) better%derivatives = enough_derivatives(better%bending)
+   end function better_rung
+
+   !> Modal derivatives that so many bending modes are worth.
+   pure integer function enough_derivatives(bending) result(derivatives)
+      integer, intent(in) :: bending
+      integer, parameter :: numbers(*) = [1, 3, 3, 3, 3, 6, 6, 10]
+      derivatives = numbers(min(bending, size(numbers)))
+   end function enough_derivatives
+
+   !> A rung for people: 'FULL, 3 + 5 functions'.
+   function rung_name(rung) result(text)
+      type(rung_type), intent(in) :: rung
+      character(:), allocatable :: text
+      text = trim(level_words(rung%level))
+      if (rung%level == level_rigid) return
+      text = text//' '//as_text(rung%bending)//' + '//as_text(functions_of(rung))
+      if (rung%segments > 1) text = text//', '//as_text(rung%segments)//' pieces'
+   end function rung_name
+
+end module limber_analysis_rungs

@@ -1,0 +1,140 @@
+!> Accuracy on request (*ACCURACY, TARGET=): the true error of every channel is at or below what was asked for, and at or below what
+!> the run says of itself; where no model reaches it the run says so. Truths are solutions by other programs: tests/reference.
+!> Usage, in tests/: test_accuracy RESULT_FILE
+program test_accuracy
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_analysis_advise, only: advise_deck, advice_request_type
+   use limber_analysis_run, only: run_deck
+   use limber_deck_parameters, only: override_type
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, change_deck, channel, read_columns
+   use testing, only: check, check_no_error, finish
+   implicit none
+
+   character(256) :: results
+   !> No value of a parameter in place of the deck's
+   type(override_type) :: none(0)
+
+   call get_command_argument(1, results)
+   call test_slider_crank('1e-2')
+   call test_slider_crank('1e-3')
+   call test_spin_up('1e-2')
+   call test_squeezer('1e-3')
+   call test_squeezer('1e-5')
+   call test_written()
+   call test_refusal()
+   call finish()
+
+contains
+
+   !> Runs a scene for a target, and checks what it says of its own errors.
+   subroutine run_for(name, target, reader)
+      character(*), intent(in) :: name, target
+      type(history_reader_type), intent(out) :: reader
+      real(wp), allocatable :: values(:)
+      real(wp) :: aim
+      integer :: i
+      call run_changed('accuracy/'//name//'.inp', trim(results), [character(20) :: 'TARGET=1e-3'], &
+         & [character(20) :: 'TARGET='//target], reader)
+      read (target, *) aim
+      call check(size(reader%estimates) == size(reader%channels), name//': an estimate for each channel')
+      do i = 1, size(reader%channels)
+         values = channel(reader, reader%channels(i)%name)
+         call check(maxval(channel(reader, reader%estimates(i)%name)) <= 1.2_wp*aim*maxval(abs(values)), &
+            & name//', '//reader%channels(i)%name//': the estimate is within the target '//target)
+      end do
+   end subroutine run_for
+
+   !> Compares a channel with the truth.
+   subroutine compare(reader, name, truth, target)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name, target
+      real(wp), intent(in) :: truth(:)
+      real(wp), allocatable :: values(:)
+      real(wp) :: aim, error
+      read (target, *) aim
+      values = channel(reader, name)
+      call check(size(values) == size(truth), name//': samples')
+      error = maxval(abs(values - truth))/maxval(abs(truth))
+      print '(a)', name//': asked for '//target//', error '//as_text(error, 2)
+      call check(error <= aim, name//': error '//as_text(error, 2)//' for a target of '//target)
+   end subroutine compare
+
+   subroutine test_slider_crank(target)
+      character(*), intent(in) :: target
+      type(history_reader_type) :: reader
+      real(wp) :: table(7, 839)
+      call run_for('slider_crank', target, reader)
+      call read_columns('reference/slider_crank_6mm.csv', table)
+      call compare(reader, 'deflection_over_length', table(3, :), target)
+      call compare(reader, 'slider_x', table(4, :), target)
+      call reader%close()
+   end subroutine test_slider_crank
+
+   subroutine test_spin_up(target)
+      character(*), intent(in) :: target
+      type(history_reader_type) :: reader
+      real(wp) :: table(4, 1001)
+      call run_for('spin_up', target, reader)
+      call read_columns('reference/spin_up_beam.csv', table)
+      call compare(reader, 'u2_tip', table(3, :), target)
+      call compare(reader, 'section_rotation_tip', table(4, :), target)
+      call reader%close()
+   end subroutine test_spin_up
+
+   !> The angles of the squeezer at its end, relative to the largest of each channel.
+   subroutine test_squeezer(target)
+      character(*), intent(in) :: target
+      type(history_reader_type) :: reader
+      character(7), parameter :: names(7) = [character(7) :: 'beta', 'theta', 'gamma', 'phi', 'delta', 'omega', 'epsilon']
+      real(wp), parameter :: ends(7) = [15.810771195153707_wp, -15.756371058411839_wp, 0.040822240119645805_wp, &
+         & -0.53473011634207959_wp, 0.52440996587995407_wp, 0.53473011634207959_wp, 1.0480807410419379_wp]
+      real(wp), allocatable :: values(:)
+      real(wp) :: aim
+      integer :: i
+      call run_for('squeezer', target, reader)
+      read (target, *) aim
+      do i = 1, size(names)
+         values = channel(reader, trim(names(i)))
+         call check(abs(values(size(values)) - ends(i)) <= aim*maxval(abs(values)), names(i)//': at the end, for '//target)
+      end do
+      call reader%close()
+   end subroutine test_squeezer
+
+   !> A deck that an advice has written runs without one, with the same integrator and fidelity.
+   subroutine test_written()
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      type(advice_request_type) :: request
+      character(:), allocatable :: report, deck
+      deck = trim(results)//'_written.inp'
+      request%target = 1.0e-2_wp
+      request%write = deck
+      call advise_deck('accuracy/slider_crank.inp', none, request, .true., report, error)
+      call check_no_error(error, 'advice')
+      call check(index(report, 'FULL 1 + 2') > 0, 'the report names the rung: '//report)
+      call run_deck(deck, trim(results), .true., .true., report, error)
+      call check_no_error(error, 'the written deck')
+      call reader%open(trim(results), error)
+      call check(size(reader%estimates) == 0, 'the written deck has no target any more')
+      call reader%close()
+      call advise_deck('accuracy/slider_crank.inp', none, request, .false., report, error)
+      call check(allocated(error), 'a file is not replaced unasked')
+   end subroutine test_written
+
+   !> One frame cannot describe the thin rod, which bends to a third of its length: with SEGMENTS=1 given that is said.
+   subroutine test_refusal()
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call change_deck('accuracy/slider_crank_thin.inp', trim(results)//'.inp', [character(30) :: 'X=crank', 'turns = 2'], &
+         & [character(30) :: 'X=crank', 'turns = 0.5'])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(allocated(error), 'the thin rod is refused in one frame')
+      if (.not. allocated(error)) return
+      call check(error%status == 3, 'status of a target that is not kept')
+      call check(index(error%message, 'more than one floating frame describes') > 0, 'why: '//error%message)
+   end subroutine test_refusal
+
+end program test_accuracy

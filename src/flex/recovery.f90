@@ -93,7 +93,7 @@ contains
             if (inertial) then
                load = frame%mass*push(:, :, i)
             else
-               load = unit_load(frame, places(place)%member, places(place)%x, part)
+               load = nodal_load(frame, places(place), part)
             end if
             call solve_static(frame, solver, load, u)
             do j = 1, n

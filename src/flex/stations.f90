@@ -6,11 +6,10 @@ module limber_flex_stations
    use limber_base_error, only: error_type
    use limber_base_lapack, only: dsyev
    use limber_flex_beam, only: bending_shape, bending_slope
-   use limber_flex_frame, only: frame_type
+   use limber_flex_frame, only: frame_type, beam_frame
    use limber_flex_frame_solver, only: solver_type, new_solver, solve_static
    use limber_flex_geometric, only: mean_slopes, joined_strains, strain_moments, element_ends
    use limber_flex_mesh, only: beam_type, field_type, nodal_masses, deflection_at, slope_at, element_length
-   use limber_flex_recovery, only: beam_frame
    use limber_flex_reduced, only: reduced_type
    use limber_flex_reduction, only: reduction_type
    implicit none

@@ -37,6 +37,8 @@ module limber_analysis_axial
       real(wp) :: frequency = 0.0_wp, starting = 0.0_wp
       !> Loads at the last looks (axial, 3) and their times; how many there are
       real(wp), allocatable :: load(:, :)
+      !> Scratch (axial)
+      real(wp), allocatable :: lost(:)
       real(wp) :: t(3) = 0.0_wp
       integer :: looks = 0
       !> Largest so far: relative change of the first bending stiffness by tension that is left out; axial displacement that is left
@@ -335,7 +337,8 @@ contains
       do i = 1, size(watch%bodies)
          if (.not. system%model%bodies(i)%reduced%condensed) cycle
          watch%bodies(i)%frequency = frequency(i)
-         allocate (watch%bodies(i)%load(size(work%bodies(i)%load), 3))
+         allocate (watch%bodies(i)%load(size(work%bodies(i)%load), 3), watch%bodies(i)%lost(size(work%bodies(i)%load)))
+         watch%bodies(i)%load = 0.0_wp
          if (allocated(error) .or. .not. frequency(i) > 0.0_wp) cycle
          call add_size(system, i, work%bodies(i)%load, watch%bodies(i)%starting)
          watch%bodies(i)%starting = watch%bodies(i)%starting + first_swing(system, work, q, v, i, frequency(i))
@@ -369,7 +372,7 @@ contains
       real(wp), intent(in) :: load(:), t
       !> Least time between looks, in units of the frequency: what is faster, and not round-off, needs no second look
       real(wp), parameter :: apart = 0.02_wp
-      real(wp) :: size_now, lost(size(load))
+      real(wp) :: size_now
       if (body%looks > 0) then
          if ((t - body%t(3))*body%frequency < apart) return
       end if
@@ -382,20 +385,19 @@ contains
       body%stretched = max(body%stretched, size_now)
       if (body%looks < 3 .or. .not. body%frequency > 0.0_wp) return
       associate (x => body%load, at => body%t)
-         lost = 2*((x(:, 3) - x(:, 2))/(at(3) - at(2)) - (x(:, 2) - x(:, 1))/(at(2) - at(1)))/(at(3) - at(1))/body%frequency**2
+         body%lost = 2*((x(:, 3) - x(:, 2))/(at(3) - at(2)) - (x(:, 2) - x(:, 1))/(at(2) - at(1)))/(at(3) - at(1))/body%frequency**2
       end associate
-      call keep_lost(body, system, index, lost)
+      call keep_lost(body, system, index)
    end subroutine look
 
-   !> Keeps the largest of what is left out.
-   pure subroutine keep_lost(body, system, index, lost)
+   !> Keeps the largest of what is left out, `lost`.
+   pure subroutine keep_lost(body, system, index)
       type(axial_history_type), intent(inout) :: body
       type(system_type), intent(in) :: system
       integer, intent(in) :: index
-      real(wp), intent(in) :: lost(:)
       real(wp) :: size_now, part
-      call add_size(system, index, lost, size_now)
-      call add_tension(system, index, lost, part)
+      call add_size(system, index, body%lost, size_now)
+      call add_tension(system, index, body%lost, part)
       body%wave = max(body%wave, size_now)
       body%tension = max(body%tension, part)
    end subroutine keep_lost
@@ -412,7 +414,8 @@ contains
          if (.not. allocated(watch%bodies(i)%load)) cycle
          associate (body => watch%bodies(i))
             part = body%tension
-            if (body%looks > 0) call keep_lost(body, system, i, work%bodies(i)%load - body%load(:, 3))
+            body%lost = work%bodies(i)%load - body%load(:, 3)
+            if (body%looks > 0) call keep_lost(body, system, i)
             ! Bending follows the mean of tension that rings
             body%tension = part
             body%looks = 0

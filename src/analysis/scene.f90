@@ -127,11 +127,13 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(axial_verdict_type) :: verdict
       type(origin_type) :: origin
-      integer :: i
+      integer :: i, block
       associate (model => scene%system%model)
          do i = 1, size(model%bodies)
             if (.not. model%bodies(i)%reduced%condensed) cycle
-            origin = scene%deck%blocks(scene%deck%find_named('BEAM', model%bodies(i)%name))%origin_of('AXIAL DYNAMICS')
+            origin = origin_type(file=1)
+            block = scene%deck%find_named('BEAM', model%bodies(i)%name)
+            if (block > 0) origin = scene%deck%blocks(block)%origin_of('AXIAL DYNAMICS')
             if (is_conserving(model)) then
                call diagnostics%add(origin, "beam '"//model%bodies(i)%name//"': CONSERVING cannot be used where axial"// &
                   & ' coordinates follow at rest', 'write AXIAL DYNAMICS=FULL, or INTEGRATOR=ADAMS, RADAU or ALPHA')

@@ -139,9 +139,13 @@ contains
             if (reduced%full) call fold_matrix(reduced, v(at + 1:at + b), places%turn)
             do j = 1, b
                associate (place => places%place(:, places%own(j)))
-                  tangent%parts(place(:b), 3) = tangent%parts(place(:b), 3) + places%curvature(:, j)
-                  if (reduced%full) tangent%parts(place(b + 1:), 2) = -body%fold(:, j)
-                  tangent%parts(place(b + 1:), 3) = -places%turn(:, j)
+                  do k = 1, b
+                     tangent%parts(place(k), 3) = tangent%parts(place(k), 3) + places%curvature(k, j)
+                  end do
+                  do k = 1, reduced%n - b
+                     if (reduced%full) tangent%parts(place(b + k), 2) = -body%fold(k, j)
+                     tangent%parts(place(b + k), 3) = -places%turn(k, j)
+                  end do
                end associate
             end do
             do k = b + 1, reduced%n

@@ -6,6 +6,7 @@ program test_ranges
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
+   use limber_analysis_indicators, only: indicator_count, indicator_names
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, channel
    use testing, only: check, check_no_error, finish
@@ -147,16 +148,21 @@ contains
       character(*), intent(in) :: warning
       type(history_reader_type) :: reader
       type(error_type), allocatable :: failure
-      real(wp), allocatable :: samples(:), pair(:)
+      real(wp), allocatable :: samples(:), table(:, :)
+      real(wp) :: pair(2)
       character(200) :: old(12), new(12)
       real(wp) :: off
-      integer :: count
+      integer :: count, at
       call split(words, old, new, count)
       call run_changed('verification/range_beam.inp', trim(results), old(:count), new(:count), reader)
       allocate (samples, source=channel(reader, of))
       off = abs(abs(samples(size(samples))/truth) - 1)
-      call reader%read_numbers('/bodies/beam/indicators/'//indicator, pair, failure)
-      call check_no_error(failure, name//': indicator')
+      call reader%read_table('/bodies/beam/indicators', table, failure)
+      call check_no_error(failure, name//': indicators')
+      do at = 1, indicator_count
+         if (indicator_names(at) == indicator) exit
+      end do
+      pair = table(:, at)
       print '(2(a,es10.2),3a)', name//': error', off, ', '//indicator, pair(1), ' (', warning, ')'
       if (warning == '') then
          call check(off < error, name//': right to '//as_text(error, 2)//', off by '//as_text(off, 3))

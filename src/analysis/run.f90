@@ -43,10 +43,26 @@ module limber_analysis_run
       real(wp), allocatable :: scalars(:)
    end type batch_type
 
+   !> Runs a deck, as it is or with other values of parameters
+   interface run_deck
+      module procedure run_as_it_is, run_with
+   end interface run_deck
+
 contains
 
+   !> Runs a deck as it is.
+   subroutine run_as_it_is(path, output, force, quiet, report, error)
+      !> As in `run_with`
+      character(*), intent(in) :: path, output
+      logical, intent(in) :: force, quiet
+      character(:), allocatable, intent(out) :: report
+      type(error_type), allocatable, intent(out) :: error
+      type(override_type) :: none(0)
+      call run_with(path, output, none, force, quiet, report, error)
+   end subroutine run_as_it_is
+
    !> Runs a deck.
-   subroutine run_deck(path, output, overrides, force, quiet, report, error)
+   subroutine run_with(path, output, overrides, force, quiet, report, error)
       !> The deck, and the result file; empty: the deck's name with the ending .h5, in the working folder
       character(*), intent(in) :: path, output
       !> Values of parameters in place of those of the deck
@@ -64,7 +80,7 @@ contains
       else
          call run_one(path, output, force, quiet, batch, report, error)
       end if
-   end subroutine run_deck
+   end subroutine run_with
 
    !> Runs a deck, by itself or as one of many.
    subroutine run_one(path, results, force, quiet, batch, report, error)

@@ -14,6 +14,7 @@ module limber_analysis_advise
    use limber_deck_effective, only: effective_deck
    use limber_deck_parameters, only: override_type
    use limber_deck_reader, only: read_deck
+   use limber_model_analyses, only: kind_names
    implicit none
    private
    public :: advice_request_type, advise_deck, advice_table, target_of, read_whole_deck
@@ -69,7 +70,7 @@ contains
       if (.not. allocated(error)) report = report//newline//'   The deck with these choices is '//request%write
    end subroutine advise_deck
 
-   !> Reads a deck that has a dynamic analysis.
+   !> Reads a deck whose only analysis is a dynamic one.
    subroutine read_whole_deck(path, overrides, deck, error)
       character(*), intent(in) :: path
       type(override_type), intent(in) :: overrides(:)
@@ -77,11 +78,15 @@ contains
       !> What is wrong with it, rendered; status 2
       type(error_type), allocatable, intent(out) :: error
       type(diagnostics_type) :: diagnostics
+      integer :: i
       call read_deck(path, deck, diagnostics, overrides)
       if (diagnostics%count > 0) then
          call raise(error, diagnostics%render(deck%source), status_deck)
       else if (deck%find('DYNAMICS') == 0) then
          call raise(error, path//': nothing to advise on; add a *DYNAMICS block (limber help DYNAMICS)', status_deck)
+      else if (any([(deck%find(trim(kind_names(i))) > 0, i=1, size(kind_names) - 1)]) .or. &
+            & deck%find('DYNAMICS', deck%find('DYNAMICS')) > 0) then
+         call raise(error, path//': an advice is on a single *DYNAMICS; remove the other analyses', status_deck)
       end if
    end subroutine read_whole_deck
 

@@ -68,12 +68,15 @@ contains
       !> Index of its block
       integer, intent(in) :: place
       type(rung_type) :: rung
+      integer :: level
       associate (block => deck%blocks(place))
          rung%block = place
          rung%open_level = .not. block%given('GEOMETRIC')
          rung%open_modes = .not. (block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES'))
          rung%open_segments = has_option('SEGMENTS') .and. .not. block%given('SEGMENTS')
-         rung%level = max(0, findloc(level_words, block%word('GEOMETRIC'), 1) - 1)
+         do level = level_rigid, level_full
+            if (level_words(level) == block%word('GEOMETRIC')) rung%level = level
+         end do
          if (.not. rung%open_level .and. rung%level == level_rigid) rung%open_modes = .false.
          rung%given_elements = block%given('ELEMENTS')
          rung%free_end = index(block%word('SUPPORT'), 'FREE') > 0

@@ -36,9 +36,11 @@ contains
       type(history_reader_type), intent(out) :: reader
       real(wp), allocatable :: values(:)
       real(wp) :: aim
+      character(20) :: old(1), new(1)
       integer :: i
-      call run_changed('accuracy/'//name//'.inp', trim(results), [character(20) :: 'TARGET=1e-3'], &
-         & [character(20) :: 'TARGET='//target], reader)
+      old(1) = 'TARGET=1e-3'
+      new(1) = 'TARGET='//target
+      call run_changed('accuracy/'//name//'.inp', trim(results), old, new, reader)
       read (target, *) aim
       call check(size(reader%estimates) == size(reader%channels), name//': an estimate for each channel')
       do i = 1, size(reader%channels)

@@ -46,19 +46,23 @@ module limber_analysis_run
 contains
 
    !> Runs a deck.
-   subroutine run_deck(path, output, overrides, force, quiet, report, error)
+   subroutine run_deck(path, output, force, quiet, report, error, overrides)
       !> The deck, and the result file; empty: the deck's name with the ending .h5, in the working folder
       character(*), intent(in) :: path, output
-      !> Values of parameters in place of those of the deck
-      type(override_type), intent(in) :: overrides(:)
       !> Whether an existing result may be replaced; whether the progress is not shown
       logical, intent(in) :: force, quiet
       !> What to tell the user
       character(:), allocatable, intent(out) :: report
       !> A deck that cannot be used (status 2), or a run that could not finish (status 3)
       type(error_type), allocatable, intent(out) :: error
+      !> Values of parameters in place of those of the deck
+      type(override_type), intent(in), optional :: overrides(:)
       type(batch_type) :: batch
-      allocate (batch%overrides, source=overrides)
+      if (present(overrides)) then
+         allocate (batch%overrides, source=overrides)
+      else
+         allocate (batch%overrides(0))
+      end if
       if (output == '') then
          call run_one(path, default_results(path, '.h5'), force, quiet, batch, report, error)
       else

@@ -5,9 +5,9 @@ module limber_system_couplings
    use limber_model_scene, only: joint_type, driver_type, term_type, body_flexible, ground, joint_revolute, joint_point_on_line, &
       & joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler, &
       & coordinate_angle, coordinate_joint_angle, coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, &
-      & driver_displacement, driver_x
+      & driver_displacement, driver_x, driver_y
    use limber_system_constraint, only: constraint_type
-   use limber_system_drivers, only: driven_angle_type
+   use limber_system_drivers, only: driven_angle_type, driven_origin_type
    use limber_system_joints, only: revolute_type, point_on_line_type
    use limber_system_kernel, only: kernel_type, linear_type, most_vectors
    use limber_system_measures, only: measure_type, measure_component, measure_along, measure_cross, measure_distance, &
@@ -196,6 +196,7 @@ contains
       integer, intent(in) :: index
       class(constraint_type), allocatable, intent(out) :: item
       type(driven_angle_type) :: driven
+      type(driven_origin_type) :: origin
       type(linear_type) :: along
       type(driver_type) :: driver
       real(wp) :: value, axis(2)
@@ -206,6 +207,17 @@ contains
          driven%drive = index
          driven%bodies = [driver%body, ground]
          allocate (item, source=driven)
+      else if (drives_origin(system, driver)) then
+         origin%rows = 1
+         origin%drive = index
+         origin%axis = merge(1, 2, driver%kind == driver_x)
+         associate (body => system%model%points(driver%points(1))%body)
+            origin%bodies = [body, ground]
+            if (.not. driver%has_initial) system%model%drivers(index)%initial(1) = system%model%bodies(body)%position(origin%axis)
+         end associate
+         origin%points = [driver%points(1), 0]
+         origin%scale = system%model%length
+         allocate (item, source=origin)
       else
          along%rows = 1
          along%drive = index
@@ -231,6 +243,17 @@ contains
       item%driven = .true.
       item%label = "driver '"//driver%name//"'"
    end subroutine new_driver
+
+   !> Whether a driver moves the origin of a frame, whatever the deflection.
+   pure logical function drives_origin(system, driver) result(drives)
+      class(registry_type), intent(in) :: system
+      type(driver_type), intent(in) :: driver
+      drives = .false.
+      if (driver%kind /= driver_x .and. driver%kind /= driver_y) return
+      associate (point => system%model%points(driver%points(1)))
+         drives = .not. (any(abs(point%p0) > 0.0_wp) .or. any(abs(point%phi) > 0.0_wp))
+      end associate
+   end function drives_origin
 
    !> Adds the term of a joint coordinate, and what it is in the first guess to a sum.
    subroutine add_coordinate(system, item, term, sum)

@@ -1,4 +1,5 @@
-!> Driven motion: the angle of a frame prescribed in time. Floor: system. Source: doc/theory, eq. (31).
+!> Driven motion: the angle of a frame, or a coordinate of its origin, prescribed in time. Floor: system.
+!> Source: doc/theory, eq. (31).
 module limber_system_drivers
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: turn
@@ -6,7 +7,7 @@ module limber_system_drivers
    use limber_system_kinematics, only: kinematics_type
    implicit none
    private
-   public :: driven_angle_type
+   public :: driven_angle_type, driven_origin_type
 
    !> The frame's unit vector u points along e = (cos theta, sin theta), theta(t) given: (J e).u = 0. No angle
    !> coordinate is needed; which of the two directions is meant is settled by the assembly and kept by continuity.
@@ -21,6 +22,19 @@ module limber_system_drivers
       procedure :: drift => angle_drift
       procedure :: gamma => angle_gamma
    end type driven_angle_type
+
+   !> A coordinate of the origin of a frame, or of a point mass, is s(t): r_k - s = 0
+   type, extends(constraint_type) :: driven_origin_type
+      !> Index of the driver in the model, and of the axis of space: 1 or 2
+      integer :: drive = 0, axis = 1
+   contains
+      procedure :: residual => origin_residual
+      procedure :: jacobian => origin_jacobian
+      procedure :: rate => origin_rate
+      procedure :: stiffness => origin_stiffness
+      procedure :: drift => origin_drift
+      procedure :: gamma => origin_gamma
+   end type driven_origin_type
 
 contains
 
@@ -79,5 +93,53 @@ contains
             & + 2*drive%rate*dot_product(drive%heading, frame%rate) + drive%acceleration*dot_product(drive%heading, frame%u)
       end associate
    end subroutine angle_gamma
+
+   pure subroutine origin_residual(self, kinematics, phi)
+      class(driven_origin_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: phi(:)
+      phi = kinematics%frames(self%bodies(1))%position(self%axis) - kinematics%drives(self%drive)%value
+   end subroutine origin_residual
+
+   pure subroutine origin_jacobian(self, kinematics, first, second)
+      class(driven_origin_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      type(jacobian_type), intent(inout) :: first, second
+      first%z(1, self%axis) = 1.0_wp + 0*kinematics%span
+      second%z(1, :) = 0.0_wp
+   end subroutine origin_jacobian
+
+   pure subroutine origin_rate(self, kinematics, rate)
+      class(driven_origin_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: rate(:)
+      rate = kinematics%drives(self%drive)%rate
+   end subroutine origin_rate
+
+   pure subroutine origin_stiffness(self, kinematics, lambda, first, second, across)
+      class(driven_origin_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(in) :: lambda(:)
+      real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
+      ! The coordinate is itself linear
+      if (size(lambda) < self%rows .and. kinematics%span < 0.0_wp) first = first
+      second = second
+      across = across
+   end subroutine origin_stiffness
+
+   pure subroutine origin_drift(self, kinematics, first, second)
+      class(driven_origin_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: first(:, :), second(:, :)
+      if (self%rows < 0 .and. kinematics%span < 0.0_wp) first = first
+      second = second
+   end subroutine origin_drift
+
+   pure subroutine origin_gamma(self, kinematics, rate)
+      class(driven_origin_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: rate(:)
+      rate = kinematics%drives(self%drive)%acceleration
+   end subroutine origin_gamma
 
 end module limber_system_drivers

@@ -6,7 +6,7 @@ module limber_system_holding
    use limber_model_scene, only: ground, joint_weld, joint_translational, joint_point_on_line, driver_x, driver_y, &
       & driver_displacement, driver_joint_angle
    use limber_system_constraint, only: constraint_item_type, jacobian_type, new_jacobian
-   use limber_system_drivers, only: driven_angle_type
+   use limber_system_drivers, only: driven_angle_type, driven_origin_type
    use limber_system_joints, only: revolute_type, point_on_line_type
    use limber_system_kernel, only: linear_type
    use limber_system_kinematics, only: kinematics_type, new_kinematics, place_frames
@@ -120,6 +120,7 @@ contains
                suits = suits .and. .not. moves_in_its_frame(registry, registry%marker_points(item%markers(k)))
             end do
          type is (driven_angle_type)
+         type is (driven_origin_type)
          type is (linear_type)
             if (c <= joints) then
                suits = any(registry%model%joints(c)%kind == [joint_weld, joint_translational, joint_point_on_line])

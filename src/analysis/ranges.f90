@@ -198,6 +198,7 @@ contains
       character(:), allocatable :: path, names
       real(wp) :: values(2, indicator_count)
       integer :: i, k
+      path = ''
       names = trim(indicator_names(1))
       do k = 2, indicator_count
          names = names//' '//trim(indicator_names(k))

@@ -48,9 +48,6 @@ contains
       real(wp), intent(in) :: tolerance
       real(wp), intent(out) :: before, residual
       integer, parameter :: most = 6
-      !> Gaps that hardly shrink and are smaller are rounding of the coordinates, which in a long chain are large
-      real(wp), parameter :: rounding = 1.0e-11_wp, no_progress = 0.5_wp
-      real(wp) :: last
       integer :: round, i
       residual = position_residual(system, work)
       before = residual
@@ -67,9 +64,7 @@ contains
          if (system%condensed) call place_axial(system, work, q)
          call place_tree(system, work, t, q)
          call place_frames(system%model, system%layout, t, q, work%kinematics)
-         last = residual
          residual = position_residual(system, work)
-         if (residual <= rounding .and. residual > no_progress*last) return
       end do
    end subroutine project_placed
 

@@ -489,6 +489,8 @@ contains
             quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
          end do
          call compare_tension(self, body, eta, lack, coarse)
+         ! Axial coordinates that follow at rest hold no stretch in the motion: limber_analysis_axial judges these
+         if (body%reduced%condensed) lack = 0.0_wp
          elastic = 0.0_wp
          lost = 0.0_wp
          do k = 1, stations%bending

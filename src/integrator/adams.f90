@@ -81,7 +81,7 @@ contains
       integer :: i
       if (size(system%layout%q) >= many) call new_recursion(system, self%tree)
       call list_unplaced(system, self%kept)
-      if (self%tree%usable .or. .not. sum(system%inertia(1, :)) > 0.0_wp) self%kept = [(i, i=1, size(q))]
+      if (self%tree%usable .or. system%condensed .or. .not. sum(system%inertia(1, :)) > 0.0_wp) self%kept = [(i, i=1, size(q))]
       self%nq = size(self%kept)
       self%whole = self%nq == size(q)
       self%ny = 2*self%nq + merge(1, 0, system%powered)

@@ -230,13 +230,19 @@ contains
          & .or. (rung%open_segments .and. rung%segments < most_segments)
    end function can_climb
 
-   !> The next rung: higher in fidelity and richer in coordinates, so that what both leave out shows.
+   !> The next rung: higher in fidelity and richer in coordinates, so that what both leave out shows; behind the richest in one frame
+   !> the beam is divided.
    pure function next_rung(rung) result(next)
       type(rung_type), intent(in) :: rung
       type(rung_type) :: next
       next = rung
       if (rung%segments > 1) then
          if (rung%open_segments .and. rung%segments < most_segments) next%segments = 2*rung%segments
+         return
+      end if
+      if (rung%open_segments .and. rung%level > level_rigid .and. .not. (rung%open_level .and. rung%level < level_full .or. &
+         & rung%open_modes .and. rung%bending < most_modes)) then
+         next = in_pieces(rung, first_pieces)
          return
       end if
       if (rung%level == level_rigid .and. rung%open_level) then
@@ -271,7 +277,7 @@ contains
       logical, intent(in) :: divided
       type(rung_type) :: better
       better = next_rung(rung)
-      if (rung%segments > 1) return
+      if (better%segments > 1) return
       if (divided .and. rung%open_segments) then
          better = in_pieces(rung, first_pieces)
          return

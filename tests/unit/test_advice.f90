@@ -80,7 +80,7 @@ contains
    subroutine test_rungs()
       type(deck_type) :: deck
       type(rung_type), allocatable :: rungs(:)
-      type(rung_type) :: rung
+      type(rung_type) :: rung, higher
       type(error_type), allocatable :: error
       integer :: climbs
       call read_whole_deck('accuracy/slider_crank.inp', none, deck, error)
@@ -108,12 +108,14 @@ contains
       call find_rungs(deck, rungs)
       call check(size(rungs) == 1, 'unless all is to be free')
       call check(.not. deck%blocks(rungs(1)%block)%has('BENDING MODES'), 'then nothing is left of it')
-      ! The whole ladder: each rung costs more, and it ends
+      ! The whole ladder: each rung costs more, but few pieces may cost less than very many modes; and it ends
       rung = rungs(1)
       rung%level = level_rigid
       climbs = 0
       do while (can_climb(rung) .and. climbs < 100)
-         call check(cost_of(next_rung(rung)) > cost_of(rung), rung_name(rung)//': the next costs more')
+         higher = next_rung(rung)
+         if (higher%segments == rung%segments .or. rung%segments > 1) call check(cost_of(higher) > cost_of(rung), &
+            & rung_name(rung)//': the next costs more')
          rung = better_rung(rung, .false.)
          climbs = climbs + 1
       end do

@@ -363,6 +363,7 @@ contains
          allocate (op%rigid(op%massive, size(rigid, 2) + n))
          op%rigid(:, :size(rigid, 2)) = rigid
          op%rigid(:, size(rigid, 2) + 1:) = y
+         another = 0.0_wp
          call iterate(op, 1, another, vector, error)
          deallocate (op%rigid)
          if (allocated(error)) exit

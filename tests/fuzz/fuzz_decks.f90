@@ -2,7 +2,10 @@
 !> moment. None may crash, hang, or be refused without a place in the deck. A case follows from its number and the decks alone, so
 !> that one that fails can be looked at again: the number is in the file `fuzz.case` of the working folder.
 !>
-!>    fuzz_decks [--run] [--show] FIRST COUNT DECK ...
+!>    fuzz_decks [--run] [--show] [--slow] FIRST COUNT DECK ...
+!>
+!> --show prints the decks; --slow has ten times the patience, for builds with all checks. The messages that were met, without
+!> names and numbers, are left in the file `fuzz.messages`.
 module fuzzing
    use, intrinsic :: iso_c_binding, only: c_int
    use limber_base_error, only: error_type, status_deck
@@ -30,6 +33,8 @@ module fuzzing
       integer :: accepted = 0, refused = 0, finished = 0, stopped = 0, placeless = 0
       !> Messages without their names and numbers, each once
       type(name_index_type) :: messages
+      !> File that they are written to
+      integer :: unit = 0
    end type tally_type
 
    interface
@@ -45,7 +50,8 @@ module fuzzing
    character(*), parameter :: values(*) = [character(24) :: '0', '-1', '1', '2', '1e308', '-1e308', '1e-308', '5e-324', '1e999', &
       & 'nan', 'inf', '1/0', '2147483647', '2147483648', '-2147483648', '999999999999999999999', '0.5', '1e-12', '1e12', &
       & '((((((((1))))))))', '1e', '.', '-', '2**1024', 'sqrt(-1)', 'pi', 't', '<i>', '<', &
-      & '''', '"', '""', '*', '**', ',', ',,', '=', 'x(rod)', 'ground', 'ground.origin', 'NAME=', 'YES', '../../etc/passwd', '/dev/null', '/', achar(9), achar(0), char(255), &
+      & '''', '"', '""', '*', '**', ',', ',,', '=', 'x(rod)', 'ground', 'ground.origin', 'NAME=', 'YES', &
+      & '../../etc/passwd', '/dev/null', '/', achar(9), achar(0), char(255), &
       & '1000000', '100000', '1e6', '7', '3', 'exp(1000)', '-0']
 
 contains
@@ -64,8 +70,8 @@ contains
       character(:), allocatable :: text
       integer :: i
       state = mod(48271_long*number + 11, 2147483646_long) + 1
-      do i = 1, 5
-         if (chance(2) == 0) exit
+      do i = 1, 5  ! neighbours part
+         state = mod(state*16807_long, 2147483647_long)
       end do
       text = decks(chance(size(decks)))%text
       do i = 1, chance(4)
@@ -230,7 +236,9 @@ contains
          if (quoted .or. scan(message(i:i), '0123456789.-+') > 0) cycle
          plain = plain//message(i:i)
       end do
-      if (tally%messages%find(plain) == 0) call tally%messages%add(plain, tally%messages%count + 1)
+      if (tally%messages%find(plain) > 0) return
+      call tally%messages%add(plain, tally%messages%count + 1)
+      if (tally%unit /= 0) write (tally%unit, '(a)') plain
    end subroutine note
 
    !> The text of a file.
@@ -268,8 +276,9 @@ contains
       type(tally_type) :: tally
       character(:), allocatable :: text
       character(4096) :: word
-      integer :: first, count, i, arguments, unit
+      integer :: first, count, i, arguments, unit, seconds
       logical :: runs, shows, accepted
+      seconds = patience
       runs = .false.
       shows = .false.
       arguments = 0
@@ -277,6 +286,7 @@ contains
          call get_command_argument(arguments + 1, word)
          if (word == '--run') runs = .true.
          if (word == '--show') shows = .true.
+         if (word == '--slow') seconds = 10*patience
          if (word(1:2) /= '--') exit
          arguments = arguments + 1
       end do
@@ -289,17 +299,19 @@ contains
          decks(i)%text = read_text(trim(word))
       end do
       open (newunit=unit, file='fuzz.case', access='stream', form='unformatted', status='replace', action='write')
+      open (newunit=tally%unit, file='fuzz.messages', status='replace', action='write')
       do i = first, first + count - 1
          text = mutant(i, decks)
          if (shows) write (output_unit, '(a)') text
          write (unit, pos=1) as_text(i)//' '
          flush (unit)
-         call set_alarm(patience + 1)
+         call set_alarm(seconds + 1)
          call try_deck(text, tally, accepted)
          if (runs .and. accepted) call try_run(text, tally)
       end do
       call set_alarm(0)
       close (unit, status='delete')
+      close (tally%unit)
       write (output_unit, '(a)') as_text(count)//' decks: '//as_text(tally%accepted)//' accepted, '//as_text(tally%refused)// &
          & ' refused; '//as_text(tally%messages%count)//' distinct messages'
       if (runs) write (output_unit, '(a)') as_text(tally%finished)//' runs finished, '//as_text(tally%stopped)// &

@@ -13,7 +13,7 @@ module limber_flex_frame_reduction
    use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
    use limber_flex_modes, only: lowest_modes, count_held_modes
-   use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_reduced, only: check_size, reduced_type, start_inertia, add_inertia, add_rotary
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
    implicit none
    private
@@ -155,7 +155,10 @@ contains
          if (frame%mass(3, i) > 0.0_wp) call add_rotary(body, frame%mass(3, i), shape(3, i, :))
       end do
       allocate (body%omega2, source=omega2)
-      call project_members(frame, choice, shape, body)
+      body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
+      body%full = choice%fidelity == fidelity_full .and. body%n > 0
+      if (body%geometric) call check_size(body%n, body%n, body%full, error)
+      if (.not. allocated(error)) call project_members(frame, choice, shape, body)
    end subroutine reduce_frame
 
    !> Displacement (2,n) and rotation (n) of all coordinates at a place along a member.
@@ -309,8 +312,6 @@ contains
       real(wp) :: x(0:choice%geometric_elements)
       real(wp), allocatable :: slopes(:, :, :)
       integer :: m, pairs
-      body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
-      body%full = choice%fidelity == fidelity_full .and. body%n > 0
       pairs = body%n*(body%n + 1)/2
       allocate (body%cubic(merge(pairs, 0, body%geometric), body%n))
       allocate (body%quartic(merge(pairs, 0, body%full), merge(pairs, 0, body%full)))

@@ -16,7 +16,7 @@ module limber_flex_reduction
       & project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
       & nodal_inertias, count_bending_modes, count_axial_modes, deflection_at, slope_at, extension_at
-   use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_reduced, only: check_size, reduced_type, start_inertia, add_inertia, add_rotary
    implicit none
    private
    public :: reduction_type, reduce_beam, available_modes, point_shape
@@ -145,6 +145,8 @@ contains
       allocate (body%omega2, source=[field%omega2_bending, field%omega2_axial])
       body%geometric = choice%fidelity /= fidelity_linear .and. body%bending > 0
       body%full = choice%fidelity == fidelity_full .and. body%bending > 0
+      if (body%geometric) call check_size(body%bending, body%n - body%bending, body%full, error)
+      if (allocated(error)) return
       if (body%geometric .and. choice%linear) then
          x = x(::pieces)
          allocate (body%cubic, source=project_cubic(beam%ea, x, joined_strains(strains, pieces), mean_slopes(field, x, .false.)) &

@@ -21,6 +21,9 @@ module limber_model_frames
    private
    public :: add_frame
 
+   !> Most finite elements of a frame
+   integer, parameter :: max_elements = 20000
+
 contains
 
    !> Adds a frame with its points.
@@ -97,6 +100,11 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       logical, allocatable :: connected(:)
       integer :: i, available
+      if (sum(real(draft%members(:)%divisions, wp)) > max_elements) then
+         call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"' has more than "//as_text(max_elements)// &
+            & ' finite elements', 'use fewer DIVISIONS')
+         return
+      end if
       body%mesh = new_frame(draft%place, draft%members)
       allocate (body%strength, source=draft%strength)
       allocate (body%member_numbers, source=draft%number)

@@ -3,7 +3,8 @@
 !> Source: doc/theory, eqs. (18)-(22), (121)-(123).
 module limber_flex_frame_reduction
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
    use limber_flex_frame, only: frame_type, member_field, member_length
    use limber_flex_frame_solver, only: solver_type, new_solver, frame_band, rigid_motions, on_equations, &
@@ -21,6 +22,8 @@ module limber_flex_frame_reduction
 
    !> Modes that are looked for at first if there is a limit of their frequencies
    integer, parameter :: first_search = 8
+   !> Most modes below a limit of frequency
+   integer, parameter :: max_limited = 1000
 
    !> What the user chooses of a frame's reduction
    type :: frame_choice_type
@@ -210,6 +213,8 @@ contains
          call lowest_modes(band, mass, rigid, shift, wanted, all, phi, error, held)
          if (allocated(error)) return
          if (wanted == most .or. any(all > choice%frequency_limit**2)) exit
+         if (wanted > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
+         if (allocated(error)) return
          wanted = min(most, 2*wanted)
          deallocate (all, phi)
       end do

@@ -23,6 +23,8 @@ module limber_flex_reduction
 
    !> Modes that are looked for at first if their number is not given but a limit of their frequencies
    integer, parameter :: first_search = 8
+   !> Most modes below a limit of frequency
+   integer, parameter :: max_limited = 1000
 
    !> Fidelities of a flexible body
    integer, parameter, public :: fidelity_linear = 1, fidelity_kg = 2, fidelity_full = 3
@@ -261,6 +263,8 @@ contains
             call bending_modes(beam, choice%support, number, field, error, held_bending)
             if (allocated(error) .or. .not. limited) return
             if (number == most .or. any(field%omega2_bending > choice%frequency_limit**2)) exit
+            if (number > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
+            if (allocated(error)) return
             number = min(most, 2*number)
          end do
          call keep(field, count(field%omega2_bending <= choice%frequency_limit**2), size(field%u, 2))
@@ -275,6 +279,8 @@ contains
             call axial_modes(beam, choice%support, number, field, error, held_axial)
             if (allocated(error) .or. .not. limited) return
             if (number == most .or. any(field%omega2_axial > choice%frequency_limit**2)) exit
+            if (number > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
+            if (allocated(error)) return
             number = min(most, 2*number)
          end do
          call keep(field, size(field%w, 2), count(field%omega2_axial <= choice%frequency_limit**2))

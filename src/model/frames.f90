@@ -122,7 +122,7 @@ contains
       associate (choice => body%frame_choice, block => deck%blocks(index))
          choice%modes = block%integer('MODES')
          choice%frequency_limit = block%real('FREQUENCY LIMIT')
-         if (block%given('FREQUENCY LIMIT')) choice%modes = huge(1)
+         if (choice%frequency_limit > 0.0_wp) choice%modes = huge(1)
          choice%craig_bampton = block%word('BASIS') == 'CRAIG-BAMPTON'
          select case (block%word('GEOMETRIC'))
          case ('LINEAR'); choice%fidelity = fidelity_linear

@@ -7,7 +7,7 @@
 !> --show prints the decks; --slow has ten times the patience, for builds with all checks. The messages that were met, without
 !> names and numbers, are left in the file `fuzz.messages`.
 module fuzzing
-   use, intrinsic :: iso_c_binding, only: c_int
+   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_ptr, c_null_ptr
    use limber_base_error, only: error_type, status_deck
    use limber_base_kinds, only: wp, long
    use limber_base_names, only: name_index_type
@@ -21,7 +21,7 @@ module fuzzing
    private
    public :: text_type, tally_type, mutant, try_deck, try_run, read_text, set_alarm
 
-   !> Seconds that a deck may take
+   !> Seconds of processor time that a deck may take
    integer, parameter, public :: patience = 2
 
    type :: text_type
@@ -37,7 +37,16 @@ module fuzzing
       integer :: unit = 0
    end type tally_type
 
+   !> Of setitimer: processor time of the program; its two pairs of seconds and microseconds
+   integer(c_int), parameter :: processor_time = 2
+
    interface
+      integer(c_int) function c_set_timer(which, value, old) bind(c, name='setitimer')
+         import :: c_int, c_long, c_ptr
+         integer(c_int), value :: which
+         integer(c_long), intent(in) :: value(4)
+         type(c_ptr), value :: old
+      end function c_set_timer
       integer(c_int) function c_alarm(seconds) bind(c, name='alarm')
          import :: c_int
          integer(c_int), value :: seconds
@@ -74,9 +83,10 @@ contains
          state = mod(state*16807_long, 2147483647_long)
       end do
       text = decks(chance(size(decks)))%text
-      do i = 1, chance(4)
+      do
          call change(text, decks)
          if (len(text) == 0) exit
+         if (chance(2) == 1) exit
       end do
    end function mutant
 
@@ -85,7 +95,7 @@ contains
       character(:), allocatable, intent(inout) :: text
       type(text_type), intent(in) :: decks(:)
       character(:), allocatable :: part
-      integer :: a, b, c
+      integer :: a, b, c, i
       select case (chance(14))
       case (1)  ! a letter
          a = chance(len(text))
@@ -124,8 +134,12 @@ contains
          call pick_line(text, a, b)
          text = text(:b)//'*'//trim(keyword_table(chance(size(keyword_table)))%name)//newline//text(b + 1:)
       case (11)  ! an option with a value
-         call pick_line(text, a, b)
+         call pick_block(text, a, b)
          c = chance(size(option_table))
+         do i = 1, 400  ! of this keyword, in most cases
+            if (index(text(a:b)//' ', '*'//trim(option_table(c)%keyword)) == 1) exit
+            c = chance(size(option_table))
+         end do
          part = ', '//trim(option_table(c)%name)//'='//trim(values(chance(size(values))))
          text = text(:max(a, b - 1))//part//newline//text(b + 1:)
       case (12)  ! the end missing
@@ -141,7 +155,7 @@ contains
          text = text(:b)//part//text(b + 1:)
       case (14)  ! very much of something
          call pick_word(text, a, b)
-         text = text(:b)//repeat(text(a:b), chance(300))//text(b + 1:)
+         text = text(:b)//repeat(text(a:b), chance(30)**2)//text(b + 1:)
       end select
    end subroutine change
 
@@ -155,6 +169,17 @@ contains
       last = index(text(at:), newline)
       last = merge(len(text), at + last - 1, last == 0)
    end subroutine pick_line
+
+   !> First and last character of the keyword line before a place by chance, its end included; or of another line.
+   subroutine pick_block(text, first, last)
+      character(*), intent(in) :: text
+      integer, intent(out) :: first, last
+      call pick_line(text, first, last)
+      first = max(1, index(text(:first), newline//'*', back=.true.) + 1)
+      if (text(first:first) /= '*') call pick_line(text, first, last)
+      last = index(text(first:), newline)
+      last = merge(len(text), first + last - 1, last == 0)
+   end subroutine pick_block
 
    !> First and last character of a word.
    subroutine pick_word(text, first, last)
@@ -253,11 +278,12 @@ contains
       close (unit)
    end function read_text
 
-   !> Ends the program after some seconds, unless it is called again before; 0: never.
+   !> Ends the program after some seconds of processor time, or twenty times as many, unless it is called again before; 0: never.
    subroutine set_alarm(seconds)
       integer, intent(in) :: seconds
       integer(c_int) :: ignored
-      ignored = c_alarm(int(seconds, c_int))
+      ignored = c_set_timer(processor_time, [0_c_long, 0_c_long, int(seconds, c_long), 0_c_long], c_null_ptr)
+      ignored = c_alarm(int(20*seconds, c_int))
    end subroutine set_alarm
 
 end module fuzzing
@@ -305,7 +331,7 @@ contains
          if (shows) write (output_unit, '(a)') text
          write (unit, pos=1) as_text(i)//' '
          flush (unit)
-         call set_alarm(seconds + 1)
+         call set_alarm(seconds)
          call try_deck(text, tally, accepted)
          if (runs .and. accepted) call try_run(text, tally)
       end do

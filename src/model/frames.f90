@@ -36,18 +36,23 @@ contains
       type(draft_type) :: draft
       type(body_type) :: body
       type(error_type), allocatable :: error
+      logical :: usable
       integer :: before, added
       before = diagnostics%count
       call settle_options(deck, index)
       body = new_body(deck%blocks(index), body_flexible)
       body%is_frame = .true.
       call read_draft(deck, index, draft, diagnostics)
-      if (diagnostics%count == before) call mesh(deck, index, draft, body, diagnostics)
-      if (diagnostics%count == before .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
+      ! Counts of which the reader has complained are 0
+      usable = diagnostics%count == before .and. all(draft%members%divisions > 0) &
+         & .and. deck%blocks(index)%integer('GEOMETRIC ELEMENTS') > 0
+      if (usable) call mesh(deck, index, draft, body, diagnostics)
+      usable = usable .and. diagnostics%count == before
+      if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note)
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"': "//error%message)
       end if
-      if (diagnostics%count > before) then
+      if (.not. usable .or. diagnostics%count > before) then
          body%kind = body_rigid
          body%reduced = rigid_reduced(1.0_wp, 1.0_wp, [0.0_wp, 0.0_wp])
       else if (.not. allocated(body%shape)) then

@@ -53,6 +53,9 @@ module fuzzing
       end function c_alarm
    end interface
 
+   !> Decks that are longer are changed no more
+   integer, parameter :: longest = 200000
+
    integer(long) :: state = 1
 
    !> Values at which programs break
@@ -85,7 +88,7 @@ contains
       text = decks(chance(size(decks)))%text
       do
          call change(text, decks)
-         if (len(text) == 0) exit
+         if (len(text) == 0 .or. len(text) > longest) exit
          if (chance(2) == 1) exit
       end do
    end function mutant

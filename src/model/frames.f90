@@ -43,9 +43,7 @@ contains
       body = new_body(deck%blocks(index), body_flexible)
       body%is_frame = .true.
       call read_draft(deck, index, draft, diagnostics)
-      ! Counts of which the reader has complained are 0
-      usable = diagnostics%count == before .and. all(draft%members%divisions > 0) &
-         & .and. deck%blocks(index)%integer('GEOMETRIC ELEMENTS') > 0
+      usable = diagnostics%count == before
       if (usable) call mesh(deck, index, draft, body, diagnostics)
       usable = usable .and. diagnostics%count == before
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
@@ -134,7 +132,7 @@ contains
          case ('K_G'); choice%fidelity = fidelity_kg
          case ('FULL'); choice%fidelity = fidelity_full
          end select
-         choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
+         choice%geometric_elements = max(1, block%integer('GEOMETRIC ELEMENTS'))  ! 0: refused by the reader
          choice%centrifugal = block%word('STATIC FUNCTIONS') /= 'NONE'
          choice%accelerations = block%word('STATIC FUNCTIONS') == 'ACCELERATIONS'
          if (choice%fidelity == fidelity_full) choice%derivatives = block%integer('MODAL DERIVATIVES')

@@ -9,7 +9,7 @@ module limber_flex_reduced
    public :: reduced_type, rigid_reduced, start_inertia, add_inertia, add_rotary, rotary_row, rotary_square, bytes_of, check_size
 
    !> Most memory of the constants of one body [bytes]
-   integer(long), parameter :: max_bytes = 256_long*1024**2
+   integer(long), parameter :: max_bytes = 64_long*1024**2
 
    !> Constants of a body. Its coordinates eta (n) are mass-normalised. Those of a straight beam bend it first, then stretch it;
    !> those of a frame do both.

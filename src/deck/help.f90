@@ -1,7 +1,7 @@
 !> What the keyword table says, for people: `limber help KEYWORD`, and the reference chapter of the manual.
 !> Floor: deck.
 module limber_deck_help
-   use limber_base_text, only: newline
+   use limber_base_text, only: as_text, newline
    use limber_deck_examples, only: example_text
    use limber_deck_operations, only: function_names, function_meanings
    use limber_deck_schema, only: keyword_type, option_spec_type, field_spec_type, list_spec_type, many, needed, kind_name, &
@@ -79,8 +79,8 @@ contains
       case (kind_real); text = 'number'
       case (kind_positive); text = 'number > 0'
       case (kind_nonnegative); text = 'number >= 0'
-      case (kind_count); text = 'whole number >= 0'
-      case (kind_counting); text = 'whole number >= 1'
+      case (kind_count); text = whole_numbers('0')
+      case (kind_counting); text = whole_numbers('1')
       case (kind_word); text = joined(trim(spec%values), ', ')
       case (kind_text); text = 'text'
       case (kind_path); text = 'path'
@@ -88,6 +88,16 @@ contains
       case (kind_yes); text = 'YES or NO'
       case default; text = 'expression'
       end select
+
+   contains
+
+      pure function whole_numbers(least) result(words)
+         character(*), intent(in) :: least
+         character(:), allocatable :: words
+         words = 'whole number >= '//least
+         if (spec%most < many) words = 'whole number from '//least//' to '//as_text(spec%most)
+      end function whole_numbers
+
    end function kind_text_of
 
    !> The words of a list with another separator.

@@ -93,7 +93,7 @@ module limber_deck_keywords
    !> Options: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: setting_options(*) = [ &
       & option_spec_type('INCLUDE', 'FILE', kind_path, '', '', needed, 'path, relative to the folder of this file'), &
-      & option_spec_type('REPEAT', 'COUNT', kind_count, '', '', needed, 'number of turns'), &
+      & option_spec_type('REPEAT', 'COUNT', kind_count, '', '', needed, 'number of turns', most=200000), &
       & option_spec_type('REPEAT', 'INDEX', kind_name, 'parameters', '', needed, &
       &    'parameter that counts the turns; it ends with them, as do parameters that are defined between'), &
       & option_spec_type('REPEAT', 'FROM', kind_count, '', '', '1', 'value of the index in the first turn'), &
@@ -145,12 +145,13 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'SECTION', kind_reference, 'SECTION', '', needed, 'its cross-section'), &
       & option_spec_type('BEAM', 'LENGTH', kind_positive, '', 'm', needed, 'undeformed length'), &
       & option_spec_type('BEAM', 'ELEMENTS', kind_counting, '', &
-      &    '', '10', 'finite elements that the modes are computed with'), &
+      &    '', '10', 'finite elements that the modes are computed with', most=10000), &
       & option_spec_type('BEAM', 'MODES', kind_count, '', &
-      &    '', '6', 'number of modes: the lowest of bending and axial ones together'), &
+      &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000), &
       & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
-      &    '', '', 'number of bending modes; given, it replaces MODES'), &
-      & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', '', '', 'number of axial modes; given, it replaces MODES'), &
+      &    '', '', 'number of bending modes; given, it replaces MODES', most=1000), &
+      & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', '', '', 'number of axial modes; given, it replaces MODES', &
+      &    most=1000), &
       & option_spec_type('BEAM', 'FREQUENCY LIMIT', kind_positive, '', &
       &    'rad/s', '', 'all modes below it, at most BENDING MODES and AXIAL MODES; given, it replaces MODES'), &
       & option_spec_type('BEAM', 'BASIS', kind_word, bases, &
@@ -164,7 +165,7 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
       &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G (the paper), or von Karman with curvature'), &
       & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
-      &    '', '2', 'elements for the geometric part, independent of ELEMENTS'), &
+      &    '', '2', 'elements for the geometric part, independent of ELEMENTS', most=1000), &
       & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &
       &    '', 'EXACT', 'slope in an element: from its two ends, or integrated; LINEAR: and tension not constant (K_G only)'), &
       & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|ELEMENTS|STATIC', &
@@ -173,11 +174,12 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'CENTRIFUGAL', kind_yes, '', &
       &    '', 'YES', 'STATIC: include the response to a centrifugal load'), &
       & option_spec_type('BEAM', 'MODAL DERIVATIVES', kind_count, '', &
-      &    '', '3', 'STATIC: number of modal derivatives, of mode pairs 11, 12, 22, 13, ...'), &
+      &    '', '3', 'STATIC: number of modal derivatives, of mode pairs 11, 12, 22, 13, ...', most=1000), &
       & option_spec_type('BEAM', 'AXIAL DYNAMICS', kind_word, 'FULL|STATIC', &
       &    '', 'FULL', 'STATIC: the beam stretches as at rest, without axial vibrations; not with CONSERVING'), &
       & option_spec_type('BEAM', 'SEGMENTS', kind_counting, '', &
-      &    '', '1', 'equal pieces, each with a frame, modes and elements of its own, welded together: large deflections'), &
+      &    '', '1', 'equal pieces, each with a frame, modes and elements of its own, welded together: large deflections', &
+      &    most=10000), &
       & option_spec_type('BEAM', 'ORIGIN', kind_real, '', &
       &    'm', '0', 'coordinate along the beam where the floating frame has its origin'), &
       & option_spec_type('BEAM', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &
@@ -191,8 +193,8 @@ module limber_deck_keywords
       & option_spec_type('FRAME', 'MATERIAL', kind_reference, 'MATERIAL', '', '', 'material of members that are given no other'), &
       & option_spec_type('FRAME', 'SECTION', kind_reference, 'SECTION', &
       &    '', '', 'cross-section of members that are given no other'), &
-      & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member'), &
-      & option_spec_type('FRAME', 'MODES', kind_count, '', '', '6', 'number of vibration modes'), &
+      & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member', most=1000), &
+      & option_spec_type('FRAME', 'MODES', kind_count, '', '', '6', 'number of vibration modes', most=1000), &
       & option_spec_type('FRAME', 'FREQUENCY LIMIT', kind_positive, '', &
       &    'rad/s', '', 'all modes below it; given, it replaces MODES'), &
       & option_spec_type('FRAME', 'BASIS', kind_word, bases, &
@@ -202,11 +204,11 @@ module limber_deck_keywords
       & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
       &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G, or von Karman with curvature'), &
       & option_spec_type('FRAME', 'GEOMETRIC ELEMENTS', kind_counting, '', &
-      &    '', '2', 'elements for the geometric part in each member, independent of DIVISIONS'), &
+      &    '', '2', 'elements for the geometric part in each member, independent of DIVISIONS', most=1000), &
       & option_spec_type('FRAME', 'STATIC FUNCTIONS', kind_word, 'NONE|CENTRIFUGAL|ACCELERATIONS', &
       &    '', '', 'responses beside the modes: to rotation, and also to accelerations; default CENTRIFUGAL, with LINEAR NONE'), &
       & option_spec_type('FRAME', 'MODAL DERIVATIVES', kind_count, '', &
-      &    '', '3', 'FULL: responses to the foreshortening by mode pairs 11, 12, 22, 13, ...'), &
+      &    '', '3', 'FULL: responses to the foreshortening by mode pairs 11, 12, 22, 13, ...', most=1000), &
       & option_spec_type('FRAME', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &
       & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame, a guess'), &
       & option_spec_type('FRAME', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the floating frame, a guess'), &
@@ -219,7 +221,8 @@ module limber_deck_keywords
       & option_spec_type('ELEMENT', 'ELSET', kind_text, '', '', '', 'set that these members join'), &
       & option_spec_type('ELEMENT', 'MATERIAL', kind_reference, 'MATERIAL', '', '', 'their material; default that of the frame'), &
       & option_spec_type('ELEMENT', 'SECTION', kind_reference, 'SECTION', '', '', 'their section; default that of the frame'), &
-      & option_spec_type('ELEMENT', 'DIVISIONS', kind_counting, '', '', '', 'finite elements in each; default as the frame has'), &
+      & option_spec_type('ELEMENT', 'DIVISIONS', kind_counting, '', '', '', 'finite elements in each; default as the frame has', &
+      &    most=1000), &
       & option_spec_type('NSET', 'NSET', kind_text, '', '', needed, 'name of the set'), &
       & option_spec_type('NSET', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
       & option_spec_type('ELSET', 'ELSET', kind_text, '', '', needed, 'name of the set'), &
@@ -341,7 +344,7 @@ module limber_deck_keywords
       &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
       & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
       & option_spec_type('DYNAMICS', 'OUTPUTS', kind_counting, '', &
-      &    '', '100', 'equal intervals between samples of the output: one sample more than intervals'), &
+      &    '', '100', 'equal intervals between samples of the output: one sample more than intervals', most=10000000), &
       & option_spec_type('DYNAMICS', 'TOLERANCE', kind_positive, '', &
       &    '', '1e-6', 'bound of the local error of a step, relative and absolute'), &
       & option_spec_type('DYNAMICS', 'INTEGRATOR', kind_word, 'AUTO|ADAMS|ALPHA|RADAU|CONSERVING', &
@@ -363,7 +366,7 @@ module limber_deck_keywords
       & option_spec_type('ACCURACY', 'TARGET', kind_positive, '', &
       &    '', '', 'error of every channel relative to its largest value: limber chooses the fidelity that keeps it, and checks'), &
       & option_spec_type('STUDY', 'REPEATS', kind_counting, '', &
-      &    '', '3', 'runs of each setting that can be worth its time; their median counts'), &
+      &    '', '3', 'runs of each setting that can be worth its time; their median counts', most=1000), &
       & option_spec_type('STUDY', 'REFERENCE', kind_path, '', &
       &    '', '', 'results (.h5) or columns with names (.csv) to compare with; if not given, limber makes its own'), &
       & option_spec_type('STUDY', 'BEAM', kind_reference, 'BEAM', '', '', 'the beam that is varied; if not given, all'), &
@@ -374,7 +377,7 @@ module limber_deck_keywords
       &    '', 'GRID', 'all combinations; first values together, second ones, ...; or samples spread over ranges'), &
       & option_spec_type('SWEEP', 'FILE', kind_path, '', &
       &    '', '', 'columns with the names of parameters above them (.csv); its rows count as one more line'), &
-      & option_spec_type('SWEEP', 'SAMPLES', kind_counting, '', '', '100', 'LATIN HYPERCUBE: number of runs'), &
+      & option_spec_type('SWEEP', 'SAMPLES', kind_counting, '', '', '100', 'LATIN HYPERCUBE: number of runs', most=100000), &
       & option_spec_type('SWEEP', 'SEED', kind_counting, '', '', '1', 'LATIN HYPERCUBE: another number, other samples'), &
       & option_spec_type('SWEEP', 'KEEP', kind_yes, '', &
       &    '', 'NO', 'whether the whole history of each run is kept, in the folder beside the summary'), &
@@ -389,7 +392,8 @@ module limber_deck_keywords
       & option_spec_type('KINEMATICS', 'START', kind_real, '', &
       &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
       & option_spec_type('KINEMATICS', 'END', kind_real, '', 's', needed, 'last instant'), &
-      & option_spec_type('KINEMATICS', 'OUTPUTS', kind_counting, '', '', '100', 'equal intervals between samples of the output'), &
+      & option_spec_type('KINEMATICS', 'OUTPUTS', kind_counting, '', '', '100', 'equal intervals between samples of the output', &
+      &    most=10000000), &
       & option_spec_type('KINEMATICS', 'DEFLECTIONS', kind_word, 'HELD|STATIC', &
       &    '', 'HELD', 'of beams: held as they are, or in equilibrium at each sample with loads and inertia of the motion'), &
       & option_spec_type('INVERSE DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
@@ -397,14 +401,14 @@ module limber_deck_keywords
       &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
       & option_spec_type('INVERSE DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
       & option_spec_type('INVERSE DYNAMICS', 'OUTPUTS', kind_counting, '', &
-      &    '', '100', 'equal intervals between samples of the output'), &
+      &    '', '100', 'equal intervals between samples of the output', most=10000000), &
       & option_spec_type('INVERSE DYNAMICS', 'DEFLECTIONS', kind_word, 'HELD|STATIC', &
       &    '', 'STATIC', 'of beams: held as they are, or in equilibrium at each sample with loads and inertia of the motion'), &
       & option_spec_type('STATICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('STATICS', 'PERIOD', kind_nonnegative, '', &
       &    's', '1', 'time that passes; with 0 the equilibrium of this instant is sought'), &
       & option_spec_type('STATICS', 'INCREMENTS', kind_counting, '', &
-      &    '', '10', 'equal parts of the time, a sample at the end of each; divided further where that is needed'), &
+      &    '', '10', 'equal parts of the time, a sample at the end of each; divided further where that is needed', most=10000000), &
       & option_spec_type('STATICS', 'RAMP', kind_yes, '', &
       &    '', '', 'whether weight and constant loads grow from zero; default YES in the first analysis, else NO'), &
       & option_spec_type('STATICS', 'INSTABILITY', kind_word, 'LEAVE|STAY|STOP', &
@@ -414,7 +418,8 @@ module limber_deck_keywords
       & option_spec_type('STATICS', 'CENTRE X', kind_real, '', 'm', '0', 'x of the centre of ROTATION'), &
       & option_spec_type('STATICS', 'CENTRE Y', kind_real, '', 'm', '0', 'y of the centre of ROTATION'), &
       & option_spec_type('MODES', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
-      & option_spec_type('MODES', 'NUMBER', kind_counting, '', '', '10', 'number of modes: those of the lowest frequencies'), &
+      & option_spec_type('MODES', 'NUMBER', kind_counting, '', '', '10', 'number of modes: those of the lowest frequencies', &
+      &    most=1000), &
       & option_spec_type('MODES', 'DAMPED', kind_yes, '', '', 'NO', 'whether dampers count: frequencies with damping ratios')]
    !> All options in the order of their keywords: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, frame_options, &

@@ -68,6 +68,8 @@ module limber_deck_schema
       character(16) :: default
       !> One line
       character(110) :: meaning
+      !> Of a whole number: the greatest
+      integer :: most = many
    end type option_spec_type
 
    !> A field of the data lines of a keyword

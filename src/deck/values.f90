@@ -40,7 +40,7 @@ contains
       ok = .true.
       if (is_number_kind(spec%kind)) then
          call read_number(trim(spec%name), spec%kind, trim(spec%meaning), part, parameters, expression, &
-            & option%value, ok, diagnostics)
+            & option%value, ok, diagnostics, spec%most)
          if (ok .and. is_integer_kind(spec%kind)) option%whole = nint(option%value)
       else
          filled = part
@@ -168,7 +168,7 @@ contains
    end subroutine read_expression
 
    !> Reads a constant number and checks its range.
-   subroutine read_number(what, kind, meaning, part, parameters, expression, value, ok, diagnostics)
+   subroutine read_number(what, kind, meaning, part, parameters, expression, value, ok, diagnostics, most)
       character(*), intent(in) :: what, meaning
       integer, intent(in) :: kind
       type(part_type), intent(in) :: part
@@ -177,7 +177,10 @@ contains
       real(wp), intent(out) :: value
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
+      !> Greatest whole number
+      integer, intent(in), optional :: most
       character(:), allocatable :: wanted
+      integer :: greatest
       value = 0.0_wp
       call compile(part%text, part%origin, parameters, expression, ok, diagnostics)
       if (.not. ok) return
@@ -191,7 +194,10 @@ contains
       end select
       if (is_integer_kind(kind)) then
          if (abs(value - anint(value)) > 0.0_wp) wanted = 'a whole number'
-         if (value > real(huge(1), wp)) wanted = 'at most '//as_text(huge(1))
+         greatest = huge(1)
+         if (present(most)) greatest = most
+         if (value > real(greatest, wp)) wanted = 'at most '//as_text(greatest)
+         if (value < -real(huge(1), wp)) wanted = 'at least '//as_text(-huge(1))
       end if
       ok = len(wanted) == 0
       if (.not. ok) call diagnostics%add(part%origin, what//' must be '//wanted//', not '//as_text(value), meaning)

@@ -3,7 +3,8 @@
 !> Source: doc/theory, eqs. (18)-(22), (121)-(123).
 module limber_flex_frame_reduction
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
    use limber_flex_frame, only: frame_type, member_field, member_length
    use limber_flex_frame_solver, only: solver_type, new_solver, frame_band, rigid_motions, on_equations, &
@@ -13,7 +14,7 @@ module limber_flex_frame_reduction
    use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
    use limber_flex_modes, only: lowest_modes, count_held_modes
-   use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_reduced, only: check_size, reduced_type, start_inertia, add_inertia, add_rotary
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
    implicit none
    private
@@ -21,6 +22,8 @@ module limber_flex_frame_reduction
 
    !> Modes that are looked for at first if there is a limit of their frequencies
    integer, parameter :: first_search = 8
+   !> Most modes below a limit of frequency
+   integer, parameter :: max_limited = 1000
 
    !> What the user chooses of a frame's reduction
    type :: frame_choice_type
@@ -155,7 +158,10 @@ contains
          if (frame%mass(3, i) > 0.0_wp) call add_rotary(body, frame%mass(3, i), shape(3, i, :))
       end do
       allocate (body%omega2, source=omega2)
-      call project_members(frame, choice, shape, body)
+      body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
+      body%full = choice%fidelity == fidelity_full .and. body%n > 0
+      if (body%geometric) call check_size(body%n, body%n, body%full, error)
+      if (.not. allocated(error)) call project_members(frame, choice, shape, body)
    end subroutine reduce_frame
 
    !> Displacement (2,n) and rotation (n) of all coordinates at a place along a member.
@@ -207,6 +213,8 @@ contains
          call lowest_modes(band, mass, rigid, shift, wanted, all, phi, error, held)
          if (allocated(error)) return
          if (wanted == most .or. any(all > choice%frequency_limit**2)) exit
+         if (wanted > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
+         if (allocated(error)) return
          wanted = min(most, 2*wanted)
          deallocate (all, phi)
       end do
@@ -309,8 +317,6 @@ contains
       real(wp) :: x(0:choice%geometric_elements)
       real(wp), allocatable :: slopes(:, :, :)
       integer :: m, pairs
-      body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
-      body%full = choice%fidelity == fidelity_full .and. body%n > 0
       pairs = body%n*(body%n + 1)/2
       allocate (body%cubic(merge(pairs, 0, body%geometric), body%n))
       allocate (body%quartic(merge(pairs, 0, body%full), merge(pairs, 0, body%full)))

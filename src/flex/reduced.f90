@@ -1,10 +1,15 @@
 !> A body reduced to its constants: inertia invariants, squared frequencies and the projected geometric part.
 !> All that the time loop ever sees of a body; a rigid body is one with n = 0. Floor: flex. Source: doc/theory, eqs. (8), (22).
 module limber_flex_reduced
-   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_kinds, only: wp, long
+   use limber_base_text, only: as_text
    implicit none
    private
-   public :: reduced_type, rigid_reduced, start_inertia, add_inertia, add_rotary, rotary_row, rotary_square
+   public :: reduced_type, rigid_reduced, start_inertia, add_inertia, add_rotary, rotary_row, rotary_square, bytes_of, check_size
+
+   !> Most memory of the constants of one body [bytes]
+   integer(long), parameter :: max_bytes = 64_long*1024**2
 
    !> Constants of a body. Its coordinates eta (n) are mass-normalised. Those of a straight beam bend it first, then stretch it;
    !> those of a frame do both.
@@ -46,6 +51,28 @@ module limber_flex_reduced
    end type reduced_type
 
 contains
+
+   !> Memory that the constants of a body take [bytes].
+   pure integer(long) function bytes_of(body)
+      type(reduced_type), intent(in) :: body
+      bytes_of = 8*(7_long*body%n + size(body%skew, kind=long) + size(body%rotary, kind=long) + size(body%cubic, kind=long) &
+         & + size(body%quartic, kind=long))
+   end function bytes_of
+
+   !> Refuses a geometric part that would take too much memory, before it is made.
+   subroutine check_size(bending, others, full, error)
+      !> Coordinates that bend, and that carry tension
+      integer, intent(in) :: bending, others
+      !> Whether it is that of von Karman
+      logical, intent(in) :: full
+      type(error_type), allocatable, intent(out) :: error
+      integer(long) :: pairs, bytes
+      pairs = int(bending, long)*(bending + 1)/2
+      bytes = 8*pairs*others
+      if (full) bytes = bytes + 8*pairs**2
+      if (bytes > max_bytes) call raise(error, 'the geometric part of '//as_text(bending)//' coordinates would take '// &
+         & as_text(bytes/1024**2)//' MB of memory, more than '//as_text(max_bytes/1024**2)//'; ask for fewer modes')
+   end subroutine check_size
 
    !> A rigid body.
    pure function rigid_reduced(mass, inertia, centre) result(body)

@@ -16,13 +16,15 @@ module limber_flex_reduction
       & project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
       & nodal_inertias, count_bending_modes, count_axial_modes, deflection_at, slope_at, extension_at
-   use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_reduced, only: check_size, reduced_type, start_inertia, add_inertia, add_rotary
    implicit none
    private
    public :: reduction_type, reduce_beam, available_modes, point_shape
 
    !> Modes that are looked for at first if their number is not given but a limit of their frequencies
    integer, parameter :: first_search = 8
+   !> Most modes below a limit of frequency
+   integer, parameter :: max_limited = 1000
 
    !> Fidelities of a flexible body
    integer, parameter, public :: fidelity_linear = 1, fidelity_kg = 2, fidelity_full = 3
@@ -145,6 +147,8 @@ contains
       allocate (body%omega2, source=[field%omega2_bending, field%omega2_axial])
       body%geometric = choice%fidelity /= fidelity_linear .and. body%bending > 0
       body%full = choice%fidelity == fidelity_full .and. body%bending > 0
+      if (body%geometric) call check_size(body%bending, body%n - body%bending, body%full, error)
+      if (allocated(error)) return
       if (body%geometric .and. choice%linear) then
          x = x(::pieces)
          allocate (body%cubic, source=project_cubic(beam%ea, x, joined_strains(strains, pieces), mean_slopes(field, x, .false.)) &
@@ -259,6 +263,8 @@ contains
             call bending_modes(beam, choice%support, number, field, error, held_bending)
             if (allocated(error) .or. .not. limited) return
             if (number == most .or. any(field%omega2_bending > choice%frequency_limit**2)) exit
+            if (number > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
+            if (allocated(error)) return
             number = min(most, 2*number)
          end do
          call keep(field, count(field%omega2_bending <= choice%frequency_limit**2), size(field%u, 2))
@@ -273,6 +279,8 @@ contains
             call axial_modes(beam, choice%support, number, field, error, held_axial)
             if (allocated(error) .or. .not. limited) return
             if (number == most .or. any(field%omega2_axial > choice%frequency_limit**2)) exit
+            if (number > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
+            if (allocated(error)) return
             number = min(most, 2*number)
          end do
          call keep(field, size(field%w, 2), count(field%omega2_axial <= choice%frequency_limit**2))

@@ -1,6 +1,6 @@
 !> Bodies and their named points from the deck: rigid bodies, point masses, and beams with their modes. Floor: model.
 module limber_model_bodies
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type, line_type
@@ -9,7 +9,7 @@ module limber_model_bodies
    use limber_flex_functions, only: attachment_type
    use limber_flex_library, only: library_type
    use limber_flex_mesh, only: new_support, concentrate
-   use limber_flex_reduced, only: rigid_reduced
+   use limber_flex_reduced, only: rigid_reduced, bytes_of
    use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, fidelity_linear, fidelity_kg, &
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
    use limber_model_acting, only: acting_type, acting_points
@@ -23,6 +23,9 @@ module limber_model_bodies
    implicit none
    private
    public :: add_rigid_body, add_point_mass, add_beam, add_points, new_body, append_body, is_new_point
+
+   !> Most memory of the constants and shapes of all bodies [bytes]
+   integer(long), parameter :: max_bytes = 1024_long*1024**2
 
 contains
 
@@ -77,8 +80,18 @@ contains
       integer, intent(out) :: index
       call append(model%bodies, model%counts%bodies, body)
       index = model%counts%bodies
+      model%bytes = model%bytes + memory_of(body)
       call enter_name(model, 'body', body%name, index)
    end subroutine append_body
+
+   !> Memory of the constants and shapes of a body [bytes].
+   pure integer(long) function memory_of(body) result(bytes)
+      type(body_type), intent(in) :: body
+      bytes = bytes_of(body%reduced)
+      if (allocated(body%field%w)) bytes = bytes + 16*size(body%field%w, kind=long)
+      if (allocated(body%field%u)) bytes = bytes + 8*size(body%field%u, kind=long)
+      if (allocated(body%shape)) bytes = bytes + 8*size(body%shape, kind=long)
+   end function memory_of
 
    !> Named points of the ground and of rigid bodies, `name, x, y` a line.
    subroutine add_points(block, owner, index, model, diagnostics)
@@ -125,6 +138,8 @@ contains
       before = diagnostics%count
       first = model%counts%bodies + 1
       do piece = 1, pieces
+         call check_memory(deck%blocks(index), first, pieces - piece + 1, model, diagnostics)
+         if (diagnostics%count > before .and. piece > 1) exit
          call add_piece(deck, index, piece, pieces, model, diagnostics, library)
          ! what is wrong with the first piece is wrong with all
          if (piece == 1 .and. diagnostics%count > before) exit
@@ -139,6 +154,21 @@ contains
       call add_beam_points(deck%blocks(index), first, model, diagnostics)
       if (model%counts%bodies > first) call weld_pieces(model, model%bodies(first)%whole)
    end subroutine add_beam
+
+   !> Refuses a beam whose pieces, all like the first, or the scene, would take too much memory, before it is asked for.
+   subroutine check_memory(block, first, left, model, diagnostics)
+      type(block_type), intent(in) :: block
+      !> Index of its first body, and number of pieces that are left
+      integer, intent(in) :: first, left
+      type(model_type), intent(in) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer(long) :: bytes
+      bytes = model%bytes
+      if (model%counts%bodies >= first) bytes = bytes + left*memory_of(model%bodies(first))
+      if (bytes > max_bytes) call diagnostics%add(block%origin, "with beam '"//block%name()//"' the bodies would take "// &
+         & as_text(bytes/1024**2)//' MB of memory, more than '//as_text(max_bytes/1024**2), &
+         & 'ask for fewer modes, elements, segments or beams')
+   end subroutine check_memory
 
    !> One piece of a beam: a body.
    subroutine add_piece(deck, index, piece, pieces, model, diagnostics, library)

@@ -151,8 +151,9 @@ contains
             n = size(draft%number)
             draft%member_origin(n) = line%origin_of(1)
             draft%members(n)%ends = ends
-            draft%members(n)%divisions = frame%integer('DIVISIONS')
-            if (block%has('DIVISIONS')) draft%members(n)%divisions = block%integer('DIVISIONS')
+            ! A count that the reader has refused is 0
+            draft%members(n)%divisions = max(1, frame%integer('DIVISIONS'))
+            if (block%has('DIVISIONS')) draft%members(n)%divisions = max(1, block%integer('DIVISIONS'))
             draft%material(n) = named(deck, frame, block, 'MATERIAL')
             draft%section(n) = named(deck, frame, block, 'SECTION')
             if (line%count() > 3) then

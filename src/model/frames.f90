@@ -21,6 +21,9 @@ module limber_model_frames
    private
    public :: add_frame
 
+   !> Most finite elements of a frame
+   integer, parameter :: max_elements = 20000
+
 contains
 
    !> Adds a frame with its points.
@@ -33,18 +36,21 @@ contains
       type(draft_type) :: draft
       type(body_type) :: body
       type(error_type), allocatable :: error
+      logical :: usable
       integer :: before, added
       before = diagnostics%count
       call settle_options(deck, index)
       body = new_body(deck%blocks(index), body_flexible)
       body%is_frame = .true.
       call read_draft(deck, index, draft, diagnostics)
-      if (diagnostics%count == before) call mesh(deck, index, draft, body, diagnostics)
-      if (diagnostics%count == before .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
+      usable = diagnostics%count == before
+      if (usable) call mesh(deck, index, draft, body, diagnostics)
+      usable = usable .and. diagnostics%count == before
+      if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note)
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"': "//error%message)
       end if
-      if (diagnostics%count > before) then
+      if (.not. usable .or. diagnostics%count > before) then
          body%kind = body_rigid
          body%reduced = rigid_reduced(1.0_wp, 1.0_wp, [0.0_wp, 0.0_wp])
       else if (.not. allocated(body%shape)) then
@@ -97,6 +103,11 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       logical, allocatable :: connected(:)
       integer :: i, available
+      if (sum(real(draft%members(:)%divisions, wp)) > max_elements) then
+         call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"' has more than "//as_text(max_elements)// &
+            & ' finite elements', 'use fewer DIVISIONS')
+         return
+      end if
       body%mesh = new_frame(draft%place, draft%members)
       allocate (body%strength, source=draft%strength)
       allocate (body%member_numbers, source=draft%number)
@@ -114,14 +125,14 @@ contains
       associate (choice => body%frame_choice, block => deck%blocks(index))
          choice%modes = block%integer('MODES')
          choice%frequency_limit = block%real('FREQUENCY LIMIT')
-         if (block%given('FREQUENCY LIMIT')) choice%modes = huge(1)
+         if (choice%frequency_limit > 0.0_wp) choice%modes = huge(1)
          choice%craig_bampton = block%word('BASIS') == 'CRAIG-BAMPTON'
          select case (block%word('GEOMETRIC'))
          case ('LINEAR'); choice%fidelity = fidelity_linear
          case ('K_G'); choice%fidelity = fidelity_kg
          case ('FULL'); choice%fidelity = fidelity_full
          end select
-         choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
+         choice%geometric_elements = max(1, block%integer('GEOMETRIC ELEMENTS'))  ! 0: refused by the reader
          choice%centrifugal = block%word('STATIC FUNCTIONS') /= 'NONE'
          choice%accelerations = block%word('STATIC FUNCTIONS') == 'ACCELERATIONS'
          if (choice%fidelity == fidelity_full) choice%derivatives = block%integer('MODAL DERIVATIVES')

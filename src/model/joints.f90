@@ -452,7 +452,8 @@ contains
             end = max(end, model%steps(i)%dynamics%end)
          end do
       end if
-      if (.not. end > start) return
+      ! Without an analysis the first position is asked for all the same
+      if (.not. end > start) end = start + max(1.0_wp, abs(start))
       allocate (breaks(0))
       call law_breaks(driver%law, start, end, breaks)
       driver%integral = integrate(driver%law, start, end, breaks)

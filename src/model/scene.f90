@@ -1,7 +1,7 @@
 !> The model: bodies, points, joints, drivers, loads and what is asked for. Constant once it is built; it knows
 !> neither the deck's text nor any state. Floor: model.
 module limber_model_scene
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_names, only: name_index_type
    use limber_deck_expression, only: expression_type
    use limber_flex_frame, only: frame_type
@@ -363,6 +363,8 @@ module limber_model_scene
 
    !> The whole model
    type :: model_type
+      !> Memory of the constants of all bodies [bytes]
+      integer(long) :: bytes = 0
       !> Text of *HEADING
       character(:), allocatable :: heading
       type(units_type) :: units

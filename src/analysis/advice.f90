@@ -125,7 +125,7 @@ contains
    end subroutine choose_axial
 
    !> Puts what a run has measured of a beam in place of what the probe expected. A beam that bends far beyond what the probe foresaw
-   !> does as much more to the channels; its error is taken for the target at least, so that it is verified: eq. (W1).
+   !> does as much more to the channels; its error is taken for its share at least, so that it is verified: eq. (W1).
    subroutine take_measured(advice, which, slope, deflection, at_rest)
       type(advice_type), intent(inout) :: advice
       integer, intent(in) :: which
@@ -149,7 +149,7 @@ contains
          beam%slope = slope
          beam%deflection = deflection
          advice%expected(which) = expected_error(advice%rungs(which), beam, advice%probe%duration) + at_rest
-         if (surprise) advice%expected(which) = max(advice%expected(which), advice%target)
+         if (surprise) advice%expected(which) = max(advice%expected(which), advice%share)
       end associate
    end subroutine take_measured
 

@@ -312,8 +312,9 @@ contains
             reached%path = reached%path//newline//"   beam '"//deck%blocks(rung%block)%name()//"' as "//rung_name(rung)//' '//why
             rung = better_rung(rung, rung%level == level_full)
             reached%path = reached%path//': '//rung_name(rung)
-            reached%advice%expected(i) = max(reached%advice%expected(i) - trial%at_rest(i), expected_error(rung, &
-               & reached%advice%probe%beams(i), reached%advice%probe%duration))
+            ! It is to be verified in any case
+            reached%advice%expected(i) = max(reached%advice%share, expected_error(rung, reached%advice%probe%beams(i), &
+               & reached%advice%probe%duration))
          end associate
          climbed = .true.
       end subroutine go_up

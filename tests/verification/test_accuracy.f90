@@ -26,6 +26,7 @@ program test_accuracy
    call test_squeezer('1e-5')
    call test_written()
    call test_refusal()
+   call test_misled()
    call finish()
 
 contains
@@ -141,5 +142,34 @@ contains
       call check(error%status == 3, 'status of a target that is not kept')
       call check(index(error%message, 'more than one floating frame describes') > 0, 'why: '//error%message)
    end subroutine test_refusal
+
+   !> A beam that flutters: rigid it has no speed that the force could follow, so that the probe foresees a fifteenth of the slopes.
+   !> The run shows them, and climbs to a divided beam without verifying what cannot do. Truth: twice the pieces, a hundredth of the
+   !> tolerance; and where it bends in its first mode the tip comes nearer by 0.581 w^2/L, the integral of half the squared slope.
+   subroutine test_misled()
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader, refined
+      character(110) :: old(3), new(3)
+      character(:), allocatable :: report
+      real(wp), allocatable :: w(:), x(:), truth(:)
+      call run_deck('accuracy/flutter.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, 'flutter')
+      call check(index(report, 'reached slopes of 0.2') > 0, 'what was measured makes it climb: '//report)
+      call check(index(report, '4 pieces') > 0, 'the blade is divided: '//report)
+      call reader%open(trim(results), error)
+      call check_no_error(error, 'flutter, results')
+      old = [character(110) :: 'CLAMPED-FREE', '*ACCURACY, TARGET=1e-2', 'OUTPUTS=240']
+      new = [character(110) :: 'CLAMPED-FREE, GEOMETRIC=FULL, SEGMENTS=8, BENDING MODES=1, ELEMENTS=6, GEOMETRIC ELEMENTS=2', &
+         & '** no target', 'OUTPUTS=240, TOLERANCE=1e-4']
+      call run_changed('accuracy/flutter.inp', trim(results)//'_truth', old, new, refined)
+      truth = channel(refined, 'u2_tip')
+      call compare(reader, 'u2_tip', truth, '1e-2')
+      w = channel(reader, 'u2_tip')
+      x = channel(reader, 'x_tip')
+      call check(maxval(abs(w)) > 0.13_wp, 'it swings far')
+      call check(maxval(abs(1 - x - 0.581_wp*w**2)) < 0.1_wp*0.581_wp*maxval(w**2), 'the tip comes nearer')
+      call reader%close()
+      call refined%close()
+   end subroutine test_misled
 
 end program test_accuracy

@@ -27,6 +27,7 @@ program test_accuracy
    call test_written()
    call test_refusal()
    call test_misled()
+   call test_adams()
    call finish()
 
 contains
@@ -171,5 +172,19 @@ contains
       call reader%close()
       call refined%close()
    end subroutine test_misled
+
+   !> ADAMS with axial coordinates at rest, which take the steps that their vibrations would bind.
+   subroutine test_adams()
+      type(history_reader_type) :: reader
+      character(30) :: old(2), new(2)
+      real(wp) :: table(7, 839)
+      old = [character(30) :: 'TARGET=1e-3', '*DYNAMICS, ']
+      new = [character(30) :: 'TARGET=3e-2', '*DYNAMICS, INTEGRATOR=ADAMS,']
+      call run_changed('accuracy/slider_crank.inp', trim(results), old, new, reader)
+      call read_columns('reference/slider_crank_6mm.csv', table)
+      call compare(reader, 'deflection_over_length', table(3, :), '3e-2')
+      call compare(reader, 'slider_x', table(4, :), '3e-2')
+      call reader%close()
+   end subroutine test_adams
 
 end program test_accuracy

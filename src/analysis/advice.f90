@@ -4,13 +4,17 @@
 module limber_analysis_advice
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
+   use limber_analysis_axial, only: axial_verdict_type, judge_axial
    use limber_analysis_probe, only: probe_type, prospect_type, make_probe
    use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, functions_of, enough_derivatives, &
       & level_rigid, level_linear, level_kg, level_full, most_modes, most_elements, most_segments, first_pieces, in_pieces
+   use limber_analysis_scene, only: scene_type, build_scene
    use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
    implicit none
    private
-   public :: advice_type, make_advice, find_floors, apply_advice, expected_error, cost_of, lumping_elements, wanted_tolerance
+   public :: advice_type, make_advice, take_measured, find_floors, apply_advice, expected_error, cost_of, &
+      & lumping_elements, wanted_tolerance
 
    !> What is advised
    type :: advice_type
@@ -66,8 +70,88 @@ contains
          advice%open_integrator = .not. block%given('INTEGRATOR')
          advice%tolerance = block%real('TOLERANCE')
          if (advice%open_tolerance) advice%tolerance = wanted_tolerance(advice)
+         ! The implicit integrators do not need it: there it costs as much as it saves
+         if (block%given('INTEGRATOR') .and. block%word('INTEGRATOR') == 'ADAMS') call choose_axial(deck, advice)
       end associate
    end subroutine make_advice
+
+   !> Lets axial coordinates follow at rest where they bind the steps of ADAMS, and where that is admissible for a third of the
+   !> target and fits into the share: eq. (W3).
+   subroutine choose_axial(deck, advice)
+      type(deck_type), intent(in) :: deck
+      type(advice_type), intent(inout) :: advice
+      !> Part of the target, and ratio of axial to bending frequencies from which they bind
+      real(wp), parameter :: part = 1.0_wp/3, binding = 3.0_wp
+      type(scene_type) :: scene
+      type(diagnostics_type) :: diagnostics
+      type(axial_verdict_type) :: verdict
+      type(error_type), allocatable :: error
+      integer :: i, body
+      advice%rungs%at_rest = advice%rungs%open_axial .and. advice%rungs%segments == 1 .and. advice%rungs%level >= level_kg .and. &
+         & advice%rungs%open_modes
+      if (.not. any(advice%rungs%at_rest)) return
+      scene%deck = deck
+      call apply_advice(advice, scene%deck)
+      call build_scene(scene, diagnostics, error)
+      do i = 1, size(advice%rungs)
+         if (.not. advice%rungs(i)%at_rest) cycle
+         advice%rungs(i)%at_rest = .false.
+         if (allocated(error)) cycle
+         body = body_named(scene, deck%blocks(advice%rungs(i)%block)%name())
+         if (body == 0) cycle
+         associate (reduced => scene%system%model%bodies(body)%reduced)
+            if (.not. reduced%condensed) cycle
+            if (maxval(reduced%omega2(reduced%bending + 1:)) < binding**2*maxval(reduced%omega2(:reduced%bending))) cycle
+         end associate
+         call judge_axial(scene%system, scene%work, scene%q, scene%v, body, part*advice%target, verdict)
+         if (.not. verdict%admissible .or. advice%expected(i) + verdict%error > advice%share) cycle
+         advice%rungs(i)%at_rest = .true.
+         advice%expected(i) = advice%expected(i) + verdict%error
+      end do
+
+   contains
+
+      !> Index of a body; zero if there is none of this name.
+      pure integer function body_named(scene, name) result(index)
+         type(scene_type), intent(in) :: scene
+         character(*), intent(in) :: name
+         integer :: k
+         index = 0
+         do k = 1, size(scene%system%model%bodies)
+            if (scene%system%model%bodies(k)%name == name) index = k
+         end do
+      end function body_named
+
+   end subroutine choose_axial
+
+   !> Puts what a run has measured of a beam in place of what the probe expected. A beam that bends far beyond what the probe foresaw
+   !> does as much more to the channels; its error is taken for its share at least, so that it is verified: eq. (W1).
+   subroutine take_measured(advice, which, slope, deflection, at_rest)
+      type(advice_type), intent(inout) :: advice
+      integer, intent(in) :: which
+      !> Largest slope, and deflection relative to the length; error that axial coordinates at rest make
+      real(wp), intent(in) :: slope, deflection, at_rest
+      !> Ratio of slopes beyond which the probe was misled, beyond which it knew nothing, and slope that is none
+      real(wp), parameter :: misled = 2.0_wp, blind = 100.0_wp, nothing = 1.0e-6_wp
+      logical :: surprise
+      integer :: k
+      associate (beam => advice%probe%beams(which))
+         surprise = slope > nothing .and. slope > misled*beam%slope
+         if (surprise) then
+            if (slope > blind*beam%slope) then
+               beam%effect = 1.0_wp
+               beam%part = [(1/real(k, wp)**5, k=1, size(beam%part))]
+            else
+               beam%part = min(1.0_wp, slope/beam%slope*beam%part)
+               beam%effect = min(1.0_wp, slope/beam%slope*beam%effect)
+            end if
+         end if
+         beam%slope = slope
+         beam%deflection = deflection
+         advice%expected(which) = expected_error(advice%rungs(which), beam, advice%probe%duration) + at_rest
+         if (surprise) advice%expected(which) = max(advice%expected(which), advice%share)
+      end associate
+   end subroutine take_measured
 
    !> The cheapest rung of a beam whose expected error is within its share, or that of least error.
    subroutine choose(advice, which)

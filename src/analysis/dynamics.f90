@@ -4,8 +4,8 @@ module limber_analysis_dynamics
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
-   use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, start_axial_watch, watch_axial, &
-      & pass_axial_break, axial_findings
+   use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, axial_share, start_axial_watch, &
+      & watch_axial, pass_axial_break, axial_findings
    use limber_analysis_indicators, only: indicators_type, start_indicators, observe
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
@@ -46,6 +46,8 @@ module limber_analysis_dynamics
       character(:), allocatable :: warnings
       !> What is left out where axial coordinates follow at rest, a line for each such beam; not allocated if there is none
       character(:), allocatable :: axial
+      !> Error of deflections that this is expected to make, 1 where axial waves are left out (bodies); not allocated if there is none
+      real(wp), allocatable :: left_out(:)
       !> Envelopes of internal forces (bodies)
       type(effort_type), allocatable :: efforts(:)
       !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it
@@ -239,7 +241,9 @@ contains
       do i = 1, size(scene%system%model%bodies)
          if (.not. scene%system%model%bodies(i)%reduced%condensed) cycle
          if (.not. allocated(outcome%axial)) outcome%axial = ''
+         if (.not. allocated(outcome%left_out)) allocate (outcome%left_out(size(scene%system%model%bodies)), source=0.0_wp)
          call axial_findings(axial, scene%system, i, axial_target, verdict)
+         outcome%left_out(i) = merge(1.0_wp, verdict%error, verdict%share > axial_share)
          if (verdict%admissible) outcome%axial = outcome%axial//"   beam '"//scene%system%model%bodies(i)%name//"' "// &
             & verdict%words//newline
          if (.not. verdict%admissible) call warn(outcome, "beam '"//scene%system%model%bodies(i)%name// &

@@ -39,10 +39,12 @@ module limber_analysis_rungs
       logical :: spun = .false.
       !> Whether a linear beam stretches
       logical :: stretched = .false.
+      !> Whether its axial coordinates follow at rest
+      logical :: at_rest = .false.
       !> Whether the deck gives the number of elements; whether an end of the supports is free
       logical :: given_elements = .false., free_end = .false.
-      !> Whether limber chooses the level, the modes, the number of pieces
-      logical :: open_level = .false., open_modes = .false., open_segments = .false.
+      !> Whether limber chooses the level, the modes, the number of pieces, whether axial coordinates follow at rest
+      logical :: open_level = .false., open_modes = .false., open_segments = .false., open_axial = .false.
    end type rung_type
 
 contains
@@ -74,6 +76,7 @@ contains
          rung%open_level = .not. block%given('GEOMETRIC')
          rung%open_modes = .not. (block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES'))
          rung%open_segments = has_option('SEGMENTS') .and. .not. block%given('SEGMENTS')
+         rung%open_axial = .not. block%given('AXIAL DYNAMICS')
          do level = level_rigid, level_full
             if (level_words(level) == block%word('GEOMETRIC')) rung%level = level
          end do
@@ -177,6 +180,7 @@ contains
          call number('AXIAL MODES', merge(0, merge(1, 0, rung%stretched), statics))
       end if
       call number('ELEMENTS', rung%elements)
+      if (rung%at_rest) call word('AXIAL DYNAMICS', 'STATIC')
       if (.not. statics) return
       call number('GEOMETRIC ELEMENTS', min(geometric_elements, rung%elements))
       if (.not. rung%open_modes .and. rung%level == level_kg) return
@@ -226,23 +230,25 @@ contains
          can_climb = rung%open_segments .and. rung%segments < most_segments
          return
       end if
-      if (rung%level > level_rigid) can_climb = can_climb .or. (rung%open_modes .and. rung%bending < most_modes) &
+      if (rung%level > level_rigid) can_climb = can_climb .or. rung%at_rest .or. (rung%open_modes .and. rung%bending < most_modes) &
          & .or. (rung%open_segments .and. rung%segments < most_segments)
    end function can_climb
 
-   !> The next rung: higher in fidelity and richer in coordinates, so that what both leave out shows; behind the richest in one frame
-   !> the beam is divided.
+   !> The next rung: higher in fidelity and richer in coordinates, with axial vibrations, so that what both leave out shows; behind the
+   !> richest in one frame the beam is divided.
    pure function next_rung(rung) result(next)
       type(rung_type), intent(in) :: rung
       type(rung_type) :: next
       next = rung
+      next%at_rest = .false.
+      if (.not. can_climb(next)) return
       if (rung%segments > 1) then
          if (rung%open_segments .and. rung%segments < most_segments) next%segments = 2*rung%segments
          return
       end if
       if (rung%open_segments .and. rung%level > level_rigid .and. .not. (rung%open_level .and. rung%level < level_full .or. &
          & rung%open_modes .and. rung%bending < most_modes)) then
-         next = in_pieces(rung, first_pieces)
+         next = in_pieces(next, first_pieces)
          return
       end if
       if (rung%level == level_rigid .and. rung%open_level) then
@@ -265,6 +271,7 @@ contains
       integer, intent(in) :: pieces
       type(rung_type) :: divided
       divided = rung
+      divided%at_rest = .false.
       divided%segments = pieces
       if (divided%open_level) divided%level = level_full
       if (divided%open_modes) divided%bending = 1
@@ -280,6 +287,11 @@ contains
       if (better%segments > 1) return
       if (divided .and. rung%open_segments) then
          better = in_pieces(rung, first_pieces)
+         return
+      end if
+      if (rung%at_rest) then
+         better = rung
+         better%at_rest = .false.
          return
       end if
       if (rung%level > level_rigid) better%elements = rung%elements
@@ -305,6 +317,7 @@ contains
       if (rung%level == level_rigid) return
       text = text//' '//as_text(rung%bending)//' + '//as_text(functions_of(rung))
       if (rung%segments > 1) text = text//', '//as_text(rung%segments)//' pieces'
+      if (rung%at_rest) text = text//', STATIC'
    end function rung_name
 
 end module limber_analysis_rungs

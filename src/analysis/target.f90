@@ -6,10 +6,13 @@ module limber_analysis_target
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, first_line, newline
-   use limber_analysis_advice, only: advice_type, make_advice, find_floors
+   use limber_analysis_advice, only: advice_type, make_advice, find_floors, expected_error, take_measured
    use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
    use limber_analysis_errors, only: envelope, magnitude, unknown_ratio
    use limber_analysis_estimate, only: estimate_type, add_quantities, round_off
+   use limber_analysis_indicators, only: indicator_value, indicator_slope, indicator_deflection, indicator_rotation, &
+      & indicator_compression, indicator_geometric, indicator_shortening, indicator_names
+   use limber_analysis_ranges, only: excess
    use limber_analysis_rungs, only: rung_type, apply_rung, next_rung, better_rung, can_climb, rung_name, level_full
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_deck_content, only: deck_type
@@ -55,6 +58,13 @@ module limber_analysis_target
       character(:), allocatable :: reason
       !> Magnitude that each channel's errors are relative to (channels)
       real(wp), allocatable :: scale(:)
+      !> Largest slope and deflection of each open beam, the latter relative to the length; negative: not seen (rungs)
+      real(wp), allocatable :: slope(:), deflection(:)
+      !> Worst indicator of its model relative to its limit, and its kind (rungs)
+      real(wp), allocatable :: excess(:)
+      integer, allocatable :: kind(:)
+      !> Error that its axial coordinates at rest make; zero if they are not at rest (rungs)
+      real(wp), allocatable :: at_rest(:)
    end type trial_type
 
    !> Ratio of the tolerances of a run and its check, and least tolerance
@@ -65,6 +75,8 @@ module limber_analysis_target
    real(wp), parameter :: part_time = 0.4_wp, part_model = 0.6_wp
    !> Part of the target below which a beam does not matter
    real(wp), parameter :: no_matter = 0.02_wp
+   !> Expected error in units of the target beyond which a model is not verified, and error of deflections at the limit of a range
+   real(wp), parameter :: hopeless = 5.0_wp, at_limit = 0.03_wp
    !> Neighbours on each side that the envelope takes in
    integer, parameter :: reach = 2
    !> Most rounds, and CPU time in units of the first run after which no more are begun
@@ -102,6 +114,12 @@ contains
             reached%reason = candidate%reason
             call climb_all(deck, reached, climbed)
          else
+            call take_seen(deck, target, candidate, reached, climbed)
+            if (climbed .and. round < most_rounds) then
+               reached%cpu = reached%cpu + candidate%outcome%cpu
+               reached%climbs = reached%climbs + 1
+               cycle
+            end if
             call verify(deck, target, quiet, candidate, reached, error)
             if (allocated(error)) return
             reached%done = reached%reason == '' .and. reached%error <= target
@@ -153,6 +171,9 @@ contains
       to%largest_energy = from%largest_energy
       call move_alloc(from%warnings, to%warnings)
       call move_alloc(from%efforts, to%efforts)
+      call move_alloc(from%axial, to%axial)
+      call move_alloc(from%left_out, to%left_out)
+      call move_alloc(from%indicators, to%indicators)
    end subroutine take_outcome
 
    !> Runs a setting into memory.
@@ -209,7 +230,96 @@ contains
          end if
          if (wide .and. trial%reason == '') call find_scales(channels, trial)
       end associate
+      call see_beams(scene, rungs, trial)
    end subroutine run_trial
+
+   !> What a run has shown of the open beams in one frame.
+   subroutine see_beams(scene, rungs, trial)
+      type(scene_type), intent(in) :: scene
+      type(rung_type), intent(in) :: rungs(:)
+      type(trial_type), intent(inout) :: trial
+      !> Those of which a higher rung keeps less
+      integer, parameter :: kinds(*) = [indicator_deflection, indicator_slope, indicator_rotation, indicator_compression, &
+         & indicator_geometric, indicator_shortening]
+      real(wp) :: value
+      integer :: i, k, j
+      allocate (trial%slope(size(rungs)), trial%deflection(size(rungs)), trial%excess(size(rungs)), trial%kind(size(rungs)), &
+         & trial%at_rest(size(rungs)))
+      trial%slope = -1.0_wp
+      trial%deflection = -1.0_wp
+      trial%excess = 0.0_wp
+      trial%kind = indicator_deflection
+      trial%at_rest = 0.0_wp
+      if (.not. allocated(trial%outcome%indicators)) return
+      associate (seen => trial%outcome%indicators%bodies, model => scene%system%model)
+         do i = 1, size(rungs)
+            if (rungs(i)%segments > 1) cycle
+            do k = 1, size(seen)
+               if (model%bodies(seen(k)%body)%name /= scene%deck%blocks(rungs(i)%block)%name()) cycle
+               trial%slope(i) = indicator_value(seen(k), indicator_slope)
+               trial%deflection(i) = indicator_value(seen(k), indicator_deflection)
+               if (allocated(trial%outcome%left_out)) trial%at_rest(i) = trial%outcome%left_out(seen(k)%body)
+               do j = 1, size(kinds)
+                  value = excess(seen(k), model%bodies(seen(k)%body), kinds(j))
+                  if (.not. value > trial%excess(i)) cycle
+                  trial%excess(i) = value
+                  trial%kind(i) = kinds(j)
+               end do
+            end do
+         end do
+      end associate
+   end subroutine see_beams
+
+   !> Puts what a run has shown in place of what the probe expected; climbs at once where the model of a beam is so far outside its
+   !> range that there is no use in verifying it, eqs. (W1), (W2).
+   subroutine take_seen(deck, target, trial, reached, climbed)
+      type(deck_type), intent(in) :: deck
+      real(wp), intent(in) :: target
+      type(trial_type), intent(in) :: trial
+      type(reached_type), intent(inout) :: reached
+      logical, intent(out) :: climbed
+      real(wp) :: outside
+      integer :: i
+      climbed = .false.
+      associate (advice => reached%advice)
+         do i = 1, size(advice%rungs)
+            if (trial%slope(i) >= 0.0_wp) call take_measured(advice, i, trial%slope(i), trial%deflection(i), trial%at_rest(i))
+         end do
+         call find_floors(advice)
+         do i = 1, size(advice%rungs)
+            if (trial%slope(i) < 0.0_wp .or. .not. can_climb(advice%rungs(i))) cycle
+            outside = 0.0_wp
+            if (trial%excess(i) > 1.0_wp) outside = at_limit*advice%probe%beams(i)%effect*trial%excess(i)
+            if (advice%rungs(i)%level == level_full .and. .not. (advice%rungs(i)%open_segments .or. advice%rungs(i)%at_rest)) cycle
+            if (trial%at_rest(i) > target) then
+               call go_up(i, 'left out axial vibrations that make an error of '//as_text(trial%at_rest(i), 2))
+            else if (advice%expected(i) > hopeless*target) then
+               call go_up(i, 'reached slopes of '//as_text(trial%slope(i), 2)//', where an error of '// &
+                  & as_text(advice%expected(i), 2)//' is expected')
+            else if (outside > hopeless*target) then
+               call go_up(i, 'left its range ('//trim(indicator_names(trial%kind(i)))//', '//as_text(trial%excess(i), 2)// &
+                  & ' times its limit)')
+            end if
+         end do
+      end associate
+
+   contains
+
+      subroutine go_up(i, why)
+         integer, intent(in) :: i
+         character(*), intent(in) :: why
+         associate (rung => reached%advice%rungs(i))
+            reached%path = reached%path//newline//"   beam '"//deck%blocks(rung%block)%name()//"' as "//rung_name(rung)//' '//why
+            rung = better_rung(rung, rung%level == level_full)
+            reached%path = reached%path//': '//rung_name(rung)
+            ! It is to be verified in any case
+            reached%advice%expected(i) = max(reached%advice%share, expected_error(rung, reached%advice%probe%beams(i), &
+               & reached%advice%probe%duration))
+         end associate
+         climbed = .true.
+      end subroutine go_up
+
+   end subroutine take_seen
 
    !> What errors of the channels are relative to: their largest magnitude; of one that is the small difference of large terms, such
    !> as an energy balance, that of its terms.
@@ -246,6 +356,7 @@ contains
       type(reached_type), intent(inout) :: reached
       type(error_type), allocatable, intent(out) :: error
       type(trial_type) :: check, other
+      type(deck_type) :: higher
       type(rung_type), allocatable :: rungs(:)
       real(wp), allocatable :: total(:, :), change(:, :)
       real(wp) :: limit
@@ -274,7 +385,10 @@ contains
             if (.not. can_climb(advice%rungs(i)) .or. advice%expected(i) < no_matter*target) cycle
             allocate (rungs, source=advice%rungs)
             rungs(i) = next_rung(advice%rungs(i))
-            call run_trial(deck, rungs, estimate%companion, ladder, limit, .false., quiet, 'check of '//rung_name(rungs(i)), &
+            higher = deck
+            ! With axial vibrations the steps of ADAMS would be bound to them
+            if (advice%rungs(i)%at_rest) call higher%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'AUTO')
+            call run_trial(higher, rungs, estimate%companion, ladder, limit, .false., quiet, 'check of '//rung_name(rungs(i)), &
                & other, error)
             if (allocated(error)) return
             deallocate (rungs)

@@ -20,6 +20,7 @@ program test_advice
    call test_first()
    call test_rungs()
    call test_choices()
+   call test_at_rest()
    call finish()
 
 contains
@@ -165,5 +166,37 @@ contains
          call check(advice%probe%beams(1)%rotation > 1.0_wp, 'rotation relative to the first frequency')
       end if
    end subroutine check_choice
+
+   !> Axial coordinates at rest: with ADAMS, where the error that they make is within a third of the target; the rung above has them.
+   subroutine test_at_rest()
+      call check_axial('spin_up', 'ADAMS', 1.0e-2_wp, .true., 'a smooth spin-up')
+      call check_axial('spin_up', 'RADAU', 1.0e-2_wp, .false., 'with RADAU nothing is gained')
+      call check_axial('slider_crank', 'ADAMS', 1.0e-2_wp, .false., 'a rod that errs by more than a third of the target')
+      call check_axial('slider_crank', 'ADAMS', 3.0e-2_wp, .true., 'a rod that errs by less')
+   end subroutine test_at_rest
+
+   subroutine check_axial(name, integrator, target, at_rest, what)
+      character(*), intent(in) :: name, integrator, what
+      real(wp), intent(in) :: target
+      logical, intent(in) :: at_rest
+      type(deck_type) :: deck
+      type(advice_type) :: advice
+      type(rung_type) :: higher
+      type(error_type), allocatable :: error
+      call read_whole_deck('accuracy/'//name//'.inp', none, deck, error)
+      call check_no_error(error, name)
+      call deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', integrator, given=.true.)
+      call make_advice(deck, target, advice, error)
+      call check_no_error(error, name)
+      call check(advice%rungs(1)%at_rest .eqv. at_rest, what)
+      call check(advice%expected(1) <= advice%share, what//': within its share')
+      higher = next_rung(advice%rungs(1))
+      call check(can_climb(advice%rungs(1)) .and. .not. higher%at_rest, what//': the rung above has axial vibrations')
+      higher = better_rung(advice%rungs(1), .false.)
+      call check(.not. higher%at_rest, what//': and so has the better one')
+      call apply_rung(advice%rungs(1), deck)
+      call check((deck%blocks(advice%rungs(1)%block)%word('AXIAL DYNAMICS') == 'STATIC') .eqv. at_rest, what//': in the deck')
+      call check((index(rung_name(advice%rungs(1)), 'STATIC') > 0) .eqv. at_rest, what//': by name')
+   end subroutine check_axial
 
 end program test_advice

@@ -26,6 +26,8 @@ program test_accuracy
    call test_squeezer('1e-5')
    call test_written()
    call test_refusal()
+   call test_misled()
+   call test_adams()
    call finish()
 
 contains
@@ -141,5 +143,48 @@ contains
       call check(error%status == 3, 'status of a target that is not kept')
       call check(index(error%message, 'more than one floating frame describes') > 0, 'why: '//error%message)
    end subroutine test_refusal
+
+   !> A beam that flutters: rigid it has no speed that the force could follow, so that the probe foresees a fifteenth of the slopes.
+   !> The run shows them, and climbs to a divided beam without verifying what cannot do. Truth: twice the pieces, a hundredth of the
+   !> tolerance; and where it bends in its first mode the tip comes nearer by 0.581 w^2/L, the integral of half the squared slope.
+   subroutine test_misled()
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader, refined
+      character(110) :: old(3), new(3)
+      character(:), allocatable :: report
+      real(wp), allocatable :: w(:), x(:), truth(:)
+      call run_deck('accuracy/flutter.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, 'flutter')
+      call check(index(report, 'reached slopes of 0.2') > 0, 'what was measured makes it climb: '//report)
+      call check(index(report, '4 pieces') > 0, 'the blade is divided: '//report)
+      call reader%open(trim(results), error)
+      call check_no_error(error, 'flutter, results')
+      old = [character(110) :: 'CLAMPED-FREE', '*ACCURACY, TARGET=1e-2', 'OUTPUTS=240']
+      new = [character(110) :: 'CLAMPED-FREE, GEOMETRIC=FULL, SEGMENTS=8, BENDING MODES=1, ELEMENTS=6, GEOMETRIC ELEMENTS=2', &
+         & '** no target', 'OUTPUTS=240, TOLERANCE=1e-4']
+      call run_changed('accuracy/flutter.inp', trim(results)//'_truth', old, new, refined)
+      truth = channel(refined, 'u2_tip')
+      call compare(reader, 'u2_tip', truth, '1e-2')
+      w = channel(reader, 'u2_tip')
+      x = channel(reader, 'x_tip')
+      call check(maxval(abs(w)) > 0.13_wp, 'it swings far')
+      call check(maxval(abs(1 - x - 0.581_wp*w**2)) < 0.1_wp*0.581_wp*maxval(w**2), 'the tip comes nearer')
+      call reader%close()
+      call refined%close()
+   end subroutine test_misled
+
+   !> ADAMS with axial coordinates at rest, which take the steps that their vibrations would bind.
+   subroutine test_adams()
+      type(history_reader_type) :: reader
+      character(30) :: old(2), new(2)
+      real(wp) :: table(7, 839)
+      old = [character(30) :: 'TARGET=1e-3', '*DYNAMICS, ']
+      new = [character(30) :: 'TARGET=3e-2', '*DYNAMICS, INTEGRATOR=ADAMS,']
+      call run_changed('accuracy/slider_crank.inp', trim(results), old, new, reader)
+      call read_columns('reference/slider_crank_6mm.csv', table)
+      call compare(reader, 'deflection_over_length', table(3, :), '3e-2')
+      call compare(reader, 'slider_x', table(4, :), '3e-2')
+      call reader%close()
+   end subroutine test_adams
 
 end program test_accuracy

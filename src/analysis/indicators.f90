@@ -448,7 +448,7 @@ contains
       !> Whether it bends the beam at this point
       logical, intent(in) :: is_fixed
       real(wp), intent(in) :: q(:)
-      real(wp) :: u(2)
+      real(wp) :: u(2), arm(2)
       integer :: first, at
       first = system%layout%q(body)
       u = q(first + 2:first + 3)
@@ -460,8 +460,9 @@ contains
          end associate
          if (.not. is_fixed) return
          own%across(1 + 2*at) = own%across(1 + 2*at) + cross(u, force(1:2))
-         own%across(2 + 2*at) = own%across(2 + 2*at) + force(3) &
-            & - cross(point_position(system%layout, system%model%points(point), q) - q(first:first + 1), force(1:2))
+         arm = point_position(system%layout, system%model%points(point), q)
+         arm = arm - q(first:first + 1)
+         own%across(2 + 2*at) = own%across(2 + 2*at) + force(3) - cross(arm, force(1:2))
       end associate
    end subroutine add_force
 

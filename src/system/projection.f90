@@ -25,7 +25,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates (nq)
-      real(wp), intent(inout) :: q(:)
+      real(wp), contiguous, intent(inout) :: q(:)
       !> Scratch (nq)
       real(wp), contiguous, intent(inout) :: change(:)
       !> Residual relative to the constraints' scales that is small enough

@@ -191,7 +191,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq)
-      real(wp), intent(inout) :: q(:), v(:)
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
       !> Scratch (nq)
       real(wp), contiguous, intent(inout) :: change(:)
       !> Whether the multiplier system is to be left linearised at the very state, as accelerations want it
@@ -222,7 +222,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq)
-      real(wp), intent(inout) :: q(:), v(:)
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
       !> Scratch (nq)
       real(wp), intent(inout) :: change(:)
       !> Residual of the position reached
@@ -239,7 +239,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates (nq)
-      real(wp), intent(inout) :: q(:)
+      real(wp), contiguous, intent(inout) :: q(:)
       !> Scratch (nq)
       real(wp), contiguous, intent(inout) :: change(:)
       !> Residual before, zero if nothing had to be moved but what hangs or is driven; and residual reached

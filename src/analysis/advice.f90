@@ -35,7 +35,7 @@ module limber_analysis_advice
 
    !> Parts of the target for the models and for the integration
    real(wp), parameter :: part_model = 0.65_wp, part_time = 0.3_wp
-   !> Constants of eqs. (V6) to (V8), measured
+   !> Constants of eqs. (174) to (176), measured
    real(wp), parameter :: kg_static = 4.0_wp, kg_dynamic = 0.12_wp, full_floor = 50.0_wp, of_pieces = 15.0_wp
    !> Parts below which a beam does not matter, relative to the target
    real(wp), parameter :: no_matter = 0.01_wp, little = 0.2_wp
@@ -76,7 +76,7 @@ contains
    end subroutine make_advice
 
    !> Lets axial coordinates follow at rest where they bind the steps of ADAMS, and where that is admissible for a third of the
-   !> target and fits into the share: eq. (W3).
+   !> target and fits into the share: eq. (184).
    subroutine choose_axial(deck, advice)
       type(deck_type), intent(in) :: deck
       type(advice_type), intent(inout) :: advice
@@ -125,7 +125,7 @@ contains
    end subroutine choose_axial
 
    !> Puts what a run has measured of a beam in place of what the probe expected. A beam that bends far beyond what the probe foresaw
-   !> does as much more to the channels; its error is taken for its share at least, so that it is verified: eq. (W1).
+   !> does as much more to the channels; its error is taken for its share at least, so that it is verified: eq. (182).
    subroutine take_measured(advice, which, slope, deflection, at_rest)
       type(advice_type), intent(inout) :: advice
       integer, intent(in) :: which
@@ -214,7 +214,7 @@ contains
 
    end subroutine choose
 
-   !> Expected error of a beam's model in the channels, relative to their largest values: eqs. (V5) to (V8).
+   !> Expected error of a beam's model in the channels, relative to their largest values: eqs. (173) to (176).
    pure real(wp) function expected_error(rung, beam, duration) result(error)
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
@@ -245,7 +245,7 @@ contains
       end select
    end function expected_error
 
-   !> What FULL leaves out however rich its basis: the next order of the geometry, eq. (V8).
+   !> What FULL leaves out however rich its basis: the next order of the geometry, eq. (176).
    pure real(wp) function floor_of(rung, beam) result(error)
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
@@ -267,7 +267,7 @@ contains
       end do
    end subroutine find_floors
 
-   !> What a rung costs in an evaluation, in units of a rigid body: counted operations, eq. (V9).
+   !> What a rung costs in an evaluation, in units of a rigid body: counted operations, eq. (177).
    pure real(wp) function cost_of(rung) result(cost)
       type(rung_type), intent(in) :: rung
       real(wp) :: n, axial, pairs
@@ -283,7 +283,7 @@ contains
       if (rung%segments == 1) cost = cost/1.5_wp
    end function cost_of
 
-   !> Finite elements that keep the error of the lumped masses in a tenth of the share, closed form: eq. (V10).
+   !> Finite elements that keep the error of the lumped masses in a tenth of the share, closed form: eq. (178).
    pure integer function lumping_elements(rung, advice, beam) result(elements)
       type(rung_type), intent(in) :: rung
       type(advice_type), intent(in) :: advice
@@ -301,7 +301,7 @@ contains
       end do
    end function lumping_elements
 
-   !> Tolerance whose error of the integration is its part of the target: eq. (V11).
+   !> Tolerance whose error of the integration is its part of the target: eq. (179).
    pure real(wp) function wanted_tolerance(advice) result(tolerance)
       type(advice_type), intent(in) :: advice
       real(wp), parameter :: largest = 1.0e-2_wp, smallest = 1.0e-12_wp

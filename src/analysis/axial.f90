@@ -1,6 +1,6 @@
 !> Whether the axial coordinates of a beam may follow at rest (AXIAL DYNAMICS=STATIC): before a run from frequencies and loads,
 !> during it from what is left out. Two numbers decide: the error that is to be expected of deflections, and the share of axial
-!> waves in the deformation. Floor: analysis. Source: doc/theory, eqs. (X10)-(X13).
+!> waves in the deformation. Floor: analysis. Source: doc/theory, eqs. (146)-(149).
 module limber_analysis_axial
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -109,7 +109,7 @@ contains
    end subroutine judge_axial
 
    !> Error of the deflections that forces make which are wrong by a part of the first bending stiffness: it grows with the number
-   !> of vibrations, eq. (X11).
+   !> of vibrations, eq. (147).
    pure real(wp) function grown(system, body, part)
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
@@ -151,7 +151,7 @@ contains
    end subroutine decide
 
    !> Frequency of the stretching of each body at the place q, the lowest ones of the scene in which it has a tenth, all else free to move as the joints let it, without stiffness of
-   !> bending: from the accelerations of all axial coordinates under unit forces on them, eq. (X10). Zero if joints hold the ends.
+   !> bending: from the accelerations of all axial coordinates under unit forces on them, eq. (146). Zero if joints hold the ends.
    subroutine find_frequencies(system, work, q, frequency)
       type(system_type), intent(inout) :: system
       type(workspace_type), intent(inout) :: work
@@ -364,7 +364,7 @@ contains
       end do
    end subroutine watch_axial
 
-   !> Acceleration of the stretch from three looks, and what it leaves out, eq. (X12).
+   !> Acceleration of the stretch from three looks, and what it leaves out, eq. (148).
    pure subroutine look(body, system, index, load, t)
       type(axial_history_type), intent(inout) :: body
       type(system_type), intent(in) :: system

@@ -6,7 +6,7 @@
 !>     value = indicator_value(indicators%bodies(i), indicator_slope)
 !>     t = indicator_time(indicators%bodies(i), indicator_slope)
 !>
-!> Floor: analysis. Source: doc/theory, eqs. (I1)-(I10).
+!> Floor: analysis. Source: doc/theory, eqs. (156)-(165).
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -359,7 +359,7 @@ contains
       end do
    end subroutine frame_extremes
 
-   !> Amplitudes of the inertia, eq. (I2); those of the places are zero.
+   !> Amplitudes of the inertia, eq. (157); those of the places are zero.
    pure subroutine start_amplitudes(self, heavy, u, omega, alpha, eta, rate, acceleration)
       type(body_indicators_type), intent(inout) :: self
       !> Acceleration of the frame's origin less that of gravity, along the fixed axes (2); unit vector of the frame (2)
@@ -523,7 +523,7 @@ contains
    end subroutine observe_forces
 
    !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about them;
-   !> squares of the change: in energy, of what FULL lacks in deflection, eqs. (I5), (I6).
+   !> squares of the change: in energy, of what FULL lacks in deflection, eqs. (160), (161).
    pure subroutine compare_tension(self, body, eta, lack, coarse)
       type(body_indicators_type), intent(inout) :: self
       type(body_type), intent(in) :: body

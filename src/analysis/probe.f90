@@ -274,7 +274,7 @@ contains
 
    end subroutine move_rigidly
 
-   !> The forces on the coordinates of flexible bodies that move as the rigid ones: what would have to hold them, eq. (V1).
+   !> The forces on the coordinates of flexible bodies that move as the rigid ones: what would have to hold them, eq. (169).
    subroutine hold(rigid, flexible, t, q, v, a, track)
       type(scene_type), intent(inout) :: rigid, flexible
       real(wp), intent(in) :: t, q(:), v(:), a(:)

@@ -10,7 +10,7 @@ module limber_analysis_shadow
 
 contains
 
-   !> Frequencies of the scene's modes: eigenvalues of K^(1/2) A K^(1/2), eq. (V2).
+   !> Frequencies of the scene's modes: eigenvalues of K^(1/2) A K^(1/2), eq. (170).
    subroutine vibration_modes(mobility, stiffness, square, vectors, done)
       !> Accelerations (n) of the coordinates that a force on each of them makes (n, n)
       real(wp), intent(in) :: mobility(:, :)
@@ -31,7 +31,7 @@ contains
    end subroutine vibration_modes
 
    !> Coordinates that forces make from rest: each mode answers a force that is linear between the samples
-   !> exactly, eq. (V3).
+   !> exactly, eq. (171).
    subroutine follow_forces(times, forces, stiffness, square, vectors, eta)
       !> Times (samples); forces on the coordinates at each (n, samples)
       real(wp), intent(in) :: times(:), forces(:, :)
@@ -69,7 +69,7 @@ contains
    end subroutine follow_forces
 
    !> The first coordinate alone, with and without the stiffness that the axial force adds: largest magnitude with it, and largest
-   !> difference, eq. (V4).
+   !> difference, eq. (172).
    subroutine follow_first(times, force, square, extra, softening, largest, difference)
       !> Times, acceleration that the force makes, what the axial force adds to the squared frequency, and what rotation takes
       !> from it (samples)

@@ -271,7 +271,7 @@ contains
    end subroutine see_beams
 
    !> Puts what a run has shown in place of what the probe expected; climbs at once where the model of a beam is so far outside its
-   !> range that there is no use in verifying it, eqs. (W1), (W2).
+   !> range that there is no use in verifying it, eqs. (182), (183).
    subroutine take_seen(deck, target, trial, reached, climbed)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
@@ -347,7 +347,7 @@ contains
       end do
    end subroutine find_scales
 
-   !> Runs the checks of a run and estimates its errors from the differences, eqs. (V12), (V13).
+   !> Runs the checks of a run and estimates its errors from the differences, eqs. (180), (181).
    subroutine verify(deck, target, quiet, candidate, reached, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target

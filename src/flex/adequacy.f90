@@ -1,6 +1,6 @@
 !> What the coordinates of a flexible body hold of its statics: the flexibility that they leave out where something acts on it,
 !> and their shares in the energy that a load stores. A straight beam comes as a frame of one member (`beam_frame`). Used before
-!> the time loop only, to choose a basis and to warn of one. Floor: flex. Source: doc/theory, eqs. (B6), (B7).
+!> the time loop only, to choose a basis and to warn of one. Floor: flex. Source: doc/theory, eqs. (135), (136).
 module limber_flex_adequacy
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -14,7 +14,7 @@ module limber_flex_adequacy
 contains
 
    !> Displacements of attachments under unit loads there: those of the mesh, and what the coordinates leave out of them,
-   !> eq. (B6). Of a body that is free they are those beside the rigid motion.
+   !> eq. (135). Of a body that is free they are those beside the rigid motion.
    subroutine static_residual(frame, shape, omega2, attachments, whole, left_out, error)
       type(frame_type), intent(in) :: frame
       !> Shapes (3, nodes, n) and squared circular frequencies (n) of the coordinates
@@ -39,7 +39,7 @@ contains
       end do
    end subroutine static_residual
 
-   !> Shares of the coordinates in the energy that a load stores at rest, eq. (B7).
+   !> Shares of the coordinates in the energy that a load stores at rest, eq. (136).
    subroutine participation(frame, shape, omega2, load, share, left_out, error)
       type(frame_type), intent(in) :: frame
       !> Shapes (3, nodes, n) and squared circular frequencies (n) of the coordinates

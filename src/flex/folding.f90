@@ -1,6 +1,6 @@
 !> What bending does to the axial coordinates where these follow at rest: the foreshortening h(eta_b) that makes the elastic
 !> energy least, and its derivative. Quadratic and linear in the bending coordinates; plain kernels of the time loop.
-!> Floor: flex. Source: doc/theory, eqs. (X1), (X2).
+!> Floor: flex. Source: doc/theory, eqs. (137), (138).
 module limber_flex_folding
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type

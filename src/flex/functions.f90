@@ -1,7 +1,7 @@
 !> Static functions beside the modes of a flexible body: responses to loads, shapes of an interface that is displaced, and how
 !> all of them become coordinates: independent, orthonormal in the mass, diagonal in the stiffness. A straight beam is a frame of
 !> one member here. Used before the time loop only. Floor: flex. Source: Craig and Bampton 1968; Yoo and Haug 1986; doc/theory,
-!> eqs. (121), (B3)-(B5).
+!> eqs. (121), (132)-(134).
 module limber_flex_functions
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -54,7 +54,7 @@ contains
       end do
    end subroutine static_responses
 
-   !> Shapes of a body at rest when its interface is displaced, eq. (B3): responses to those forces on the interface that balance
+   !> Shapes of a body at rest when its interface is displaced, eq. (132): responses to those forces on the interface that balance
    !> each other. Without free rigid motions these are all forces.
    subroutine constraint_functions(frame, solver, load, functions)
       type(frame_type), intent(in) :: frame
@@ -85,9 +85,9 @@ contains
       end do
    end subroutine constraint_functions
 
-   !> Adds functions to the modes, eqs. (B4), (B5): orthonormal in the mass, to the modes as well, and diagonal in the stiffness.
+   !> Adds functions to the modes, eqs. (133), (134): orthonormal in the mass, to the modes as well, and diagonal in the stiffness.
    !> Those that depend on others are left out. If they differ by displacements without mass the others take these as they
-   !> please, eq. (B5).
+   !> please, eq. (134).
    subroutine add_functions(frame, functions, whole, shape, omega2, left_out, error)
       type(frame_type), intent(in) :: frame
       !> (3, nodes, number)
@@ -170,7 +170,7 @@ contains
       massless(:, :, idle) = rest/sqrt(norm)
    end subroutine keep_idle
 
-   !> Turns functions of unit mass among each other so that they do not couple in the stiffness, eq. (B5).
+   !> Turns functions of unit mass among each other so that they do not couple in the stiffness, eq. (134).
    subroutine diagonalise(frame, own, shape, omega2, error)
       type(frame_type), intent(in) :: frame
       !> (3, nodes, number), and so the result

@@ -5,8 +5,8 @@
 !>
 !> which is symmetric, so that M may be singular without harm: there are exactly as many modes as
 !> coordinates with mass. Rigid-body modes, if the supports leave any, are known beforehand and deflated. Displacements may be
-!> held besides: their reactions are taken out of the inverse, eq. (B2).
-!> Floor: flex. Source: doc/theory, eqs. (18), (19), (B1), (B2); Lehoucq, Sorensen and Yang, ARPACK Users' Guide, section 3.2.
+!> held besides: their reactions are taken out of the inverse, eq. (131).
+!> Floor: flex. Source: doc/theory, eqs. (18), (19), (130), (131); Lehoucq, Sorensen and Yang, ARPACK Users' Guide, section 3.2.
 module limber_flex_modes
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -213,7 +213,7 @@ contains
       end do
    end subroutine factor_operator
 
-   !> Holds displacements, eq. (B2); rigid motions that they do not let be are none of the system's any more.
+   !> Holds displacements, eq. (131); rigid motions that they do not let be are none of the system's any more.
    subroutine hold(op, mass, held)
       type(operator_type), intent(inout) :: op
       real(wp), intent(in) :: mass(:), held(:, :)

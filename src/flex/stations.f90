@@ -1,6 +1,6 @@
 !> What a straight beam is watched at while it moves: stations along it where deflection, slope and axial force are known from the
 !> coordinates and the loads, and what they are compared with: Euler's load, what the chosen functions leave out at rest, and what
-!> the lumped masses make of the frequencies. Made once, before the first step. Floor: flex. Source: doc/theory, eqs. (I1)-(I9).
+!> the lumped masses make of the frequencies. Made once, before the first step. Floor: flex. Source: doc/theory, eqs. (156)-(164).
 module limber_flex_stations
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -30,20 +30,20 @@ module limber_flex_stations
       real(wp), allocatable :: deflection(:, :), slope(:, :)
       !> Coordinates along the beam of the places [length]
       real(wp), allocatable :: place(:)
-      !> Axial force at each station for unit amplitudes (2 + axial + bending + places, count), eq. (I2)
+      !> Axial force at each station for unit amplitudes (2 + axial + bending + places, count), eq. (157)
       real(wp), allocatable :: pull(:, :)
       !> Tension that the model itself has at each station for unit axial coordinates (axial, count), and of the model full the
       !> matrices E A B_g / 2 (bending, bending, elements); otherwise (0,0,0)
       real(wp), allocatable :: strain(:, :), slopes(:, :, :)
       !> Euler's load of the chosen functions, as the joints hold the beam, and the weights of the axial force of the stations in its
-      !> ratio to that load (count), eq. (I4)
+      !> ratio to that load (count), eq. (159)
       real(wp) :: euler = 0.0_wp
       real(wp), allocatable :: buckling(:)
-      !> Flexibility across the beam that the chosen functions leave out, for unit amplitudes (2 + 2 places, 2 + 2 places), eq. (I6)
+      !> Flexibility across the beam that the chosen functions leave out, for unit amplitudes (2 + 2 places, 2 + 2 places), eq. (161)
       real(wp), allocatable :: left_out(:, :)
       !> Relative error of each bending frequency by the lumped masses (bending), and what they lose of the force that a uniform
       !> acceleration, one about the origin of the frame, and those of the coordinates put on each (bending, 2 + bending),
-      !> eqs. (I9), (I10)
+      !> eqs. (164), (165)
       real(wp), allocatable :: lumping(:), lost(:, :)
       !> E A / 2 length of a beam whose ends cannot approach each other while its model lets them, otherwise zero
       real(wp) :: membrane = 0.0_wp

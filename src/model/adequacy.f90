@@ -1,5 +1,5 @@
 !> Where joints, drivers and loads of a model act on its flexible bodies, and what the bases of these leave out there: for warnings
-!> and for the choice of a basis. Floor: model. Source: doc/theory, eq. (B6).
+!> and for the choice of a basis. Floor: model. Source: doc/theory, eq. (135).
 module limber_model_adequacy
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -87,7 +87,7 @@ contains
    end subroutine body_mesh
 
    !> Displacements that unit forces and couples make where something acts on a body, and what its coordinates leave out of them,
-   !> eq. (B6). Nothing of a body that is rigid.
+   !> eq. (135). Nothing of a body that is rigid.
    subroutine residuals_at_points(model, body, points, parts, whole, left_out, error)
       type(model_type), intent(in) :: model
       !> Its index

@@ -1,5 +1,5 @@
 !> Bodies whose whole motion is given: a driver for either coordinate of the origin of their frame, and one for its angle, which
-!> the system solves without unknowns. Floor: model. Source: doc/theory, eqs. (P1)-(P4).
+!> the system solves without unknowns. Floor: model. Source: doc/theory, eqs. (152)-(155).
 module limber_model_motions
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type

@@ -1,6 +1,6 @@
 !> What is measured of a beam in segments as a whole: its frame, from which deflections count, and displacements and rotations of
 !> its points. The frame is the section at the start if the beam is clamped there, else it lies along the chord through its ends,
-!> as the frame of an undivided beam does. Floor: output. Source: doc/theory, eq. (G1).
+!> as the frame of an undivided beam does. Floor: output. Source: doc/theory, eq. (150).
 module limber_output_segments
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: cross
@@ -59,7 +59,7 @@ contains
       end associate
    end function chord
 
-   !> Displacement of a point of a beam in segments from its undeformed place, along the axes of the whole beam's frame (2), eq. (G1).
+   !> Displacement of a point of a beam in segments from its undeformed place, along the axes of the whole beam's frame (2), eq. (150).
    pure function whole_displacement(system, point, q) result(displacement)
       type(system_type), intent(in) :: system
       !> Index of the point

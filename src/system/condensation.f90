@@ -4,7 +4,7 @@
 !>
 !> In the multiplier system the coordinates of a body are condensed with a mass matrix that is the identity. Bound to
 !> eta_a'' = H eta_b'' + b, they still are, if couplings, rows and forces are projected onto the motions [I; H]: nothing else of
-!> the solution changes. Floor: system. Source: doc/theory, eqs. (X1)-(X8).
+!> the solution changes. Floor: system. Source: doc/theory, eqs. (137)-(144).
 module limber_system_condensation
    use limber_base_kinds, only: wp
    use limber_flex_folding, only: foreshortening, fold_matrix
@@ -55,7 +55,7 @@ contains
       end do
    end subroutine factor_normal
 
-   !> The part of a vector (n) along the motions that are left: x = T (T^T T)^-1 T^T x, T = [I; H], eq. (X4). In the models linear
+   !> The part of a vector (n) along the motions that are left: x = T (T^T T)^-1 T^T x, T = [I; H], eq. (140). In the models linear
    !> and k_g the bending part.
    pure subroutine project_vector(reduced, fold, normal, x)
       type(reduced_type), intent(in) :: reduced
@@ -107,7 +107,7 @@ contains
    end subroutine condense_couplings
 
    !> Makes the forces of all bodies, and the right-hand sides of the constraints, those of the motions that are left: less what
-   !> the velocities alone contribute, eta_a'' = H eta_b'' + 2 h(eta_b'), eq. (X3).
+   !> the velocities alone contribute, eta_a'' = H eta_b'' + 2 h(eta_b'), eq. (139).
    pure subroutine condense_forces(system, work, v)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -167,7 +167,7 @@ contains
       body%eta_force(bending + 1:) = 0.0_wp
    end subroutine set_bending_force
 
-   !> Loads on the axial coordinates after a solution: what their own rows of the equations of motion leave, eq. (X6), and in a
+   !> Loads on the axial coordinates after a solution: what their own rows of the equations of motion leave, eq. (142), and in a
    !> the accelerations of the foreshortening by velocities alone.
    pure subroutine gather_loads(system, work, a)
       type(system_type), intent(in) :: system
@@ -258,7 +258,7 @@ contains
       end do
    end subroutine measure_gap
 
-   !> Puts the axial coordinates where they belong, eq. (X1), and their rates, eq. (X2).
+   !> Puts the axial coordinates where they belong, eq. (137), and their rates, eq. (138).
    pure subroutine place_axial(system, work, q)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -297,7 +297,7 @@ contains
       end do
    end subroutine place_axial_rates
 
-   !> Lets the loads of the last accelerations stretch the bodies, eq. (X7): until `release_axial` the axial coordinates are placed
+   !> Lets the loads of the last accelerations stretch the bodies, eq. (143): until `release_axial` the axial coordinates are placed
    !> with that stretch.
    pure subroutine stretch_axial(system, work)
       type(system_type), intent(in) :: system

@@ -1,6 +1,6 @@
 !> Axial coordinates that follow at rest, in the equations of implicit integrators: the rows of the axial coordinates are added to
 !> those of the bending by H^T, and in their place stand eta_a' = H eta_b' (eta_a' = 0 in the models linear and k_g). With exact
-!> derivatives; the pattern of the matrix stays. Floor: system. Source: doc/theory, eqs. (X5), (X9).
+!> derivatives; the pattern of the matrix stays. Floor: system. Source: doc/theory, eqs. (141), (145).
 module limber_system_condensed_motion
    use limber_base_kinds, only: wp
    use limber_flex_folding, only: fold_matrix, fold_curvature
@@ -57,7 +57,7 @@ contains
       end do
    end subroutine new_condensed_rows
 
-   !> Residual of the motions that are left, eq. (X5), from that of all; keeps the axial loads.
+   !> Residual of the motions that are left, eq. (141), from that of all; keeps the axial loads.
    subroutine condense_residual(system, work, q, v, motion)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -113,7 +113,7 @@ contains
       end do
    end subroutine condense_right_side
 
-   !> Derivatives of that residual, from those of all motions as `linearise_motion` leaves them, eq. (X9).
+   !> Derivatives of that residual, from those of all motions as `linearise_motion` leaves them, eq. (145).
    subroutine condense_tangent(system, work, rows, q, v, tangent)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

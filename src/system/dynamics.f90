@@ -80,7 +80,7 @@ contains
       work%evaluations = work%evaluations + 1
    end subroutine accelerations
 
-   !> The same where axial coordinates follow at rest; in the model k_g by repeated solutions, eq. (X8).
+   !> The same where axial coordinates follow at rest; in the model k_g by repeated solutions, eq. (144).
    subroutine solve_condensed(system, work, v, a)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

@@ -6,7 +6,7 @@
 !> with the block A_k of each body, the multipliers l_k of the pin that it hangs on, and the rows of that pin on the body itself
 !> (G, L) and on its carrier c (H, N). All numbers stand in arrays in the order of the elimination, so that a body costs the same
 !> in the longest chain. Who fills the blocks decides what is solved: `limber_system_forest_motion`, `limber_system_forest_step`.
-!> Floor: system. Source: doc/theory, eqs. (S1)-(S3).
+!> Floor: system. Source: doc/theory, eqs. (166)-(168).
 module limber_system_forest
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type
@@ -260,7 +260,7 @@ contains
       if (same .and. a%full) same = all(abs(a%quartic - b%quartic) <= 0.0_wp)
    end function same_body
 
-   !> Inverse of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (S1), (S2).
+   !> Inverse of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (166), (167).
    pure subroutine eliminate(order, m, pinned, block, reaction, rows, compliance, singular)
       !> Leading dimension; number of the body's rates
       integer, intent(in) :: order, m
@@ -348,7 +348,7 @@ contains
       end do
    end subroutine invert
 
-   !> Adds to the block of the carrier what hangs on its pin: eq. (S2).
+   !> Adds to the block of the carrier what hangs on its pin: eq. (167).
    pure subroutine hand_on(order, m, compliance, carried, carrying, block)
       !> Leading dimension; number of the carrier's rates
       integer, intent(in) :: order, m
@@ -380,7 +380,7 @@ contains
       end do
    end subroutine hand_on_order
 
-   !> Solves in place with the inverses at hand: eq. (S3).
+   !> Solves in place with the inverses at hand: eq. (168).
    pure subroutine forest_solve(forest, x)
       type(forest_type), intent(in) :: forest
       !> Right-hand sides of the bodies in the layout of the rates, and of the constraints; then the unknowns (nw + nc)

@@ -1,7 +1,7 @@
 !> Equations of motion of a forest of bodies on pins at an instant, and what moves a state onto the pins: what `motion_residual`,
 !> `linearise_motion` and `settle` do for any scene, to round-off, but body by body in one pass, without kinematics of markers in
 !> between, and with the solution by elimination along the trees. No allocation. Floor: system.
-!> Source: doc/theory, eqs. (12), (34), (35), (39)-(41), (S1)-(S3).
+!> Source: doc/theory, eqs. (12), (34), (35), (39)-(41), (166)-(168).
 module limber_system_forest_motion
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent, geometric_power

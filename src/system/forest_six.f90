@@ -1,5 +1,5 @@
 !> Elimination along trees for blocks of order 6: bodies with three deflection coordinates.
-!> Floor: system. Source: doc/theory, eqs. (S1)-(S3).
+!> Floor: system. Source: doc/theory, eqs. (166)-(168).
 module limber_system_forest_six
    use limber_base_kinds, only: wp
    implicit none

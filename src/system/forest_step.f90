@@ -1,6 +1,6 @@
 !> Equations of a step of a forest of bodies on pins such that energy and momenta balance: what `limber_system_discrete` does for
 !> any scene, to round-off, body by body in one pass, with the solution by elimination along the trees. No allocation.
-!> Floor: system. Source: doc/theory, eqs. (49)-(56), (S1)-(S3).
+!> Floor: system. Source: doc/theory, eqs. (49)-(56), (166)-(168).
 module limber_system_forest_step
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent

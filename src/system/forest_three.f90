@@ -1,4 +1,4 @@
-!> Elimination along trees for blocks of order 3: rigid bodies. Floor: system. Source: doc/theory, eqs. (S1)-(S3).
+!> Elimination along trees for blocks of order 3: rigid bodies. Floor: system. Source: doc/theory, eqs. (166)-(168).
 module limber_system_forest_three
    use limber_base_kinds, only: wp
    implicit none

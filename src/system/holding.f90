@@ -1,6 +1,6 @@
 !> Bodies whose motion, or part of it, follows from joints and drivers between them and the ground or bodies of known motion alone:
 !> which constraints hold them, and what these leave free. They are solved body by body, so that neither they nor what they give
-!> are unknowns of the multiplier system. Floor: system. Source: doc/theory, eqs. (P1)-(P4).
+!> are unknowns of the multiplier system. Floor: system. Source: doc/theory, eqs. (152)-(155).
 module limber_system_holding
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground, joint_weld, joint_translational, joint_point_on_line, driver_x, driver_y, &
@@ -212,7 +212,7 @@ contains
       end do
    end subroutine find_grip
 
-   !> Solves the rows that hold a frame, Z z = g: z = inverse g + hanging zeta with independent zeta, eqs. (P1), (P2).
+   !> Solves the rows that hold a frame, Z z = g: z = inverse g + hanging zeta with independent zeta, eqs. (152), (153).
    pure subroutine split_motion(rates, rows, z, scale, inverse, hanging)
       !> Number of the frame's rates, and of rows
       integer, intent(in) :: rates, rows

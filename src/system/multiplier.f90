@@ -129,7 +129,7 @@ contains
       end associate
    end subroutine update_hanging
 
-   !> What the rows that hold a frame leave free, and what they give, eqs. (P1), (P2).
+   !> What the rows that hold a frame leave free, and what they give, eqs. (152), (153).
    pure subroutine hold_frame(system, work, body)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -471,7 +471,7 @@ contains
       end associate
    end subroutine set_bias
 
-   !> What the rows that hold a frame give it beside the unknowns, eq. (P3).
+   !> What the rows that hold a frame give it beside the unknowns, eq. (154).
    pure subroutine set_held_bias(system, work, body, gamma)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -615,7 +615,7 @@ contains
       end associate
    end subroutine recover_multipliers
 
-   !> Multipliers of the rows that hold a frame, from what is left of its forces, eq. (P4).
+   !> Multipliers of the rows that hold a frame, from what is left of its forces, eq. (155).
    pure subroutine recover_held(system, work, body, left)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

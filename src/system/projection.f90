@@ -215,7 +215,7 @@ contains
       if (before > nearest) call project_velocity(system, work, v, change, left)
    end subroutine settle
 
-   !> Lets the loads of the last accelerations stretch bodies whose axial coordinates follow at rest, eq. (X7), and moves the state
+   !> Lets the loads of the last accelerations stretch bodies whose axial coordinates follow at rest, eq. (143), and moves the state
    !> onto the constraints so.
    subroutine settle_stretched(system, work, t, q, v, change, residual, error)
       type(system_type), intent(in) :: system

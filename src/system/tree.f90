@@ -3,7 +3,7 @@
 !> system. A body that hangs on the ground has its rotation left; a driven one on the ground nothing. Whatever else joins a body to
 !> the ground or to bodies of known motion is solved with it: a weld or a moving guide leaves nothing, a fixed guide one coordinate
 !> along it. Joints that close loops, and those on deforming points, keep their multipliers. Floor: system.
-!> Source: doc/theory, eqs. (33a)-(33c), (P1)-(P4).
+!> Source: doc/theory, eqs. (33a)-(33c), (152)-(155).
 module limber_system_tree
    use limber_base_kinds, only: wp
    use limber_model_scene, only: model_type, driver_x, driver_y, ground

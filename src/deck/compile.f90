@@ -69,9 +69,10 @@ contains
          c%slots%origin = origin
       end if
       if (ok) then
-         expression%codes = c%codes(:c%count)
-         expression%operands = c%operands(:c%count)
-         expression%constants = c%values(:c%value_count)
+         ! By statements: gfortran 12 reads unset bounds in an allocation by assignment
+         allocate (expression%codes, source=c%codes(:c%count))
+         allocate (expression%operands, source=c%operands(:c%count))
+         allocate (expression%constants, source=c%values(:c%value_count))
          call move_alloc(c%slots, expression%slots)
          if (allocated(c%tables)) call move_alloc(c%tables, expression%tables)
       else if (.not. c%silent) then

@@ -42,7 +42,7 @@ contains
       type(sweep_type) :: sweep
       type(row_type), allocatable :: rows(:)
       character(:), allocatable :: results, base, folder
-      integer, allocatable :: todo(:)
+      integer, allocatable :: waiting(:)
       integer :: i
       report = ''
       call plan_sweep(path, request%settings, sweep, error)
@@ -60,12 +60,12 @@ contains
       call check_place(results, folder, force, error)
       if (allocated(error)) return
       call read_journals(folder, sweep, rows)
-      todo = pack([(i, i=1, size(rows))], rows%state /= row_done)
-      if (request%parts > 0) todo = pack(todo, mod(todo - 1, request%parts) == request%part - 1)
+      waiting = pack([(i, i=1, size(rows))], rows%state /= row_done)
+      if (request%parts > 0) waiting = pack(waiting, mod(waiting - 1, request%parts) == request%part - 1)
       if (.not. request%collect) then
-         if (size(todo) < size(rows) .and. request%parts == 0) report = as_text(size(rows) - size(todo))// &
+         if (size(waiting) < size(rows) .and. request%parts == 0) report = as_text(size(rows) - size(waiting))// &
             & ' rows were done already'//newline
-         call run_rows(sweep, folder, todo, request%jobs, quiet, error)
+         call run_rows(sweep, folder, waiting, request%jobs, quiet, error)
          if (allocated(error)) return
          call read_journals(folder, sweep, rows)
       end if

@@ -18,12 +18,12 @@ module limber_analysis_sweep_pool
 contains
 
    !> Runs rows.
-   subroutine run_rows(sweep, folder, todo, jobs, quiet, error)
+   subroutine run_rows(sweep, folder, waiting, jobs, quiet, error)
       type(sweep_type), intent(in) :: sweep
       !> Of the journals and histories
       character(*), intent(in) :: folder
       !> Indices of the rows; number of processes
-      integer, intent(in) :: todo(:), jobs
+      integer, intent(in) :: waiting(:), jobs
       !> Whether the progress is not shown
       logical, intent(in) :: quiet
       !> No row could be run
@@ -31,18 +31,18 @@ contains
       type(queue_type) :: queue
       type(journal_type) :: journal
       type(progress_type) :: progress
-      integer :: workers(min(jobs, size(todo)))
+      integer :: workers(min(jobs, size(waiting)))
       integer :: i, number, signal
       logical :: ok
-      if (size(todo) == 0) return
+      if (size(waiting) == 0) return
       call open_journal(folder, journal, error)
       if (allocated(error)) return
-      call new_queue(todo, queue, ok)
+      call new_queue(waiting, queue, ok)
       if (.not. ok) then
          call raise(error, 'no room for the list of rows in the folder of temporary files (TMPDIR)', status_deck)
          return
       end if
-      if (.not. quiet) call progress%start(0.0_wp, real(size(todo), wp), sweep%path)
+      if (.not. quiet) call progress%start(0.0_wp, real(size(waiting), wp), sweep%path)
       do i = 1, size(workers)
          call start_worker(sweep, folder, queue, workers(i))
       end do

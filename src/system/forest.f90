@@ -16,6 +16,7 @@ module limber_system_forest
       & gather_three => gather_block, spread_three => spread_block
    use limber_model_scene, only: model_type, point_type, body_rigid, body_flexible, ground
    use limber_system_joints, only: revolute_type
+   use limber_system_pins, only: order_on_pins
    use limber_system_system, only: system_type
    implicit none
    private
@@ -79,8 +80,8 @@ contains
    subroutine new_forest(system, forest)
       type(system_type), intent(in) :: system
       type(forest_type), intent(out) :: forest
-      integer, allocatable :: head(:), next(:), pin(:)
-      integer :: bodies, i, k, last, n, pairs
+      integer, allocatable :: pin(:)
+      integer :: bodies, i, n, pairs
       bodies = size(system%model%bodies)
       if (bodies < many .or. size(system%loads) > 0 .or. system%redundant .or. system%condensed) return
       if (3 + maxval(system%layout%n) > most_order) return
@@ -97,25 +98,8 @@ contains
          end select
       end do
       allocate (forest%places(bodies))
-      call list_pins(system, head, next)
-      allocate (pin(bodies), source=0)
-      ! Outward from the ground, then from what is not on it
-      last = 0
-      call reach(system, ground, head, next, 0, pin, forest, last)
-      k = 0
-      i = 0
-      do while (last < bodies)
-         do while (k < last)
-            k = k + 1
-            call reach(system, forest%places(k)%body, head, next, k, pin, forest, last)
-         end do
-         if (last == bodies) exit
-         i = i + 1
-         if (pin(i) /= 0) cycle
-         last = last + 1
-         forest%places(last)%body = i
-         pin(i) = -1
-      end do
+      allocate (pin(bodies))
+      call order_on_pins(system, forest%places%body, forest%places%carrier, pin)
       ! A joint that places no body closes a loop
       if (count(pin > 0) < size(system%constraints)) return
       n = maxval(system%layout%n)
@@ -141,49 +125,6 @@ contains
       ! All mass in one point has no inertia about it
       if (may_belong .and. reduced%n == 0) may_belong = reduced%i0*reduced%mass > (1 + 1.0e-9_wp)*sum(reduced%c0**2)
    end function may_belong
-
-   !> Sides of all joints by body: number 2 (j - 1) + s is side s of joint j.
-   subroutine list_pins(system, head, next)
-      type(system_type), intent(in) :: system
-      !> First side at each body or the ground (0:bodies), and the next one there; 0: none
-      integer, allocatable, intent(out) :: head(:), next(:)
-      integer :: j, s, body
-      allocate (head(0:size(system%model%bodies)), source=0)
-      allocate (next(2*size(system%constraints)), source=0)
-      do j = size(system%constraints), 1, -1
-         do s = 2, 1, -1
-            body = system%constraints(j)%item%bodies(s)
-            next(2*(j - 1) + s) = head(body)
-            head(body) = 2*(j - 1) + s
-         end do
-      end do
-   end subroutine list_pins
-
-   !> Gives places to all bodies that hang on one, or on the ground.
-   subroutine reach(system, body, head, next, place, pin, forest, last)
-      type(system_type), intent(in) :: system
-      !> The carrier, and its place
-      integer, intent(in) :: body, place
-      integer, intent(in) :: head(0:), next(:)
-      !> Joint that a body hangs on; 0: it has no place yet, -1: none
-      integer, intent(inout) :: pin(:)
-      type(forest_type), intent(inout) :: forest
-      !> Places so far
-      integer, intent(inout) :: last
-      integer :: number, joint, other
-      number = head(body)
-      do while (number > 0)
-         joint = (number + 1)/2
-         other = system%constraints(joint)%item%bodies(3 - (number - 2*(joint - 1)))
-         number = next(number)
-         if (other == ground) cycle
-         if (pin(other) /= 0) cycle
-         last = last + 1
-         forest%places(last)%body = other
-         forest%places(last)%carrier = place
-         pin(other) = joint
-      end do
-   end subroutine reach
 
    !> Numbers of all places, and the pins, each kind of them once.
    subroutine set_places(system, pin, n, forest)

@@ -4,8 +4,9 @@
 !> Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7; doc/theory, eqs. (64)-(68).
 module limber_system_recursion
    use limber_base_kinds, only: wp
-   use limber_model_scene, only: body_rigid, ground
+   use limber_model_scene, only: body_rigid
    use limber_system_joints, only: revolute_type
+   use limber_system_pins, only: order_on_pins
    use limber_system_system, only: system_type
    implicit none
    private
@@ -35,8 +36,8 @@ contains
    subroutine new_recursion(system, recursion)
       type(system_type), intent(in) :: system
       type(recursion_type), intent(out) :: recursion
-      integer, allocatable :: head(:), next(:), pin(:)
-      integer :: bodies, i, k, last
+      integer, allocatable :: pin(:)
+      integer :: bodies, i, k
       bodies = size(system%model%bodies)
       if (size(system%loads) > 0 .or. system%powered) return
       do i = 1, bodies
@@ -51,26 +52,8 @@ contains
       end do
       allocate (recursion%body(bodies), recursion%first(bodies), recursion%carrier(bodies))
       allocate (recursion%constants(8, bodies), recursion%articulated(9, bodies), recursion%motion(4, bodies))
-      call list_pins(system, head, next)
-      allocate (pin(bodies), source=0)
-      ! Outward from the ground, then from what is not on it
-      recursion%carrier = -1
-      last = 0
-      call reach(system, ground, head, next, 0, pin, recursion, last)
-      k = 0
-      i = 0
-      do while (last < bodies)
-         do while (k < last)
-            k = k + 1
-            call reach(system, recursion%body(k), head, next, k, pin, recursion, last)
-         end do
-         if (last == bodies) exit
-         i = i + 1
-         if (pin(i) /= 0) cycle
-         last = last + 1
-         recursion%body(last) = i
-         pin(i) = -1
-      end do
+      allocate (pin(bodies))
+      call order_on_pins(system, recursion%body, recursion%carrier, pin)
       ! A joint that places no body closes a loop
       if (count(pin > 0) < size(system%constraints)) return
       do k = 1, bodies
@@ -78,49 +61,6 @@ contains
       end do
       recursion%usable = all(recursion%constants(inertia, :) > 0.0_wp)
    end subroutine new_recursion
-
-   !> Sides of all joints by body: number 2 (j - 1) + s is side s of joint j.
-   subroutine list_pins(system, head, next)
-      type(system_type), intent(in) :: system
-      !> First side at each body or the ground (0:bodies), and the next one there; 0: none
-      integer, allocatable, intent(out) :: head(:), next(:)
-      integer :: j, s, body
-      allocate (head(0:size(system%model%bodies)), source=0)
-      allocate (next(2*size(system%constraints)), source=0)
-      do j = size(system%constraints), 1, -1
-         do s = 2, 1, -1
-            body = system%constraints(j)%item%bodies(s)
-            next(2*(j - 1) + s) = head(body)
-            head(body) = 2*(j - 1) + s
-         end do
-      end do
-   end subroutine list_pins
-
-   !> Gives places to all bodies that hang on one, or on the ground.
-   subroutine reach(system, body, head, next, place, pin, recursion, last)
-      type(system_type), intent(in) :: system
-      !> The carrier, and its place
-      integer, intent(in) :: body, place
-      integer, intent(in) :: head(0:), next(:)
-      !> Joint that a body hangs on; 0: it has no place yet, -1: none
-      integer, intent(inout) :: pin(:)
-      type(recursion_type), intent(inout) :: recursion
-      !> Places so far
-      integer, intent(inout) :: last
-      integer :: number, joint, other
-      number = head(body)
-      do while (number > 0)
-         joint = (number + 1)/2
-         other = system%constraints(joint)%item%bodies(3 - (number - 2*(joint - 1)))
-         number = next(number)
-         if (other == ground) cycle
-         if (pin(other) /= 0) cycle
-         last = last + 1
-         recursion%body(last) = other
-         recursion%carrier(last) = place
-         pin(other) = joint
-      end do
-   end subroutine reach
 
    !> Constants of a place; those of its carrier are there.
    subroutine set_constants(system, k, pin, recursion)

@@ -58,9 +58,11 @@ module limber_analysis_dynamics
    type :: sample_type
       real(wp), allocatable :: q(:), v(:), a(:), change(:), values(:)
       real(wp) :: w = 0.0_wp
-      !> Number of the step and time at which flexible bodies are to be observed next, whichever comes first
+      !> Number of the step and time at which flexible bodies are to be observed next, whichever comes first, and the number of
+      !> evaluations before which they are not
       integer(long) :: next_step = 0
       real(wp) :: next_look = -huge(1.0_wp)
+      integer :: next_evaluation = 0
    end type sample_type
 
 contains
@@ -251,7 +253,8 @@ contains
       end do
    end subroutine report_axial
 
-   !> Observes the flexible bodies now and then: it takes an evaluation, which is not counted.
+   !> Observes the flexible bodies now and then. It is as dear as up to ten evaluations, which are not counted, and so seldom that
+   !> the run hardly notices.
    subroutine look(scene, dynamics, integrator, sample, outcome)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
@@ -259,12 +262,14 @@ contains
       !> With the state at the end of a step
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
-      !> Steps, and parts of the run, after which they are observed again
-      integer, parameter :: steps = 32, parts = 50
+      !> Steps, and parts of the run, after which they are observed again; evaluations that lie between in any case
+      integer, parameter :: steps = 32, parts = 50, evaluations = 24
       type(error_type), allocatable :: error
       integer :: before(2)
       if (size(outcome%indicators%bodies) == 0) return
       if (integrator%statistics%steps < sample%next_step .and. integrator%t < sample%next_look) return
+      if (scene%work%evaluations < sample%next_evaluation) return
+      sample%next_evaluation = scene%work%evaluations + evaluations
       sample%next_step = integrator%statistics%steps + steps
       sample%next_look = integrator%t + (dynamics%end - dynamics%start)/parts
       associate (system => scene%system, work => scene%work)

@@ -48,7 +48,7 @@ module limber_integrator_alpha
       type(tangent_type) :: tangent
       type(condensed_rows_type) :: condensed_rows
       type(crossing_type) :: crossing
-      !> Where bodies on pins close no loop: takes the place of the tangent and of the multiplier system
+      !> Where bodies on pins close no loop and stand on the ground: takes the place of the tangent and of the multiplier system
       type(forest_type) :: forest
       type(layout_type) :: layout
       type(scales_type) :: scales
@@ -90,7 +90,7 @@ contains
             & self%new_a(nw), self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), &
             & self%change(nq), self%unknown(nw + nc), self%e(nw), self%scale_x(nw), self%scale_w(nw))
          call new_forest(system, self%forest)
-         if (.not. self%forest%usable) call use_sparse(self, system)
+         if (.not. (self%forest%usable .and. self%forest%grounded)) call use_sparse(self, system)
          self%scales = new_scales(system, duration, .true.)
       end if
       self%work_done = self%work_at_start
@@ -363,16 +363,12 @@ contains
       logical, intent(out) :: good
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: residual, t
-      logical :: singular
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
       if (self%forest%usable) then
-         call forest_settle(self%forest, system%model, self%new_q, self%new_v, residual, singular)
+         call forest_settle(self%forest, self%new_q, self%new_v)
          self%h_factors = 0.0_wp
-         good = .not. singular
-         if (singular) call use_sparse(self, system)
-         if (singular) self%fresh = .false.
-         if (singular) return
+         residual = 0.0_wp
       else
          call settle(system, work, t, self%new_q, self%new_v, self%change, .false., residual, error)
          if (allocated(error)) return

@@ -41,16 +41,16 @@ module limber_system_forest
       integer :: row = 0
       !> Columns of `pins` for the pin on the body and on its carrier
       integer :: own = 1, base = 1
-      !> True if the pin is at the origin of the frame and on a rigid carrier or the ground: then it simply places the frame
-      logical :: hangs = .false.
-      !> 1, or -1 if the body is the second one of its joint; length that a gap is to be compared with
-      real(wp) :: sign = 1.0_wp, scale = 1.0_wp
+      !> 1, or -1 if the body is the second one of its joint
+      real(wp) :: sign = 1.0_wp
    end type place_type
 
    !> A forest; arrays are over places unless said otherwise
    type :: forest_type
       !> True if the system is a forest
       logical :: usable = .false.
+      !> True if all trees stand on the ground
+      logical :: grounded = .false.
       !> Numbers of rates and of equations of all; order of the largest block
       integer :: nw = 0, nc = 0, order = 3
       type(place_type), allocatable :: places(:)
@@ -66,8 +66,6 @@ module limber_system_forest
       real(wp), allocatable :: compliance(:, :, :)
       !> Whether the block of a body has been started
       logical, allocatable :: started(:)
-      !> Vector of the unknowns (nw + nc)
-      real(wp), allocatable :: x(:)
       !> Derivatives of the momenta of a step by its increments, if they are wanted (order, order, places)
       real(wp), allocatable :: masses(:, :, :)
       !> Scratch of the elastic force: (pairs, 2), (pairs, 2), (n, n)
@@ -110,9 +108,10 @@ contains
       call set_places(system, pin, n, forest)
       allocate (forest%block(3 + n, 3 + n, bodies), forest%reaction(3 + n, 2, bodies), forest%rows(3 + n, 2, bodies), &
          & forest%carried(3 + n, 2, bodies), forest%carrying(3 + n, 2, bodies), forest%compliance(2, 2, bodies))
-      allocate (forest%started(bodies), forest%x(forest%nw + forest%nc), forest%pairs(pairs, 2), forest%slope(pairs, 2), &
+      allocate (forest%started(bodies), forest%pairs(pairs, 2), forest%slope(pairs, 2), &
          & forest%tangent(n, n))
       forest%block = 0.0_wp
+      forest%grounded = all(forest%places%carrier >= 0)
       forest%usable = .true.
    end subroutine new_forest
 
@@ -153,11 +152,9 @@ contains
             type is (revolute_type)
                side = merge(1, 2, item%bodies(1) == i)
                place%row = item%first
-               place%scale = item%scale
                place%sign = merge(1.0_wp, -1.0_wp, side == 1)
                call find_pin(system%model%points(system%marker_points(item%markers(side))), n, pins, count, place%own)
                call find_pin(system%model%points(system%marker_points(item%markers(3 - side))), n, pins, count, place%base)
-               place%hangs = system%tree%joint(i) == pin(i)
             end select
          end associate
       end do

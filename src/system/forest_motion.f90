@@ -1,16 +1,16 @@
-!> Equations of motion of a forest of bodies on pins at an instant, and what moves a state onto the pins: what `motion_residual`,
-!> `linearise_motion` and `settle` do for any scene, to round-off, but body by body in one pass, without kinematics of markers in
-!> between, and with the solution by elimination along the trees. No allocation. Floor: system.
+!> Equations of motion of a forest of bodies on pins at an instant: what `motion_residual` and `linearise_motion` do for any scene, to
+!> round-off, but body by body in one pass, without kinematics of markers in between, and with the solution by elimination along the
+!> trees; and what moves a state onto the pins. No allocation. Floor: system.
 !> Source: doc/theory, eqs. (12), (34), (35), (39)-(41), (166)-(168).
 module limber_system_forest_motion
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent, geometric_power
    use limber_flex_reduced, only: reduced_type
    use limber_model_scene, only: model_type
-   use limber_system_forest, only: forest_type, eliminate, hand_on, forest_solve
+   use limber_system_forest, only: forest_type, eliminate, hand_on
    implicit none
    private
-   public :: forest_residual, forest_factor, forest_settle, forest_times_mass, forest_power, start_place, add_pin, pin_rows
+   public :: forest_residual, forest_factor, forest_settle, forest_times_mass, forest_power, add_pin, pin_rows
 
 contains
 
@@ -326,50 +326,6 @@ contains
       rows(3, 2) = rows(3, 2) + drift(1)*u(1) - drift(2)*u(2)
    end subroutine pin_derivatives
 
-   !> Factors of the mass matrix with the pins, eq. (32), at q.
-   subroutine factor_masses(forest, model, q, singular)
-      type(forest_type), intent(inout) :: forest
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: q(*)
-      logical, intent(out) :: singular
-      integer :: k, c, order
-      order = forest%order
-      singular = .false.
-      forest%started = .false.
-      do k = size(forest%places), 1, -1
-         associate (place => forest%places(k))
-            c = place%carrier
-            if (.not. forest%started(k)) call start_place(forest, model, k, q)
-            if (c >= 0) call pin_rows(order, place%n, forest%pins(:, :, place%own), q(place%q + 2), q(place%q + 4), &
-               & forest%reaction(:, :, k), forest%rows(:, :, k))
-            call eliminate(order, 3 + place%n, c >= 0, forest%block(:, :, k), forest%reaction(:, :, k), forest%rows(:, :, k), &
-               & forest%compliance(:, :, k), singular)
-            if (singular) return
-            if (c <= 0) cycle
-            associate (carrier => forest%places(c))
-               if (.not. forest%started(c)) call start_place(forest, model, c, q)
-               call pin_rows(order, carrier%n, forest%pins(:, :, place%base), q(carrier%q + 2), q(carrier%q + 4), &
-                  & forest%carried(:, :, k), forest%carrying(:, :, k))
-               call hand_on(order, 3 + carrier%n, forest%compliance(:, :, k), forest%carried(:, :, k), forest%carrying(:, :, k), &
-                  & forest%block(:, :, c))
-            end associate
-         end associate
-      end do
-   end subroutine factor_masses
-
-   !> The mass matrix of a body as its block.
-   pure subroutine start_place(forest, model, k, q)
-      type(forest_type), intent(inout) :: forest
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: k
-      real(wp), intent(in) :: q(*)
-      associate (place => forest%places(k))
-         forest%started(k) = .true.
-         call mass_matrix(forest%order, place%n, model%bodies(place%model)%reduced, q(place%q + 2), q(place%q + 4), &
-            & forest%block(:, :, k))
-      end associate
-   end subroutine start_place
-
    !> Mass matrix of a body, eq. (10).
    pure subroutine mass_matrix(order, n, body, u, eta, block)
       integer, intent(in) :: order, n
@@ -407,171 +363,42 @@ contains
       block(2, 3) = block(3, 2)
    end subroutine mass_matrix
 
-   !> Moves a state that is near the pins onto them, at position and velocity level: `settle` of a forest. The factors at hand are
-   !> lost.
-   subroutine forest_settle(forest, model, q, v, residual, singular)
-      type(forest_type), intent(inout) :: forest
-      type(model_type), intent(in) :: model
+   !> Moves a state that is near the pins onto them, at position and velocity level. No pin closes a loop, so that the place and the
+   !> velocity of each frame follow from its carrier: rotations, deflections and their rates stay as they are. The momentum of a tree
+   !> in flight does not.
+   pure subroutine forest_settle(forest, q, v)
+      type(forest_type), intent(in) :: forest
       !> Coordinates and velocities (nq)
       real(wp), intent(inout) :: q(*), v(*)
-      !> Largest gap that is left, in units of the scales of the pins
-      real(wp), intent(out) :: residual
-      logical, intent(out) :: singular
-      !> As in `settle`
-      real(wp), parameter :: near = 1.0e-4_wp, nearest = 1.0e-9_wp, aim = 1.0e-14_wp
-      !> Gaps that hardly shrink and are smaller are rounding of the coordinates
-      real(wp), parameter :: rounding = 1.0e-11_wp, no_progress = 0.5_wp
-      integer, parameter :: most = 6
-      real(wp) :: before, last
-      integer :: round
-      call normalise(forest, q)
-      call factor_masses(forest, model, q, singular)
-      residual = huge(residual)
-      if (singular) return
-      call find_gaps(forest, q, residual)
-      before = residual
-      do round = 1, most
-         if (residual <= aim) exit
-         call forest_solve(forest, forest%x)
-         call move(forest, q)
-         last = residual
-         call find_gaps(forest, q, residual)
-         if (residual <= rounding .and. residual > no_progress*last) exit
-      end do
-      if (before <= aim) before = 0.0_wp
-      if (before > near) then
-         call factor_masses(forest, model, q, singular)
-         if (singular) return
-         before = 0.0_wp
-      end if
-      call settle_rates(forest, q, v)
-      if (before > nearest) call settle_rates(forest, q, v)
-   end subroutine forest_settle
-
-   !> Brings the frames' vectors to unit length, and frames that hang to their places.
-   pure subroutine normalise(forest, q)
-      type(forest_type), intent(in) :: forest
-      real(wp), intent(inout) :: q(*)
-      integer :: k
-      do k = 1, size(forest%places)
-         associate (at => forest%places(k)%q)
-            q(at + 2:at + 3) = q(at + 2:at + 3)/sqrt(q(at + 2)**2 + q(at + 3)**2)
-         end associate
-         if (forest%places(k)%hangs) call hang(forest, k, q)
-      end do
-   end subroutine normalise
-
-   !> Puts a frame on its pin.
-   pure subroutine hang(forest, k, q)
-      type(forest_type), intent(in) :: forest
-      integer, intent(in) :: k
-      real(wp), intent(inout) :: q(*)
-      associate (place => forest%places(k))
-         q(place%q:place%q + 1) = place_of_base(forest, k, q)
-      end associate
-   end subroutine hang
-
-   !> Place of the pin on the carrier.
-   pure function place_of_base(forest, k, q) result(position)
-      type(forest_type), intent(in) :: forest
-      integer, intent(in) :: k
-      real(wp), intent(in) :: q(*)
-      real(wp) :: position(2)
-      associate (base => forest%places(k)%base, c => forest%places(k)%carrier)
-         if (c == 0) then
-            position = forest%pins(:, 0, base)
-         else
-            position = place_of_pin(forest%places(c)%n, forest%pins(:, :, base), q(forest%places(c)%q))
-         end if
-      end associate
-   end function place_of_base
-
-   pure function place_of_pin(n, pin, q) result(position)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: pin(2, 0:n), q(4 + n)
-      real(wp) :: position(2), p(2)
-      integer :: k
-      p = pin(:, 0)
-      do k = 1, n
-         p(1) = p(1) + pin(1, k)*q(4 + k)
-         p(2) = p(2) + pin(2, k)*q(4 + k)
-      end do
-      position(1) = q(1) + p(1)*q(3) - p(2)*q(4)
-      position(2) = q(2) + p(1)*q(4) + p(2)*q(3)
-   end function place_of_pin
-
-   !> Right-hand side that closes the gaps of the pins, into `x`; the largest gap in units of the scales.
-   pure subroutine find_gaps(forest, q, largest)
-      type(forest_type), intent(inout) :: forest
-      real(wp), intent(in) :: q(*)
-      real(wp), intent(out) :: largest
-      real(wp) :: gap(2)
-      integer :: k
-      largest = 0.0_wp
-      forest%x(:forest%nw) = 0.0_wp
-      do k = 1, size(forest%places)
-         associate (place => forest%places(k))
-            if (place%carrier < 0) cycle
-            gap = place_of_pin(place%n, forest%pins(:, :, place%own), q(place%q)) - place_of_base(forest, k, q)
-            largest = max(largest, abs(gap(1))/place%scale, abs(gap(2))/place%scale)
-            forest%x(forest%nw + place%row:forest%nw + place%row + 1) = -place%sign*gap
-         end associate
-      end do
-   end subroutine find_gaps
-
-   !> Moves coordinates by the increments in `x`.
-   pure subroutine move(forest, q)
-      type(forest_type), intent(in) :: forest
-      real(wp), intent(inout) :: q(*)
-      real(wp) :: u(2), size_of
-      integer :: k
-      do k = 1, size(forest%places)
-         associate (place => forest%places(k), at => forest%places(k)%q, x => forest%x)
-            u(1) = q(at + 2) - x(place%w + 2)*q(at + 3)
-            u(2) = q(at + 3) + x(place%w + 2)*q(at + 2)
-            size_of = sqrt(u(1)**2 + u(2)**2)
-            q(at:at + 1) = q(at:at + 1) + x(place%w:place%w + 1)
-            q(at + 2:at + 3) = u/size_of
-            q(at + 4:at + 3 + place%n) = q(at + 4:at + 3 + place%n) + x(place%w + 3:place%w + 2 + place%n)
-            if (place%hangs) call hang(forest, k, q)
-         end associate
-      end do
-   end subroutine move
-
-   !> Takes out of the velocities what violates the velocity equations of the pins.
-   subroutine settle_rates(forest, q, v)
-      type(forest_type), intent(inout) :: forest
-      real(wp), intent(in) :: q(*)
-      real(wp), intent(inout) :: v(*)
-      real(wp) :: speed(2), omega
+      real(wp) :: place(2), speed(2), arm(2), sway(2), omega
       integer :: k, c
-      forest%x(:forest%nw) = 0.0_wp
       do k = 1, size(forest%places)
-         associate (place => forest%places(k))
-            c = place%carrier
-            if (c < 0) cycle
-            speed = speed_of_pin(place%n, forest%pins(:, :, place%own), q(place%q), v(place%q))
-            if (c > 0) speed = speed - speed_of_pin(forest%places(c)%n, forest%pins(:, :, place%base), q(forest%places(c)%q), &
-               & v(forest%places(c)%q))
-            forest%x(forest%nw + place%row:forest%nw + place%row + 1) = -place%sign*speed
-         end associate
-      end do
-      call forest_solve(forest, forest%x)
-      do k = 1, size(forest%places)
-         associate (place => forest%places(k), at => forest%places(k)%q, x => forest%x)
-            omega = q(at + 2)*v(at + 3) - q(at + 3)*v(at + 2) + x(place%w + 2)
-            v(at:at + 1) = v(at:at + 1) + x(place%w:place%w + 1)
+         associate (at => forest%places(k)%q, n => forest%places(k)%n, own => forest%places(k)%own, base => forest%places(k)%base)
+            q(at + 2:at + 3) = q(at + 2:at + 3)/sqrt(q(at + 2)**2 + q(at + 3)**2)
+            omega = q(at + 2)*v(at + 3) - q(at + 3)*v(at + 2)
             v(at + 2) = -omega*q(at + 3)
             v(at + 3) = omega*q(at + 2)
-            v(at + 4:at + 3 + place%n) = v(at + 4:at + 3 + place%n) + x(place%w + 3:place%w + 2 + place%n)
+            c = forest%places(k)%carrier
+            if (c < 0) cycle
+            place = forest%pins(:, 0, base)
+            speed = 0.0_wp
+            if (c > 0) call follow_pin(forest%places(c)%n, forest%pins(:, :, base), q(forest%places(c)%q), v(forest%places(c)%q), &
+               & place, speed)
+            q(at:at + 1) = 0.0_wp
+            v(at:at + 1) = 0.0_wp
+            call follow_pin(n, forest%pins(:, :, own), q(at), v(at), arm, sway)
+            q(at:at + 1) = place - arm
+            v(at:at + 1) = speed - sway
          end associate
       end do
-   end subroutine settle_rates
+   end subroutine forest_settle
 
-   pure function speed_of_pin(n, pin, q, v) result(speed)
+   !> Place and velocity of a pin.
+   pure subroutine follow_pin(n, pin, q, v, place, speed)
       integer, intent(in) :: n
       real(wp), intent(in) :: pin(2, 0:n), q(4 + n), v(4 + n)
-      real(wp) :: speed(2), p(2), drift(2), omega
+      real(wp), intent(out) :: place(2), speed(2)
+      real(wp) :: p(2), drift(2), omega
       integer :: k
       p = pin(:, 0)
       drift = 0.0_wp
@@ -581,12 +408,14 @@ contains
          drift(1) = drift(1) + pin(1, k)*v(4 + k)
          drift(2) = drift(2) + pin(2, k)*v(4 + k)
       end do
+      place(1) = q(1) + p(1)*q(3) - p(2)*q(4)
+      place(2) = q(2) + p(1)*q(4) + p(2)*q(3)
       omega = q(3)*v(4) - q(4)*v(3)
       drift(1) = drift(1) - omega*p(2)
       drift(2) = drift(2) + omega*p(1)
       speed(1) = v(1) + drift(1)*q(3) - drift(2)*q(4)
       speed(2) = v(2) + drift(1)*q(4) + drift(2)*q(3)
-   end function speed_of_pin
+   end subroutine follow_pin
 
    !> product = product + factor M vector, in the layout of the rates, at q; the blocks of the factors are not touched.
    subroutine forest_times_mass(forest, model, q, factor, vector, product)

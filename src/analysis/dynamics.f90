@@ -6,7 +6,8 @@ module limber_analysis_dynamics
    use limber_base_text, only: as_text, newline
    use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, axial_share, start_axial_watch, &
       & watch_axial, pass_axial_break, axial_findings
-   use limber_analysis_indicators, only: indicators_type, start_indicators, observe
+   use limber_analysis_indicators, only: indicators_type, start_indicators
+   use limber_analysis_observation, only: observe
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
    use limber_integrator_adams, only: adams_type

@@ -1,8 +1,8 @@
 !> How far each flexible body is within the range of its model: running maxima of dimensionless indicators, each with its time.
 !> An analysis lets a state be observed now and then; nothing is allocated there. `limber_analysis_ranges` judges them.
 !>
-!>     call start_indicators(indicators, system)                    ! before the first step; makes the constants of each beam
-!>     call observe(indicators, system, work, t, q, v, a)           ! at a state with its accelerations and multipliers
+!>     call start_indicators(indicators, system)                    ! before the first step; makes the constants of the beams
+!>     call observe(indicators, system, work, t, q, v, a)           ! limber_analysis_observation: at a state
 !>     value = indicator_value(indicators%bodies(i), indicator_slope)
 !>     t = indicator_time(indicators%bodies(i), indicator_slope)
 !>
@@ -11,14 +11,12 @@ module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_flex_stations, only: stations_type, new_stations
-   use limber_model_scene, only: body_type, ground, joint_point_on_line, joint_translational, joint_curve, joint_sliding, &
-      & joint_revolute, joint_weld
-   use limber_system_algebra, only: cross
-   use limber_system_kinematics, only: point_position
-   use limber_system_system, only: system_type, workspace_type
+   use limber_model_scene, only: ground, joint_point_on_line, joint_translational, joint_curve, joint_sliding, joint_revolute, &
+      & joint_weld
+   use limber_system_system, only: system_type
    implicit none
    private
-   public :: indicators_type, body_indicators_type, start_indicators, observe, join_indicators, indicator_value, indicator_time
+   public :: indicators_type, body_indicators_type, start_indicators, join_indicators, raise_peak, indicator_value, indicator_time
    public :: indicator_names, indicator_meanings
 
    !> Kinds of indicators, those of a body in this order
@@ -45,7 +43,7 @@ module limber_analysis_indicators
       & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending']
 
    !> Maxima that the indicators are made of
-   integer, parameter :: peak_deflection = 1, peak_slope = 2, peak_rotation = 3, peak_compression = 4, peak_tension = 5, &
+   integer, parameter, public :: peak_deflection = 1, peak_slope = 2, peak_rotation = 3, peak_compression = 4, peak_tension = 5, &
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
       & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peaks = 15
 
@@ -56,16 +54,30 @@ module limber_analysis_indicators
       logical :: is_beam = .false.
       !> Whether its model is FULL
       logical :: is_full = .false.
-      type(stations_type) :: stations
+      !> Which of the sets of constants are its own; its k_G elements, and whether joints hold its ends at a distance from each other
+      !> of which its model knows nothing
+      integer :: set = 0, elements = 0
+      logical :: held = .false.
       !> First frequency, and length or size
       real(wp) :: first_frequency = 1.0_wp, length = 1.0_wp
       !> Maxima and their times; largest energy of each bending coordinate, and its time
       real(wp) :: peak(peaks) = 0.0_wp, time(peaks) = 0.0_wp
       real(wp), allocatable :: modal(:), modal_time(:)
+      !> Relative error of each bending frequency by the lumped masses (bending)
+      real(wp), allocatable :: lumping(:)
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
-      real(wp), allocatable, private :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
+      real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
    end type body_indicators_type
+
+   !> Constants of beams that are equal and held and loaded at the same places
+   type :: set_type
+      !> First of them in the model; at each place whether joints act there; whether two places are held by the same other body
+      integer :: body = 0
+      logical, allocatable :: jointed(:)
+      logical :: held = .false.
+      type(stations_type) :: stations
+   end type set_type
 
    !> A joint, driver or load that acts on a beam: the point, whether it is a joint that does not slide along the beam, and the other
    !> body of a pin or weld, -1 for others
@@ -78,15 +90,19 @@ module limber_analysis_indicators
    !> All flexible bodies of a scene
    type :: indicators_type
       type(body_indicators_type), allocatable :: bodies(:)
+      !> Only the first `count` are in use
+      type(set_type), allocatable :: sets(:)
+      integer :: count = 0
       !> Number of states that were observed
       integer :: observations = 0
       !> Index into `bodies` of each body of the model; 0: none
       integer, allocatable :: of(:)
       !> Place of each point among those of its beam; 0: none (points)
-      integer, allocatable, private :: place(:)
+      integer, allocatable :: place(:)
       !> Whether the force of a side of a constraint acts at its point across the beam: not if something slides along it
-      logical, allocatable, private :: fixed(:, :)
-      real(wp), allocatable, private :: scratch(:)
+      logical, allocatable :: fixed(:, :)
+      !> Of the forces of a load
+      real(wp), allocatable :: scratch(:)
    end type indicators_type
 
 contains
@@ -109,7 +125,7 @@ contains
          count = count + 1
          self%of(i) = count
       end do
-      allocate (self%bodies(count))
+      allocate (self%bodies(count), self%sets(min(count, 4)))
       most = 0
       do i = 1, size(system%loads)
          most = max(most, sum(system%loads(i)%item%rates))
@@ -135,7 +151,6 @@ contains
       integer, intent(in) :: index
       type(contact_type), intent(in) :: contacts(:)
       type(body_indicators_type), intent(inout) :: body
-      type(error_type), allocatable :: error
       real(wp), allocatable :: place(:)
       logical, allocatable :: jointed(:)
       logical :: held
@@ -150,16 +165,76 @@ contains
          body%modal_time = 0.0_wp
          if (.not. body%is_beam) return
          call find_places(self, system, index, contacts, place, jointed, held)
-         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, held, &
-            & body%stations, error)
-         body%is_beam = .not. allocated(error)
-         associate (stations => body%stations)
+         call find_set(self, system, index, place, jointed, held, body%set)
+         body%is_beam = body%set > 0
+         if (.not. body%is_beam) return
+         associate (stations => self%sets(body%set)%stations)
+            body%elements = stations%elements
+            body%held = stations%membrane > 0.0_wp
+            allocate (body%lumping, source=stations%lumping)
             allocate (body%slope(stations%count), body%force(stations%count))
             allocate (body%along(size(stations%pull, 1)), body%across(2 + 2*size(place)), body%own(stations%bending), &
                & body%push(3, stations%bending))
          end associate
       end associate
    end subroutine start_body
+
+   !> The set of constants of a beam: that of an earlier one if it is the same, else a new one; 0 if they cannot be made.
+   subroutine find_set(self, system, index, place, jointed, held, set)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> The body; coordinates along it where joints and loads act, and whether these are joints; whether two of them are held by
+      !> the same other body
+      integer, intent(in) :: index
+      real(wp), intent(in) :: place(:)
+      logical, intent(in) :: jointed(:), held
+      integer, intent(out) :: set
+      !> Sets before the last that are looked at
+      integer, parameter :: last = 8
+      type(error_type), allocatable :: error
+      do set = self%count, max(1, self%count - last), -1
+         if (is_same(self%sets(set))) return
+      end do
+      if (self%count == size(self%sets)) call make_room(self)
+      set = self%count + 1
+      associate (new => self%sets(set), flexible => system%model%bodies(index))
+         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, held, new%stations, &
+            & error)
+         if (.not. allocated(error)) then
+            new%body = index
+            new%held = held
+            allocate (new%jointed, source=jointed)
+            self%count = set
+         else
+            set = 0
+         end if
+      end associate
+
+   contains
+
+      !> Whether a set is that of this beam.
+      pure logical function is_same(other)
+         type(set_type), intent(in) :: other
+         associate (bodies => system%model%bodies)
+            is_same = bodies(index)%twin > 0 .and. bodies(other%body)%twin == bodies(index)%twin .and. (other%held .eqv. held)
+         end associate
+         if (is_same) is_same = size(other%jointed) == size(jointed)
+         if (is_same) is_same = all(other%jointed .eqv. jointed) .and. all(abs(other%stations%place - place) <= 0.0_wp)
+      end function is_same
+
+   end subroutine find_set
+
+   !> Twice as many sets.
+   subroutine make_room(self)
+      type(indicators_type), intent(inout) :: self
+      type(set_type), allocatable :: more(:)
+      integer :: i
+      allocate (more(2*size(self%sets)))
+      do i = 1, self%count
+         more(i) = self%sets(i)
+      end do
+      call move_alloc(more, self%sets)
+   end subroutine make_room
 
    !> What acts on flexible bodies, body by body.
    subroutine list_contacts(self, system, first, contacts)
@@ -261,324 +336,10 @@ contains
       allocate (jointed, source=joint(:count))
    end subroutine find_places
 
-   !> Takes a state into the maxima. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.
-   subroutine observe(self, system, work, t, q, v, a)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      !> Time; coordinates, velocities, accelerations (nq)
-      real(wp), intent(in) :: t, q(:), v(:), a(:)
-      integer :: i, first, last
-      if (size(self%bodies) == 0) return
-      self%observations = self%observations + 1
-      do i = 1, size(self%bodies)
-         first = system%layout%q(self%bodies(i)%body)
-         last = first + 3 + system%layout%n(self%bodies(i)%body)
-         associate (u => q(first + 2:first + 3), eta => q(first + 4:last), rate => v(first + 4:last))
-            call observe_motion(self%bodies(i), system%model%bodies(self%bodies(i)%body), t, &
-               & cross(u, v(first + 2:first + 3)), eta, rate)
-            if (self%bodies(i)%is_beam) call start_amplitudes(self%bodies(i), a(first:first + 1) - system%model%gravity, u, &
-               & cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last))
-         end associate
-      end do
-      call add_reactions(self, system, work, q)
-      call add_loads(self, system, work, q)
-      do i = 1, size(self%bodies)
-         if (.not. self%bodies(i)%is_beam) cycle
-         first = system%layout%q(self%bodies(i)%body) + 4
-         last = first + system%layout%n(self%bodies(i)%body) - 1
-         call observe_forces(self%bodies(i), system%model%bodies(self%bodies(i)%body), t, q(first:last))
-      end do
-   end subroutine observe
-
-   !> Deflection, slope, rotation and energies.
-   pure subroutine observe_motion(self, body, t, omega, eta, rate)
-      type(body_indicators_type), intent(inout) :: self
-      type(body_type), intent(in) :: body
-      !> Time, angular velocity of the frame, coordinates and their rates (n)
-      real(wp), intent(in) :: t, omega, eta(:), rate(:)
-      real(wp) :: deflection, slope, elastic, kinetic, bent, part
-      integer :: k, s
-      elastic = 0.0_wp
-      kinetic = 0.0_wp
-      bent = 0.0_wp
-      do k = 1, body%reduced%bending
-         part = body%reduced%omega2(k)*eta(k)**2
-         elastic = elastic + part
-         kinetic = kinetic + rate(k)**2
-         bent = bent + eta(k)**2
-         if (part > self%modal(k)) then
-            self%modal(k) = part
-            self%modal_time(k) = t
-         end if
-      end do
-      deflection = 0.0_wp
-      slope = 0.0_wp
-      if (self%is_beam) then
-         do s = 1, self%stations%count + 2
-            part = 0.0_wp
-            do k = 1, self%stations%bending
-               part = part + self%stations%deflection(k, s)*eta(k)
-            end do
-            deflection = max(deflection, abs(part))
-         end do
-         do s = 1, self%stations%count
-            self%slope(s) = 0.0_wp
-            do k = 1, self%stations%bending
-               self%slope(s) = self%slope(s) + self%stations%slope(k, s)*eta(k)
-            end do
-            slope = max(slope, abs(self%slope(s)))
-         end do
-      else if (body%is_frame) then
-         call frame_extremes(body%shape, eta, deflection, slope)
-      end if
-      call raise_peak(self, peak_deflection, deflection/self%length, t)
-      call raise_peak(self, peak_slope, slope, t)
-      call raise_peak(self, peak_rotation, abs(omega)/self%first_frequency, t)
-      call raise_peak(self, peak_energy, elastic, t)
-      call raise_peak(self, peak_kinetic, kinetic, t)
-      call raise_peak(self, peak_bent, bent, t)
-   end subroutine observe_motion
-
-   !> Largest displacement and rotation of the nodes of a frame.
-   pure subroutine frame_extremes(shape, eta, deflection, slope)
-      !> (3, nodes, n)
-      real(wp), intent(in) :: shape(:, :, :), eta(:)
-      real(wp), intent(out) :: deflection, slope
-      real(wp) :: u(3)
-      integer :: i, k
-      deflection = 0.0_wp
-      slope = 0.0_wp
-      do i = 1, size(shape, 2)
-         u = 0.0_wp
-         do k = 1, size(eta)
-            u = u + shape(:, i, k)*eta(k)
-         end do
-         deflection = max(deflection, norm2(u(1:2)))
-         slope = max(slope, abs(u(3)))
-      end do
-   end subroutine frame_extremes
-
-   !> Amplitudes of the inertia, eq. (157); those of the places are zero.
-   pure subroutine start_amplitudes(self, heavy, u, omega, alpha, eta, rate, acceleration)
-      type(body_indicators_type), intent(inout) :: self
-      !> Acceleration of the frame's origin less that of gravity, along the fixed axes (2); unit vector of the frame (2)
-      real(wp), intent(in) :: heavy(2), u(2)
-      !> Angular velocity and acceleration; coordinates, their rates and accelerations (n)
-      real(wp), intent(in) :: omega, alpha, eta(:), rate(:), acceleration(:)
-      integer :: k, b
-      b = self%stations%bending
-      self%along = 0.0_wp
-      self%along(1) = -dot_product(u, heavy)
-      self%along(2) = omega**2
-      do k = 1, self%stations%axial
-         self%along(2 + k) = omega**2*eta(b + k) - acceleration(b + k)
-      end do
-      do k = 1, b
-         self%along(2 + self%stations%axial + k) = alpha*eta(k) + 2*omega*rate(k)
-      end do
-      self%across = 0.0_wp
-      self%across(1) = -cross(u, heavy)
-      self%across(2) = -alpha
-      self%own = omega**2*eta(:b) - acceleration(:b)
-   end subroutine start_amplitudes
-
-   !> Forces of joints and drivers.
-   subroutine add_reactions(self, system, work, q)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      real(wp), intent(in) :: q(:)
-      real(wp) :: force(3)
-      integer :: i, side, row, k
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            do side = 1, 2
-               if (item%bodies(side) == ground .or. item%points(side) == 0) cycle
-               if (self%place(item%points(side)) == 0) cycle
-               force = 0.0_wp
-               do row = 1, item%rows
-                  do k = 1, 3
-                     force(k) = force(k) - work%lambda(item%first + row - 1)*work%jacobians(side, i)%z(row, k)
-                  end do
-               end do
-               call add_force(self, system, item%bodies(side), item%points(side), force, self%fixed(side, i), q)
-            end do
-         end associate
-      end do
-   end subroutine add_reactions
-
-   !> Forces of loads.
-   subroutine add_loads(self, system, work, q)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      real(wp), intent(in) :: q(:)
-      integer :: i, side
-      logical :: at_points
-      do i = 1, size(system%loads)
-         associate (item => system%loads(i)%item)
-            at_points = .false.
-            do side = 1, size(item%points)
-               if (item%bodies(side) == ground .or. item%points(side) == 0) cycle
-               at_points = at_points .or. self%place(item%points(side)) > 0
-            end do
-            if (.not. at_points) cycle
-            self%scratch = 0.0_wp
-            call item%add_force(work%kinematics, self%scratch(:sum(item%rates)))
-            if (item%is_scaled) self%scratch = item%share*self%scratch
-            do side = 1, size(item%points)
-               if (item%bodies(side) == ground .or. item%points(side) == 0) cycle
-               if (self%place(item%points(side)) == 0) cycle
-               call add_force(self, system, item%bodies(side), item%points(side), &
-                  & self%scratch(item%offsets(side) + 1:item%offsets(side) + 3), &
-                  & system%model%points(item%points(side))%member > 0, q)
-            end do
-         end associate
-      end do
-   end subroutine add_loads
-
-   !> A force and its moment about the origin of a beam's frame, as forces along and across it and a couple at a place.
-   pure subroutine add_force(self, system, body, point, force, is_fixed, q)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: body, point
-      !> Along the fixed axes (2), and moment
-      real(wp), intent(in) :: force(3)
-      !> Whether it bends the beam at this point
-      logical, intent(in) :: is_fixed
-      real(wp), intent(in) :: q(:)
-      real(wp) :: u(2), arm(2)
-      integer :: first, at
-      first = system%layout%q(body)
-      u = q(first + 2:first + 3)
-      at = self%place(point)
-      associate (own => self%bodies(self%of(body)))
-         if (.not. own%is_beam) return
-         associate (k => 2 + own%stations%axial + own%stations%bending + at)
-            own%along(k) = own%along(k) + dot_product(u, force(1:2))
-         end associate
-         if (.not. is_fixed) return
-         own%across(1 + 2*at) = own%across(1 + 2*at) + cross(u, force(1:2))
-         arm = point_position(system%layout, system%model%points(point), q)
-         arm = arm - q(first:first + 1)
-         own%across(2 + 2*at) = own%across(2 + 2*at) + force(3) - cross(arm, force(1:2))
-      end associate
-   end subroutine add_force
-
-   !> Axial force, its work on the bending, what the model has of it, and what the coordinates cannot carry.
-   pure subroutine observe_forces(self, body, t, eta)
-      type(body_indicators_type), intent(inout) :: self
-      type(body_type), intent(in) :: body
-      real(wp), intent(in) :: t, eta(:)
-      real(wp) :: load, work, lack, coarse, elastic, left_out, lost, row, foreshortening, quartic
-      integer :: s, k
-      associate (stations => self%stations)
-         load = 0.0_wp
-         work = 0.0_wp
-         quartic = 0.0_wp
-         foreshortening = 0.0_wp
-         if (stations%membrane > 0.0_wp) foreshortening = sum(stations%weight*self%slope**2)
-         do s = 1, stations%count
-            self%force(s) = 0.0_wp
-            do k = 1, size(self%along)
-               self%force(s) = self%force(s) + stations%pull(k, s)*self%along(k)
-            end do
-            self%force(s) = self%force(s) + stations%membrane*foreshortening
-            load = load + stations%buckling(s)*self%force(s)
-            work = work + stations%weight(s)*self%force(s)*self%slope(s)**2
-            quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
-         end do
-         call compare_tension(self, body, eta, lack, coarse)
-         ! Axial coordinates that follow at rest hold no stretch in the motion: limber_analysis_axial judges these
-         if (body%reduced%condensed) lack = 0.0_wp
-         elastic = 0.0_wp
-         lost = 0.0_wp
-         do k = 1, stations%bending
-            elastic = elastic + body%reduced%omega2(k)*eta(k)**2
-            row = stations%lost(k, 1)*self%across(1) + stations%lost(k, 2)*self%across(2)
-            do s = 1, stations%bending
-               row = row + stations%lost(k, 2 + s)*self%own(s)
-            end do
-            lost = lost + row**2/body%reduced%omega2(k)
-         end do
-         left_out = 0.0_wp
-         do s = 1, size(self%across)
-            row = 0.0_wp
-            do k = 1, size(self%across)
-               row = row + stations%left_out(k, s)*self%across(k)
-            end do
-            left_out = left_out + row*self%across(s)
-         end do
-      end associate
-      call raise_peak(self, peak_compression, -load, t)
-      call raise_peak(self, peak_tension, load, t)
-      call raise_peak(self, peak_geometric, abs(work), t)
-      call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
-      call raise_peak(self, peak_axial, lack, t)
-      call raise_peak(self, peak_coarse, coarse, t)
-      call raise_peak(self, peak_left_out, left_out, t)
-      call raise_peak(self, peak_lost, lost, t)
-      call raise_peak(self, peak_quartic, abs(quartic), t)
-   end subroutine observe_forces
-
-   !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about them;
-   !> squares of the change: in energy, of what FULL lacks in deflection, eqs. (160), (161).
-   pure subroutine compare_tension(self, body, eta, lack, coarse)
-      type(body_indicators_type), intent(inout) :: self
-      type(body_type), intent(in) :: body
-      real(wp), intent(in) :: eta(:)
-      real(wp), intent(out) :: lack, coarse
-      real(wp) :: length, mean, tilt, own, tension, part
-      integer :: g, s, k, j, from, each
-      self%push = 0.0_wp
-      associate (stations => self%stations)
-         each = stations%count/stations%elements
-         do g = 1, stations%elements
-            from = (g - 1)*each
-            length = 0.0_wp
-            mean = 0.0_wp
-            tilt = 0.0_wp
-            do s = from + 1, from + each
-               length = length + stations%weight(s)
-               mean = mean + stations%weight(s)*self%force(s)
-               tilt = tilt + stations%weight(s)*self%force(s)*stations%xi(s)
-            end do
-            mean = mean/length
-            tilt = merge(3*tilt/length, 0.0_wp, stations%linear)
-            own = 0.0_wp
-            if (size(stations%slopes, 3) > 0) then
-               do j = 1, stations%bending
-                  do k = 1, stations%bending
-                     own = own + eta(k)*stations%slopes(k, j, g)*eta(j)
-                  end do
-               end do
-            end if
-            do s = from + 1, from + each
-               tension = own
-               do k = 1, stations%axial
-                  tension = tension + stations%strain(k, s)*eta(stations%bending + k)
-               end do
-               do j = 1, stations%bending
-                  part = stations%weight(s)*self%slope(s)*stations%slope(j, s)
-                  self%push(1, j) = self%push(1, j) + part*(tension - mean - tilt*stations%xi(s))
-                  self%push(2, j) = self%push(2, j) + part*(self%force(s) - mean - tilt*stations%xi(s))
-                  self%push(3, j) = self%push(3, j) + stations%weight(s)*self%force(s)*stations%slope(j, s)**2
-               end do
-            end do
-         end do
-         lack = 0.0_wp
-         coarse = 0.0_wp
-         do j = 1, stations%bending
-            part = body%reduced%omega2(j) + max(self%push(3, j), 0.0_wp)
-            lack = lack + merge((self%push(1, j)/part)**2, self%push(1, j)**2/part, body%reduced%full)
-            coarse = coarse + self%push(2, j)**2/part
-         end do
-      end associate
-   end subroutine compare_tension
-
+   !> Takes a value into the maximum of its kind.
    pure subroutine raise_peak(self, kind, value, t)
       type(body_indicators_type), intent(inout) :: self
+      !> One of peak_...
       integer, intent(in) :: kind
       real(wp), intent(in) :: value, t
       if (.not. value > self%peak(kind)) return
@@ -627,7 +388,7 @@ contains
          case (indicator_coarseness); value = sqrt(ratio(peak(peak_coarse), peak(peak_stiffness)))
          case (indicator_lumping)
             value = 0.0_wp
-            if (self%is_beam) value = max(ratio(maxval(self%modal*self%stations%lumping), peak(peak_energy)), &
+            if (self%is_beam) value = max(ratio(maxval(self%modal*self%lumping), peak(peak_energy)), &
                & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
          case (indicator_shortening); value = ratio(peak(peak_quartic), peak(peak_stiffness))
          case default; value = peak(kind)

@@ -127,7 +127,7 @@ contains
             & ', and a LINEAR beam leaves it out'
       case (indicator_axial)
          text = 'lacks axial force that changes its deflection by about '//percent//when
-         if (indicators%stations%membrane > 0.0_wp) then
+         if (indicators%held) then
             text = text//': its ends cannot approach each other as it bends'
          else if (body%reduced%full) then
             text = text//': it locks, for its axial functions cannot carry the shortening by bending'
@@ -135,7 +135,7 @@ contains
             text = text//': its axial functions cannot carry the tension'
          end if
       case (indicator_coarseness)
-         text = 'has an axial force that varies within its '//as_text(indicators%stations%elements)//' k_G elements, which'// &
+         text = 'has an axial force that varies within its '//as_text(indicators%elements)//' k_G elements, which'// &
             & ' changes its deflection by about '//percent//when
       case (indicator_residual)
          text = 'bends under the forces and couples of its joints and loads by '//percent//' of the energy in ways that its '// &
@@ -164,13 +164,13 @@ contains
          if (.not. body%reduced%geometric) text = 'use GEOMETRIC=FULL, or divide the beam into SEGMENTS'
       case (indicator_geometric)
          text = 'use GEOMETRIC=K_G or FULL'
-         if (indicators%stations%membrane > 0.0_wp) text = 'use GEOMETRIC=FULL'
+         if (indicators%held) text = 'use GEOMETRIC=FULL'
       case (indicator_axial)
          text = 'use AXIAL BASIS=STATIC or ELEMENTS'
-         if (indicators%stations%membrane > 0.0_wp) text = 'use GEOMETRIC=FULL'
+         if (indicators%held) text = 'use GEOMETRIC=FULL'
          if (body%reduced%n == body%reduced%bending) text = 'give it AXIAL MODES, or AXIAL BASIS=STATIC'
       case (indicator_coarseness)
-         text = 'use GEOMETRIC ELEMENTS='//as_text(ceiling(1.2_wp*indicators%stations%elements*sqrt(over)))
+         text = 'use GEOMETRIC ELEMENTS='//as_text(ceiling(1.2_wp*indicators%elements*sqrt(over)))
          if (.not. body%reduced%full) text = text//', or GEOMETRIC INTEGRAL=LINEAR'
       case (indicator_residual)
          text = 'use more BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints'

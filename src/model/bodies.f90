@@ -189,6 +189,7 @@ contains
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          twin = find_twin(model, body)
          usable = twin > 0
+         body%twin = merge(twin, model%counts%bodies + 1, usable)
          if (usable) then
             body%reduced = model%bodies(twin)%reduced
             body%field = model%bodies(twin)%field

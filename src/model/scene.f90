@@ -107,6 +107,8 @@ module limber_model_scene
       logical :: envelope = .false.
       !> Number of the sections of points
       integer :: point_sections = 0
+      !> Of a flexible beam the first one with the same reduction, maybe itself
+      integer :: twin = 0
       !> Of a piece of a beam in segments: which of the model's wholes it is a part of; else 0
       integer :: whole = 0
    end type body_type

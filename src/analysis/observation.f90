@@ -1,0 +1,349 @@
+!> Takes states into the indicators of how far each flexible body is within the range of its model. Floor: analysis.
+!> Source: doc/theory, eqs. (156)-(165).
+module limber_analysis_observation
+   use limber_base_kinds, only: wp
+   use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
+      & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
+      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent
+   use limber_flex_stations, only: stations_type
+   use limber_model_scene, only: body_type, ground
+   use limber_system_algebra, only: cross
+   use limber_system_kinematics, only: point_position
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: observe
+
+contains
+
+   !> Takes a state into the maxima. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.
+   subroutine observe(self, system, work, t, q, v, a)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Time; coordinates, velocities, accelerations (nq)
+      real(wp), intent(in) :: t, q(:), v(:), a(:)
+      integer :: i, first, last
+      if (size(self%bodies) == 0) return
+      self%observations = self%observations + 1
+      do i = 1, size(self%bodies)
+         first = system%layout%q(self%bodies(i)%body)
+         last = first + 3 + system%layout%n(self%bodies(i)%body)
+         associate (u => q(first + 2:first + 3), eta => q(first + 4:last), rate => v(first + 4:last))
+            call observe_motion(self%bodies(i), system%model%bodies(self%bodies(i)%body), t, &
+               & cross(u, v(first + 2:first + 3)), eta, rate)
+            if (.not. self%bodies(i)%is_beam) cycle
+            associate (stations => self%sets(self%bodies(i)%set)%stations)
+               call bend(self%bodies(i), stations, t, eta)
+               call start_amplitudes(self%bodies(i), stations, a(first:first + 1) - system%model%gravity, u, &
+                  & cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last))
+            end associate
+         end associate
+      end do
+      call add_reactions(self, system, work, q)
+      call add_loads(self, system, work, q)
+      do i = 1, size(self%bodies)
+         if (.not. self%bodies(i)%is_beam) cycle
+         first = system%layout%q(self%bodies(i)%body) + 4
+         last = first + system%layout%n(self%bodies(i)%body) - 1
+         call observe_forces(self%bodies(i), self%sets(self%bodies(i)%set)%stations, system%model%bodies(self%bodies(i)%body), t, &
+            & q(first:last))
+      end do
+   end subroutine observe
+
+   !> Rotation and energies; of a frame deflection and slope.
+   pure subroutine observe_motion(self, body, t, omega, eta, rate)
+      type(body_indicators_type), intent(inout) :: self
+      type(body_type), intent(in) :: body
+      !> Time, angular velocity of the frame, coordinates and their rates (n)
+      real(wp), intent(in) :: t, omega, eta(:), rate(:)
+      real(wp) :: deflection, slope, elastic, kinetic, bent, part
+      integer :: k
+      elastic = 0.0_wp
+      kinetic = 0.0_wp
+      bent = 0.0_wp
+      do k = 1, body%reduced%bending
+         part = body%reduced%omega2(k)*eta(k)**2
+         elastic = elastic + part
+         kinetic = kinetic + rate(k)**2
+         bent = bent + eta(k)**2
+         if (part > self%modal(k)) then
+            self%modal(k) = part
+            self%modal_time(k) = t
+         end if
+      end do
+      if (body%is_frame) then
+         call frame_extremes(body%shape, eta, deflection, slope)
+         call raise_peak(self, peak_deflection, deflection/self%length, t)
+         call raise_peak(self, peak_slope, slope, t)
+      end if
+      call raise_peak(self, peak_rotation, abs(omega)/self%first_frequency, t)
+      call raise_peak(self, peak_energy, elastic, t)
+      call raise_peak(self, peak_kinetic, kinetic, t)
+      call raise_peak(self, peak_bent, bent, t)
+   end subroutine observe_motion
+
+   !> Deflection and slope of a beam at its stations.
+   pure subroutine bend(self, stations, t, eta)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      real(wp), intent(in) :: t, eta(:)
+      real(wp) :: deflection, slope, part
+      integer :: k, s
+      deflection = 0.0_wp
+      slope = 0.0_wp
+      do s = 1, stations%count + 2
+         part = 0.0_wp
+         do k = 1, stations%bending
+            part = part + stations%deflection(k, s)*eta(k)
+         end do
+         deflection = max(deflection, abs(part))
+      end do
+      do s = 1, stations%count
+         self%slope(s) = 0.0_wp
+         do k = 1, stations%bending
+            self%slope(s) = self%slope(s) + stations%slope(k, s)*eta(k)
+         end do
+         slope = max(slope, abs(self%slope(s)))
+      end do
+      call raise_peak(self, peak_deflection, deflection/self%length, t)
+      call raise_peak(self, peak_slope, slope, t)
+   end subroutine bend
+
+   !> Largest displacement and rotation of the nodes of a frame.
+   pure subroutine frame_extremes(shape, eta, deflection, slope)
+      !> (3, nodes, n)
+      real(wp), intent(in) :: shape(:, :, :), eta(:)
+      real(wp), intent(out) :: deflection, slope
+      real(wp) :: u(3)
+      integer :: i, k
+      deflection = 0.0_wp
+      slope = 0.0_wp
+      do i = 1, size(shape, 2)
+         u = 0.0_wp
+         do k = 1, size(eta)
+            u = u + shape(:, i, k)*eta(k)
+         end do
+         deflection = max(deflection, norm2(u(1:2)))
+         slope = max(slope, abs(u(3)))
+      end do
+   end subroutine frame_extremes
+
+   !> Amplitudes of the inertia, eq. (157); those of the places are zero.
+   pure subroutine start_amplitudes(self, stations, heavy, u, omega, alpha, eta, rate, acceleration)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      !> Acceleration of the frame's origin less that of gravity, along the fixed axes (2); unit vector of the frame (2)
+      real(wp), intent(in) :: heavy(2), u(2)
+      !> Angular velocity and acceleration; coordinates, their rates and accelerations (n)
+      real(wp), intent(in) :: omega, alpha, eta(:), rate(:), acceleration(:)
+      integer :: k, b
+      b = stations%bending
+      self%along = 0.0_wp
+      self%along(1) = -dot_product(u, heavy)
+      self%along(2) = omega**2
+      do k = 1, stations%axial
+         self%along(2 + k) = omega**2*eta(b + k) - acceleration(b + k)
+      end do
+      do k = 1, b
+         self%along(2 + stations%axial + k) = alpha*eta(k) + 2*omega*rate(k)
+      end do
+      self%across = 0.0_wp
+      self%across(1) = -cross(u, heavy)
+      self%across(2) = -alpha
+      self%own = omega**2*eta(:b) - acceleration(:b)
+   end subroutine start_amplitudes
+
+   !> Forces of joints and drivers.
+   subroutine add_reactions(self, system, work, q)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      real(wp), intent(in) :: q(:)
+      real(wp) :: force(3)
+      integer :: i, side, row, k
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, 2
+               if (item%bodies(side) == ground .or. item%points(side) == 0) cycle
+               if (self%place(item%points(side)) == 0) cycle
+               force = 0.0_wp
+               do row = 1, item%rows
+                  do k = 1, 3
+                     force(k) = force(k) - work%lambda(item%first + row - 1)*work%jacobians(side, i)%z(row, k)
+                  end do
+               end do
+               call add_force(self, system, item%bodies(side), item%points(side), force, self%fixed(side, i), q)
+            end do
+         end associate
+      end do
+   end subroutine add_reactions
+
+   !> Forces of loads.
+   subroutine add_loads(self, system, work, q)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      real(wp), intent(in) :: q(:)
+      integer :: i, side
+      logical :: at_points
+      do i = 1, size(system%loads)
+         associate (item => system%loads(i)%item)
+            at_points = .false.
+            do side = 1, size(item%points)
+               if (item%bodies(side) == ground .or. item%points(side) == 0) cycle
+               at_points = at_points .or. self%place(item%points(side)) > 0
+            end do
+            if (.not. at_points) cycle
+            self%scratch = 0.0_wp
+            call item%add_force(work%kinematics, self%scratch(:sum(item%rates)))
+            if (item%is_scaled) self%scratch = item%share*self%scratch
+            do side = 1, size(item%points)
+               if (item%bodies(side) == ground .or. item%points(side) == 0) cycle
+               if (self%place(item%points(side)) == 0) cycle
+               call add_force(self, system, item%bodies(side), item%points(side), &
+                  & self%scratch(item%offsets(side) + 1:item%offsets(side) + 3), &
+                  & system%model%points(item%points(side))%member > 0, q)
+            end do
+         end associate
+      end do
+   end subroutine add_loads
+
+   !> A force and its moment about the origin of a beam's frame, as forces along and across it and a couple at a place.
+   pure subroutine add_force(self, system, body, point, force, is_fixed, q)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body, point
+      !> Along the fixed axes (2), and moment
+      real(wp), intent(in) :: force(3)
+      !> Whether it bends the beam at this point
+      logical, intent(in) :: is_fixed
+      real(wp), intent(in) :: q(:)
+      real(wp) :: u(2), arm(2)
+      integer :: first, at
+      first = system%layout%q(body)
+      u = q(first + 2:first + 3)
+      at = self%place(point)
+      associate (own => self%bodies(self%of(body)))
+         if (.not. own%is_beam) return
+         associate (k => 2 + self%sets(own%set)%stations%axial + self%sets(own%set)%stations%bending + at)
+            own%along(k) = own%along(k) + dot_product(u, force(1:2))
+         end associate
+         if (.not. is_fixed) return
+         own%across(1 + 2*at) = own%across(1 + 2*at) + cross(u, force(1:2))
+         arm = point_position(system%layout, system%model%points(point), q)
+         arm = arm - q(first:first + 1)
+         own%across(2 + 2*at) = own%across(2 + 2*at) + force(3) - cross(arm, force(1:2))
+      end associate
+   end subroutine add_force
+
+   !> Axial force, its work on the bending, what the model has of it, and what the coordinates cannot carry.
+   pure subroutine observe_forces(self, stations, body, t, eta)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      type(body_type), intent(in) :: body
+      real(wp), intent(in) :: t, eta(:)
+      real(wp) :: load, work, lack, coarse, elastic, left_out, lost, row, foreshortening, quartic
+      integer :: s, k
+      load = 0.0_wp
+      work = 0.0_wp
+      quartic = 0.0_wp
+      foreshortening = 0.0_wp
+      if (stations%membrane > 0.0_wp) foreshortening = sum(stations%weight*self%slope**2)
+      do s = 1, stations%count
+         self%force(s) = 0.0_wp
+         do k = 1, size(self%along)
+            self%force(s) = self%force(s) + stations%pull(k, s)*self%along(k)
+         end do
+         self%force(s) = self%force(s) + stations%membrane*foreshortening
+         load = load + stations%buckling(s)*self%force(s)
+         work = work + stations%weight(s)*self%force(s)*self%slope(s)**2
+         quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
+      end do
+      call compare_tension(self, stations, body, eta, lack, coarse)
+      ! Axial coordinates that follow at rest hold no stretch in the motion: limber_analysis_axial judges these
+      if (body%reduced%condensed) lack = 0.0_wp
+      elastic = 0.0_wp
+      lost = 0.0_wp
+      do k = 1, stations%bending
+         elastic = elastic + body%reduced%omega2(k)*eta(k)**2
+         row = stations%lost(k, 1)*self%across(1) + stations%lost(k, 2)*self%across(2)
+         do s = 1, stations%bending
+            row = row + stations%lost(k, 2 + s)*self%own(s)
+         end do
+         lost = lost + row**2/body%reduced%omega2(k)
+      end do
+      left_out = 0.0_wp
+      do s = 1, size(self%across)
+         row = 0.0_wp
+         do k = 1, size(self%across)
+            row = row + stations%left_out(k, s)*self%across(k)
+         end do
+         left_out = left_out + row*self%across(s)
+      end do
+      call raise_peak(self, peak_compression, -load, t)
+      call raise_peak(self, peak_tension, load, t)
+      call raise_peak(self, peak_geometric, abs(work), t)
+      call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
+      call raise_peak(self, peak_axial, lack, t)
+      call raise_peak(self, peak_coarse, coarse, t)
+      call raise_peak(self, peak_left_out, left_out, t)
+      call raise_peak(self, peak_lost, lost, t)
+      call raise_peak(self, peak_quartic, abs(quartic), t)
+   end subroutine observe_forces
+
+   !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about them;
+   !> squares of the change: in energy, of what FULL lacks in deflection, eqs. (160), (161).
+   pure subroutine compare_tension(self, stations, body, eta, lack, coarse)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      type(body_type), intent(in) :: body
+      real(wp), intent(in) :: eta(:)
+      real(wp), intent(out) :: lack, coarse
+      real(wp) :: length, mean, tilt, own, tension, part
+      integer :: g, s, k, j, from, each
+      self%push = 0.0_wp
+      each = stations%count/stations%elements
+      do g = 1, stations%elements
+         from = (g - 1)*each
+         length = 0.0_wp
+         mean = 0.0_wp
+         tilt = 0.0_wp
+         do s = from + 1, from + each
+            length = length + stations%weight(s)
+            mean = mean + stations%weight(s)*self%force(s)
+            tilt = tilt + stations%weight(s)*self%force(s)*stations%xi(s)
+         end do
+         mean = mean/length
+         tilt = merge(3*tilt/length, 0.0_wp, stations%linear)
+         own = 0.0_wp
+         if (size(stations%slopes, 3) > 0) then
+            do j = 1, stations%bending
+               do k = 1, stations%bending
+                  own = own + eta(k)*stations%slopes(k, j, g)*eta(j)
+               end do
+            end do
+         end if
+         do s = from + 1, from + each
+            tension = own
+            do k = 1, stations%axial
+               tension = tension + stations%strain(k, s)*eta(stations%bending + k)
+            end do
+            do j = 1, stations%bending
+               part = stations%weight(s)*self%slope(s)*stations%slope(j, s)
+               self%push(1, j) = self%push(1, j) + part*(tension - mean - tilt*stations%xi(s))
+               self%push(2, j) = self%push(2, j) + part*(self%force(s) - mean - tilt*stations%xi(s))
+               self%push(3, j) = self%push(3, j) + stations%weight(s)*self%force(s)*stations%slope(j, s)**2
+            end do
+         end do
+      end do
+      lack = 0.0_wp
+      coarse = 0.0_wp
+      do j = 1, stations%bending
+         part = body%reduced%omega2(j) + max(self%push(3, j), 0.0_wp)
+         lack = lack + merge((self%push(1, j)/part)**2, self%push(1, j)**2/part, body%reduced%full)
+         coarse = coarse + self%push(2, j)**2/part
+      end do
+   end subroutine compare_tension
+
+end module limber_analysis_observation

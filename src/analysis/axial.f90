@@ -3,6 +3,7 @@
 !> waves in the deformation. Floor: analysis. Source: doc/theory, eqs. (146)-(149).
 module limber_analysis_axial
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_base_lapack, only: dsyev
    use limber_base_text, only: as_text
@@ -49,6 +50,8 @@ module limber_analysis_axial
    !> All bodies in a run
    type :: axial_watch_type
       type(axial_history_type), allocatable :: bodies(:)
+   contains
+      procedure :: exchange => exchange_axial_watch
    end type axial_watch_type
 
 contains
@@ -450,5 +453,25 @@ contains
             & system%model%units%time//' on: an error of about '//as_text(verdict%error, 2)//' of its deflections'
       end if
    end subroutine axial_findings
+
+   !> Saves or restores its memory.
+   subroutine exchange_axial_watch(self, snapshot)
+      class(axial_watch_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i
+      if (.not. allocated(self%bodies)) return
+      do i = 1, size(self%bodies)
+         call snapshot%exchange('frequency', self%bodies(i)%frequency)
+         call snapshot%exchange('starting', self%bodies(i)%starting)
+         call snapshot%keep('load', self%bodies(i)%load)
+         call snapshot%keep('lost', self%bodies(i)%lost)
+         call snapshot%exchange('t', self%bodies(i)%t)
+         call snapshot%exchange('looks', self%bodies(i)%looks)
+         call snapshot%exchange('tension', self%bodies(i)%tension)
+         call snapshot%exchange('wave', self%bodies(i)%wave)
+         call snapshot%exchange('stretched', self%bodies(i)%stretched)
+         call snapshot%exchange('deflection', self%bodies(i)%deflection)
+      end do
+   end subroutine exchange_axial_watch
 
 end module limber_analysis_axial

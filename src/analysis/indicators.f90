@@ -9,6 +9,7 @@
 !> Floor: analysis. Source: doc/theory, eqs. (156)-(165).
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_flex_stations, only: stations_type, new_stations
    use limber_model_scene, only: ground, joint_point_on_line, joint_translational, joint_curve, joint_sliding, joint_revolute, &
@@ -103,6 +104,8 @@ module limber_analysis_indicators
       logical, allocatable :: fixed(:, :)
       !> Of the forces of a load
       real(wp), allocatable :: scratch(:)
+   contains
+      procedure :: exchange => exchange_indicators
    end type indicators_type
 
 contains
@@ -422,5 +425,19 @@ contains
       ratio = 0.0_wp
       if (whole > 0.0_wp) ratio = part/whole
    end function ratio
+
+   !> Saves or restores its memory.
+   subroutine exchange_indicators(self, snapshot)
+      class(indicators_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i
+      do i = 1, size(self%bodies)
+         call snapshot%exchange('peak', self%bodies(i)%peak)
+         call snapshot%exchange('time', self%bodies(i)%time)
+         call snapshot%keep('modal', self%bodies(i)%modal)
+         call snapshot%keep('modal_time', self%bodies(i)%modal_time)
+      end do
+      call snapshot%exchange('observations', self%observations)
+   end subroutine exchange_indicators
 
 end module limber_analysis_indicators

@@ -1,6 +1,7 @@
 !> What a run watches at every step beside the error: models that are used outside their range. Floor: analysis.
 module limber_analysis_watch
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_weakest, weak
@@ -25,6 +26,8 @@ module limber_analysis_watch
       real(wp) :: way = 0.0_wp
       !> Number of jumps that were reported
       integer :: reported = 0
+   contains
+      procedure :: exchange => exchange_jump_watch
    end type jump_watch_type
 
 contains
@@ -143,5 +146,17 @@ contains
          & ', where branches of the motion meet ('//constraint_names(system, part)//' without grip): it may have gone over to'// &
          & ' another branch; compare with INTEGRATOR=ADAMS or a smaller TOLERANCE'
    end subroutine explain
+
+   !> Saves or restores its memory.
+   subroutine exchange_jump_watch(self, snapshot)
+      class(jump_watch_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%keep('v', self%v)
+      call snapshot%exchange('since', self%since)
+      call snapshot%exchange('last', self%last)
+      call snapshot%exchange('speed', self%speed)
+      call snapshot%exchange('way', self%way)
+      call snapshot%exchange('reported', self%reported)
+   end subroutine exchange_jump_watch
 
 end module limber_analysis_watch

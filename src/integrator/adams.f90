@@ -6,6 +6,7 @@
 !> doc/theory, eqs. (36)-(38).
 module limber_integrator_adams
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales
@@ -66,6 +67,7 @@ module limber_integrator_adams
       procedure :: step => adams_step
       procedure :: interpolate => adams_interpolate
       procedure :: complete => adams_complete
+      procedure :: exchange => exchange_adams
    end type adams_type
 
 contains
@@ -549,5 +551,34 @@ contains
       real(wp), intent(inout) :: q(:), v(:)
       if (.not. self%whole) call place_known(system, work, t, q, v)
    end subroutine adams_complete
+
+   !> Saves or restores its memory.
+   subroutine exchange_adams(self, snapshot)
+      class(adams_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call self%exchange_common(snapshot)
+      call snapshot%keep('q', self%q)
+      call snapshot%keep('v', self%v)
+      call snapshot%keep('a', self%a)
+      call snapshot%keep('y', self%y)
+      call snapshot%keep('p', self%p)
+      call snapshot%keep('yp', self%yp)
+      call snapshot%keep('phi', self%phi)
+      call snapshot%keep('change', self%change)
+      call self%scales%exchange(snapshot)
+      call snapshot%keep('scale', self%scale)
+      if (self%tree%usable) call self%tree%exchange(snapshot)
+      call snapshot%exchange('h', self%h)
+      call snapshot%exchange('h_last', self%h_last)
+      call snapshot%exchange('k', self%k)
+      call snapshot%exchange('k_last', self%k_last)
+      call snapshot%exchange('ns', self%ns)
+      call snapshot%exchange('starting', self%starting)
+      call snapshot%exchange('psi', self%psi)
+      call snapshot%exchange('alpha', self%alpha)
+      call snapshot%exchange('beta', self%beta)
+      call snapshot%exchange('sig', self%sig)
+      call snapshot%exchange('g', self%g)
+   end subroutine exchange_adams
 
 end module limber_integrator_adams

@@ -5,6 +5,7 @@
 !> (2007) 185; doc/theory, eqs. (46)-(48).
 module limber_integrator_alpha
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_integrator_cubic, only: cubic_state
@@ -64,6 +65,7 @@ module limber_integrator_alpha
       procedure :: start => alpha_start
       procedure :: step => alpha_step
       procedure :: interpolate => alpha_interpolate
+      procedure :: exchange => exchange_alpha
    end type alpha_type
 
 contains
@@ -457,5 +459,50 @@ contains
       w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
          & - s*self%power)
    end subroutine alpha_interpolate
+
+   !> Saves or restores its memory.
+   subroutine exchange_alpha(self, snapshot)
+      class(alpha_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call self%exchange_common(snapshot)
+      call snapshot%keep('q', self%q)
+      call snapshot%keep('v', self%v)
+      call snapshot%keep('w', self%w)
+      call snapshot%keep('a', self%a)
+      call snapshot%keep('algorithmic', self%algorithmic)
+      call snapshot%keep('jerk', self%jerk)
+      call snapshot%keep('lambda', self%lambda)
+      call snapshot%keep('q_before', self%q_before)
+      call snapshot%keep('w_before', self%w_before)
+      call snapshot%keep('increment', self%increment)
+      call snapshot%exchange('work_before', self%work_before)
+      call snapshot%exchange('work_done', self%work_done)
+      call snapshot%exchange('power_before', self%power_before)
+      call snapshot%exchange('power', self%power)
+      call snapshot%keep('new_q', self%new_q)
+      call snapshot%keep('new_v', self%new_v)
+      call snapshot%keep('new_w', self%new_w)
+      call snapshot%keep('new_a', self%new_a)
+      call snapshot%keep('new_algorithmic', self%new_algorithmic)
+      call snapshot%keep('new_lambda', self%new_lambda)
+      call snapshot%keep('x', self%x)
+      call snapshot%keep('motion', self%motion)
+      call snapshot%keep('rate', self%rate)
+      call snapshot%keep('change', self%change)
+      call snapshot%keep('unknown', self%unknown)
+      call snapshot%keep('e', self%e)
+      if (.not. self%forest%usable) call self%tangent%exchange(snapshot)
+      call self%condensed_rows%exchange(snapshot)
+      call self%crossing%exchange(snapshot)
+      call self%forest%exchange(snapshot)
+      call self%scales%exchange(snapshot)
+      call snapshot%keep('scale_x', self%scale_x)
+      call snapshot%keep('scale_w', self%scale_w)
+      call snapshot%exchange('h', self%h)
+      call snapshot%exchange('h_last', self%h_last)
+      call snapshot%exchange('h_factors', self%h_factors)
+      call snapshot%exchange('fresh', self%fresh)
+      call snapshot%exchange('iterations', self%iterations)
+   end subroutine exchange_alpha
 
 end module limber_integrator_alpha

@@ -5,6 +5,7 @@
 !> (49)-(57).
 module limber_integrator_conserving
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_cubic, only: cubic_state
    use limber_integrator_integrator, only: integrator_type
@@ -65,6 +66,7 @@ module limber_integrator_conserving
       procedure :: start => conserving_start
       procedure :: step => conserving_step
       procedure :: interpolate => conserving_interpolate
+      procedure :: exchange => exchange_conserving
    end type conserving_type
 
 contains
@@ -442,5 +444,46 @@ contains
       call cubic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%e, q, v)
       w = self%work_before + (self%work_done - self%work_before)*s
    end subroutine conserving_interpolate
+
+   !> Saves or restores its memory.
+   subroutine exchange_conserving(self, snapshot)
+      class(conserving_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call self%exchange_common(snapshot)
+      call snapshot%keep('q', self%q)
+      call snapshot%keep('v', self%v)
+      call snapshot%keep('b', self%b)
+      call snapshot%keep('y', self%y)
+      call snapshot%keep('lambda', self%lambda)
+      call snapshot%keep('q_before', self%q_before)
+      call snapshot%keep('w_before', self%w_before)
+      call snapshot%keep('increment', self%increment)
+      call snapshot%keep('w', self%w)
+      call snapshot%keep('mean', self%mean)
+      call snapshot%keep('mean_lambda', self%mean_lambda)
+      call snapshot%exchange('mean_time', self%mean_time)
+      call snapshot%exchange('mean_step', self%mean_step)
+      call snapshot%keep('curvature_before', self%curvature_before)
+      call snapshot%keep('curvature', self%curvature)
+      call snapshot%exchange('has_curvature', self%has_curvature)
+      call snapshot%exchange('work_before', self%work_before)
+      call snapshot%exchange('work_done', self%work_done)
+      call snapshot%keep('motion', self%motion)
+      call snapshot%keep('phi', self%phi)
+      call snapshot%keep('unknown', self%unknown)
+      call snapshot%keep('e', self%e)
+      call snapshot%keep('change', self%change)
+      call self%trial%exchange(snapshot)
+      if (.not. self%forest%usable) call self%tangent%exchange(snapshot)
+      call self%forest%exchange(snapshot)
+      call self%scales%exchange(snapshot)
+      call snapshot%keep('scale_x', self%scale_x)
+      call snapshot%keep('scale_w', self%scale_w)
+      call snapshot%keep('scale_lambda', self%scale_lambda)
+      call snapshot%exchange('reach', self%reach)
+      call snapshot%exchange('h', self%h)
+      call snapshot%exchange('h_factors', self%h_factors)
+      call snapshot%exchange('rounding', self%rounding)
+   end subroutine exchange_conserving
 
 end module limber_integrator_conserving

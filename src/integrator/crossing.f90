@@ -6,6 +6,7 @@
 !> Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5; doc/theory, eqs. (76), (77).
 module limber_integrator_crossing
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_system_algebra, only: turn, cross
    use limber_system_dynamics, only: linearise, accelerations, input_power, velocity_residual
@@ -41,6 +42,8 @@ module limber_integrator_crossing
       real(wp), allocatable :: start(:), y(:), slope(:, :)
       !> A change (nq), the combination of constraints that is weakest (nc), increments (nw), and a position (nq)
       real(wp), allocatable :: change(:), weakest(:), x(:), place(:)
+   contains
+      procedure :: exchange => exchange_crossing
    end type crossing_type
 
 contains
@@ -253,5 +256,18 @@ contains
          x(m + 3:m + 2 + n) = to(k + 4:k + 3 + n) - from(k + 4:k + 3 + n)
       end do
    end subroutine increments_between
+
+   !> Saves or restores its memory.
+   subroutine exchange_crossing(self, snapshot)
+      class(crossing_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%keep('start', self%start)
+      call snapshot%keep('y', self%y)
+      call snapshot%keep('slope', self%slope)
+      call snapshot%keep('change', self%change)
+      call snapshot%keep('weakest', self%weakest)
+      call snapshot%keep('x', self%x)
+      call snapshot%keep('place', self%place)
+   end subroutine exchange_crossing
 
 end module limber_integrator_crossing

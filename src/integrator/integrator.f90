@@ -4,6 +4,7 @@
 module limber_integrator_integrator
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_integrator_statistics, only: step_statistics_type
    use limber_system_dynamics, only: worst_constraint
@@ -39,7 +40,9 @@ module limber_integrator_integrator
       procedure(interpolate_interface), deferred :: interpolate
       !> Coordinates and velocities that `interpolate` leaves to those they follow from; called behind it
       procedure :: complete => complete_nothing
-      procedure :: count_step, step_too_small
+      !> Saves or restores its memory; behind `start`, which makes room for it
+      procedure(exchange_interface), deferred :: exchange
+      procedure :: count_step, step_too_small, exchange_common
    end type integrator_type
 
    abstract interface
@@ -76,6 +79,13 @@ module limber_integrator_integrator
          !> Coordinates and velocities (nq), work put in
          real(wp), intent(out) :: q(:), v(:), w
       end subroutine interpolate_interface
+
+      !> Saves or restores its memory.
+      subroutine exchange_interface(self, snapshot)
+         import :: integrator_type, snapshot_type
+         class(integrator_type), intent(inout) :: self
+         type(snapshot_type), intent(inout) :: snapshot
+      end subroutine exchange_interface
    end interface
 
 contains
@@ -91,6 +101,16 @@ contains
       real(wp), intent(inout) :: q(:), v(:)
       if (t > self%t .and. work%evaluations < 0 .and. system%nc < 0) q = q + 0*v
    end subroutine complete_nothing
+
+   !> Saves or restores what all integrators have.
+   subroutine exchange_common(self, snapshot)
+      class(integrator_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%exchange('t', self%t)
+      call snapshot%exchange('t_before', self%t_before)
+      call snapshot%exchange('work_at_start', self%work_at_start)
+      call self%statistics%exchange(snapshot)
+   end subroutine exchange_common
 
    !> Counts an accepted step.
    subroutine count_step(self, h, order)

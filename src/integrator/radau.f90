@@ -5,6 +5,7 @@
 !> eqs. (42)-(45).
 module limber_integrator_radau
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, &
@@ -85,6 +86,7 @@ module limber_integrator_radau
       procedure :: start => radau_start
       procedure :: step => radau_step
       procedure :: interpolate => radau_interpolate
+      procedure :: exchange => exchange_radau
    end type radau_type
 
 contains
@@ -556,5 +558,53 @@ contains
       w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
          & - s*self%power)
    end subroutine radau_interpolate
+
+   !> Saves or restores its memory.
+   subroutine exchange_radau(self, snapshot)
+      class(radau_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call self%exchange_common(snapshot)
+      call snapshot%keep('q', self%q)
+      call snapshot%keep('v', self%v)
+      call snapshot%keep('w', self%w)
+      call snapshot%keep('a', self%a)
+      call snapshot%keep('lambda', self%lambda)
+      call snapshot%keep('q_before', self%q_before)
+      call snapshot%keep('w_before', self%w_before)
+      call snapshot%keep('a_before', self%a_before)
+      call snapshot%keep('increment', self%increment)
+      call snapshot%keep('a_end', self%a_end)
+      call snapshot%exchange('work_before', self%work_before)
+      call snapshot%exchange('work_done', self%work_done)
+      call snapshot%exchange('power_before', self%power_before)
+      call snapshot%exchange('power', self%power)
+      call snapshot%keep('z', self%z)
+      call snapshot%keep('x', self%x)
+      call snapshot%keep('multipliers', self%multipliers)
+      call snapshot%exchange('stage_power', self%stage_power)
+      call snapshot%keep('motion', self%motion)
+      call snapshot%keep('rate', self%rate)
+      call snapshot%keep('stage_q', self%stage_q)
+      call snapshot%keep('stage_v', self%stage_v)
+      call snapshot%keep('stage_a', self%stage_a)
+      call snapshot%keep('change', self%change)
+      call snapshot%keep('real_part', self%real_part)
+      call snapshot%keep('e', self%e)
+      call snapshot%keep('q_stage_end', self%q_stage_end)
+      call snapshot%exchange('complex_part', self%complex_part)
+      call self%tangent%exchange(snapshot)
+      call self%condensed_rows%exchange(snapshot)
+      call self%crossing%exchange(snapshot)
+      call self%scales%exchange(snapshot)
+      call snapshot%keep('scale_x', self%scale_x)
+      call snapshot%keep('scale_w', self%scale_w)
+      call snapshot%exchange('h', self%h)
+      call snapshot%exchange('h_last', self%h_last)
+      call snapshot%exchange('h_factors', self%h_factors)
+      call snapshot%exchange('error_last', self%error_last)
+      call snapshot%exchange('h_accepted', self%h_accepted)
+      call snapshot%exchange('fresh', self%fresh)
+      call snapshot%exchange('iterations', self%iterations)
+   end subroutine exchange_radau
 
 end module limber_integrator_radau

@@ -6,6 +6,7 @@
 !> Floor: integrator.
 module limber_integrator_scales
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_system_system, only: system_type
    implicit none
    private
@@ -21,6 +22,8 @@ module limber_integrator_scales
       real(wp), allocatable :: deflection(:), rate(:)
       !> True if rates of fast coordinates are weighed by the deflection that they make
       logical :: damping = .false.
+   contains
+      procedure :: exchange => exchange_scales
    end type scales_type
 
 contains
@@ -125,5 +128,15 @@ contains
             & *sqrt(system%model%bodies(i)%reduced%omega2))
       end do
    end subroutine spread_scales
+
+   !> Saves or restores its memory.
+   subroutine exchange_scales(self, snapshot)
+      class(scales_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%keep('value', self%value)
+      call snapshot%exchange('speed', self%speed)
+      call snapshot%keep('deflection', self%deflection)
+      call snapshot%keep('rate', self%rate)
+   end subroutine exchange_scales
 
 end module limber_integrator_scales

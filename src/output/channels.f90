@@ -1,6 +1,7 @@
 !> Values of the requested channels at a state. Only what they need is computed. Floor: output.
 module limber_output_channels
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_model_quantities
    use limber_model_laws, only: driven_motion
    use limber_deck_operations, only: jet_type
@@ -38,6 +39,8 @@ module limber_output_channels
       real(wp) :: kinetic = 0.0_wp, potential = 0.0_wp, work = 0.0_wp
       !> Momentum along x and y, and about the fixed origin
       real(wp) :: momentum(3) = 0.0_wp
+   contains
+      procedure :: exchange => exchange_recorder
    end type recorder_type
 
 contains
@@ -328,5 +331,22 @@ contains
          displacement = displacement + system%model%points(point)%phi(:, k)*q(first + k - 1)
       end do
    end function beam_displacement
+
+   !> Saves or restores its memory.
+   subroutine exchange_recorder(self, snapshot)
+      class(recorder_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i
+      call snapshot%keep('angle', self%angle)
+      do i = 1, size(self%efforts)
+         call snapshot%keep('amplitude', self%efforts(i)%amplitude)
+         call snapshot%keep('extremes', self%efforts(i)%extremes)
+      end do
+      call snapshot%exchange('is_balanced', self%is_balanced)
+      call snapshot%exchange('kinetic', self%kinetic)
+      call snapshot%exchange('potential', self%potential)
+      call snapshot%exchange('work', self%work)
+      call snapshot%exchange('momentum', self%momentum)
+   end subroutine exchange_recorder
 
 end module limber_output_channels

@@ -1,6 +1,7 @@
 !> Where an analysis puts its samples: a results file, or memory. Floor: output.
 module limber_output_sink
    use limber_base_error, only: error_type, raise
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    implicit none
@@ -17,6 +18,7 @@ module limber_output_sink
    contains
       procedure(append_interface), deferred :: append
       procedure :: take, watch_limit, summarise
+      procedure :: exchange => exchange_sink
    end type sink_type
 
    abstract interface
@@ -41,6 +43,7 @@ module limber_output_sink
       real(wp), allocatable :: times(:), values(:, :)
    contains
       procedure :: start => start_memory, append => append_memory
+      procedure :: exchange => exchange_memory
    end type memory_type
 
 contains
@@ -121,5 +124,28 @@ contains
       self%times(self%samples) = t
       self%values(:, self%samples) = values(:size(self%values, 1))
    end subroutine append_memory
+
+   !> Saves or restores what it knows of the samples so far.
+   subroutine exchange_sink(self, snapshot)
+      class(sink_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%exchange('taken', self%taken)
+      call snapshot%keep('first', self%first)
+      call snapshot%keep('last', self%last)
+      call snapshot%keep('smallest', self%smallest)
+      call snapshot%keep('largest', self%largest)
+      call snapshot%keep('total', self%total)
+      call snapshot%keep('squares', self%squares)
+   end subroutine exchange_sink
+
+   !> The same with the samples themselves.
+   subroutine exchange_memory(self, snapshot)
+      class(memory_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call exchange_sink(self, snapshot)
+      call snapshot%exchange('samples', self%samples)
+      call snapshot%keep('times', self%times)
+      call snapshot%keep('values', self%values)
+   end subroutine exchange_memory
 
 end module limber_output_sink

@@ -3,6 +3,7 @@
 !> derivatives; the pattern of the matrix stays. Floor: system. Source: doc/theory, eqs. (141), (145).
 module limber_system_condensed_motion
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_flex_folding, only: fold_matrix, fold_curvature
    use limber_system_condensation, only: update_folds
    use limber_system_system, only: system_type, workspace_type
@@ -22,6 +23,8 @@ module limber_system_condensed_motion
    !> The same of all bodies; those without condensed coordinates have no places
    type :: condensed_rows_type
       type(row_places_type), allocatable :: bodies(:)
+   contains
+      procedure :: exchange => exchange_condensed_rows
    end type condensed_rows_type
 
 contains
@@ -171,5 +174,17 @@ contains
          entries(place(b + k)) = 0.0_wp
       end do
    end subroutine add_rows
+
+   !> Saves or restores its memory.
+   subroutine exchange_condensed_rows(self, snapshot)
+      class(condensed_rows_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i
+      if (.not. allocated(self%bodies)) return
+      do i = 1, size(self%bodies)
+         call snapshot%keep('turn', self%bodies(i)%turn)
+         call snapshot%keep('curvature', self%bodies(i)%curvature)
+      end do
+   end subroutine exchange_condensed_rows
 
 end module limber_system_condensed_motion

@@ -3,6 +3,7 @@
 !> acceleration equations. Floor: system. Source: doc/theory, eq. (27).
 module limber_system_constraint
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_model_scene, only: ground
    use limber_system_kinematics, only: kinematics_type
    implicit none
@@ -14,6 +15,8 @@ module limber_system_constraint
    type :: jacobian_type
       real(wp), allocatable :: z(:, :), eta(:, :), condensed(:, :)
       integer, allocatable :: place(:, :), transposed(:, :)
+   contains
+      procedure :: exchange => exchange_jacobian
    end type jacobian_type
 
    !> A joint or a driver
@@ -122,5 +125,14 @@ contains
       jacobian%condensed = 0.0_wp
       jacobian%eta = 0.0_wp
    end function new_jacobian
+
+   !> Saves or restores its memory.
+   subroutine exchange_jacobian(self, snapshot)
+      class(jacobian_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%keep('z', self%z)
+      call snapshot%keep('eta', self%eta)
+      call snapshot%keep('condensed', self%condensed)
+   end subroutine exchange_jacobian
 
 end module limber_system_constraint

@@ -8,6 +8,7 @@
 !> No allocation but in `new_step`. Floor: system. Source: doc/theory, eqs. (49)-(56).
 module limber_system_discrete
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_flex_elastic, only: elastic_force, elastic_tangent
    use limber_model_scene, only: ground
    use limber_system_algebra, only: turn, along, cross
@@ -47,6 +48,8 @@ module limber_system_discrete
       !> Jacobians of the mean (2, constraints)
       type(jacobian_type), allocatable :: jacobians(:, :)
       type(step_body_type), allocatable :: bodies(:)
+   contains
+      procedure :: exchange => exchange_step
    end type step_type
 
 contains
@@ -558,5 +561,32 @@ contains
          end associate
       end do
    end function driver_work
+
+   !> Saves or restores its memory.
+   subroutine exchange_step(self, snapshot)
+      class(step_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i, j
+      call snapshot%exchange('t', self%t)
+      call snapshot%exchange('h', self%h)
+      call snapshot%exchange('final', self%final)
+      call snapshot%keep('q', self%q)
+      call snapshot%keep('b', self%b)
+      call snapshot%keep('p', self%p)
+      call snapshot%keep('new_q', self%new_q)
+      call snapshot%keep('new_b', self%new_b)
+      call snapshot%keep('new_p', self%new_p)
+      call self%start%exchange(snapshot)
+      call self%mean%exchange(snapshot)
+      do i = 1, size(self%jacobians, 2)
+         do j = 1, 2
+            call self%jacobians(j, i)%exchange(snapshot)
+         end do
+      end do
+      do i = 1, size(self%bodies)
+         call snapshot%keep('eta', self%bodies(i)%eta)
+         call snapshot%keep('tangent', self%bodies(i)%tangent)
+      end do
+   end subroutine exchange_step
 
 end module limber_system_discrete

@@ -9,6 +9,7 @@
 !> Floor: system. Source: doc/theory, eqs. (166)-(168).
 module limber_system_forest
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_flex_reduced, only: reduced_type
    use limber_system_forest_six, only: eliminate_six => eliminate_block, hand_on_six => hand_on_block, gather_six => gather_block, &
       & spread_six => spread_block
@@ -70,6 +71,8 @@ module limber_system_forest
       real(wp), allocatable :: masses(:, :, :)
       !> Scratch of the elastic force: (pairs, 2), (pairs, 2), (n, n)
       real(wp), allocatable :: pairs(:, :), slope(:, :), tangent(:, :)
+   contains
+      procedure :: exchange => exchange_forest
    end type forest_type
 
 contains
@@ -454,5 +457,21 @@ contains
       z(1) = sign*first
       z(2) = sign*second
    end subroutine spread_order
+
+   !> Saves or restores its memory.
+   subroutine exchange_forest(self, snapshot)
+      class(forest_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      if (.not. self%usable) return
+      call snapshot%keep('block', self%block)
+      call snapshot%keep('reaction', self%reaction)
+      call snapshot%keep('rows', self%rows)
+      call snapshot%keep('carried', self%carried)
+      call snapshot%keep('carrying', self%carrying)
+      call snapshot%keep('compliance', self%compliance)
+      call snapshot%keep('started', self%started)
+      call snapshot%keep('x', self%x)
+      call snapshot%keep('masses', self%masses)
+   end subroutine exchange_forest
 
 end module limber_system_forest

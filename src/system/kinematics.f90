@@ -3,6 +3,7 @@
 !> Source: Han and Lee 1993, eqs. (1)-(6); doc/theory, eqs. (4)-(7), (28).
 module limber_system_kinematics
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
    use limber_model_scene, only: model_type, point_type, body_point, ground
@@ -102,6 +103,8 @@ module limber_system_kinematics
       type(angle_type), allocatable :: angles(:)
       !> Deflections that joints ask for
       type(bend_type), allocatable :: bends(:)
+   contains
+      procedure :: exchange => exchange_kinematics
    end type kinematics_type
 
 contains
@@ -515,5 +518,43 @@ contains
       acceleration = acceleration + along(p, a(first + 2:first + 3)) + along(push, q(first + 2:first + 3)) &
          & + 2*along(drift, v(first + 2:first + 3))
    end function point_acceleration
+
+   !> Saves or restores its memory.
+   subroutine exchange_kinematics(self, snapshot)
+      class(kinematics_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i
+      call snapshot%exchange('time', self%time)
+      call snapshot%exchange('span', self%span)
+      do i = 1, size(self%drives)
+         call snapshot%exchange('heading', self%drives(i)%heading)
+         call snapshot%exchange('value', self%drives(i)%value)
+         call snapshot%exchange('rate', self%drives(i)%rate)
+         call snapshot%exchange('acceleration', self%drives(i)%acceleration)
+      end do
+      do i = lbound(self%frames, 1), ubound(self%frames, 1)
+         call snapshot%exchange('position', self%frames(i)%position)
+         call snapshot%exchange('u', self%frames(i)%u)
+         call snapshot%exchange('velocity', self%frames(i)%velocity)
+         call snapshot%exchange('rate', self%frames(i)%rate)
+         call snapshot%exchange('omega', self%frames(i)%omega)
+      end do
+      do i = 1, size(self%markers)
+         call snapshot%exchange('position', self%markers(i)%position)
+         call snapshot%exchange('velocity', self%markers(i)%velocity)
+         call snapshot%exchange('lever', self%markers(i)%lever)
+         call snapshot%exchange('bias', self%markers(i)%bias)
+         call snapshot%exchange('p0', self%markers(i)%p0)
+         call snapshot%keep('shape', self%markers(i)%shape)
+      end do
+      do i = 1, size(self%angles)
+         call snapshot%exchange('value', self%angles(i)%value)
+         call snapshot%exchange('anchor', self%angles(i)%anchor)
+      end do
+      do i = 1, size(self%bends)
+         call snapshot%keep('eta', self%bends(i)%eta)
+         call snapshot%keep('rate', self%bends(i)%rate)
+      end do
+   end subroutine exchange_kinematics
 
 end module limber_system_kinematics

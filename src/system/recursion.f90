@@ -4,6 +4,7 @@
 !> Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7; doc/theory, eqs. (64)-(68).
 module limber_system_recursion
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_model_scene, only: body_rigid
    use limber_system_joints, only: revolute_type
    use limber_system_pins, only: order_on_pins
@@ -25,6 +26,8 @@ module limber_system_recursion
       real(wp), allocatable, private :: articulated(:, :)
       !> Acceleration of the pin (2) and angular acceleration; or place and velocity of the pin (2, 2)
       real(wp), allocatable, private :: motion(:, :)
+   contains
+      procedure :: exchange => exchange_recursion
    end type recursion_type
 
    !> Rows of `constants`
@@ -269,5 +272,13 @@ contains
          end associate
       end do
    end subroutine recursive_settle
+
+   !> Saves or restores its memory.
+   subroutine exchange_recursion(self, snapshot)
+      class(recursion_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%keep('articulated', self%articulated)
+      call snapshot%keep('motion', self%motion)
+   end subroutine exchange_recursion
 
 end module limber_system_recursion

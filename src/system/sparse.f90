@@ -5,6 +5,7 @@
 module limber_system_sparse
    use, intrinsic :: iso_c_binding, only: c_int, c_ptr, c_null_ptr, c_associated
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_klu, only: klu_common_type, klu_defaults, klu_analyze, klu_factor, klu_refactor, klu_solve, klu_rgrowth, &
       & klu_free_symbolic, klu_free_numeric, klu_z_factor, klu_z_refactor, &
       & klu_z_rgrowth, klu_z_solve, klu_z_free_numeric
@@ -39,12 +40,18 @@ module limber_system_sparse
       !> First entry of each column (n + 1) and row of each entry, from zero
       integer(c_int), allocatable, private :: first(:), row(:)
       type(klu_common_type), private :: common
+      !> Values for which the pivots were sought (entries), of KLU only
+      real(wp), allocatable, private :: searched(:)
+      complex(wp), allocatable, private :: complex_searched(:)
+      !> Whether the factors are of later values: real and complex ones
+      logical, private :: renewed(2) = .false.
       !> Factorisations until the growth of the pivots is looked at again: real and complex ones
       integer, private :: unseen(2) = 0
       type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr, complex_numeric = c_null_ptr
    contains
       procedure :: mark, analyse, place, holds, factor, solve, factor_complex, solve_complex
       final :: release
+      procedure :: exchange => exchange_sparse
    end type sparse_type
 
 contains
@@ -173,6 +180,7 @@ contains
       if (c_associated(self%numeric)) then
          ok = klu_refactor(self%first, self%row, self%values, self%symbolic, self%numeric, self%common)
          if (ok == 1 .and. self%common%status == 0) then
+            self%renewed(1) = .true.
             self%unseen(1) = self%unseen(1) - 1
             if (self%unseen(1) > 0) return
             ok = klu_rgrowth(self%first, self%row, self%values, self%symbolic, self%numeric, self%common)
@@ -183,6 +191,8 @@ contains
       end if
       call order(self)
       self%searches = self%searches + 1
+      self%searched = self%values
+      self%renewed(1) = .false.
       self%numeric = klu_factor(self%first, self%row, self%values, self%symbolic, self%common)
       singular = .not. c_associated(self%numeric) .or. self%common%status /= 0
    end subroutine factor
@@ -307,6 +317,7 @@ contains
       if (c_associated(self%complex_numeric)) then
          ok = klu_z_refactor(self%first, self%row, self%complex_values, self%symbolic, self%complex_numeric, self%common)
          if (ok == 1 .and. self%common%status == 0) then
+            self%renewed(2) = .true.
             self%unseen(2) = self%unseen(2) - 1
             if (self%unseen(2) > 0) return
             ok = klu_z_rgrowth(self%first, self%row, self%complex_values, self%symbolic, self%complex_numeric, self%common)
@@ -317,6 +328,8 @@ contains
       end if
       call order(self)
       self%searches = self%searches + 1
+      self%complex_searched = self%complex_values
+      self%renewed(2) = .false.
       self%complex_numeric = klu_z_factor(self%first, self%row, self%complex_values, self%symbolic, self%common)
       singular = .not. c_associated(self%complex_numeric) .or. self%common%status /= 0
    end subroutine factor_complex
@@ -352,5 +365,76 @@ contains
       if (c_associated(self%complex_numeric)) ok = klu_z_free_numeric(self%complex_numeric, self%common)
       if (c_associated(self%symbolic)) ok = klu_free_symbolic(self%symbolic, self%common)
    end subroutine release
+
+   !> Saves or restores the values and the factors; the latter are made again in the same way, so that they are the same to the bit.
+   subroutine exchange_sparse(self, snapshot)
+      class(sparse_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%exchange('factorisations', self%factorisations)
+      call snapshot%exchange('searches', self%searches)
+      call snapshot%exchange('dense', self%dense)
+      call snapshot%exchange('pivots', self%pivots)
+      call snapshot%exchange('unseen', self%unseen)
+      call snapshot%keep('values', self%values)
+      if (allocated(self%complex_values)) call snapshot%exchange('complex_values', self%complex_values)
+      call exchange_factors(self, snapshot)
+   end subroutine exchange_sparse
+
+   !> Saves or restores the factors of KLU by the values that they were made of.
+   subroutine exchange_factors(self, snapshot)
+      type(sparse_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      real(wp), allocatable :: values(:)
+      complex(wp), allocatable :: complex_values(:)
+      logical :: present_factors(2), renewed(2), singular
+      integer :: i, searches, factorisations, unseen(2)
+      present_factors = [c_associated(self%numeric), c_associated(self%complex_numeric)]
+      renewed = self%renewed
+      do i = 1, 2
+         call snapshot%exchange('has_factors', present_factors(i))
+         call snapshot%exchange('renewed', renewed(i))
+      end do
+      if (allocated(snapshot%missing)) return
+      if (present_factors(1)) then
+         if (.not. allocated(self%searched)) allocate (self%searched(size(self%values)), source=0.0_wp)
+         call snapshot%exchange('searched', self%searched)
+      end if
+      if (present_factors(2)) then
+         if (.not. allocated(self%complex_searched)) allocate (self%complex_searched(size(self%values)), source=(0.0_wp, 0.0_wp))
+         call snapshot%exchange('complex_searched', self%complex_searched)
+      end if
+      if (.not. snapshot%restoring .or. allocated(snapshot%missing)) return
+      searches = self%searches
+      factorisations = self%factorisations
+      unseen = self%unseen
+      call release_factors(self)
+      if (present_factors(1)) then
+         allocate (values, source=self%values)
+         self%values = self%searched
+         call self%factor(singular)
+         self%values = values
+         self%unseen(1) = 2
+         if (renewed(1)) call self%factor(singular)
+      end if
+      if (present_factors(2)) then
+         allocate (complex_values, source=self%complex_values)
+         self%complex_values = self%complex_searched
+         call self%factor_complex(singular)
+         self%complex_values = complex_values
+         self%unseen(2) = 2
+         if (renewed(2)) call self%factor_complex(singular)
+      end if
+      self%searches = searches
+      self%factorisations = factorisations
+      self%unseen = unseen
+   end subroutine exchange_factors
+
+   !> Forgets the factors, not the order of the unknowns.
+   subroutine release_factors(self)
+      type(sparse_type), intent(inout) :: self
+      integer(c_int) :: ok
+      if (c_associated(self%numeric)) ok = klu_free_numeric(self%numeric, self%common)
+      if (c_associated(self%complex_numeric)) ok = klu_z_free_numeric(self%complex_numeric, self%common)
+   end subroutine release_factors
 
 end module limber_system_sparse

@@ -2,6 +2,7 @@
 !> everything that changes lives in `workspace_type`. Floor: system.
 module limber_system_system
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_flex_reduced, only: reduced_type
    use limber_model_scene, only: model_type, ground
    use limber_system_constraint, only: constraint_item_type, jacobian_type, new_jacobian
@@ -70,6 +71,8 @@ module limber_system_system
       real(wp), allocatable :: load(:), new_load(:), last_load(:), last_gap(:)
       !> Stretch that is added to the foreshortening at samples; zero else (axial); and scratch (n)
       real(wp), allocatable :: stretch(:), posture(:)
+   contains
+      procedure :: exchange => exchange_body_workspace
    end type body_workspace_type
 
    !> Scratch of one load: its forces on both bodies (rates)
@@ -96,6 +99,8 @@ module limber_system_system
       real(wp), allocatable :: lambda(:)
       !> Count of evaluations of the right-hand side
       integer :: evaluations = 0
+   contains
+      procedure :: exchange => exchange_workspace
    end type workspace_type
 
 contains
@@ -318,5 +323,61 @@ contains
       scratch%last_gap = 0.0_wp
       scratch%stretch = 0.0_wp
    end subroutine size_condensed
+
+   !> Saves or restores its memory.
+   subroutine exchange_body_workspace(self, snapshot)
+      class(body_workspace_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%exchange('mass', self%mass)
+      call snapshot%exchange('force', self%force)
+      call snapshot%exchange('condensed', self%condensed)
+      call snapshot%exchange('acceleration', self%acceleration)
+      call snapshot%exchange('bias', self%bias)
+      call snapshot%exchange('inverse', self%inverse)
+      call snapshot%keep('hanging', self%hanging)
+      call snapshot%keep('coupling', self%coupling)
+      call snapshot%keep('eta_force', self%eta_force)
+      call snapshot%keep('z', self%z)
+      call snapshot%keep('s', self%s)
+      call snapshot%keep('eta_rows', self%eta_rows)
+      call snapshot%keep('fold', self%fold)
+      call snapshot%keep('normal', self%normal)
+      call snapshot%keep('axial_coupling', self%axial_coupling)
+      call snapshot%keep('axial_force', self%axial_force)
+      call snapshot%keep('bending_force', self%bending_force)
+      call snapshot%keep('drift', self%drift)
+      call snapshot%keep('load', self%load)
+      call snapshot%keep('new_load', self%new_load)
+      call snapshot%keep('last_load', self%last_load)
+      call snapshot%keep('last_gap', self%last_gap)
+      call snapshot%keep('stretch', self%stretch)
+      call snapshot%keep('posture', self%posture)
+   end subroutine exchange_body_workspace
+
+   !> Saves or restores all that changes.
+   subroutine exchange_workspace(self, snapshot)
+      class(workspace_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i, j
+      call self%kinematics%exchange(snapshot)
+      do i = 1, size(self%bodies)
+         call self%bodies(i)%exchange(snapshot)
+      end do
+      do i = 1, size(self%jacobians, 2)
+         do j = 1, 2
+            call self%jacobians(j, i)%exchange(snapshot)
+         end do
+      end do
+      do i = 1, size(self%loads)
+         call snapshot%keep('force', self%loads(i)%force)
+      end do
+      call snapshot%keep('phi', self%phi)
+      call snapshot%keep('gamma', self%gamma)
+      call self%matrix%exchange(snapshot)
+      call snapshot%keep('solution', self%solution)
+      call snapshot%keep('correction', self%correction)
+      call snapshot%keep('lambda', self%lambda)
+      call snapshot%exchange('evaluations', self%evaluations)
+   end subroutine exchange_workspace
 
 end module limber_system_system

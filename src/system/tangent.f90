@@ -8,6 +8,7 @@
 !> Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (39)-(41).
 module limber_system_tangent
    use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
    use limber_flex_elastic, only: elastic_tangent
    use limber_model_scene, only: ground
    use limber_system_body, only: body_tangent
@@ -62,6 +63,8 @@ module limber_system_tangent
       real(wp), allocatable :: slack(:)
       integer, allocatable :: slack_place(:)
       real(wp) :: softness = 0.0_wp
+   contains
+      procedure :: exchange => exchange_tangent
    end type tangent_type
 
 contains
@@ -594,5 +597,33 @@ contains
          end associate
       end do
    end subroutine times_stiffness
+
+   !> Saves or restores its memory.
+   subroutine exchange_tangent(self, snapshot)
+      class(tangent_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i
+      call self%matrix%exchange(snapshot)
+      if (.not. allocated(self%bodies)) return
+      do i = 1, size(self%bodies)
+         call snapshot%keep('mass', self%bodies(i)%mass)
+         call snapshot%keep('damping', self%bodies(i)%damping)
+         call snapshot%keep('stiffness', self%bodies(i)%stiffness)
+         call snapshot%keep('slope', self%bodies(i)%slope)
+      end do
+      do i = 1, size(self%constraints)
+         call snapshot%keep('first', self%constraints(i)%first)
+         call snapshot%keep('second', self%constraints(i)%second)
+         call snapshot%keep('first_drift', self%constraints(i)%first_drift)
+         call snapshot%keep('second_drift', self%constraints(i)%second_drift)
+         call snapshot%keep('across', self%constraints(i)%across)
+      end do
+      do i = 1, size(self%loads)
+         call snapshot%keep('damping', self%loads(i)%damping)
+         call snapshot%keep('stiffness', self%loads(i)%stiffness)
+      end do
+      call snapshot%keep('parts', self%parts)
+      call snapshot%exchange('softness', self%softness)
+   end subroutine exchange_tangent
 
 end module limber_system_tangent

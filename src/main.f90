@@ -28,7 +28,8 @@ program limber
    if (.not. allocated(error)) then
       select case (command%verb)
       case ('run')
-         call run_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error, command%overrides)
+         call run_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error, command%overrides, &
+            & command%request)
       case ('study'); call study_deck(trim(command%words(1)), command%output, command%force, command%quiet, report, error)
       case ('sweep')
          call sweep_deck(trim(command%words(1)), command%output, command%sweep, command%force, command%quiet, report, error)

@@ -6,6 +6,7 @@ module limber_analysis_command
    use limber_analysis_advise, only: advice_request_type
    use limber_analysis_diff, only: tolerance_type
    use limber_analysis_drawing, only: choice_type
+   use limber_analysis_guard, only: request_type
    use limber_analysis_sweep, only: sweep_request_type
    use limber_analysis_sweep_plan, only: axis_type, read_setting
    use limber_deck_parameters, only: override_type
@@ -31,6 +32,8 @@ module limber_analysis_command
       !> Values of parameters; what a sweep is asked for
       type(override_type), allocatable :: overrides(:)
       type(sweep_request_type) :: sweep
+      !> How a run may be interrupted
+      type(request_type) :: request
       !> What an advice is asked for
       type(advice_request_type) :: advice
       !> Tolerances of `diff`
@@ -48,9 +51,10 @@ contains
       text = join([character(120) :: &
          & 'limber: dynamics of planar flexible multibody systems', &
          & '', &
-         & '   limber run DECK [--set NAME=VALUE ...] [-o FILE] [--force] [--quiet]', &
+         & '   limber run DECK [--set NAME=VALUE ...] [-o FILE] [--force] [--quiet] [--restart] [--checkpoint S]', &
          & '                       run a deck; results in FILE (else the deck''s name with the ending .h5);', &
-         & '                       with other values of parameters', &
+         & '                       with other values of parameters. Each S seconds (600) and when a signal ends it (INT, TERM,', &
+         & '                       USR1) it writes a checkpoint beside FILE, from which --restart goes on to the same bits', &
          & '   limber check DECK [--set NAME=VALUE ...]', &
          & '                       read, build and assemble only', &
          & '   limber advise DECK [--set NAME=VALUE ...] [--target E] [--all] [--write FILE] [--force]', &
@@ -79,7 +83,8 @@ contains
          & '                       explain the deck''s keywords; --manual prints the reference chapter', &
          & '   limber --version    version, commit and compiler', &
          & '', &
-         & 'Status: 0 done, 1 results differ, 2 deck or command cannot be used, 3 the run could not finish.'])
+         & 'Status: 0 done, 1 results differ, 2 deck or command cannot be used, 3 the run could not finish,', &
+         & '4 the run was interrupted and can go on with --restart.'])
    end function usage
 
    !> Lines put together.
@@ -131,17 +136,18 @@ contains
       character(longest) :: value
       character(*), parameter :: options(*) = [character(12) :: '-o', '--force', '--quiet', '--rtol', '--range', '--atol', &
          & '--manual', '--motion', '--sample', '--time', '--samples', '--deflection', '--path', '--set', '--jobs', '--part', &
-         & '--collect', '--keep', '--target', '--write', '--all']
+         & '--collect', '--keep', '--target', '--write', '--all', '--restart', '--checkpoint']
       select case (word)
       case ('--collect'); command%sweep%collect = .true.
       case ('--keep'); command%sweep%keep = .true.
+      case ('--restart'); command%request%restart = .true.
       case ('--all'); command%advice%all = .true.
       case ('--force'); command%force = .true.
       case ('--quiet'); command%quiet = .true.
       case ('--manual'); command%manual = .true.
       case ('--motion'); command%motion = .true.
       case ('-o', '--rtol', '--range', '--atol', '--sample', '--time', '--samples', '--deflection', '--path', '--set', '--jobs', &
-         & '--part', '--target', '--write')
+         & '--part', '--target', '--write', '--checkpoint')
          if (i == command_argument_count()) then
             call raise(error, 'a value is missing behind '//trim(word), status_deck)
             return
@@ -150,6 +156,7 @@ contains
          call get_command_argument(i, value)
          if (word == '-o') command%output = trim(value)
          if (word == '--write') command%advice%write = trim(value)
+         if (word == '--checkpoint') call read_real(value, command%request%interval, error)
          if (word == '--target') call read_real(value, command%advice%target, error)
          if (word == '--rtol') call read_real(value, command%tolerance%relative, error)
          if (word == '--range') call read_real(value, command%tolerance%of_range, error)

@@ -2,10 +2,12 @@
 !> asked times, projected onto the constraints. Floor: analysis.
 module limber_analysis_dynamics
    use limber_base_kinds, only: wp, long
-   use limber_base_error, only: error_type, raise
+   use limber_base_error, only: error_type, raise, status_deck, status_interrupted
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, axial_share, start_axial_watch, &
       & watch_axial, pass_axial_break, axial_findings
+   use limber_analysis_guard, only: guard_type
    use limber_analysis_indicators, only: indicators_type, start_indicators
    use limber_analysis_observation, only: observe
    use limber_analysis_scene, only: scene_type, seconds_since
@@ -53,6 +55,8 @@ module limber_analysis_dynamics
       type(effort_type), allocatable :: efforts(:)
       !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it
       type(indicators_type), allocatable :: indicators
+   contains
+      procedure :: exchange => exchange_outcome
    end type outcome_type
 
    !> Scratch of the sampling, allocated once
@@ -67,6 +71,22 @@ module limber_analysis_dynamics
    end type sample_type
 
 contains
+
+   !> Saves or restores what a run has found so far.
+   subroutine exchange_outcome(self, snapshot)
+      class(outcome_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%exchange('samples', self%samples)
+      call snapshot%exchange('position_residual', self%position_residual)
+      call snapshot%exchange('velocity_residual', self%velocity_residual)
+      call snapshot%exchange('first_energy', self%first_energy)
+      call snapshot%exchange('last_energy', self%last_energy)
+      call snapshot%exchange('work', self%work)
+      call snapshot%exchange('imbalance', self%imbalance)
+      call snapshot%exchange('largest_energy', self%largest_energy)
+      call snapshot%keep('warnings', self%warnings)
+      call self%indicators%exchange(snapshot)
+   end subroutine exchange_outcome
 
    !> The integrator that the deck chooses.
    subroutine new_integrator(dynamics, integrator)
@@ -89,7 +109,7 @@ contains
    end subroutine new_integrator
 
    !> Runs from the start to the end.
-   subroutine run_dynamics(scene, integrator, history, progress, outcome, error)
+   subroutine run_dynamics(scene, integrator, history, progress, outcome, error, guard)
       type(scene_type), intent(inout) :: scene
       class(integrator_type), intent(inout) :: integrator
       !> Takes the samples: an open history with its channels defined, or memory
@@ -98,6 +118,8 @@ contains
       type(outcome_type), intent(out) :: outcome
       !> The run could not finish: which body, joint or constraint, when, and what to try
       type(error_type), allocatable, intent(out) :: error
+      !> Lets the run be interrupted and go on
+      type(guard_type), intent(inout), optional :: guard
       type(recorder_type) :: recorder
       type(sample_type) :: sample
       type(axial_watch_type) :: axial
@@ -119,7 +141,7 @@ contains
          if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, &
-            & outcome, error)
+            & outcome, error, guard)
       end associate
       scene%last%q = sample%q
       scene%last%v = sample%v
@@ -136,7 +158,7 @@ contains
    end subroutine run_dynamics
 
    !> The time loop. Steps end at the breaks of the drivers and loads, where the integrator starts anew.
-   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, outcome, error)
+   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, outcome, error, guard)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
       class(integrator_type), intent(inout) :: integrator
@@ -147,21 +169,29 @@ contains
       type(axial_watch_type), intent(inout) :: axial
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
+      type(guard_type), intent(inout), optional :: guard
       real(wp), allocatable :: breaks(:)
       type(jump_watch_type) :: watch
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
       integer :: next, passed
+      logical :: restarting
       allocate (breaks, source=break_times(scene%system%model))
       passed = 0
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
       sample%q = scene%q
       sample%v = scene%v
       call start_watch(watch, dynamics%start, scene%v)
-      call check_energy(scene, sample, outcome)
-      call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       next = 1
+      restarting = .false.
+      if (present(guard)) restarting = guard%restarting
+      if (restarting) then
+         call restore()
+      else
+         call check_energy(scene, sample, outcome)
+         call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
+      end if
       do while (next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
             call raise(error, 'MAXIMUM STEPS='//as_text(dynamics%maximum_steps)//' are used up at t = '// &
@@ -199,11 +229,64 @@ contains
          end if
          call record_before(integrator%t + near)
          call progress%update(integrator%t)
+         if (present(guard) .and. .not. allocated(error)) call look_at_guard()
       end do
       outcome%reached = integrator%t
       call report_axial(scene, axial, outcome)
 
    contains
+
+      !> Writes a checkpoint if it is time, and ends the run if that is asked for.
+      subroutine look_at_guard()
+         type(error_type), allocatable :: trouble
+         character(:), allocatable :: reason
+         logical :: save
+         call guard%asks(save, reason)
+         if (.not. save .or. next > dynamics%outputs) return
+         call history%secure(error)
+         if (allocated(error)) return
+         call guard%snapshot%begin(.false.)
+         call exchange(guard%snapshot)
+         call guard%write(int(outcome%samples), integrator%t, trouble)
+         if (reason == '') return
+         if (allocated(trouble)) then
+            call raise(error, 'interrupted by '//reason//' at t = '//as_text(integrator%t, 8)// &
+               & '; it cannot go on from there, for the checkpoint could not be written: '//trouble%message, status_interrupted)
+         else
+            call raise(error, 'interrupted by '//reason//' at t = '//as_text(integrator%t, 8)//'; it goes on from there with '// &
+               & '--restart', status_interrupted)
+         end if
+      end subroutine look_at_guard
+
+      !> Goes back to where a checkpoint was written.
+      subroutine restore()
+         call guard%snapshot%begin(.true.)
+         call exchange(guard%snapshot)
+         if (allocated(guard%snapshot%missing)) call raise(error, guard%path//" does not fit the run: '"// &
+            & guard%snapshot%missing//"' is not what it should be", status_deck)
+      end subroutine restore
+
+      !> Saves or restores all that the run remembers.
+      subroutine exchange(snapshot)
+         type(snapshot_type), intent(inout) :: snapshot
+         call snapshot%exchange('next', next)
+         call snapshot%exchange('passed', passed)
+         call snapshot%keep('sample_q', sample%q)
+         call snapshot%keep('sample_v', sample%v)
+         call snapshot%keep('sample_a', sample%a)
+         call snapshot%keep('sample_change', sample%change)
+         call snapshot%keep('sample_values', sample%values)
+         call snapshot%exchange('sample_w', sample%w)
+         call snapshot%exchange('next_step', sample%next_step)
+         call snapshot%exchange('next_look', sample%next_look)
+         call integrator%exchange(snapshot)
+         call scene%work%exchange(snapshot)
+         call recorder%exchange(snapshot)
+         call history%exchange(snapshot)
+         call axial%exchange(snapshot)
+         call watch%exchange(snapshot)
+         call outcome%exchange(snapshot)
+      end subroutine exchange
 
       !> Records the samples up to a time that the integrator has reached. At a break they are those that follow it.
       subroutine record_before(t)

@@ -4,6 +4,7 @@
 module limber_analysis_estimate
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: first_line
    use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
    use limber_analysis_errors, only: envelope, shrinkage, widening, unknown_ratio, no_shrinkage
@@ -35,6 +36,7 @@ module limber_analysis_estimate
       type(memory_type) :: memory
    contains
       procedure :: append => append_both
+      procedure :: exchange => exchange_both
    end type kept_type
 
    !> Estimated errors of a run
@@ -67,6 +69,14 @@ contains
       call self%history_type%append(t, values, error)
       if (self%keeps .and. .not. allocated(error)) call self%memory%append(t, values, error)
    end subroutine append_both
+
+   !> Saves or restores what it knows of the samples, and those in memory.
+   subroutine exchange_both(self, snapshot)
+      class(kept_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call self%history_type%exchange(snapshot)
+      if (self%keeps) call self%memory%exchange(snapshot)
+   end subroutine exchange_both
 
    !> Estimates the errors of a run that has finished.
    subroutine make_estimate(scene, samples, steps, cpu, quiet, estimate)

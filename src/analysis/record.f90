@@ -27,7 +27,7 @@ module limber_analysis_record
 contains
 
    !> Creates the history with its time axis, its channels and, if it is asked for, the motion.
-   subroutine open_history(scene, path, overwrite, history, error, in_memory)
+   subroutine open_history(scene, path, overwrite, history, error, in_memory, resume)
       type(scene_type), intent(in) :: scene
       character(*), intent(in) :: path
       logical, intent(in) :: overwrite
@@ -35,9 +35,18 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Whether no file is made; false if absent
       logical, intent(in), optional :: in_memory
+      !> Samples after which a run goes on whose file is there; negative or absent: it begins
+      integer, intent(in), optional :: resume
       integer :: i
+      logical :: resumed
+      resumed = .false.
+      if (present(resume)) resumed = resume >= 0
       associate (model => scene%system%model)
-         call history%create(path, overwrite, version, error, in_memory)
+         if (resumed) then
+            call history%resume(path, resume, error)
+         else
+            call history%create(path, overwrite, version, error, in_memory)
+         end if
          if (.not. allocated(error)) call history%define_time(model%units%time, error)
          do i = 1, size(model%channels)
             if (allocated(error)) return
@@ -46,6 +55,7 @@ contains
          if (model%motion .and. .not. allocated(error)) &
             & call define_motion(geometry_of(model, scene%system%layout), model%units%length, history, error)
       end associate
+      if (resumed) return
       if (.not. allocated(error)) call record_provenance(scene, history, error)
       if (.not. allocated(error)) call record_bodies(scene, history, error)
       if (.not. allocated(error)) call history%flush(error)

@@ -6,6 +6,7 @@ module limber_analysis_run
    use limber_analysis_advise, only: advice_table, target_of
    use limber_analysis_advice, only: apply_advice
    use limber_analysis_dynamics, only: run_dynamics, new_integrator, outcome_type
+   use limber_analysis_guard, only: guard_type, request_type
    use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table
    use limber_analysis_errors, only: magnitude
@@ -16,6 +17,7 @@ module limber_analysis_run
    use limber_analysis_steps, only: run_steps, passed_type
    use limber_analysis_target, only: reached_type, reach_target
    use limber_deck_content, only: deck_type
+   use limber_deck_effective, only: effective_deck
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck
    use limber_deck_parameters, only: override_type
@@ -48,12 +50,15 @@ module limber_analysis_run
       character(:), allocatable :: warnings
       !> Scalars (scalars)
       real(wp), allocatable :: scalars(:)
+      !> Whether it can be interrupted and go on, and what is asked for then
+      logical :: guarded = .false.
+      type(request_type) :: request
    end type batch_type
 
 contains
 
    !> Runs a deck.
-   subroutine run_deck(path, output, force, quiet, report, error, overrides)
+   subroutine run_deck(path, output, force, quiet, report, error, overrides, request)
       !> The deck, and the result file; empty: the deck's name with the ending .h5, in the working folder
       character(*), intent(in) :: path, output
       !> Whether an existing result may be replaced; whether the progress is not shown
@@ -64,7 +69,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Values of parameters in place of those of the deck
       type(override_type), intent(in), optional :: overrides(:)
+      !> Whether an interrupted run is to go on, and how often it is made sure that it can
+      type(request_type), intent(in), optional :: request
       type(batch_type) :: batch
+      batch%guarded = .true.
+      if (present(request)) batch%request = request
       if (present(overrides)) then
          allocate (batch%overrides, source=overrides)
       else
@@ -88,6 +97,8 @@ contains
       type(scene_type) :: scene
       class(integrator_type), allocatable :: integrator
       type(kept_type) :: history
+      type(guard_type) :: guard
+      logical :: done
       type(progress_type) :: progress
       type(outcome_type) :: outcome
       type(error_type), allocatable :: write_error
@@ -104,6 +115,10 @@ contains
       call read_deck(path, scene%deck, diagnostics, batch%overrides)
       scene%reading = seconds_since(tick)
       if (diagnostics%count == 0 .and. target_of(scene%deck) > 0.0_wp) then
+         if (batch%request%restart) then
+            call raise(error, path//': a run with TARGET cannot be continued with --restart', status_deck)
+            return
+         end if
          call run_to_target(path, results, force, quiet, batch, scene, history, report, error)
          if (allocated(scene%warnings)) call fill_batch()
          return
@@ -117,7 +132,24 @@ contains
       if (batch%usual_scalars) call add_usual_scalars(scene%system%model)
       if (size(scene%system%model%scalars) > 0) call history%summarise(size(scene%system%model%channels))
       call history%watch_limit(batch%limit)
-      call open_history(scene, results, force, history%history_type, error, batch%in_memory)
+      if (batch%guarded .and. single_dynamics(scene%system%model)) then
+         call guard%find(results, effective_deck(scene%deck), batch%request, done, error)
+         if (allocated(error)) return
+         if (done) then
+            report = path//': '//results//' is complete; there is nothing left to do'
+            return
+         end if
+      else if (batch%request%restart) then
+         call raise(error, path//': only a single *DYNAMICS without TARGET can be continued with --restart', status_deck)
+         return
+      end if
+      if (guard%restarting) then
+         call open_history(scene, results, force, history%history_type, error, resume=guard%checkpoint%samples)
+      else
+         call open_history(scene, results, force, history%history_type, error, batch%in_memory)
+         if (batch%guarded .and. allocated(guard%checkpoint%run) .and. .not. allocated(error)) &
+            & call history%put_attribute('/run', 'number', guard%checkpoint%run, error)
+      end if
       if (allocated(error)) return
       if (.not. single_dynamics(scene%system%model)) then
          call run_analyses(path, results, quiet, scene, history, report, error)
@@ -127,7 +159,14 @@ contains
       call keep_samples(scene, history)
       call new_integrator(scene%system%model%dynamics, integrator)
       if (.not. quiet) call progress%start(scene%system%model%dynamics%start, scene%system%model%dynamics%end, path)
-      call run_dynamics(scene, integrator, history, progress, outcome, error)
+      if (batch%guarded) then
+         call guard%start()
+         call run_dynamics(scene, integrator, history, progress, outcome, error, guard)
+         call guard%finish(.not. allocated(error))
+         if (guard%trouble /= '' .and. .not. allocated(error)) scene%warnings = scene%warnings//'warning: '//guard%trouble//newline
+      else
+         call run_dynamics(scene, integrator, history, progress, outcome, error)
+      end if
       if (.not. quiet) call progress%finish()
       if (allocated(outcome%warnings)) scene%warnings = scene%warnings//outcome%warnings
       scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)//energy_warning(outcome)

@@ -4,12 +4,14 @@
 module limber_base_error
    implicit none
    private
-   public :: error_type, raise, status_deck, status_run
+   public :: error_type, raise, status_deck, status_run, status_interrupted
 
    !> Exit status of a command or deck that cannot be used
    integer, parameter :: status_deck = 2
    !> Exit status of a run that could not finish
    integer, parameter :: status_run = 3
+   !> Exit status of a run that a signal has interrupted and that can go on
+   integer, parameter :: status_interrupted = 4
 
    !> What went wrong: names the object and the numbers, and says what to try
    type :: error_type

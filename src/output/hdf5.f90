@@ -24,7 +24,7 @@ module limber_output_hdf5
    use limber_output_hdf5_error, only: hdf5_error, no_id, open_library, reason_in_use, stack_reason
    implicit none
    private
-   public :: create_file, open_file, close_file, create_group, object_exists, write_attribute, write_dataset
+   public :: create_file, open_file, reopen_file, close_file, create_group, object_exists, write_attribute, write_dataset
 
    !> Sets an attribute of an object, replacing an older value:
    !> `call write_attribute(file, path, name, value, error)`; value is a text, integer, long, real or real (:)
@@ -135,6 +135,31 @@ contains
          call raise(error, 'cannot open '//path//': '//stack_reason(), status_deck)
       end if
    end subroutine open_file
+
+   !> Opens a file that is there for writing.
+   subroutine reopen_file(path, file, error)
+      !> Name of the file
+      character(*), intent(in) :: path
+      !> Open file
+      integer(hid_t), intent(out) :: file
+      !> Allocated if it is missing, no HDF5 file, damaged, in use, or may not be written
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: ignored
+      integer(hid_t) :: access
+      integer :: status
+      call open_file(path, file, error)
+      if (allocated(error)) return
+      call close_file(path, file, ignored)
+      call h5pcreate_f(h5p_file_access_f, access, status)
+      call h5pset_libver_bounds_f(access, h5f_libver_v18_f, h5f_libver_v18_f, status)
+      call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
+      call h5fopen_f(path, h5f_acc_rdwr_f, file, status, access)
+      if (status < 0) then
+         file = no_id
+         call raise(error, 'cannot open '//path//' for writing: '//stack_reason(), status_deck)
+      end if
+      call h5pclose_f(access, status)
+   end subroutine reopen_file
 
    !> Closes a file and forgets its identifier; does nothing if it is not open.
    subroutine close_file(path, file, error)

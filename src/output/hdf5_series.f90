@@ -4,7 +4,7 @@ module limber_output_hdf5_series
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_c_binding, only: c_loc
    use hdf5, only: hid_t, hsize_t, h5pcreate_f, h5pclose_f, h5pset_chunk_f, h5pset_fill_value_f, &
-      & h5p_dataset_create_f, h5dcreate_f, h5dwrite_f, h5dclose_f, h5dset_extent_f, h5dget_space_f, &
+      & h5p_dataset_create_f, h5dcreate_f, h5dopen_f, h5dwrite_f, h5dclose_f, h5dset_extent_f, h5dget_space_f, &
       & h5screate_simple_f, h5sclose_f, h5sselect_hyperslab_f, h5s_select_set_f, h5s_unlimited_f, &
       & h5t_ieee_f64le, h5t_native_double
    use limber_base_error, only: error_type
@@ -12,7 +12,7 @@ module limber_output_hdf5_series
    use limber_output_hdf5_error, only: hdf5_error, no_id
    implicit none
    private
-   public :: series_type, create_series, append_rows, close_series
+   public :: series_type, create_series, reopen_series, append_rows, close_series
 
    !> A dataset that grows by rows: shape (time) for width 1, else (time, width) as h5py sees it
    type :: series_type
@@ -60,6 +60,32 @@ contains
       call h5pclose_f(creation, ignored)
       call h5sclose_f(space, ignored)
    end subroutine create_series
+
+   !> Opens a series that is there, and cuts it off behind some rows.
+   subroutine reopen_series(file, path, width, rows, series, error)
+      !> Open file
+      integer(hid_t), intent(in) :: file
+      character(*), intent(in) :: path
+      !> Numbers in a row, and rows that are left; it has as many
+      integer, intent(in) :: width, rows
+      !> Open dataset
+      type(series_type), intent(out) :: series
+      !> Allocated if it cannot be opened or cut off
+      type(error_type), allocatable, intent(out) :: error
+      integer(hsize_t) :: extent(2)
+      integer :: status
+      call h5dopen_f(file, path, series%id, status)
+      if (status < 0) then
+         call hdf5_error(error, file, 'cannot open '//path)
+         series%id = no_id
+         return
+      end if
+      extent = [width, rows]
+      call h5dset_extent_f(series%id, extent(merge(2, 1, width == 1):), status)
+      if (status < 0) call hdf5_error(error, file, 'cannot cut off '//path)
+      series%width = width
+      series%rows = rows
+   end subroutine reopen_series
 
    !> Appends rows to a series.
    subroutine append_rows(series, rows, values, error)

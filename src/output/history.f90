@@ -24,10 +24,10 @@ module limber_output_history
    use limber_base_error, only: error_type, raise
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text
-   use limber_output_hdf5, only: create_file, close_file, create_group, object_exists, write_attribute, write_dataset
+   use limber_output_hdf5, only: create_file, reopen_file, close_file, create_group, object_exists, write_attribute, write_dataset
    use limber_output_hdf5_error, only: hdf5_error, no_id
    use limber_output_hdf5_read, only: longest_name
-   use limber_output_hdf5_series, only: series_type, create_series, append_rows, close_series
+   use limber_output_hdf5_series, only: series_type, create_series, reopen_series, append_rows, close_series
    use limber_output_sink, only: sink_type
    implicit none
    private
@@ -59,10 +59,13 @@ module limber_output_history
       integer, private :: waiting = 0
       !> Clock at the last write [ticks]
       integer(long), private :: last_write = 0
+      !> Whether the file was there already: then series are opened, not made
+      logical, private :: resumed = .false.
       !> Set by a write that failed; no sample is taken any more
       logical, private :: failed = .false.
    contains
-      procedure :: create, define_time, define_channel, define_series, append, flush => flush_samples, finish
+      procedure :: create, resume, define_time, define_channel, define_series, append, flush => flush_samples, finish
+      procedure :: secure => flush_samples
       procedure :: put_group, put_beside, put_text, put_axis, put_steps
       !> `put_real(path, value, units, long_name, error)`: value (:) or (:, :), which h5py sees transposed
       generic :: put_real => put_reals, put_table
@@ -115,6 +118,27 @@ contains
       deallocate (self%channels)
    end subroutine create
 
+   !> Opens the file of a run that goes on; its series are then defined as they were.
+   subroutine resume(self, path, samples, error)
+      !> History that is not open
+      class(history_type), intent(inout) :: self
+      !> Name of the file
+      character(*), intent(in) :: path
+      !> Samples that are left; later ones are cut off
+      integer, intent(in) :: samples
+      !> Allocated if it cannot be opened for writing
+      type(error_type), allocatable, intent(out) :: error
+      call reopen_file(trim(path), self%file, error)
+      if (allocated(error)) return
+      self%path = trim(path)
+      self%samples = samples
+      self%failed = .false.
+      self%resumed = .true.
+      allocate (self%channels(0))
+      call write_attribute(self%file, '/run', 'status', 'running', error)
+      call system_clock(self%last_write)
+   end subroutine resume
+
    !> Makes the time axis; before the channels.
    subroutine define_time(self, units, error)
       !> Open history
@@ -124,6 +148,10 @@ contains
       !> Allocated if it cannot be written or is there already
       type(error_type), allocatable, intent(out) :: error
       integer :: status
+      if (self%resumed) then
+         call reopen_series(self%file, '/time', 1, int(self%samples), self%time, error)
+         return
+      end if
       call create_series(self%file, '/time', 1, chunk_rows(1), self%time, error)
       if (allocated(error)) return
       call h5dsset_scale_f(self%time%id, status, 'time')
@@ -146,7 +174,7 @@ contains
       character(*), intent(in) :: long_name
       !> Allocated if the name is bad or taken, or the file cannot be written
       type(error_type), allocatable, intent(out) :: error
-      call check_definition(self, name, width, error)
+      if (.not. self%resumed) call check_definition(self, name, width, error)
       if (.not. allocated(error)) call self%define_series('/channels/'//name, width, units, long_name, error)
    end subroutine define_channel
 
@@ -163,10 +191,15 @@ contains
       !> Allocated if the file cannot be written
       type(error_type), allocatable, intent(out) :: error
       type(series_type) :: series
-      call create_series(self%file, path, width, chunk_rows(width), series, error)
+      if (self%resumed) then
+         call reopen_series(self%file, path, width, int(self%samples), series, error)
+      else
+         call create_series(self%file, path, width, chunk_rows(width), series, error)
+      end if
       if (allocated(error)) return
       self%channels = [self%channels, series]
       self%width = self%width + width
+      if (self%resumed) return
       call write_attribute(self%file, path, 'units', units, error)
       if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
       if (.not. allocated(error)) call self%attach_scales(series, path, error)
@@ -330,6 +363,7 @@ contains
       deallocate (self%channels)
       if (allocated(self%buffer)) deallocate (self%buffer, self%times)
       self%width = 0
+      self%resumed = .false.
    end subroutine finish
 
    !> Makes a group, such as one for `put_beside`; its attributes are those of all its datasets.

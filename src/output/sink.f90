@@ -17,6 +17,7 @@ module limber_output_sink
       real(wp), allocatable :: first(:), last(:), smallest(:), largest(:), total(:), squares(:)
    contains
       procedure(append_interface), deferred :: append
+      procedure :: secure => secure_nothing
       procedure :: take, watch_limit, summarise
       procedure :: exchange => exchange_sink
    end type sink_type
@@ -47,6 +48,13 @@ module limber_output_sink
    end type memory_type
 
 contains
+
+   !> Brings the samples so far where nothing that happens to the run can harm them.
+   subroutine secure_nothing(self, error)
+      class(sink_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      if (self%taken < 0) call raise(error, 'no samples')
+   end subroutine secure_nothing
 
    !> Gives up the run that begins now after some CPU time.
    subroutine watch_limit(self, limit)

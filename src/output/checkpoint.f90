@@ -1,0 +1,114 @@
+!> A file with all that a run remembers, beside its results, by which it can go on later. It is written under another name and then
+!> takes the place of the one before, so that there is always a whole one. Floor: output.
+!>
+!>     /                  attributes format = "limber-checkpoint", format_version, program, run, samples, time
+!>     /deck              text: the deck that is run
+!>     /reals, /integers  the snapshot
+module limber_output_checkpoint
+   use hdf5, only: hid_t
+   use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_files, only: rename_file, remove_file
+   use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
+   use limber_base_text, only: as_text
+   use limber_output_hdf5, only: create_file, open_file, close_file, write_attribute, write_dataset
+   use limber_output_hdf5_error, only: no_id
+   use limber_output_hdf5_read, only: read_attribute, read_dataset
+   implicit none
+   private
+   public :: checkpoint_type, write_checkpoint, read_checkpoint, checkpoint_name
+
+   character(*), parameter :: checkpoint_format = 'limber-checkpoint'
+   integer, parameter :: checkpoint_version = 1
+
+   !> What it says of its run
+   type :: checkpoint_type
+      !> Version and build of limber; number of the run; its deck
+      character(:), allocatable :: program, run, deck
+      !> Samples that its results had, and time reached
+      integer :: samples = 0
+      real(wp) :: time = 0.0_wp
+   end type checkpoint_type
+
+contains
+
+   !> Name of the file beside some results.
+   pure function checkpoint_name(results) result(name)
+      character(*), intent(in) :: results
+      character(:), allocatable :: name
+      name = results
+      if (len(name) > 3) then
+         if (name(len(name) - 2:) == '.h5') name = name(:len(name) - 3)
+      end if
+      name = name//'.checkpoint.h5'
+   end function checkpoint_name
+
+   !> Writes a file, in place of an older one once it is whole.
+   subroutine write_checkpoint(path, checkpoint, snapshot, error)
+      character(*), intent(in) :: path
+      type(checkpoint_type), intent(in) :: checkpoint
+      !> That has been saved
+      type(snapshot_type), intent(in) :: snapshot
+      !> Allocated if it cannot be written; an older one is then left
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: close_error
+      integer(hid_t) :: file
+      logical :: ok
+      call create_file(path//'.new', .true., file, error)
+      if (allocated(error)) return
+      call write_attribute(file, '/', 'format', checkpoint_format, error)
+      if (.not. allocated(error)) call write_attribute(file, '/', 'format_version', checkpoint_version, error)
+      if (.not. allocated(error)) call write_attribute(file, '/', 'program', checkpoint%program, error)
+      if (.not. allocated(error)) call write_attribute(file, '/', 'run', checkpoint%run, error)
+      if (.not. allocated(error)) call write_attribute(file, '/', 'samples', checkpoint%samples, error)
+      if (.not. allocated(error)) call write_attribute(file, '/', 'time', checkpoint%time, error)
+      if (.not. allocated(error)) call write_dataset(file, '/deck', checkpoint%deck, error)
+      if (.not. allocated(error)) call write_dataset(file, '/reals', snapshot%reals(:snapshot%real_count), error)
+      if (.not. allocated(error)) call write_dataset(file, '/integers', snapshot%integers(:snapshot%integer_count), error)
+      call close_file(path//'.new', file, close_error)
+      if (allocated(close_error) .and. .not. allocated(error)) call move_alloc(close_error, error)
+      if (.not. allocated(error)) then
+         call rename_file(path//'.new', path, ok)
+         if (.not. ok) call raise(error, path//': cannot be replaced')
+      end if
+      if (allocated(error)) call remove_file(path//'.new')
+   end subroutine write_checkpoint
+
+   !> Reads a file.
+   subroutine read_checkpoint(path, checkpoint, snapshot, error)
+      character(*), intent(in) :: path
+      type(checkpoint_type), intent(out) :: checkpoint
+      !> Ready to restore from
+      type(snapshot_type), intent(out) :: snapshot
+      !> Allocated if it is missing, damaged, or something else
+      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: ignored
+      integer(hid_t) :: file
+      character(:), allocatable :: format
+      real(wp), allocatable :: numbers(:)
+      integer :: version
+      file = no_id
+      call open_file(path, file, error)
+      if (allocated(error)) return
+      call read_attribute(file, '/', 'format', format, error)
+      if (allocated(error) .or. format /= checkpoint_format) then
+         if (allocated(error)) deallocate (error)
+         call raise(error, path//' is not a checkpoint of limber', status_deck)
+      end if
+      if (.not. allocated(error)) call read_attribute(file, '/', 'format_version', version, error)
+      if (.not. allocated(error)) then
+         if (version /= checkpoint_version) call raise(error, path//' has version '//as_text(version)// &
+            & ' of the format of checkpoints; this limber reads version '//as_text(checkpoint_version), status_deck)
+      end if
+      if (.not. allocated(error)) call read_attribute(file, '/', 'program', checkpoint%program, error)
+      if (.not. allocated(error)) call read_attribute(file, '/', 'run', checkpoint%run, error)
+      if (.not. allocated(error)) call read_attribute(file, '/', 'samples', checkpoint%samples, error)
+      if (.not. allocated(error)) call read_attribute(file, '/', 'time', checkpoint%time, error)
+      if (.not. allocated(error)) call read_dataset(file, '/deck', checkpoint%deck, error)
+      if (.not. allocated(error)) call read_dataset(file, '/reals', snapshot%reals, error)
+      if (.not. allocated(error)) call read_dataset(file, '/integers', numbers, error)
+      if (.not. allocated(error)) allocate (snapshot%integers, source=nint(numbers))
+      call close_file(path, file, ignored)
+   end subroutine read_checkpoint
+
+end module limber_output_checkpoint

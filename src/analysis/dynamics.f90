@@ -239,22 +239,21 @@ contains
       !> Writes a checkpoint if it is time, and ends the run if that is asked for.
       subroutine look_at_guard()
          type(error_type), allocatable :: trouble
-         character(:), allocatable :: reason
-         logical :: save
-         call guard%asks(save, reason)
+         logical :: save, ends
+         call guard%asks(save, ends)
          if (.not. save .or. next > dynamics%outputs) return
          call history%secure(error)
          if (allocated(error)) return
          call guard%snapshot%begin(.false.)
          call exchange(guard%snapshot)
          call guard%write(int(outcome%samples), integrator%t, trouble)
-         if (reason == '') return
+         if (.not. ends) return
          if (allocated(trouble)) then
-            call raise(error, 'interrupted by '//reason//' at t = '//as_text(integrator%t, 8)// &
+            call raise(error, 'interrupted by '//guard%reason()//' at t = '//as_text(integrator%t, 8)// &
                & '; it cannot go on from there, for the checkpoint could not be written: '//trouble%message, status_interrupted)
          else
-            call raise(error, 'interrupted by '//reason//' at t = '//as_text(integrator%t, 8)//'; it goes on from there with '// &
-               & '--restart', status_interrupted)
+            call raise(error, 'interrupted by '//guard%reason()//' at t = '//as_text(integrator%t, 8)// &
+               & '; it goes on from there with --restart', status_interrupted)
          end if
       end subroutine look_at_guard
 

@@ -5,9 +5,9 @@ module limber_analysis_guard
    use limber_base_files, only: remove_file
    use limber_base_kinds, only: wp, long
    use limber_base_process, only: own_number
-   use limber_base_signals, only: catch_signals, release_signals, caught_signal
+   use limber_base_signals, only: catch_signals, release_signals, signal_came, signal_name
    use limber_base_snapshot, only: snapshot_type
-   use limber_base_text, only: as_text, newline
+   use limber_base_text, only: as_text
    use limber_base_version, only: version, commit, compiler, compiler_options
    use limber_output_checkpoint, only: checkpoint_type, write_checkpoint, read_checkpoint, checkpoint_name
    use limber_output_history_reader, only: history_reader_type
@@ -41,7 +41,7 @@ module limber_analysis_guard
       !> Why no checkpoint could be written; empty if all is well
       character(:), allocatable :: trouble
    contains
-      procedure :: find, start, asks, write, finish
+      procedure :: find, start, asks, reason, write, finish
    end type guard_type
 
 contains
@@ -140,21 +140,26 @@ contains
    end subroutine start
 
    !> Whether a checkpoint is to be written behind this step, and whether the run is to end there.
-   subroutine asks(self, save, reason)
+   subroutine asks(self, save, stop)
       class(guard_type), intent(inout) :: self
-      logical, intent(out) :: save
-      !> Why it is to end; empty if it is not
-      character(:), allocatable, intent(out) :: reason
+      logical, intent(out) :: save, stop
       integer(long) :: clock, rate
       self%steps = self%steps + 1
-      reason = caught_signal()
-      if (self%steps >= self%request%stop_after .and. reason == '') reason = 'request'
-      save = reason /= ''
+      stop = signal_came() .or. self%steps >= self%request%stop_after
+      save = stop
       if (save .or. .not. self%request%interval > 0.0_wp) return
       call system_clock(clock, rate)
       save = real(clock - self%last, wp) > self%request%interval*real(rate, wp)
       if (save) self%last = clock
    end subroutine asks
+
+   !> What asks the run to end.
+   function reason(self)
+      class(guard_type), intent(in) :: self
+      character(:), allocatable :: reason
+      reason = signal_name()
+      if (reason == '') reason = 'request after '//as_text(self%steps)//' steps'
+   end function reason
 
    !> Writes the snapshot that has been saved; behind it the samples must be safe.
    subroutine write(self, samples, t, error)

@@ -4,7 +4,7 @@ module limber_base_signals
    use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_null_funptr
    implicit none
    private
-   public :: catch_signals, release_signals, caught_signal
+   public :: catch_signals, release_signals, signal_came, signal_name
 
    integer(c_int), parameter :: interrupt = 2, user = 10, termination = 15
    integer(c_int), parameter :: caught_signals(*) = [interrupt, user, termination]
@@ -41,22 +41,21 @@ contains
       end do
    end subroutine release_signals
 
-   !> Name of the signal that came; empty if none has.
-   pure function name_of(number) result(name)
-      integer(c_int), intent(in) :: number
+   !> Whether one has come.
+   logical function signal_came()
+      signal_came = caught /= 0
+   end function signal_came
+
+   !> Name of the one that came; empty if none has.
+   function signal_name() result(name)
       character(:), allocatable :: name
-      select case (number)
+      select case (caught)
       case (0); name = ''
       case (interrupt); name = 'SIGINT'
       case (user); name = 'SIGUSR1'
       case default; name = 'SIGTERM'
       end select
-   end function name_of
-
-   function caught_signal() result(name)
-      character(:), allocatable :: name
-      name = name_of(caught)
-   end function caught_signal
+   end function signal_name
 
    subroutine note(number) bind(c, name='limber_note_signal')
       integer(c_int), value :: number

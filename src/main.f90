@@ -8,12 +8,13 @@ program limber
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use limber_base_error, only: error_type
    use limber_analysis_advise, only: advise_deck
+   use limber_analysis_check, only: check_deck
    use limber_analysis_command, only: command_type, read_command, usage
    use limber_analysis_diff, only: compare_histories
    use limber_analysis_drawing, only: export_motion
    use limber_analysis_export, only: export_history
    use limber_analysis_help, only: help_on, version_text
-   use limber_analysis_run, only: run_deck, check_deck
+   use limber_analysis_run, only: run_deck
    use limber_analysis_study, only: study_deck
    use limber_analysis_sweep, only: sweep_deck
    implicit none

@@ -2,14 +2,16 @@
 !> asked times, projected onto the constraints. Floor: analysis.
 module limber_analysis_dynamics
    use limber_base_kinds, only: wp, long
-   use limber_base_error, only: error_type, raise, status_deck, status_interrupted
+   use limber_base_error, only: error_type, raise, status_deck
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, axial_share, start_axial_watch, &
       & watch_axial, pass_axial_break, axial_findings
    use limber_analysis_guard, only: guard_type
-   use limber_analysis_indicators, only: indicators_type, start_indicators
+   use limber_analysis_indicators, only: start_indicators
    use limber_analysis_observation, only: observe
+   use limber_analysis_outcome, only: outcome_type, warn
+   use limber_analysis_sampling, only: sample_type, sample_time, record, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
    use limber_integrator_adams, only: adams_type
@@ -19,74 +21,17 @@ module limber_analysis_dynamics
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: break_times
    use limber_model_scene, only: dynamics_type
-   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, gather_balance, sample_width
-   use limber_output_internal_forces, only: effort_type
+   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
-   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
-      & worst_constraint
+   use limber_system_dynamics, only: linearise, accelerations, mechanical_energy, worst_constraint
    use limber_system_kinematics, only: place_frames, settle_angles
-   use limber_system_projection, only: settle, settle_position, settle_stretched
-   use limber_system_system, only: system_type, workspace_type
+   use limber_system_projection, only: settle
    implicit none
    private
-   public :: run_dynamics, outcome_type, new_integrator, check_residuals
-
-   !> What a run leaves behind besides its history
-   type :: outcome_type
-      !> Time reached, and samples taken
-      real(wp) :: reached = 0.0_wp
-      integer(long) :: samples = 0
-      !> Wall and CPU seconds of the time loop
-      real(wp) :: wall = 0.0_wp, cpu = 0.0_wp
-      !> Largest constraint residuals at a sample: position [length or 1], velocity [the same per time]
-      real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
-      !> Mechanical energy at the start and the end, and work put in
-      real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
-      !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
-      real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
-      !> What the user should know, one line after another; not allocated if there is nothing
-      character(:), allocatable :: warnings
-      !> What is left out where axial coordinates follow at rest, a line for each such beam; not allocated if there is none
-      character(:), allocatable :: axial
-      !> Error of deflections that this is expected to make, 1 where axial waves are left out (bodies); not allocated if there is none
-      real(wp), allocatable :: left_out(:)
-      !> Envelopes of internal forces (bodies)
-      type(effort_type), allocatable :: efforts(:)
-      !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it
-      type(indicators_type), allocatable :: indicators
-   contains
-      procedure :: exchange => exchange_outcome
-   end type outcome_type
-
-   !> Scratch of the sampling, allocated once
-   type :: sample_type
-      real(wp), allocatable :: q(:), v(:), a(:), change(:), values(:)
-      real(wp) :: w = 0.0_wp
-      !> Number of the step and time at which flexible bodies are to be observed next, whichever comes first, and the number of
-      !> evaluations before which they are not
-      integer(long) :: next_step = 0
-      real(wp) :: next_look = -huge(1.0_wp)
-      integer :: next_evaluation = 0
-   end type sample_type
+   public :: run_dynamics, new_integrator
 
 contains
-
-   !> Saves or restores what a run has found so far.
-   subroutine exchange_outcome(self, snapshot)
-      class(outcome_type), intent(inout) :: self
-      type(snapshot_type), intent(inout) :: snapshot
-      call snapshot%exchange('samples', self%samples)
-      call snapshot%exchange('position_residual', self%position_residual)
-      call snapshot%exchange('velocity_residual', self%velocity_residual)
-      call snapshot%exchange('first_energy', self%first_energy)
-      call snapshot%exchange('last_energy', self%last_energy)
-      call snapshot%exchange('work', self%work)
-      call snapshot%exchange('imbalance', self%imbalance)
-      call snapshot%exchange('largest_energy', self%largest_energy)
-      call snapshot%keep('warnings', self%warnings)
-      call self%indicators%exchange(snapshot)
-   end subroutine exchange_outcome
 
    !> The integrator that the deck chooses.
    subroutine new_integrator(dynamics, integrator)
@@ -141,7 +86,7 @@ contains
          if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, &
-            & outcome, error, guard)
+            & tick, cpu, outcome, error, guard)
       end associate
       scene%last%q = sample%q
       scene%last%v = sample%v
@@ -149,8 +94,7 @@ contains
       scene%last%balanced = .false.
       scene%last%rotation = 0.0_wp
       if (allocated(recorder%efforts)) call move_alloc(recorder%efforts, outcome%efforts)
-      outcome%wall = seconds_since(tick)
-      outcome%cpu = cpu_now() - cpu
+      call add_seconds(tick, cpu, outcome)
       associate (statistics => integrator%statistics)
          statistics%evaluations = scene%work%evaluations - before(1)
          statistics%factorisations = statistics%factorisations + scene%work%matrix%factorisations - before(2)
@@ -158,7 +102,7 @@ contains
    end subroutine run_dynamics
 
    !> The time loop. Steps end at the breaks of the drivers and loads, where the integrator starts anew.
-   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, outcome, error, guard)
+   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, tick, cpu, outcome, error, guard)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
       class(integrator_type), intent(inout) :: integrator
@@ -167,6 +111,9 @@ contains
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
       type(axial_watch_type), intent(inout) :: axial
+      !> Clock and CPU clock at the start
+      integer(long), intent(in) :: tick
+      real(wp), intent(in) :: cpu
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       type(guard_type), intent(inout), optional :: guard
@@ -175,24 +122,20 @@ contains
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
-      integer :: next, passed
-      logical :: restarting
+      integer :: passed
       allocate (breaks, source=break_times(scene%system%model))
       passed = 0
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
       sample%q = scene%q
       sample%v = scene%v
       call start_watch(watch, dynamics%start, scene%v)
-      next = 1
-      restarting = .false.
-      if (present(guard)) restarting = guard%restarting
-      if (restarting) then
+      if (restarts(guard)) then
          call restore()
       else
          call check_energy(scene, sample, outcome)
          call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       end if
-      do while (next <= dynamics%outputs .and. .not. allocated(error))
+      do while (sample%next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
             call raise(error, 'MAXIMUM STEPS='//as_text(dynamics%maximum_steps)//' are used up at t = '// &
                & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE')
@@ -201,7 +144,7 @@ contains
          barrier = dynamics%end
          if (passed < size(breaks)) barrier = nearest(breaks(passed + 1), -1.0_wp)
          stop = barrier
-         if (integrator%ends_on_samples) stop = min(barrier, sample_time(dynamics, next))
+         if (integrator%ends_on_samples) stop = min(barrier, sample_time(dynamics, sample%next))
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
@@ -217,7 +160,7 @@ contains
             call place_frames(scene%system%model, scene%system%layout, integrator%t, sample%q, scene%work%kinematics)
             call settle_angles(scene%work%kinematics)
          end if
-         if (sample_time(dynamics, next) <= integrator%t + near) call check_energy(scene, sample, outcome)
+         if (sample_time(dynamics, sample%next) <= integrator%t + near) call check_energy(scene, sample, outcome)
          if (passed < size(breaks) .and. integrator%t >= barrier - near) then
             call record_before(barrier - near)
             if (allocated(error)) exit
@@ -231,6 +174,9 @@ contains
          call progress%update(integrator%t)
          if (present(guard) .and. .not. allocated(error)) call look_at_guard()
       end do
+      if (present(guard) .and. .not. allocated(error)) then
+         if (guard%asks_at_end()) call write_checkpoint(.false.)
+      end if
       outcome%reached = integrator%t
       call report_axial(scene, axial, outcome)
 
@@ -238,24 +184,24 @@ contains
 
       !> Writes a checkpoint if it is time, and ends the run if that is asked for.
       subroutine look_at_guard()
-         type(error_type), allocatable :: trouble
          logical :: save, ends
          call guard%asks(save, ends)
-         if (.not. save .or. next > dynamics%outputs) return
-         call history%secure(error)
-         if (allocated(error)) return
+         if (save .and. sample%next <= dynamics%outputs) call write_checkpoint(ends)
+      end subroutine look_at_guard
+
+      !> Writes a checkpoint, and ends the run if that is asked for.
+      subroutine write_checkpoint(ends)
+         logical, intent(in) :: ends
+         real(wp) :: seconds(2)
+         seconds = [outcome%wall, outcome%cpu]
+         call add_seconds(tick, cpu, outcome)
          call guard%snapshot%begin(.false.)
          call exchange(guard%snapshot)
-         call guard%write(int(outcome%samples), integrator%t, trouble)
-         if (.not. ends) return
-         if (allocated(trouble)) then
-            call raise(error, 'interrupted by '//guard%reason()//' at t = '//as_text(integrator%t, 8)// &
-               & '; it cannot go on from there, for the checkpoint could not be written: '//trouble%message, status_interrupted)
-         else
-            call raise(error, 'interrupted by '//guard%reason()//' at t = '//as_text(integrator%t, 8)// &
-               & '; it goes on from there with --restart', status_interrupted)
-         end if
-      end subroutine look_at_guard
+         outcome%wall = seconds(1)
+         outcome%cpu = seconds(2)
+         call guard%write(history, int(outcome%samples), integrator%t, error)
+         if (ends .and. .not. allocated(error)) call guard%interrupt(integrator%t, error)
+      end subroutine write_checkpoint
 
       !> Goes back to where a checkpoint was written.
       subroutine restore()
@@ -268,16 +214,8 @@ contains
       !> Saves or restores all that the run remembers.
       subroutine exchange(snapshot)
          type(snapshot_type), intent(inout) :: snapshot
-         call snapshot%exchange('next', next)
          call snapshot%exchange('passed', passed)
-         call snapshot%keep('sample_q', sample%q)
-         call snapshot%keep('sample_v', sample%v)
-         call snapshot%keep('sample_a', sample%a)
-         call snapshot%keep('sample_change', sample%change)
-         call snapshot%keep('sample_values', sample%values)
-         call snapshot%exchange('sample_w', sample%w)
-         call snapshot%exchange('next_step', sample%next_step)
-         call snapshot%exchange('next_look', sample%next_look)
+         call sample%exchange(snapshot)
          call integrator%exchange(snapshot)
          call scene%work%exchange(snapshot)
          call recorder%exchange(snapshot)
@@ -290,12 +228,12 @@ contains
       !> Records the samples up to a time that the integrator has reached. At a break they are those that follow it.
       subroutine record_before(t)
          real(wp), intent(in) :: t
-         do while (next <= dynamics%outputs .and. sample_time(dynamics, next) <= t)
-            call integrator%interpolate(sample_time(dynamics, next), sample%q, sample%v, sample%w)
-            call integrator%complete(scene%system, scene%work, sample_time(dynamics, next), sample%q, sample%v)
-            call record(scene, sample_time(dynamics, next), integrator, recorder, sample, history, outcome, error)
+         do while (sample%next <= dynamics%outputs .and. sample_time(dynamics, sample%next) <= t)
+            call integrator%interpolate(sample_time(dynamics, sample%next), sample%q, sample%v, sample%w)
+            call integrator%complete(scene%system, scene%work, sample_time(dynamics, sample%next), sample%q, sample%v)
+            call record(scene, sample_time(dynamics, sample%next), integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
-            next = next + 1
+            sample%next = sample%next + 1
          end do
       end subroutine record_before
 
@@ -410,92 +348,23 @@ contains
       end associate
    end subroutine pass_break
 
-   !> Adds a line to the warnings of a run.
-   pure subroutine warn(outcome, text)
+   !> Adds the wall and CPU seconds since some moment.
+   subroutine add_seconds(tick, cpu, outcome)
+      !> Clock and CPU clock then [ticks], [s]
+      integer(long), intent(in) :: tick
+      real(wp), intent(in) :: cpu
       type(outcome_type), intent(inout) :: outcome
-      character(*), intent(in) :: text
-      if (.not. allocated(outcome%warnings)) outcome%warnings = ''
-      outcome%warnings = outcome%warnings//'warning: '//text//newline
-   end subroutine warn
+      real(wp) :: now
+      call cpu_time(now)
+      outcome%wall = outcome%wall + seconds_since(tick)
+      outcome%cpu = outcome%cpu + now - cpu
+   end subroutine add_seconds
 
-   !> Time of a sample; the last is the end, to the bit.
-   pure real(wp) function sample_time(dynamics, index)
-      type(dynamics_type), intent(in) :: dynamics
-      integer, intent(in) :: index
-      sample_time = dynamics%start + (dynamics%end - dynamics%start)*(real(index, wp)/dynamics%outputs)
-      if (index == dynamics%outputs) sample_time = dynamics%end
-   end function sample_time
-
-   !> Projects a state onto the constraints, evaluates the channels there and hands them to the history. Velocities at the end of
-   !> a step that conserves energy are left as they are: projected, they would have another.
-   subroutine record(scene, t, integrator, recorder, sample, history, outcome, error)
-      type(scene_type), intent(inout) :: scene
-      real(wp), intent(in) :: t
-      class(integrator_type), intent(in) :: integrator
-      type(recorder_type), intent(inout) :: recorder
-      type(sample_type), intent(inout) :: sample
-      class(sink_type), intent(inout) :: history
-      type(outcome_type), intent(inout) :: outcome
-      type(error_type), allocatable, intent(out) :: error
-      real(wp) :: before, residual
-      associate (system => scene%system, work => scene%work)
-         if (system%condensed) then
-            ! The motion keeps the balance of energy without the stretch that the channels show
-            call settle(system, work, t, sample%q, sample%v, sample%change, .true., residual, error)
-            if (allocated(error)) return
-            call accelerations(system, work, sample%q, sample%v, sample%a)
-            call gather_balance(recorder, system, work, sample%q, sample%v)
-            call settle_stretched(system, work, t, sample%q, sample%v, sample%change, residual, error)
-         else if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
-            call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
-         else
-            call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
-         end if
-         if (allocated(error)) return
-         call check_residuals(system, work, recorder%needs_velocities, sample%v, outcome)
-         if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
-            & sample%a)
-         recorder%work = sample%w
-         call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
-      end associate
-      call history%take(t, sample%values, error)
-      outcome%samples = outcome%samples + 1
-   end subroutine record
-
-   !> Constraint residuals of a sample.
-   subroutine check_residuals(system, work, moving, v, outcome)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      !> Whether its velocities are asked for
-      logical, intent(in) :: moving
-      real(wp), intent(in) :: v(:)
-      type(outcome_type), intent(inout) :: outcome
-      real(wp) :: largest
-      if (system%nc == 0) return
-      largest = position_residual(system, work)
-      outcome%position_residual = max(outcome%position_residual, maxval(abs(work%phi)))
-      if (.not. moving) return
-      largest = velocity_residual(system, work, v)
-      outcome%velocity_residual = max(outcome%velocity_residual, maxval(abs(work%gamma)))
-   end subroutine check_residuals
-
-   !> Energy balance at the end of a step.
-   subroutine check_energy(scene, sample, outcome)
-      type(scene_type), intent(inout) :: scene
-      type(sample_type), intent(in) :: sample
-      type(outcome_type), intent(inout) :: outcome
-      real(wp) :: kinetic, potential
-      call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
-      if (outcome%samples == 0) outcome%first_energy = kinetic + potential
-      outcome%last_energy = kinetic + potential
-      outcome%work = sample%w
-      outcome%imbalance = max(outcome%imbalance, abs(kinetic + potential - outcome%first_energy - sample%w))
-      outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))
-   end subroutine check_energy
-
-   !> CPU seconds of this process.
-   real(wp) function cpu_now()
-      call cpu_time(cpu_now)
-   end function cpu_now
+   !> Whether a run begins with a checkpoint.
+   pure logical function restarts(guard)
+      type(guard_type), intent(in), optional :: guard
+      restarts = .false.
+      if (present(guard)) restarts = guard%restarting
+   end function restarts
 
 end module limber_analysis_dynamics

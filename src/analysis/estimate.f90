@@ -6,7 +6,8 @@ module limber_analysis_estimate
    use limber_base_error, only: error_type
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: first_line
-   use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
+   use limber_analysis_dynamics, only: run_dynamics, new_integrator
+   use limber_analysis_outcome, only: outcome_type
    use limber_analysis_errors, only: envelope, shrinkage, widening, unknown_ratio, no_shrinkage
    use limber_analysis_scene, only: scene_type
    use limber_deck_operations, only: op_slot
@@ -130,6 +131,7 @@ contains
          call add_quantities(channels, model%channels)
          call new_integrator(model%dynamics, integrator)
          call samples%start(size(model%channels), dynamics%outputs + 1, limit)
+         samples%heeds_signals = .true.
          if (.not. quiet) call progress%start(dynamics%start, dynamics%end, 'estimate of the errors')
          call run_dynamics(scene, integrator, samples, progress, outcome, error)
          if (.not. quiet) call progress%finish()

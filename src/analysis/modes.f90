@@ -4,7 +4,8 @@ module limber_analysis_modes
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
-   use limber_analysis_dynamics, only: outcome_type, check_residuals
+   use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_model_scene, only: step_type, ground
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width

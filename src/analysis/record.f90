@@ -6,7 +6,7 @@ module limber_analysis_record
    use limber_base_error, only: error_type
    use limber_base_text, only: newline
    use limber_base_version, only: version, commit, compiler, compiler_options
-   use limber_analysis_dynamics, only: outcome_type
+   use limber_analysis_outcome, only: outcome_type
    use limber_analysis_envelope, only: record_envelope
    use limber_analysis_scalars, only: scalar_values
    use limber_analysis_ranges, only: record_indicators
@@ -58,7 +58,6 @@ contains
       if (resumed) return
       if (.not. allocated(error)) call record_provenance(scene, history, error)
       if (.not. allocated(error)) call record_bodies(scene, history, error)
-      if (.not. allocated(error)) call history%flush(error)
    end subroutine open_history
 
    !> Deck, effective deck, version, compiler, warnings.
@@ -225,7 +224,7 @@ contains
          names = names//scene%system%model%steps(i)%name
          kinds = kinds//trim(kind_names(scene%system%model%steps(i)%kind))
       end do
-      call history%flush(error)
+      call history%write_samples(error)
       if (.not. allocated(error)) call history%put_steps(steps, error)
       if (.not. allocated(error)) call history%put_text('/run/steps/names', names, error)
       if (.not. allocated(error)) call history%put_text('/run/steps/kinds', kinds, error)

@@ -3,7 +3,8 @@ module limber_analysis_steps
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
-   use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
+   use limber_analysis_dynamics, only: run_dynamics, new_integrator
+   use limber_analysis_outcome, only: outcome_type
    use limber_analysis_indicators, only: join_indicators
    use limber_analysis_kinematics, only: run_kinematics
    use limber_analysis_modes, only: run_modes

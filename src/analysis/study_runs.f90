@@ -5,7 +5,8 @@ module limber_analysis_study_runs
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, first_line, newline
-   use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
+   use limber_analysis_dynamics, only: run_dynamics, new_integrator
+   use limber_analysis_outcome, only: outcome_type
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_analysis_study_plan, only: plan_type, setting_type, variant, finest, levels, set_fine, all_integrators, &
       & axis_integrator, axis_tolerance, axis_modes, axis_elements, axis_fidelity

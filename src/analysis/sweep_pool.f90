@@ -6,7 +6,8 @@ module limber_analysis_sweep_pool
    use limber_base_process, only: queue_type, new_queue, next_in_queue, taken_of_queue, start_copy, end_copy, wait_for_copy, &
       & pause_shortly, parent_number
    use limber_base_text, only: as_text, newline
-   use limber_analysis_run, only: run_one, batch_type
+   use limber_analysis_batch, only: batch_type
+   use limber_analysis_run, only: run_one
    use limber_analysis_sweep_plan, only: sweep_type, row_overrides
    use limber_analysis_sweep_rows, only: row_type, journal_type, open_journal, note_begin, note_end, close_journal, begun_last, &
       & row_done, row_refused, row_failed, row_crashed

@@ -61,7 +61,7 @@ contains
          call file%append(real(i, wp), [sweep%values(:, i), real(rows(i)%state, wp), rows(i)%error, real(rows(i)%warnings, wp), &
             & rows(i)%scalars], error)
       end do
-      if (.not. allocated(error)) call file%flush(error)
+      if (.not. allocated(error)) call file%write_samples(error)
       if (.not. allocated(error)) call put_texts()
       if (allocated(error)) then
          call file%finish(.false., error%message, close_error)

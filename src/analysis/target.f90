@@ -7,7 +7,8 @@ module limber_analysis_target
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, first_line, newline
    use limber_analysis_advice, only: advice_type, make_advice, find_floors, expected_error, take_measured
-   use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
+   use limber_analysis_dynamics, only: run_dynamics, new_integrator
+   use limber_analysis_outcome, only: outcome_type
    use limber_analysis_errors, only: envelope, magnitude, unknown_ratio
    use limber_analysis_estimate, only: estimate_type, add_quantities, round_off
    use limber_analysis_indicators, only: indicator_value, indicator_slope, indicator_deflection, indicator_rotation, &

@@ -1,10 +1,11 @@
 !> Files and folders, as POSIX has them: names, lists. Floor: base.
 module limber_base_files
-   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_null_funptr, c_null_ptr, c_funptr, c_ptr, &
-      & c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, c_null_funptr, c_null_ptr, &
+      & c_funptr, c_ptr, c_size_t
+   use limber_base_kinds, only: long
    implicit none
    private
-   public :: rename_file, make_folder, files_like, remove_file
+   public :: rename_file, copy_file, make_folder, files_like, remove_file, is_folder, may_write, is_locked
 
    !> Longest path
    integer, parameter, public :: longest_path = 4096
@@ -25,6 +26,27 @@ module limber_base_files
          import :: c_char, c_int
          character(kind=c_char), intent(in) :: path(*)
       end function c_unlink
+      type(c_ptr) function c_fopen(path, mode) bind(c, name='fopen')
+         import :: c_char, c_ptr
+         character(kind=c_char), intent(in) :: path(*), mode(*)
+      end function c_fopen
+      integer(c_int) function c_fclose(stream) bind(c, name='fclose')
+         import :: c_int, c_ptr
+         type(c_ptr), value :: stream
+      end function c_fclose
+      integer(c_int) function c_fileno(stream) bind(c, name='fileno')
+         import :: c_int, c_ptr
+         type(c_ptr), value :: stream
+      end function c_fileno
+      integer(c_int) function c_flock(descriptor, operation) bind(c, name='flock')
+         import :: c_int
+         integer(c_int), value :: descriptor, operation
+      end function c_flock
+      integer(c_int) function c_access(path, mode) bind(c, name='access')
+         import :: c_char, c_int
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), value :: mode
+      end function c_access
       integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
          import :: c_char, c_int
          character(kind=c_char), intent(in) :: path(*)
@@ -55,6 +77,79 @@ contains
       logical, intent(out) :: ok
       ok = c_rename(old//c_null_char, new//c_null_char) == 0
    end subroutine rename_file
+
+   !> Copies a file, in place of one that has the other name.
+   subroutine copy_file(from, to, trouble)
+      character(*), intent(in) :: from, to
+      !> Why it could not be copied, in the words of the system; empty if it was. What there is of the copy is then removed
+      character(:), allocatable, intent(out) :: trouble
+      integer(long), parameter :: most = 1048576
+      character(:), allocatable :: block
+      character(256) :: message
+      integer :: source, copy, status
+      integer(long) :: length, left, copied
+      integer :: ignored
+      trouble = ''
+      open (newunit=source, file=from, access='stream', action='read', status='old', iostat=status, iomsg=message)
+      if (status /= 0) then
+         trouble = trim(message)
+         return
+      end if
+      open (newunit=copy, file=to, access='stream', action='write', status='replace', iostat=status, iomsg=message)
+      if (status == 0) then
+         inquire (unit=source, size=length)
+         left = length
+         allocate (character(int(min(most, max(1_long, length)))) :: block)
+         do while (left > 0 .and. status == 0)
+            if (left < len(block)) then
+               deallocate (block)
+               allocate (character(int(left)) :: block)
+            end if
+            read (source, iostat=status, iomsg=message) block
+            if (status == 0) write (copy, iostat=status, iomsg=message) block
+            left = left - len(block)
+         end do
+         if (status == 0) flush (copy, iostat=status, iomsg=message)
+         copied = length
+         if (status == 0) inquire (unit=copy, size=copied)
+         if (copied /= length) message = 'only a part of it could be written'
+         if (status == 0 .and. copied /= length) status = 1
+         if (status == 0) then
+            close (copy, iostat=status, iomsg=message)
+         else
+            close (copy, iostat=ignored)
+         end if
+         if (status /= 0) call remove_file(to)
+      end if
+      if (status /= 0) trouble = trim(message)
+      close (source)
+   end subroutine copy_file
+
+   !> Whether a path is that of a folder.
+   logical function is_folder(path)
+      character(*), intent(in) :: path
+      inquire (file=path//'/.', exist=is_folder)
+   end function is_folder
+
+   !> Whether this user may write a file that is there.
+   logical function may_write(path)
+      character(*), intent(in) :: path
+      integer(c_int), parameter :: write_permission = 2
+      may_write = c_access(path//c_null_char, write_permission) == 0
+   end function may_write
+
+   !> Whether another program writes a file and has locked it, as HDF5 does.
+   logical function is_locked(path)
+      character(*), intent(in) :: path
+      integer(c_int), parameter :: shared_without_waiting = 1 + 4
+      type(c_ptr) :: stream
+      integer(c_int) :: ignored
+      is_locked = .false.
+      stream = c_fopen(path//c_null_char, 'r'//c_null_char)
+      if (.not. c_associated(stream)) return
+      is_locked = c_flock(c_fileno(stream), shared_without_waiting) /= 0
+      ignored = c_fclose(stream)
+   end function is_locked
 
    !> Removes a file, if it is there.
    subroutine remove_file(path)

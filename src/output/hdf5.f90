@@ -20,11 +20,13 @@ module limber_output_hdf5
       & h5t_ieee_f64le
    use h5lt, only: h5ltmake_dataset_double_f, h5ltmake_dataset_int_f, h5ltpath_valid_f
    use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_files, only: is_locked
    use limber_base_kinds, only: wp, long
    use limber_output_hdf5_error, only: hdf5_error, no_id, open_library, reason_in_use, stack_reason
    implicit none
    private
-   public :: create_file, open_file, reopen_file, close_file, create_group, object_exists, write_attribute, write_dataset
+   public :: create_file, check_unused, open_file, reopen_file, close_file, create_group, object_exists, write_attribute, &
+      & write_dataset
 
    !> Sets an attribute of an object, replacing an older value:
    !> `call write_attribute(file, path, name, value, error)`; value is a text, integer, long, real or real (:)
@@ -94,16 +96,11 @@ contains
    subroutine check_unused(path, error)
       character(*), intent(in) :: path
       type(error_type), allocatable, intent(out) :: error
-      integer(hid_t) :: file
-      character(:), allocatable :: reason
+      character(16) :: locking
       integer :: status
-      call h5fopen_f(path, h5f_acc_rdwr_f, file, status)
-      if (status >= 0) then
-         call h5fclose_f(file, status)
-         return
-      end if
-      reason = stack_reason()
-      if (reason == reason_in_use) call raise(error, 'cannot overwrite '//path//': '//reason, status_deck)
+      call get_environment_variable('HDF5_USE_FILE_LOCKING', locking, status=status)
+      if (status == 0 .and. any(locking == [character(16) :: 'FALSE', '0'])) return
+      if (is_locked(path)) call raise(error, 'cannot overwrite '//path//': '//reason_in_use, status_deck)
    end subroutine check_unused
 
    !> Opens a file for reading.

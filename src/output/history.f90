@@ -13,22 +13,23 @@
 !>     /bodies/<name>/... small datasets and attributes; of flexible bodies indicators: (indicators, 2), attribute names
 !>     /run               texts (deck, ...), statistics, /run/steps/... if there are several analyses; attributes complete (0, then 1) and status
 !>
-!> Samples are gathered in memory and go to the file together, followed at once by a flush, whenever the buffer is
-!> full or some seconds have passed: between two such moments the file on disk is whole, so that a killed run leaves
-!> what was written up to then, with `complete` 0. An existing file is replaced, if that is allowed, by `create`
-!> itself; so create the history when the run really starts, after the deck has been found good. While the run goes
-!> on the file is locked: look at a copy of it.
+!> Samples are gathered in memory and go to the file whenever the buffer is full. The file is written under the name
+!> <name>.running (`limber_output_working_file`), and every few seconds a copy of it takes the name proper: what stands there
+!> is whole at any moment, with `complete` 0, and can be looked at while the run goes on; a killed run leaves it. An existing
+!> file is replaced, if that is allowed, by the first such copy.
 module limber_output_history
    use hdf5, only: hid_t, h5fflush_f, h5f_scope_global_f, h5dopen_f, h5dclose_f
    use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
    use limber_base_error, only: error_type, raise
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text
-   use limber_output_hdf5, only: create_file, reopen_file, close_file, create_group, object_exists, write_attribute, write_dataset
+   use limber_output_hdf5, only: create_file, check_unused, reopen_file, close_file, create_group, object_exists, &
+      & write_attribute, write_dataset
    use limber_output_hdf5_error, only: hdf5_error, no_id
    use limber_output_hdf5_read, only: longest_name
    use limber_output_hdf5_series, only: series_type, create_series, reopen_series, append_rows, close_series
    use limber_output_sink, only: sink_type
+   use limber_output_working_file, only: working_file_type, working_name
    implicit none
    private
    public :: history_type, history_format, history_format_version
@@ -46,10 +47,13 @@ module limber_output_history
       character(:), allocatable :: path
       !> Numbers in a sample: the widths of all channels, and of what else is sampled, added up
       integer :: width = 0
-      !> Samples taken so far, written or not
-      integer(long) :: samples = 0
-      !> Wall time after which samples are written although the buffer is not full [s]
+      !> Samples taken so far, written or not; and those that stand under the name of the file, of this run or of one that gave the
+      !> same, and are replaced by no fewer
+      integer(long) :: samples = 0, safe = 0
+      !> Wall time after which the samples so far are to stand under the name of the file [s]
       real(wp) :: flush_interval = 2.0_wp
+      !> Why they could not the last time, such as a full disk; empty if they could
+      character(:), allocatable :: trouble
       integer(hid_t), private :: file = no_id
       type(series_type), private :: time
       type(series_type), allocatable, private :: channels(:)
@@ -59,13 +63,17 @@ module limber_output_history
       integer, private :: waiting = 0
       !> Clock at the last write [ticks]
       integer(long), private :: last_write = 0
-      !> Whether the file was there already: then series are opened, not made
-      logical, private :: resumed = .false.
+      !> Its names; not used by one in memory
+      type(working_file_type), private :: names
+      !> Whether it is in memory; whether it was there already: then series are opened, not made
+      logical, private :: in_memory = .false., resumed = .false.
+      !> Whether it says that there is a checkpoint
+      logical, private :: has_checkpoint = .false.
       !> Set by a write that failed; no sample is taken any more
-      logical, private :: failed = .false.
+      logical :: failed = .false.
    contains
-      procedure :: create, resume, define_time, define_channel, define_series, append, flush => flush_samples, finish
-      procedure :: secure => flush_samples
+      procedure :: create, resume, define_time, define_channel, define_series, append, write_samples, finish
+      procedure :: flush => flush_samples, secure => secure_samples, note_checkpoint
       procedure :: put_group, put_beside, put_text, put_axis, put_steps
       !> `put_real(path, value, units, long_name, error)`: value (:) or (:, :), which h5py sees transposed
       generic :: put_real => put_reals, put_table
@@ -85,7 +93,7 @@ contains
       class(history_type), intent(inout) :: self
       !> Name of the file
       character(*), intent(in) :: path
-      !> Whether an existing file may be replaced; it is lost at once
+      !> Whether an existing file may be replaced; it is lost with the first samples that are safe
       logical, intent(in) :: overwrite
       !> Version of limber
       character(*), intent(in) :: version
@@ -98,12 +106,16 @@ contains
          call raise(error, self%path//': the history is already open')
          return
       end if
-      call create_file(trim(path), overwrite, self%file, error, in_memory)
+      self%in_memory = .false.
+      if (present(in_memory)) self%in_memory = in_memory
+      if (self%in_memory) then
+         call create_file(trim(path), overwrite, self%file, error, in_memory)
+      else
+         call self%names%begin(trim(path), overwrite, error)
+         if (.not. allocated(error)) call create_file(self%names%working, .true., self%file, error)
+      end if
       if (allocated(error)) return
-      self%path = trim(path)
-      self%samples = 0
-      self%failed = .false.
-      allocate (self%channels(0))
+      call begin_samples(self, path, 0)
       call write_attribute(self%file, '/', 'format', history_format, error)
       if (.not. allocated(error)) call write_attribute(self%file, '/', 'format_version', history_format_version, error)
       if (.not. allocated(error)) call write_attribute(self%file, '/', 'limber_version', version, error)
@@ -112,13 +124,29 @@ contains
       if (.not. allocated(error)) call create_group(self%file, '/run', error)
       if (.not. allocated(error)) call write_attribute(self%file, '/run', 'complete', 0, error)
       if (.not. allocated(error)) call write_attribute(self%file, '/run', 'status', 'running', error)
-      call system_clock(self%last_write)
       if (.not. allocated(error)) return
       call close_file(self%path, self%file, close_error)
       deallocate (self%channels)
+      if (.not. self%in_memory) call self%names%drop()
    end subroutine create
 
-   !> Opens the file of a run that goes on; its series are then defined as they were.
+   !> Begins to count samples.
+   subroutine begin_samples(self, path, samples)
+      class(history_type), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer, intent(in) :: samples
+      self%path = trim(path)
+      self%samples = samples
+      self%safe = samples
+      self%failed = .false.
+      self%resumed = samples > 0
+      self%has_checkpoint = .false.
+      self%trouble = ''
+      allocate (self%channels(0))
+      call system_clock(self%last_write)
+   end subroutine begin_samples
+
+   !> Opens a copy of the file of a run that goes on; its series are then defined as they were.
    subroutine resume(self, path, samples, error)
       !> History that is not open
       class(history_type), intent(inout) :: self
@@ -126,17 +154,16 @@ contains
       character(*), intent(in) :: path
       !> Samples that are left; later ones are cut off
       integer, intent(in) :: samples
-      !> Allocated if it cannot be opened for writing
+      !> Allocated if it cannot be copied; the file itself is left as it is
       type(error_type), allocatable, intent(out) :: error
-      call reopen_file(trim(path), self%file, error)
+      self%in_memory = .false.
+      call check_unused(working_name(trim(path)), error)
+      if (.not. allocated(error)) call self%names%resume(trim(path), error)
+      if (.not. allocated(error)) call reopen_file(self%names%working, self%file, error)
       if (allocated(error)) return
-      self%path = trim(path)
-      self%samples = samples
-      self%failed = .false.
-      self%resumed = .true.
-      allocate (self%channels(0))
+      call begin_samples(self, path, samples)
       call write_attribute(self%file, '/run', 'status', 'running', error)
-      call system_clock(self%last_write)
+      if (.not. allocated(error)) call self%note_checkpoint(error)
    end subroutine resume
 
    !> Makes the time axis; before the channels.
@@ -287,8 +314,11 @@ contains
       self%samples = self%samples + 1
       self%times(self%waiting) = t
       call system_clock(clock, ticks_per_second)
-      if (self%waiting == size(self%times) .or. &
-         & real(clock - self%last_write, wp) >= self%flush_interval*real(ticks_per_second, wp)) call self%flush(error)
+      if (real(clock - self%last_write, wp) >= max(self%flush_interval, self%names%pause)*real(ticks_per_second, wp)) then
+         call self%flush(error)
+      else if (self%waiting == size(self%times)) then
+         call self%write_samples(error)
+      end if
    end subroutine append
 
    !> Puts a sample behind those that wait.
@@ -309,34 +339,68 @@ contains
       end do
    end subroutine put_sample
 
-   !> Writes the samples that wait and hands everything to the system.
+   !> Writes the samples that wait.
+   subroutine write_samples(self, error)
+      !> Open history
+      class(history_type), intent(inout) :: self
+      !> Allocated if the file cannot be written; the history then takes no more samples
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, first
+      if (self%file == no_id .or. self%failed .or. self%waiting == 0) return
+      first = 1
+      do i = 1, size(self%channels)
+         call append_rows(self%channels(i), self%waiting, self%buffer(first:), error)
+         if (allocated(error)) exit
+         first = first + self%channels(i)%width*size(self%times)
+      end do
+      if (.not. allocated(error)) call append_rows(self%time, self%waiting, self%times, error)
+      self%failed = allocated(error)
+      self%waiting = 0
+   end subroutine write_samples
+
+   !> Lets the samples so far, and all else, stand under the name of the file. If there is no room for a copy that is left for
+   !> a later time, and `trouble` says so.
    subroutine flush_samples(self, error)
       !> Open history
       class(history_type), intent(inout) :: self
       !> Allocated if the file cannot be written; the history then takes no more samples
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, first, status
+      integer :: status
       if (self%file == no_id .or. self%failed) return
-      first = 1
-      if (self%waiting > 0) then
-         do i = 1, size(self%channels)
-            call append_rows(self%channels(i), self%waiting, self%buffer(first:), error)
-            if (allocated(error)) exit
-            first = first + self%channels(i)%width*size(self%times)
-         end do
-         if (.not. allocated(error)) call append_rows(self%time, self%waiting, self%times, error)
-      end if
+      call self%write_samples(error)
       if (.not. allocated(error)) then
          call h5fflush_f(self%file, h5f_scope_global_f, status)
          if (status < 0) call hdf5_error(error, self%file, 'cannot write')
       end if
+      if (.not. (allocated(error) .or. self%in_memory) .and. self%samples >= self%safe) then
+         call self%names%publish(self%trouble, error)
+         if (self%trouble == '' .and. .not. allocated(error)) self%safe = self%samples
+      end if
       self%failed = allocated(error)
-      self%waiting = 0
       call system_clock(self%last_write)
    end subroutine flush_samples
 
+   !> The same, at the wish of somebody who has to know whether it was done.
+   subroutine secure_samples(self, trouble, error)
+      class(history_type), intent(inout) :: self
+      character(:), allocatable, intent(out) :: trouble
+      type(error_type), allocatable, intent(out) :: error
+      call self%flush(error)
+      trouble = self%trouble
+   end subroutine secure_samples
+
+   !> Takes note that there is a checkpoint: who finds the file without one will know that it was lost.
+   subroutine note_checkpoint(self, error)
+      class(history_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      if (.not. self%has_checkpoint) call write_attribute(self%file, '/run', 'checkpoints', 1, error)
+      self%has_checkpoint = .true.
+      self%failed = self%failed .or. allocated(error)
+   end subroutine note_checkpoint
+
    !> Writes what is left and how the run ended, and closes the file; a second call does nothing. Call it also after
-   !> an error, with `complete` false: the file is closed in any case.
+   !> an error, with `complete` false: the file is closed in any case. One that could not be written is removed; what stands under
+   !> its name, `safe` samples of it, stays.
    subroutine finish(self, complete, status, error)
       !> History
       class(history_type), intent(inout) :: self
@@ -349,7 +413,7 @@ contains
       type(error_type), allocatable :: close_error
       integer :: i
       if (self%file == no_id) return
-      call self%flush(error)
+      call self%write_samples(error)
       if (.not. (allocated(error) .or. self%failed)) then
          call write_attribute(self%file, '/run', 'status', status, error)
          if (complete .and. .not. allocated(error)) call write_attribute(self%file, '/run', 'complete', 1, error)
@@ -360,9 +424,14 @@ contains
       call close_series(self%time)
       call close_file(self%path, self%file, close_error)
       if (allocated(close_error) .and. .not. allocated(error)) call move_alloc(close_error, error)
+      self%failed = self%failed .or. allocated(error)
+      if (self%failed .and. .not. self%in_memory) call self%names%drop()
+      if (.not. (self%failed .or. self%in_memory)) call self%names%put_in_place(error)
+      if (.not. (self%failed .or. allocated(error))) self%safe = self%samples
       deallocate (self%channels)
       if (allocated(self%buffer)) deallocate (self%buffer, self%times)
       self%width = 0
+      self%waiting = 0
       self%resumed = .false.
    end subroutine finish
 

@@ -1,8 +1,9 @@
 !> Where an analysis puts its samples: a results file, or memory. Floor: output.
 module limber_output_sink
    use limber_base_error, only: error_type, raise
-   use limber_base_snapshot, only: snapshot_type
    use limber_base_kinds, only: wp
+   use limber_base_signals, only: signal_came, signal_name
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    implicit none
    private
@@ -12,12 +13,14 @@ module limber_output_sink
    type, abstract :: sink_type
       !> CPU time after which the run is given up at its next sample, and CPU clock at its start [s]
       real(wp) :: limit = huge(1.0_wp), started = 0.0_wp
+      !> Whether the run ends at its next sample when a signal asks for that: one that could not go on from there
+      logical :: heeds_signals = .false.
       !> What channels were over the samples: sums, in the units of the channel and its square, where they are asked for
       integer :: taken = 0
       real(wp), allocatable :: first(:), last(:), smallest(:), largest(:), total(:), squares(:)
    contains
       procedure(append_interface), deferred :: append
-      procedure :: secure => secure_nothing
+      procedure :: secure => secure_nothing, note_checkpoint => note_nothing
       procedure :: take, watch_limit, summarise
       procedure :: exchange => exchange_sink
    end type sink_type
@@ -50,11 +53,23 @@ module limber_output_sink
 contains
 
    !> Brings the samples so far where nothing that happens to the run can harm them.
-   subroutine secure_nothing(self, error)
+   subroutine secure_nothing(self, trouble, error)
       class(sink_type), intent(inout) :: self
+      !> Why that cannot be done now, though the run may go on; empty if it was
+      character(:), allocatable, intent(out) :: trouble
+      !> Allocated if no more samples can be taken: the run is to end
       type(error_type), allocatable, intent(out) :: error
+      trouble = ''
       if (self%taken < 0) call raise(error, 'no samples')
    end subroutine secure_nothing
+
+   !> Takes note that there is a checkpoint behind its samples.
+   subroutine note_nothing(self, error)
+      class(sink_type), intent(inout) :: self
+      !> Allocated if no more samples can be taken: the run is to end
+      type(error_type), allocatable, intent(out) :: error
+      if (self%taken < 0) call raise(error, 'no samples')
+   end subroutine note_nothing
 
    !> Gives up the run that begins now after some CPU time.
    subroutine watch_limit(self, limit)
@@ -85,6 +100,12 @@ contains
          call cpu_time(now)
          if (now - self%started > self%limit) then
             call raise(error, 'given up after '//as_text(self%limit, 3)//' s at t = '//as_text(t, 4))
+            return
+         end if
+      end if
+      if (self%heeds_signals) then
+         if (signal_came()) then
+            call raise(error, 'interrupted by '//signal_name()//' at t = '//as_text(t, 8)//'; it can only be run anew')
             return
          end if
       end if

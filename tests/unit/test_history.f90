@@ -245,21 +245,28 @@ contains
       call check_samples(folder//'/again.h5', 0, 'no sample')
    end subroutine test_many_samples
 
-   !> What a killed run leaves: a copy of the file as it is after a flush, and without any.
+   !> What a killed run leaves: nothing before the first flush, then the samples of the last one, whatever is written behind it.
    subroutine test_flush_without_close()
       type(history_type) :: history
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error
       character(*), parameter :: name = 'killed'
+      logical :: exists
       call begin(history, folder//'/live.h5', name)
       history%flush_interval = 1.0e6_wp
       call add(history, 1, 300, name)
-      call execute_command_line('cp '//folder//'/live.h5 '//folder//'/copy.h5')
-      call check_samples(folder//'/copy.h5', 256, name//', buffer written')
+      inquire (file=folder//'/live.h5', exist=exists)
+      call check(.not. exists, name//': nothing yet')
+      call check(history%safe == 0, name//': nothing is safe yet')
       call history%flush(error)
-      call execute_command_line('cp '//folder//'/live.h5 '//folder//'/copy.h5')
-      call check_samples(folder//'/copy.h5', 300, name//', flushed')
-      call reader%open(folder//'/copy.h5', error)
+      call check_no_error(error, name//': flush')
+      call check(history%safe == 300, name//': safe')
+      call check_samples(folder//'/live.h5', 300, name//', flushed')
+      call add(history, 301, 700, name)
+      call check_samples(folder//'/live.h5', 300, name//', not flushed')
+      call history%flush(error)
+      call check_samples(folder//'/live.h5', 700, name//', flushed again')
+      call reader%open(folder//'/live.h5', error)
       call check_no_error(error, name//': open')
       call check(.not. reader%complete, name//': not complete')
       call check_text(reader%status, 'running', name//': status')
@@ -270,6 +277,8 @@ contains
       call check(.not. reader%complete, name//': failed run not complete')
       call check_text(reader%status, "joint 'pin': no solution", name//': status of a failed run')
       call reader%close()
+      inquire (file=folder//'/live.h5.running', exist=exists)
+      call check(.not. exists, name//': one file is left')
    end subroutine test_flush_without_close
 
    subroutine test_overwrite()
@@ -284,12 +293,33 @@ contains
       call check_no_error(error, name//': forced')
       call history%create(folder//'/other.h5', .true., '0.1.0', error)
       call check_error(error, folder//'/old.h5: the history is already open', 3, name//': twice')
+      call check_samples(folder//'/old.h5', 10, name//': the old file is there until there is a new one')
       call history%define_time('s', error)
       call history%finish(.true., 'finished', error)
       call check_no_error(error, name//': finish')
+      call check_samples_gone(folder//'/old.h5', name)
+      call history%create(folder//'/new.h5', .false., '0.1.0', error)
+      call history%define_time('s', error)
+      call execute_command_line('cp '//folder//'/round.h5 '//folder//'/new.h5')
+      call history%flush(error)
+      call check_error(error, folder//'/new.h5 was made by somebody else while '//folder//'/new.h5.running was written; '// &
+         & 'it is left as it is', 3, name//': made meanwhile')
+      call history%finish(.true., 'finished', error)
+      call check_samples(folder//'/new.h5', 10, name//': made meanwhile, untouched')
    end subroutine test_overwrite
 
-   !> A file that another run still writes is neither emptied nor read.
+   !> Whether a file has no channels and no samples any more.
+   subroutine check_samples_gone(path, name)
+      character(*), intent(in) :: path, name
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      call reader%open(path, error)
+      call check_no_error(error, name//': open')
+      call check(reader%samples == 0 .and. size(reader%channels) == 0, name//': replaced')
+      call reader%close()
+   end subroutine check_samples_gone
+
+   !> A file that another run still writes is not emptied; what it has flushed can be read.
    subroutine test_in_use()
       type(history_type) :: history
       type(error_type), allocatable :: error
@@ -299,6 +329,8 @@ contains
       if (length > 0) return
       call begin(history, folder//'/in_use.h5', 'in use')
       call add(history, 1, 10, 'in use')
+      call history%flush(error)
+      call check_no_error(error, 'in use: flush')
       call get_command_argument(0, program_name)
       status = 1
       call execute_command_line(trim(program_name)//' in-use '//folder, exitstat=status)
@@ -315,9 +347,12 @@ contains
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error
       call history%create(folder//'/in_use.h5', .true., '0.1.0', error)
-      call check_error(error, 'cannot overwrite '//folder//'/in_use.h5: another program has it open', 2, 'in use: create')
-      call reader%open(folder//'/in_use.h5', error)
-      call check_error(error, 'cannot open '//folder//'/in_use.h5: another program has it open', 2, 'in use: open')
+      call check_error(error, 'cannot overwrite '//folder//'/in_use.h5.running: another program has it open', 2, 'in use: create')
+      call history%resume(folder//'/in_use.h5', 5, error)
+      call check_error(error, 'cannot overwrite '//folder//'/in_use.h5.running: another program has it open', 2, 'in use: resume')
+      call reader%open(folder//'/in_use.h5.running', error)
+      call check_error(error, 'cannot open '//folder//'/in_use.h5.running: another program has it open', 2, 'in use: open')
+      call check_samples(folder//'/in_use.h5', 10, 'in use: flushed')
       call finish()
    end subroutine disturb
 
@@ -370,7 +405,7 @@ contains
       logical :: locked
       integer :: status
       call history%create(folder//'/nowhere/a.h5', .false., '0.1.0', error)
-      call check_error(error, 'cannot create '//folder//'/nowhere/a.h5: No such file or directory', 2, 'no folder')
+      call check_error(error, 'cannot create '//folder//'/nowhere/a.h5.running: No such file or directory', 2, 'no folder')
       call execute_command_line('mkdir '//folder//'/sub.h5')
       call history%create(folder//'/sub.h5', .true., '0.1.0', error)
       call check_error(error, 'cannot create '//folder//'/sub.h5: Is a directory', 2, 'a folder of that name')
@@ -380,7 +415,7 @@ contains
       locked = status /= 0
       if (locked) then
          call history%create(folder//'/locked/a.h5', .false., '0.1.0', error)
-         call check_error(error, 'cannot create '//folder//'/locked/a.h5: Permission denied', 2, 'unwritable folder')
+         call check_error(error, 'cannot create '//folder//'/locked/a.h5.running: Permission denied', 2, 'unwritable folder')
       else
          print '(a)', 'skipped: unwritable folder (this user may write anywhere)'
       end if
@@ -407,8 +442,11 @@ contains
       integer(c_long) :: limits(2)
       character(:), allocatable :: message
       integer :: i
+      logical :: exists
       call begin(history, folder//'/full.h5', 'full disk')
       call add(history, 1, 256, 'full disk')
+      call history%flush(error)
+      call check_no_error(error, 'full disk: flush')
       call check(getrlimit(file_size, limits) == 0, 'full disk: limit read')
       call ignore_signal()
       limits(1) = 32768
@@ -416,14 +454,19 @@ contains
       message = ''
       do i = 257, 10000
          call history%append(0.5_wp*i, sample(i), error)
+         if (modulo(i, 256) == 0 .and. .not. allocated(error)) call history%flush(error)
          if (.not. allocated(error)) cycle
          message = error%message
          exit
       end do
-      call check_text(message, folder//'/full.h5: cannot write: File too large', 'full disk')
+      call check_text(message, folder//'/full.h5.running: cannot write: File too large', 'full disk')
       call history%append(0.0_wp, sample(1), error)
       call check(allocated(error), 'full disk: no further sample')
       call history%finish(.false., 'failed', error)
+      call check_samples(folder//'/full.h5', 256, 'full disk: what was flushed before')
+      call check(history%safe == 256, 'full disk: safe')
+      inquire (file=folder//'/full.h5.running', exist=exists)
+      call check(.not. exists, 'full disk: no damaged file is left')
       call finish()
    end subroutine fill_disk
 

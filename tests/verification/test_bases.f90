@@ -5,7 +5,7 @@ program test_bases
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: newline
-   use limber_analysis_run, only: check_deck
+   use limber_analysis_check, only: check_deck
    use limber_analysis_scene, only: read_scene, scene_type
    use limber_deck_parameters, only: override_type
    use limber_model_adequacy, only: residuals_at_points

@@ -1,0 +1,67 @@
+!> What a motion in time leaves behind besides its history. Floor: analysis.
+module limber_analysis_outcome
+   use limber_base_kinds, only: wp, long
+   use limber_base_snapshot, only: snapshot_type
+   use limber_base_text, only: newline
+   use limber_analysis_indicators, only: indicators_type
+   use limber_output_internal_forces, only: effort_type
+   implicit none
+   private
+   public :: outcome_type, warn
+
+   !> What a run leaves behind besides its history
+   type :: outcome_type
+      !> Time reached, and samples taken
+      real(wp) :: reached = 0.0_wp
+      integer(long) :: samples = 0
+      !> Wall and CPU seconds of the time loop; of all parts of a run that was interrupted
+      real(wp) :: wall = 0.0_wp, cpu = 0.0_wp
+      !> Largest constraint residuals at a sample: position [length or 1], velocity [the same per time]
+      real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
+      !> Mechanical energy at the start and the end, and work put in
+      real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
+      !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
+      real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
+      !> What the user should know, one line after another; not allocated if there is nothing
+      character(:), allocatable :: warnings
+      !> What is left out where axial coordinates follow at rest, a line for each such beam; not allocated if there is none
+      character(:), allocatable :: axial
+      !> Error of deflections that this is expected to make, 1 where axial waves are left out (bodies); not allocated if there is none
+      real(wp), allocatable :: left_out(:)
+      !> Envelopes of internal forces (bodies)
+      type(effort_type), allocatable :: efforts(:)
+      !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it
+      type(indicators_type), allocatable :: indicators
+   contains
+      procedure :: exchange => exchange_outcome
+   end type outcome_type
+
+contains
+
+   !> Saves or restores what a run has found so far.
+   subroutine exchange_outcome(self, snapshot)
+      class(outcome_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%exchange('samples', self%samples)
+      call snapshot%exchange('wall', self%wall)
+      call snapshot%exchange('cpu', self%cpu)
+      call snapshot%exchange('position_residual', self%position_residual)
+      call snapshot%exchange('velocity_residual', self%velocity_residual)
+      call snapshot%exchange('first_energy', self%first_energy)
+      call snapshot%exchange('last_energy', self%last_energy)
+      call snapshot%exchange('work', self%work)
+      call snapshot%exchange('imbalance', self%imbalance)
+      call snapshot%exchange('largest_energy', self%largest_energy)
+      call snapshot%keep('warnings', self%warnings)
+      call self%indicators%exchange(snapshot)
+   end subroutine exchange_outcome
+
+   !> Adds a line to the warnings of a run.
+   pure subroutine warn(outcome, text)
+      type(outcome_type), intent(inout) :: outcome
+      character(*), intent(in) :: text
+      if (.not. allocated(outcome%warnings)) outcome%warnings = ''
+      outcome%warnings = outcome%warnings//'warning: '//text//newline
+   end subroutine warn
+
+end module limber_analysis_outcome

@@ -1,0 +1,127 @@
+!> Samples of a motion in time: a state, projected onto the constraints, and its channels; what is checked there. Floor: analysis.
+module limber_analysis_sampling
+   use limber_base_kinds, only: wp, long
+   use limber_base_error, only: error_type
+   use limber_base_snapshot, only: snapshot_type
+   use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_scene, only: scene_type
+   use limber_integrator_integrator, only: integrator_type
+   use limber_model_scene, only: dynamics_type
+   use limber_output_channels, only: recorder_type, channel_values, gather_balance
+   use limber_output_sink, only: sink_type
+   use limber_system_dynamics, only: accelerations, position_residual, velocity_residual, mechanical_energy
+   use limber_system_projection, only: settle, settle_position, settle_stretched
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: sample_type, sample_time, record, check_residuals, check_energy
+
+   !> Scratch of the sampling, allocated once, and when the next samples are
+   type :: sample_type
+      real(wp), allocatable :: q(:), v(:), a(:), change(:), values(:)
+      real(wp) :: w = 0.0_wp
+      !> Number of the next sample
+      integer :: next = 1
+      !> Number of the step and time at which flexible bodies are to be observed next, whichever comes first, and the number of
+      !> evaluations before which they are not
+      integer(long) :: next_step = 0
+      real(wp) :: next_look = -huge(1.0_wp)
+      integer :: next_evaluation = 0
+   contains
+      procedure :: exchange => exchange_sample
+   end type sample_type
+
+contains
+
+   !> Saves or restores it.
+   subroutine exchange_sample(self, snapshot)
+      class(sample_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%keep('sample_q', self%q)
+      call snapshot%keep('sample_v', self%v)
+      call snapshot%keep('sample_a', self%a)
+      call snapshot%keep('sample_change', self%change)
+      call snapshot%keep('sample_values', self%values)
+      call snapshot%exchange('sample_w', self%w)
+      call snapshot%exchange('next', self%next)
+      call snapshot%exchange('next_step', self%next_step)
+      call snapshot%exchange('next_look', self%next_look)
+      call snapshot%exchange('next_evaluation', self%next_evaluation)
+   end subroutine exchange_sample
+
+   !> Time of a sample; the last is the end, to the bit.
+   pure real(wp) function sample_time(dynamics, index)
+      type(dynamics_type), intent(in) :: dynamics
+      integer, intent(in) :: index
+      sample_time = dynamics%start + (dynamics%end - dynamics%start)*(real(index, wp)/dynamics%outputs)
+      if (index == dynamics%outputs) sample_time = dynamics%end
+   end function sample_time
+
+   !> Projects a state onto the constraints, evaluates the channels there and hands them to the history. Velocities at the end of
+   !> a step that conserves energy are left as they are: projected, they would have another.
+   subroutine record(scene, t, integrator, recorder, sample, history, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: t
+      class(integrator_type), intent(in) :: integrator
+      type(recorder_type), intent(inout) :: recorder
+      type(sample_type), intent(inout) :: sample
+      class(sink_type), intent(inout) :: history
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: before, residual
+      associate (system => scene%system, work => scene%work)
+         if (system%condensed) then
+            ! The motion keeps the balance of energy without the stretch that the channels show
+            call settle(system, work, t, sample%q, sample%v, sample%change, .true., residual, error)
+            if (allocated(error)) return
+            call accelerations(system, work, sample%q, sample%v, sample%a)
+            call gather_balance(recorder, system, work, sample%q, sample%v)
+            call settle_stretched(system, work, t, sample%q, sample%v, sample%change, residual, error)
+         else if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
+            call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
+         else
+            call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
+         end if
+         if (allocated(error)) return
+         call check_residuals(system, work, recorder%needs_velocities, sample%v, outcome)
+         if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
+            & sample%a)
+         recorder%work = sample%w
+         call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
+      end associate
+      call history%take(t, sample%values, error)
+      outcome%samples = outcome%samples + 1
+   end subroutine record
+
+   !> Constraint residuals of a sample.
+   subroutine check_residuals(system, work, moving, v, outcome)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Whether its velocities are asked for
+      logical, intent(in) :: moving
+      real(wp), intent(in) :: v(:)
+      type(outcome_type), intent(inout) :: outcome
+      real(wp) :: largest
+      if (system%nc == 0) return
+      largest = position_residual(system, work)
+      outcome%position_residual = max(outcome%position_residual, maxval(abs(work%phi)))
+      if (.not. moving) return
+      largest = velocity_residual(system, work, v)
+      outcome%velocity_residual = max(outcome%velocity_residual, maxval(abs(work%gamma)))
+   end subroutine check_residuals
+
+   !> Energy balance at the end of a step.
+   subroutine check_energy(scene, sample, outcome)
+      type(scene_type), intent(inout) :: scene
+      type(sample_type), intent(in) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      real(wp) :: kinetic, potential
+      call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
+      if (outcome%samples == 0) outcome%first_energy = kinetic + potential
+      outcome%last_energy = kinetic + potential
+      outcome%work = sample%w
+      outcome%imbalance = max(outcome%imbalance, abs(kinetic + potential - outcome%first_energy - sample%w))
+      outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))
+   end subroutine check_energy
+
+end module limber_analysis_sampling

@@ -1,0 +1,111 @@
+!> `limber run` of a deck with a TARGET: with the model and the tolerance that keep it. Floor: analysis.
+module limber_analysis_target_run
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_text, only: newline
+   use limber_analysis_advice, only: apply_advice
+   use limber_analysis_advise, only: advice_table, target_of
+   use limber_analysis_batch, only: batch_type
+   use limber_analysis_closing, only: closing_report, energy_warning, what_is_left
+   use limber_analysis_dynamics, only: new_integrator
+   use limber_analysis_estimate, only: kept_type
+   use limber_analysis_estimate_report, only: record_estimate, estimate_table
+   use limber_analysis_record, only: open_history, record_outcome
+   use limber_analysis_scalars, only: scalar_lines
+   use limber_analysis_scene, only: scene_type, build_scene
+   use limber_analysis_target, only: reached_type, reach_target
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_integrator_integrator, only: integrator_type
+   use limber_model_scalars, only: add_usual_scalars
+   implicit none
+   private
+   public :: run_to_target
+
+contains
+
+   !> Runs a deck with the model that its target asks for.
+   subroutine run_to_target(path, results, force, quiet, batch, scene, history, report, error)
+      !> The deck, and the result file, as in `run_one`
+      character(*), intent(in) :: path, results
+      logical, intent(in) :: force, quiet
+      type(batch_type), intent(inout) :: batch
+      !> With its deck as it was read; on return as it was run at last
+      type(scene_type), intent(inout) :: scene
+      type(kept_type), intent(inout) :: history
+      character(:), allocatable, intent(out) :: report
+      !> A deck that cannot be used (status 2), or a target that no rung keeps (status 3)
+      type(error_type), allocatable, intent(out) :: error
+      type(reached_type) :: reached
+      type(error_type), allocatable :: write_error
+      class(integrator_type), allocatable :: integrator
+      character(:), allocatable :: table
+      real(wp) :: reading
+      integer :: k
+      report = ''
+      reading = scene%reading
+      call check_target(path, scene, force, results, error)
+      if (.not. allocated(error)) call reach_target(scene%deck, target_of(scene%deck), quiet, reached, error)
+      if (.not. allocated(error)) call build_reached(reached, scene, error)
+      if (allocated(error)) return
+      scene%reading = reading
+      if (batch%usual_scalars) call add_usual_scalars(scene%system%model)
+      if (size(scene%system%model%scalars) > 0) call history%summarise(size(scene%system%model%channels))
+      call open_history(scene, results, force, history%history_type, error, batch%in_memory)
+      do k = 1, reached%samples%samples
+         if (allocated(error)) return
+         call history%append(reached%samples%times(k), reached%samples%values(:, k), error)
+      end do
+      if (allocated(error)) return
+      batch%error = reached%error
+      if (allocated(reached%outcome%warnings)) scene%warnings = scene%warnings//reached%outcome%warnings
+      scene%warnings = scene%warnings//energy_warning(reached%outcome)
+      call new_integrator(scene%system%model%dynamics, integrator)
+      integrator%statistics = reached%statistics
+      if (allocated(reached%estimate%values)) call record_estimate(reached%estimate, scene%system%model%channels, &
+         & history%history_type, error)
+      if (allocated(error)) return
+      if (.not. reached%done) then
+         call record_outcome(scene, reached%outcome, reached%statistics, reached%reason, history%history_type, write_error)
+         call raise(error, path//': '//reached%reason//reached%path//what_is_left(results, batch%in_memory, &
+            & history%history_type, write_error))
+         return
+      end if
+      call record_outcome(scene, reached%outcome, reached%statistics, '', history%history_type, error)
+      table = estimate_table(reached%estimate, scene%system%model%channels, reached%samples)
+      report = scene%warnings//closing_report(path, scene, reached%outcome, integrator, results)// &
+         & scalar_lines(scene%system%model, history)//newline//advice_table(reached%advice, scene)//reached%path//newline//table
+   end subroutine run_to_target
+
+   !> What speaks against a target before anything runs: a deck that is wrong, and a result that is there already.
+   subroutine check_target(path, scene, force, results, error)
+      character(*), intent(in) :: path, results
+      type(scene_type), intent(in) :: scene
+      logical, intent(in) :: force
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type) :: trial
+      type(diagnostics_type) :: diagnostics
+      logical :: exists
+      trial%deck = scene%deck
+      call build_scene(trial, diagnostics, error)
+      if (allocated(error)) return
+      if (.not. trial%system%model%dynamics%wanted) call raise(error, path// &
+         & ': nothing to run; add an analysis, such as *DYNAMICS (limber help DYNAMICS)', status_deck)
+      if (size(trial%system%model%channels) == 0 .and. .not. allocated(error)) call raise(error, path// &
+         & ': TARGET is for channels; add an *OUTPUT block (limber help OUTPUT)', status_deck)
+      inquire (file=results, exist=exists)
+      if (exists .and. .not. (force .or. allocated(error))) call raise(error, results// &
+         & ' is there already; use --force to replace it', status_deck)
+   end subroutine check_target
+
+   !> The scene as it was run at last.
+   subroutine build_reached(reached, scene, error)
+      type(reached_type), intent(in) :: reached
+      !> With its deck as it was read
+      type(scene_type), intent(inout) :: scene
+      type(error_type), allocatable, intent(out) :: error
+      type(diagnostics_type) :: diagnostics
+      call apply_advice(reached%advice, scene%deck)
+      call build_scene(scene, diagnostics, error)
+   end subroutine build_reached
+
+end module limber_analysis_target_run

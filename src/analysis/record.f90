@@ -242,7 +242,9 @@ contains
       !> Empty if the run has finished
       character(*), intent(in) :: message
       type(history_type), intent(inout) :: history
+      !> Allocated if it cannot be written; the history is closed in any case
       type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: ignored
       call put_counts()
       if (.not. allocated(error)) call put_seconds()
       if (.not. allocated(error)) call put_checks()
@@ -251,8 +253,10 @@ contains
       if (allocated(outcome%indicators) .and. .not. allocated(error)) call record_indicators(outcome%indicators, &
          & scene%system%model, history, error)
       if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
-      if (allocated(error)) return
-      if (message == '') then
+      if (allocated(error)) then
+         history%failed = .true.
+         call history%finish(.false., message, ignored)
+      else if (message == '') then
          call history%finish(.true., 'finished', error)
       else
          call history%finish(.false., message, error)

@@ -1,14 +1,15 @@
 !> Files and folders, as POSIX has them: names, lists. Floor: base.
 module limber_base_files
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, c_null_funptr, c_null_ptr, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, c_null_char, c_null_funptr, c_null_ptr, &
       & c_funptr, c_ptr, c_size_t
-   use limber_base_kinds, only: long
    implicit none
    private
    public :: rename_file, copy_file, make_folder, files_like, remove_file, is_folder, may_write, is_locked
 
    !> Longest path
    integer, parameter, public :: longest_path = 4096
+   !> Bytes that are copied at a time
+   integer(c_size_t), parameter :: block_size = 1048576
 
    !> The beginning of POSIX's glob_t, and room for the rest
    type, bind(c) :: glob_type
@@ -34,6 +35,27 @@ module limber_base_files
          import :: c_int, c_ptr
          type(c_ptr), value :: stream
       end function c_fclose
+      integer(c_size_t) function c_fread(buffer, size, count, stream) bind(c, name='fread')
+         import :: c_ptr, c_size_t
+         type(c_ptr), value :: buffer, stream
+         integer(c_size_t), value :: size, count
+      end function c_fread
+      integer(c_size_t) function c_fwrite(buffer, size, count, stream) bind(c, name='fwrite')
+         import :: c_ptr, c_size_t
+         type(c_ptr), value :: buffer, stream
+         integer(c_size_t), value :: size, count
+      end function c_fwrite
+      integer(c_int) function c_ferror(stream) bind(c, name='ferror')
+         import :: c_int, c_ptr
+         type(c_ptr), value :: stream
+      end function c_ferror
+      type(c_ptr) function c_errno_location() bind(c, name='__errno_location')
+         import :: c_ptr
+      end function c_errno_location
+      type(c_ptr) function c_strerror(number) bind(c, name='strerror')
+         import :: c_int, c_ptr
+         integer(c_int), value :: number
+      end function c_strerror
       integer(c_int) function c_fileno(stream) bind(c, name='fileno')
          import :: c_int, c_ptr
          type(c_ptr), value :: stream
@@ -78,52 +100,52 @@ contains
       ok = c_rename(old//c_null_char, new//c_null_char) == 0
    end subroutine rename_file
 
-   !> Copies a file, in place of one that has the other name.
+   !> Copies a file, in place of one that has the other name. Not by Fortran's own streams: those of gfortran 12 keep silent about a
+   !> full disk.
    subroutine copy_file(from, to, trouble)
       character(*), intent(in) :: from, to
       !> Why it could not be copied, in the words of the system; empty if it was. What there is of the copy is then removed
       character(:), allocatable, intent(out) :: trouble
-      integer(long), parameter :: most = 1048576
-      character(:), allocatable :: block
-      character(256) :: message
-      integer :: source, copy, status
-      integer(long) :: length, left, copied
-      integer :: ignored
+      character(kind=c_char), allocatable, target :: block(:)
+      type(c_ptr) :: source, copy
+      integer(c_size_t) :: length
+      integer(c_int) :: failed, ignored
       trouble = ''
-      open (newunit=source, file=from, access='stream', action='read', status='old', iostat=status, iomsg=message)
-      if (status /= 0) then
-         trouble = trim(message)
+      source = c_fopen(from//c_null_char, 'r'//c_null_char)
+      if (.not. c_associated(source)) then
+         trouble = last_reason()
          return
       end if
-      open (newunit=copy, file=to, access='stream', action='write', status='replace', iostat=status, iomsg=message)
-      if (status == 0) then
-         inquire (unit=source, size=length)
-         left = length
-         allocate (character(int(min(most, max(1_long, length)))) :: block)
-         do while (left > 0 .and. status == 0)
-            if (left < len(block)) then
-               deallocate (block)
-               allocate (character(int(left)) :: block)
-            end if
-            read (source, iostat=status, iomsg=message) block
-            if (status == 0) write (copy, iostat=status, iomsg=message) block
-            left = left - len(block)
-         end do
-         if (status == 0) flush (copy, iostat=status, iomsg=message)
-         copied = length
-         if (status == 0) inquire (unit=copy, size=copied)
-         if (copied /= length) message = 'only a part of it could be written'
-         if (status == 0 .and. copied /= length) status = 1
-         if (status == 0) then
-            close (copy, iostat=status, iomsg=message)
-         else
-            close (copy, iostat=ignored)
-         end if
-         if (status /= 0) call remove_file(to)
+      copy = c_fopen(to//c_null_char, 'w'//c_null_char)
+      if (.not. c_associated(copy)) then
+         trouble = last_reason()
+         ignored = c_fclose(source)
+         return
       end if
-      if (status /= 0) trouble = trim(message)
-      close (source)
+      allocate (block(block_size))
+      do
+         length = c_fread(c_loc(block), 1_c_size_t, block_size, source)
+         if (length == 0) exit
+         if (c_fwrite(c_loc(block), 1_c_size_t, length, copy) < length) trouble = last_reason()
+         if (trouble /= '') exit
+      end do
+      failed = c_ferror(source)
+      if (failed /= 0) trouble = 'it cannot be read'
+      failed = c_fclose(copy)
+      if (failed /= 0 .and. trouble == '') trouble = last_reason()
+      ignored = c_fclose(source)
+      if (trouble /= '') call remove_file(to)
    end subroutine copy_file
+
+   !> Why the last call of the system failed.
+   function last_reason() result(reason)
+      character(:), allocatable :: reason
+      character(256) :: text
+      integer(c_int), pointer :: number
+      call c_f_pointer(c_errno_location(), number)
+      call copy_text(c_strerror(number), text)
+      reason = trim(text)
+   end function last_reason
 
    !> Whether a path is that of a folder.
    logical function is_folder(path)

@@ -20,7 +20,7 @@ module limber_output_hdf5
       & h5t_ieee_f64le
    use h5lt, only: h5ltmake_dataset_double_f, h5ltmake_dataset_int_f, h5ltpath_valid_f
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_files, only: is_locked
+   use limber_base_files, only: is_locked, remove_file
    use limber_base_kinds, only: wp, long
    use limber_output_hdf5_error, only: hdf5_error, no_id, open_library, reason_in_use, stack_reason
    implicit none
@@ -86,6 +86,7 @@ contains
          reason = stack_reason()
          file = no_id
          call raise(error, 'cannot create '//path//': '//reason, status_deck)
+         if (.not. (exists .or. stays)) call remove_file(path)
       end if
       call h5pclose_f(access, status)
       call h5pclose_f(creation, status)

@@ -1,0 +1,145 @@
+#!/bin/sh
+# What may go wrong with the place where results go: a full disk, one without room for a copy, a folder that is read-only, one that
+# vanishes. Each has a message and a status, nothing that was written is lost, and nothing is overwritten.
+#   tests/faults.sh LIMBER INPUT WORK
+# Needs the right to mount small file systems in memory; without it a limit on the size of files stands for the full disk, what cannot be
+# tried is named, and the status is 77.
+limber=$1
+input=$2
+work=$3
+rm -rf "$work"
+mkdir -p "$work/disk" || exit 1
+cd "$work" || exit 1
+skipped=0
+trap 'cd /; umount "$work/disk" 2> /dev/null' EXIT
+
+# expect STATUS TEXT COMMAND...: TEXT is in what the command says
+expect() {
+  wanted=$1
+  text=$2
+  shift 2
+  "$@" > "$work/messages" 2>&1
+  status=$?
+  if [ $status -ne "$wanted" ] || ! grep -q "$text" "$work/messages"; then
+    echo "$*: status $status for $wanted; '$text' in:"
+    cat "$work/messages"
+    exit 1
+  fi
+}
+same() { expect 0 "the same" "$limber" diff "$1" "$work/whole.h5" --rtol 0 --range 0; }
+# What a results file holds is the beginning of the whole
+begins() {
+  "$limber" export "$1" > "$work/part.txt" || exit 1
+  if ! head -n "$(wc -l < "$work/part.txt")" "$work/whole.txt" | cmp -s - "$work/part.txt"; then
+    echo "$1 has other samples"
+    exit 1
+  fi
+}
+
+sed 's/TOLERANCE=1e-8, OUTPUTS=838/TOLERANCE=1e-5, OUTPUTS=20000/; s/turns = 2/turns = 20/' "$input/slider_crank_full.inp" > deck.inp
+expect 0 "20001 samples" "$limber" run deck.inp -o whole.h5
+sed 's/turns = 20/turns = 2000/; s/OUTPUTS=20000/OUTPUTS=200000/' deck.inp > long.inp
+"$limber" export whole.h5 > whole.txt
+size=$(wc -c < whole.h5)
+
+# A disk that fills up while the run goes on: what was safe stays, and once there is room the run goes on
+full() {
+  expect 3 "full.h5 has the first [0-9]* samples, marked incomplete; more could not be written" "$@"
+  begins full.h5
+  [ ! -e full.h5.running ] || { echo "full.h5.running is left"; exit 1; }
+}
+if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
+  cd disk || exit 1
+  full "$limber" run ../deck.inp --quiet -o full.h5 --checkpoint 0.02
+  cp full.h5 full.checkpoint.h5 ..
+  full "$limber" run ../deck.inp --quiet -o full.h5 --checkpoint 0.02 --restart
+  mount -o remount,size=20m .
+  expect 0 "continued at" "$limber" run ../deck.inp -o full.h5 --restart
+  same full.h5
+
+  # Interrupted while it is full: it goes on from the last checkpoint that found room
+  rm -f full*
+  mount -o remount,size=400k .
+  "$limber" run ../long.inp --quiet -o full.h5 --checkpoint 0.02 > ../messages 2>&1 &
+  process=$!
+  while [ ! -e full.checkpoint.h5 ]; do sleep 0.01; done
+  # More than once: the run itself gives room free now and then
+  for i in 1 2 3 4 5 6; do
+    head -c 400000 /dev/zero > rest$i 2> /dev/null
+    sleep 0.03
+  done
+  kill -TERM $process
+  wait $process
+  status=$?
+  if [ $status -ne 4 ] || ! grep -q "with --restart it goes on from t = .*no checkpoint could be written since: " ../messages; then
+    echo "interrupted on a full disk: status $status"; cat ../messages; exit 1
+  fi
+  "$limber" export full.h5 > ../part.txt || exit 1
+
+  # No room for anything at all, and none to go on
+  cp full.h5 full.checkpoint.h5 ..
+  head -c 400000 /dev/zero > rest7 2> /dev/null
+  expect 2 "cannot copy full.h5 to full.h5.running: " "$limber" run ../long.inp --quiet -o full.h5 --restart
+  cmp full.h5 ../full.h5 && cmp full.checkpoint.h5 ../full.checkpoint.h5 || exit 1
+  expect 2 "cannot create none.h5.running: No space left on device" "$limber" run ../deck.inp --quiet -o none.h5
+  [ ! -e none.h5 ] && [ ! -e none.h5.running ] || { echo "none.h5 is left"; exit 1; }
+
+  # Room for the file and the copy before, but not for another one: the run reaches its end all the same
+  rm -f full* rest?
+  mount -o remount,size=$((size*9/5)) .
+  expect 0 "warning: the last checkpoint could not be written: No space left on device" "$limber" run ../deck.inp -o tight.h5 --checkpoint 0.02
+  same tight.h5
+  rm -f tight*
+  mount -o remount,size=20m .
+
+  # A folder that is read-only: nothing can be made, and what is there is left as it is
+  "$limber" run ../deck.inp --quiet -o fixed.h5 --checkpoint 0.02 > ../messages 2>&1 &
+  process=$!
+  while [ ! -e fixed.checkpoint.h5 ]; do sleep 0.01; done
+  kill -9 $process
+  wait $process 2> /dev/null
+  cp fixed.h5 fixed.checkpoint.h5 ..
+  mount -o remount,ro .
+  expect 2 "cannot create new.h5.running: Read-only file system" "$limber" run ../deck.inp --quiet -o new.h5
+  expect 2 "cannot overwrite fixed.h5: Permission denied" "$limber" run ../deck.inp --quiet -o fixed.h5 --force
+  expect 2 "fixed.h5" "$limber" run ../deck.inp --quiet -o fixed.h5 --restart
+  cmp fixed.h5 ../fixed.h5 && cmp fixed.checkpoint.h5 ../fixed.checkpoint.h5 || exit 1
+  mount -o remount,rw .
+  expect 0 "continued at" "$limber" run ../deck.inp -o fixed.h5 --restart
+  same fixed.h5
+  cd ..
+  umount disk
+else
+  echo "skipped: mounting is not permitted here: a real full disk, one without room for a copy, a read-only file system"
+  skipped=1
+  # A file that may not grow: 200 blocks of 512 bytes
+  full sh -c "trap '' XFSZ; ulimit -f 200; exec '$limber' run deck.inp --quiet -o full.h5 --checkpoint 0.02"
+  expect 0 "continued at" "$limber" run deck.inp -o full.h5 --restart
+  same full.h5
+fi
+
+# A folder without the right to write, for those whom that stops
+mkdir locked
+chmod 500 locked
+if touch locked/probe 2> /dev/null; then
+  echo "not tried: a folder without the right to write (this user may write anywhere)"
+else
+  expect 2 "cannot create locked/a.h5.running: Permission denied" "$limber" run deck.inp --quiet -o locked/a.h5
+fi
+
+# A folder that vanishes, and one that is not there
+mkdir gone
+"$limber" run long.inp --quiet -o gone/a.h5 --checkpoint 0.02 > messages 2>&1 &
+process=$!
+while [ ! -e gone/a.checkpoint.h5 ]; do sleep 0.01; done
+mv gone elsewhere
+wait $process
+status=$?
+if [ $status -ne 3 ] || ! grep -q "gone/a.h5.running is gone: somebody has removed it, or its folder" messages; then
+  echo "a folder that vanishes: status $status"; cat messages; exit 1
+fi
+"$limber" export elsewhere/a.h5 > /dev/null || exit 1
+expect 4 "interrupted" sh -c "'$limber' run long.inp --quiet -o elsewhere/a.h5 --restart & sleep 0.3; kill -TERM \$!; wait \$!"
+expect 2 "cannot create gone/a.h5.running: No such file or directory" "$limber" run deck.inp --quiet -o gone/a.h5
+[ $skipped -eq 0 ] || exit 77
+echo "all as it should be"

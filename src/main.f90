@@ -7,6 +7,7 @@ program limber
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use limber_base_error, only: error_type
+   use limber_base_signals, only: let_writes_fail
    use limber_analysis_advise, only: advise_deck
    use limber_analysis_check, only: check_deck
    use limber_analysis_command, only: command_type, read_command, usage
@@ -25,6 +26,7 @@ program limber
 
    same = .true.
    report = ''
+   call let_writes_fail()
    call read_command(command, error)
    if (.not. allocated(error)) then
       select case (command%verb)

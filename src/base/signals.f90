@@ -1,10 +1,10 @@
 !> Signals by which a run is asked to end: SIGINT (Ctrl-C), SIGTERM, and SIGUSR1 with which Slurm warns of the end of its time.
 !> They are taken note of only; a second one ends the process at once. Floor: base.
 module limber_base_signals
-   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_null_funptr
+   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, c_null_funptr
    implicit none
    private
-   public :: catch_signals, release_signals, signal_came, signal_name
+   public :: catch_signals, release_signals, signal_came, signal_name, let_writes_fail
 
    integer(c_int), parameter :: interrupt = 2, user = 10, termination = 15
    integer(c_int), parameter :: caught_signals(*) = [interrupt, user, termination]
@@ -31,6 +31,14 @@ contains
          ignored = c_signal(caught_signals(i), c_funloc(note))
       end do
    end subroutine catch_signals
+
+   !> From now on a file that grows beyond its limit (ulimit -f) is an error like a full disk; else SIGXFSZ would end the process.
+   subroutine let_writes_fail()
+      integer(c_int), parameter :: size_exceeded = 25
+      integer(c_intptr_t), parameter :: ignore = 1
+      type(c_funptr) :: ignored
+      ignored = c_signal(size_exceeded, transfer(ignore, c_null_funptr))
+   end subroutine let_writes_fail
 
    !> From now on they end the process again.
    subroutine release_signals()

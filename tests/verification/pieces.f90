@@ -12,7 +12,7 @@ module pieces
    use testing, only: check, check_no_error
    implicit none
    private
-   public :: compare_pieces
+   public :: compare_pieces, compare_files
 
    !> Attributes of /run that are the same for the same bits
    character(*), parameter :: numbers(*) = [character(20) :: 'complete', 'steps', 'rejected_steps', 'failed_projections', &

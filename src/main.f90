@@ -8,6 +8,7 @@ program limber
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use limber_base_error, only: error_type
    use limber_base_signals, only: let_writes_fail
+   use limber_base_threads, only: use_one_thread
    use limber_analysis_advise, only: advise_deck
    use limber_analysis_check, only: check_deck
    use limber_analysis_command, only: command_type, read_command, usage
@@ -27,6 +28,7 @@ program limber
    same = .true.
    report = ''
    call let_writes_fail()
+   call use_one_thread()
    call read_command(command, error)
    if (.not. allocated(error)) then
       select case (command%verb)

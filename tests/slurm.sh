@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs the scripts of jobs/ on a Slurm of one node that is started for the purpose: a sweep as a job array and as a parallel job
-# must give the summary of the local one to the bit.
+# must give the summary of the local one to the bit, and a run in pieces the bits of one without a warning.
 #   slurm.sh LIMBER DECK JOBS WORK      status 77: there is no Slurm here, or no right to start it
 set -euo pipefail
 limber=$1 deck=$2 jobs=$3 work=$4
@@ -31,7 +31,7 @@ ClusterName=limber
 SlurmctldHost=$host(127.0.0.1)
 SlurmUser=root
 AuthType=auth/munge
-AuthInfo=socket=$short/munge
+AuthInfo=socket=$short/munge,cred_expire=5
 CryptoType=crypto/munge
 SlurmctldPort=$port
 SlurmdPort=$((port + 1))
@@ -87,3 +87,31 @@ for summary in array ranks; do
   [[ $(ls $summary.rows/*.journal | wc -l) -ge 2 ]] || { echo "$summary was not run by several processes"; exit 1; }
   "$limber" diff $summary.h5 local.h5 --rtol 0 --range 0
 done
+
+# A run that is warned twice puts itself into the queue again, and ends with the bits of one that was not
+sed 's/turns = 2/turns = 16/; s/OUTPUTS=838/OUTPUTS=8380/' "$(dirname "$deck")/slider_crank_full.inp" > long.inp
+"$limber" run long.inp --quiet -o whole.h5
+export LIMBER_OPTIONS="--checkpoint 0.2"
+run=$(sbatch --parsable "$jobs/run_restart.sh" long.inp pieces.h5)
+for warning in 1 2; do
+  for _ in $(seq 600); do
+    [[ -e pieces.h5.running ]] && break
+    sleep 0.1
+  done
+  sleep 0.3
+  scancel --batch --signal=USR1 "$run"
+  for _ in $(seq 100); do
+    [[ -e pieces.h5.running ]] || break
+    sleep 0.1
+  done
+  # Slurm would wait two minutes before it starts it again
+  for _ in $(seq 100); do
+    squeue -h -j "$run" -o %T | grep -q PENDING && scontrol update JobId="$run" StartTime=now && break
+    sleep 0.1
+  done
+  [[ ! -e pieces.h5.running ]] || { echo "warning $warning was not heeded"; exit 1; }
+done
+await
+cat "limber-run-$run.log"
+[[ $(grep -c "interrupted by SIGUSR1 .* goes on from there with --restart" "limber-run-$run.log") -eq 2 ]] || { echo "not interrupted twice"; exit 1; }
+"$limber" diff pieces.h5 whole.h5 --rtol 0 --range 0

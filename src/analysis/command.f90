@@ -54,7 +54,8 @@ contains
          & '   limber run DECK [--set NAME=VALUE ...] [-o FILE] [--force] [--quiet] [--restart] [--checkpoint S]', &
          & '                       run a deck; results in FILE (else the deck''s name with the ending .h5);', &
          & '                       with other values of parameters. Each S seconds (600) and when a signal ends it (INT, TERM,', &
-         & '                       USR1) it writes a checkpoint beside FILE, from which --restart goes on to the same bits', &
+         & '                       USR1) it writes a checkpoint beside FILE, from which --restart goes on to the same bits;', &
+         & '                       without results --restart begins, and complete ones it leaves as they are', &
          & '   limber check DECK [--set NAME=VALUE ...]', &
          & '                       read, build and assemble only', &
          & '   limber advise DECK [--set NAME=VALUE ...] [--target E] [--all] [--write FILE] [--force]', &
@@ -84,7 +85,7 @@ contains
          & '   limber --version    version, commit and compiler', &
          & '', &
          & 'Status: 0 done, 1 results differ, 2 deck or command cannot be used, 3 the run could not finish,', &
-         & '4 the run was interrupted and can go on with --restart.'])
+         & '4 a signal has interrupted the run, and --restart goes on.'])
    end function usage
 
    !> Lines put together.

@@ -42,8 +42,7 @@ contains
          & 'END=rise + 2*pi/speed, OUTPUTS=400, TOLERANCE=1e-6', &
          & 'END=rise + 0.05, OUTPUTS=100, TOLERANCE=1e-4'//nl//'*ACCURACY, ESTIMATE=YES')
       ! Scalars; a deck of a sweep
-      call compare('sweep_speed', results, 'OUTPUTS=400', 'OUTPUTS=100', 'END=2*2*pi/speed, TOLERANCE=1e-6', &
-         & 'END=2*pi/speed, TOLERANCE=1e-4')
+      call compare('sweep_speed', results, 'OUTPUTS=400', 'OUTPUTS=100', 'rms(deflection)', 'rms(deflection), mean(deflection)')
       ! A prescribed motion
       call compare('slider_crank_prescribed', results, 'turns = 2', 'turns = 0.2', 'TOLERANCE=1e-8, OUTPUTS=838', &
          & 'TOLERANCE=1e-5, OUTPUTS=83')

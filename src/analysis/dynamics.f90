@@ -216,7 +216,7 @@ contains
          type(snapshot_type), intent(inout) :: snapshot
          call snapshot%exchange('passed', passed)
          call sample%exchange(snapshot)
-         call integrator%exchange(snapshot)
+         call integrator%exchange(snapshot, scene%system)
          call scene%work%exchange(snapshot)
          call recorder%exchange(snapshot)
          call history%exchange(snapshot)

@@ -553,10 +553,11 @@ contains
    end subroutine adams_complete
 
    !> Saves or restores its memory.
-   subroutine exchange_adams(self, snapshot)
+   subroutine exchange_adams(self, snapshot, system)
       class(adams_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
-      call self%exchange_common(snapshot)
+      type(system_type), intent(in) :: system
+      call self%exchange_common(snapshot, system)
       call snapshot%keep('q', self%q)
       call snapshot%keep('v', self%v)
       call snapshot%keep('a', self%a)

@@ -461,10 +461,15 @@ contains
    end subroutine alpha_interpolate
 
    !> Saves or restores its memory.
-   subroutine exchange_alpha(self, snapshot)
+   subroutine exchange_alpha(self, snapshot, system)
       class(alpha_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
-      call self%exchange_common(snapshot)
+      type(system_type), intent(in) :: system
+      logical :: usable
+      call self%exchange_common(snapshot, system)
+      usable = self%forest%usable
+      call snapshot%exchange('usable', usable)
+      if (self%forest%usable .and. .not. usable) call use_sparse(self, system)
       call snapshot%keep('q', self%q)
       call snapshot%keep('v', self%v)
       call snapshot%keep('w', self%w)

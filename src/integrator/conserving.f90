@@ -328,6 +328,14 @@ contains
       end if
    end subroutine solve
 
+   !> The tangent of any scene in place of the forest.
+   subroutine use_sparse(self, system)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      self%forest%usable = .false.
+      call new_tangent(system, self%tangent)
+   end subroutine use_sparse
+
    !> Derivatives and factors at the state of the last residual.
    subroutine refresh(self, system, work)
       class(conserving_type), intent(inout) :: self
@@ -341,8 +349,7 @@ contains
          if (.not. singular) self%h_factors = self%trial%h
          if (.not. singular) return
          ! Where the trees lose a pivot, sparse factors look for others
-         self%forest%usable = .false.
-         call new_tangent(system, self%tangent)
+         call use_sparse(self, system)
          call begin_step(system, self%trial, self%t, self%trial%h, self%trial%final, self%q, self%b)
          call find_residual(self, system, work)
       end if
@@ -446,10 +453,15 @@ contains
    end subroutine conserving_interpolate
 
    !> Saves or restores its memory.
-   subroutine exchange_conserving(self, snapshot)
+   subroutine exchange_conserving(self, snapshot, system)
       class(conserving_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
-      call self%exchange_common(snapshot)
+      type(system_type), intent(in) :: system
+      logical :: usable
+      call self%exchange_common(snapshot, system)
+      usable = self%forest%usable
+      call snapshot%exchange('usable', usable)
+      if (self%forest%usable .and. .not. usable) call use_sparse(self, system)
       call snapshot%keep('q', self%q)
       call snapshot%keep('v', self%v)
       call snapshot%keep('b', self%b)

@@ -81,10 +81,12 @@ module limber_integrator_integrator
       end subroutine interpolate_interface
 
       !> Saves or restores its memory.
-      subroutine exchange_interface(self, snapshot)
-         import :: integrator_type, snapshot_type
+      subroutine exchange_interface(self, snapshot, system)
+         import :: integrator_type, snapshot_type, system_type
          class(integrator_type), intent(inout) :: self
          type(snapshot_type), intent(inout) :: snapshot
+         !> Of the run
+         type(system_type), intent(in) :: system
       end subroutine exchange_interface
    end interface
 
@@ -103,9 +105,14 @@ contains
    end subroutine complete_nothing
 
    !> Saves or restores what all integrators have.
-   subroutine exchange_common(self, snapshot)
+   subroutine exchange_common(self, snapshot, system)
       class(integrator_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
+      type(system_type), intent(in) :: system
+      integer :: constraints
+      constraints = system%nc
+      call snapshot%exchange('constraints', constraints)
+      if (constraints /= system%nc .and. .not. allocated(snapshot%missing)) snapshot%missing = 'constraints'
       call snapshot%exchange('t', self%t)
       call snapshot%exchange('t_before', self%t_before)
       call snapshot%exchange('work_at_start', self%work_at_start)

@@ -560,10 +560,11 @@ contains
    end subroutine radau_interpolate
 
    !> Saves or restores its memory.
-   subroutine exchange_radau(self, snapshot)
+   subroutine exchange_radau(self, snapshot, system)
       class(radau_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
-      call self%exchange_common(snapshot)
+      type(system_type), intent(in) :: system
+      call self%exchange_common(snapshot, system)
       call snapshot%keep('q', self%q)
       call snapshot%keep('v', self%v)
       call snapshot%keep('w', self%w)

@@ -470,7 +470,6 @@ contains
       call snapshot%keep('carrying', self%carrying)
       call snapshot%keep('compliance', self%compliance)
       call snapshot%keep('started', self%started)
-      call snapshot%keep('x', self%x)
       call snapshot%keep('masses', self%masses)
    end subroutine exchange_forest
 

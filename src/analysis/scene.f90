@@ -16,9 +16,10 @@ module limber_analysis_scene
    use limber_model_segments, only: name_in_deck
    use limber_model_scene, only: model_type, step_dynamics
    use limber_system_assembly, only: first_guess, assemble
-   use limber_system_held, only: held_type, new_held, balance_start, balance_deflections
+   use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_rank, only: assembly_type
    use limber_system_redundancy, only: group_names, constraint_names
+   use limber_system_relaxation, only: balance_start
    use limber_system_softening, only: soften_constraints
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
@@ -202,7 +203,8 @@ contains
       associate (start => scene%system%model%dynamics%start)
          call new_held(scene%system, held)
          call balance_start(scene%system, scene%work, held, start, q, v, done)
-         if (.not. done) then
+         ! Where no frame is free all are in equilibrium together
+         if (.not. done .and. scene%system%nc >= sum(scene%system%layout%rates)) then
             q = scene%q
             call balance_deflections(scene%system, scene%work, held, start, q, v, a, done)
          end if

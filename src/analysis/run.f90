@@ -12,7 +12,7 @@ module limber_analysis_run
    use limber_analysis_ranges, only: range_warnings
    use limber_analysis_record, only: open_history, record_outcome, record_steps
    use limber_analysis_scalars, only: scalar_values, scalar_lines
-   use limber_analysis_scene, only: scene_type, read_scene, build_scene, seconds_since, mobility_line
+   use limber_analysis_scene, only: scene_type, read_scene, build_scene, seconds_since, mobility_line, inner_joints
    use limber_analysis_steps, only: run_steps, passed_type
    use limber_analysis_target, only: reached_type, reach_target
    use limber_deck_content, only: deck_type
@@ -361,9 +361,9 @@ contains
             end if
             report = report//newline//'   '//body_line(model%bodies(i), model%units)
          end do
-         report = report//newline//'   '//as_text(size(model%joints))//' joints, '//as_text(size(model%drivers))//' drivers, '// &
-            & as_text(size(model%loads))//' loads; '//as_text(size(model%channels))//' channels'//newline// &
-            & '   '//mobility_line(scene%assembly)
+         report = report//newline//'   '//as_text(size(model%joints) - inner_joints(model))//' joints, '// &
+            & as_text(size(model%drivers))//' drivers, '//as_text(size(model%loads))//' loads; '// &
+            & as_text(size(model%channels))//' channels'//newline//'   '//mobility_line(scene%assembly, inner_joints(model))
       end associate
    end subroutine check_deck
 
@@ -419,7 +419,7 @@ contains
          text = path//': '//scene%system%model%heading//newline
          if (scene%system%model%dynamics%reason /= '') text = text//'   '//scene%system%model%dynamics%integrator//', chosen: '// &
             & scene%system%model%dynamics%reason//newline
-         text = text//'   '//mobility_line(scene%assembly)//newline
+         text = text//'   '//mobility_line(scene%assembly, inner_joints(scene%system%model))//newline
          text = text//'   reached t = '//as_text(outcome%reached, 8)//' '//units%time//' in '//as_text(statistics%steps)// &
             & ' steps ('//as_text(statistics%rejected)//' rejected), '//as_text(statistics%evaluations)//' evaluations'//newline// &
             & '   '//as_text(outcome%cpu, 3)//' s CPU in the time loop; '//as_text(scene%reading + scene%building + &

@@ -24,7 +24,7 @@ module limber_analysis_scene
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
-   public :: scene_type, carried_type, read_scene, build_scene, settle_integrator, seconds_since, mobility_line
+   public :: scene_type, carried_type, read_scene, build_scene, settle_integrator, seconds_since, mobility_line, inner_joints
 
    !> What an analysis leaves to the next
    type :: carried_type
@@ -274,11 +274,21 @@ contains
       end associate
    end subroutine warn_of_turn
 
+   !> Number of joints that beams in segments have between their pieces: welds of three equations each.
+   pure integer function inner_joints(model) result(number)
+      type(model_type), intent(in) :: model
+      number = 0
+      if (allocated(model%wholes)) number = sum(model%wholes%last - model%wholes%first)
+   end function inner_joints
+
    !> What the constraints leave free: degrees of freedom, rank, and the count of Gruebler.
-   pure function mobility_line(found) result(text)
+   pure function mobility_line(found, inner) result(text)
       type(assembly_type), intent(in) :: found
+      !> Number of joints between segments
+      integer, intent(in) :: inner
       character(:), allocatable :: text
       text = as_text(found%rates)//' rates, '//as_text(found%equations)//' constraint equations'
+      if (inner > 0) text = text//' ('//as_text(3*inner)//' of them between segments)'
       if (found%rank < found%equations) text = text//' of rank '//as_text(found%rank)
       text = text//': '//as_text(found%rates - found%rank)//' degrees of freedom'
       if (found%rates - found%rank == 1) text = text(:len(text) - len('degrees of freedom'))//'degree of freedom'

@@ -19,6 +19,7 @@ program test_kernels
    use limber_base_text, only: newline
    use limber_model_breaks, only: law_breaks
    use limber_system_discrete, only: begin_step, new_step, step_residual, step_type
+   use limber_system_drivers, only: driven_origin_type
    use limber_system_dynamics, only: position_residual
    use limber_system_kinematics, only: advance, move_frames, place_frames, velocities_of
    use limber_system_multiplier, only: update_jacobians
@@ -219,6 +220,10 @@ contains
       call set_driver(model, driver_y, '', [c, 0])
       call add_driver(model, 'push', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
       call set_driver(model, driver_x, '', [e, 0])
+      call add_driver(model, 'raise', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
+      call set_driver(model, driver_y, '', [add_place(model, 'plate.origin', plate, [0.0_wp, 0.0_wp]), 0])
+      call add_driver(model, 'shift', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
+      call set_driver(model, driver_x, '', [add_beam_place(model, 'rod.start', rod, 0.0_wp), 0])
    end function zoo
 
    !> A joint of a kind with all that any kind needs.
@@ -293,11 +298,25 @@ contains
       system = new_system(zoo())
       call new_workspace(system, work)
       call new_tangent(system, tangent)
+      call check(origins(system) == 3, 'three drivers of origins are of their own type')
       do trial = 1, 4
          call test_state(system, work, tangent)
       end do
       call test_steps(system, work)
    end subroutine test_scene
+
+   !> Number of drivers that move the origin of a frame itself, whatever the deflection.
+   integer function origins(system) result(number)
+      type(system_type), intent(in) :: system
+      integer :: i
+      number = 0
+      do i = 1, size(system%constraints)
+         select type (item => system%constraints(i)%item)
+         type is (driven_origin_type)
+            number = number + 1
+         end select
+      end do
+   end function origins
 
    !> All derivatives at a random state.
    subroutine test_state(system, work, tangent)

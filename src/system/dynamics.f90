@@ -10,7 +10,8 @@ module limber_system_dynamics
    use limber_system_condensation, only: update_folds, project_vector, condense_forces, gather_loads, push_bending, axial_posture
    use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system, recover_multipliers
+   use limber_system_multiplier, only: update_jacobians, factor_multiplier_system
+   use limber_system_solution, only: solve_multiplier_system, recover_multipliers
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private

@@ -2,14 +2,18 @@
 !> gears with teeth; an arm whose grip is geared to its elbow against Lagrange's equations in absolute angles, integrated here.
 !> Usage, in tests/: test_couplers RESULT_FILE
 program test_couplers
+   use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: newline
+   use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel, run_changed
-   use testing, only: check, check_close, finish
+   use runs, only: change_deck, channel, run_changed
+   use testing, only: check, check_close, check_no_error, finish
    implicit none
 
    character(*), parameter :: nl = newline
+   !> What the tendon of the arm makes of the absolute angles of its links
+   real(wp), parameter :: tie(4) = [-1.5_wp, 1.5_wp, -1.0_wp, 1.0_wp]
    character(10), parameter :: integrators(4) = [character(10) :: 'ADAMS', 'RADAU', 'ALPHA', 'CONSERVING']
    character(256) :: results
 
@@ -17,6 +21,8 @@ program test_couplers
    call check_planetary_gear()
    call check_arm()
    call check_power()
+   call check_statics()
+   call check_kinematics()
    call finish()
 
 contains
@@ -173,6 +179,152 @@ contains
       call reader%close()
    end subroutine check_power
 
+   !> The arm hangs: weight and tendon balance on each link; its frequencies are zeros of the characteristic determinant.
+   subroutine check_statics()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(70) :: old(2), new(2)
+      real(wp), allocatable :: frequency(:)
+      real(wp) :: theta(4), mass(4, 4), weight(4), small(3, 3), k(3, 3), m(3, 3), tendon, last
+      integer :: i
+      old = [character(70) :: ' torque*sin(3*t)', '*DYNAMICS, END=2, OUTPUTS=20, INTEGRATOR=ADAMS, TOLERANCE=1e-10']
+      new = [character(70) :: ' 0', '*STATICS, RAMP=YES'//nl//'*MODES, NAME=hanging, NUMBER=3']
+      call run_changed('verification/coupled_arm.inp', trim(results), old, new, reader)
+      theta = [at_end(reader, 'upper'), at_end(reader, 'fore'), at_end(reader, 'hand'), at_end(reader, 'tool')]
+      tendon = at_end(reader, 'tendon')
+      call check_close(theta(4), tool_angle(theta(:3)), 1.0e-12_wp, 'the tendon keeps its length')
+      call find_arm(theta, mass, weight)
+      call check_close(maxval(abs(-weight*cos(theta) + tie*tendon)), 0.0_wp, 1.0e-10_wp, 'balance of weight and tendon')
+      call check(abs(tendon) > 0.1_wp, 'the tendon pulls')
+      call reader%read_numbers('/modes/hanging/frequency', frequency, error)
+      call check_no_error(error, 'frequencies')
+      call check(size(frequency) == 3, 'three frequencies')
+      m = reduced(mass)
+      mass = 0.0_wp
+      do i = 1, 4
+         mass(i, i) = -weight(i)*sin(theta(i))
+      end do
+      k = reduced(mass)
+      last = 0.0_wp
+      do i = 1, 3
+         small = k - frequency(i)**2*m
+         call check_close(determinant(small)/(frequency(i)**6*determinant(m)), 0.0_wp, 1.0e-9_wp, 'frequency of the arm')
+         call check(frequency(i) > last + 1, 'each is another')
+         last = frequency(i)
+      end do
+      call reader%close()
+   end subroutine check_statics
+
+   !> A matrix of the absolute angles for the three that are independent.
+   pure function reduced(whole) result(own)
+      real(wp), intent(in) :: whole(4, 4)
+      real(wp) :: own(3, 3), turns(4, 3)
+      integer :: i
+      turns = 0.0_wp
+      do i = 1, 3
+         turns(i, i) = 1.0_wp
+      end do
+      turns(4, :) = [1.5_wp, -1.5_wp, 1.0_wp]
+      own = matmul(transpose(turns), matmul(whole, turns))
+   end function reduced
+
+   pure real(wp) function determinant(a)
+      real(wp), intent(in) :: a(3, 3)
+      determinant = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &
+         & + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
+   end function determinant
+
+   !> Driven wholly: the tool follows; torques are those of Lagrange's equations; the report has the drivers, not the coupler.
+   subroutine check_kinematics()
+      character(*), parameter :: deck = 'verification/coupled_arm.inp'
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(160) :: old(3), new(3)
+      character(:), allocatable :: report
+      real(wp) :: t(5), theta(4), acceleration(4), omega(4), tendon(5), wrist(5), tool(5), torque
+      integer :: i
+      old = [character(160) :: '*TORQUE, NAME=motor, BODY=upper', ' torque*sin(3*t)', &
+         & '*DYNAMICS, END=2, OUTPUTS=20, INTEGRATOR=ADAMS, TOLERANCE=1e-10']
+      new(1) = '*DRIVER, NAME=a, TYPE=ANGLE, BODY=upper'//nl//' -1 + 0.3*sin(3*t)'//nl//'*DRIVER, NAME=b, TYPE=ANGLE, JOINT=elbow'
+      new(2) = ' 0.6 + 0.2*t'//nl//'*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=wrist'//nl//' 0.5'
+      new(3) = '*INVERSE DYNAMICS, END=1, OUTPUTS=4'
+      call change_deck(deck, trim(results)//'.inp', [character(160) :: old, 'upper = angle(upper)'], &
+         & [character(160) :: new, 'wrist = torque(motor)'])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, 'kinematics')
+      if (allocated(error)) return
+      call check(index(report, "driver 'motor': largest") > 0, 'the report has the drivers')
+      call check(index(report, "coupler 'tendon'") == 0, 'and not the coupler')
+      call reader%open(trim(results), error)
+      tool = channel(reader, 'tool')
+      tendon = channel(reader, 'tendon')
+      wrist = channel(reader, 'wrist')
+      t = [0.0_wp, 0.25_wp, 0.5_wp, 0.75_wp, 1.0_wp]
+      do i = 1, 5
+         theta(1) = -1 + 0.3_wp*sin(3*t(i))
+         theta(2) = theta(1) + 0.6_wp + 0.2_wp*t(i)
+         theta(3) = theta(2) + 0.5_wp
+         theta(4) = tool_angle(theta(:3))
+         call check_close(tool(i), theta(4), 1.0e-10_wp, 'the tool follows')
+         omega = 0.9_wp*cos(3*t(i))
+         omega(2:3) = omega(2:3) + 0.2_wp
+         omega(4) = omega(3) - 0.3_wp
+         acceleration = -2.7_wp*sin(3*t(i))
+         ! on the tool the tendon alone; on the hand the wrist's motor and the tendon's other end
+         torque = inertia_of(4, theta, omega, acceleration)
+         call check_close(tendon(i), torque, 1.0e-9_wp, 'pull of the tendon, driven')
+         torque = inertia_of(3, theta, omega, acceleration) + tendon(i)
+         call check_close(wrist(i), torque, 1.0e-9_wp, 'torque of the wrist')
+      end do
+      call reader%close()
+   end subroutine check_kinematics
+
+   !> Left-hand side of the equation of a link.
+   real(wp) function inertia_of(link, theta, omega, acceleration) result(left)
+      integer, intent(in) :: link
+      !> Absolute angles, and their two derivatives
+      real(wp), intent(in) :: theta(4), omega(4), acceleration(4)
+      real(wp) :: mass(4, 4), weight(4)
+      integer :: j
+      call find_arm(theta, mass, weight)
+      left = weight(link)*cos(theta(link))
+      do j = 1, 4
+         left = left + mass(link, j)*acceleration(j)
+         if (j /= link) left = left + mass(link, j)*tan(theta(link) - theta(j))*omega(j)**2
+      end do
+   end function inertia_of
+
+   !> The last value of a channel.
+   real(wp) function at_end(reader, name)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name
+      real(wp), allocatable :: values(:)
+      values = channel(reader, name)
+      at_end = values(size(values))
+   end function at_end
+
+   !> Masses of the absolute angles, M_ij = A_ij cos(theta_i - theta_j), and moments of the weights of level links.
+   pure subroutine find_arm(theta, m, weight)
+      real(wp), intent(in) :: theta(4)
+      real(wp), intent(out) :: m(4, 4), weight(4)
+      real(wp), parameter :: mass(4) = [3.0_wp, 2.0_wp, 1.2_wp, 0.8_wp], inertia(4) = [0.09_wp, 0.05_wp, 0.02_wp, 0.01_wp]
+      real(wp), parameter :: centre(4) = [0.25_wp, 0.2_wp, 0.15_wp, 0.1_wp], long(4) = [0.6_wp, 0.5_wp, 0.3_wp, 0.0_wp]
+      real(wp) :: arm(4, 4)
+      integer :: i, j
+      arm = 0.0_wp
+      do i = 1, 4
+         arm(:i - 1, i) = long(:i - 1)
+         arm(i, i) = centre(i)
+      end do
+      do i = 1, 4
+         do j = 1, 4
+            m(i, j) = sum(mass*arm(i, :)*arm(j, :))*cos(theta(i) - theta(j))
+         end do
+         m(i, i) = m(i, i) + inertia(i)
+         weight(i) = 9.81_wp*sum(mass*arm(i, :))
+      end do
+   end subroutine find_arm
+
    !> Absolute angles of the links at the samples, and the torque in the tendon, by Runge and Kutta's method.
    subroutine integrate_arm(theta, tendon)
       !> (links, samples); (samples)
@@ -209,27 +361,17 @@ contains
    subroutine slope(t, y, rate, pull)
       real(wp), intent(in) :: t, y(6)
       real(wp), intent(out) :: rate(6), pull
-      real(wp), parameter :: mass(4) = [3.0_wp, 2.0_wp, 1.2_wp, 0.8_wp], inertia(4) = [0.09_wp, 0.05_wp, 0.02_wp, 0.01_wp]
-      real(wp), parameter :: centre(4) = [0.25_wp, 0.2_wp, 0.15_wp, 0.1_wp], long(4) = [0.6_wp, 0.5_wp, 0.3_wp, 0.0_wp]
-      real(wp), parameter :: tie(4) = [-1.5_wp, 1.5_wp, -1.0_wp, 1.0_wp]
-      real(wp) :: theta(4), omega(4), arm(4, 4), a, m(5, 6)
-      integer :: i, j, k
+      real(wp) :: theta(4), omega(4), weight(4), m(5, 6)
+      integer :: i, j
       theta = [y(:3), tool_angle(y(:3))]
       omega = [y(4:6), y(6) - 1.5_wp*(y(5) - y(4))]
-      arm = 0.0_wp
-      do k = 1, 4
-         arm(:k - 1, k) = long(:k - 1)
-         arm(k, k) = centre(k)
-      end do
       m = 0.0_wp
+      call find_arm(theta, m(:4, :4), weight)
       do i = 1, 4
-         m(i, i) = inertia(i)
+         m(i, 6) = -weight(i)*cos(theta(i))
          do j = 1, 4
-            a = sum(mass*arm(i, :)*arm(j, :))
-            m(i, j) = m(i, j) + a*cos(theta(i) - theta(j))
-            m(i, 6) = m(i, 6) - a*sin(theta(i) - theta(j))*omega(j)**2
+            if (j /= i) m(i, 6) = m(i, 6) - m(i, j)*tan(theta(i) - theta(j))*omega(j)**2
          end do
-         m(i, 6) = m(i, 6) - 9.81_wp*sum(mass*arm(i, :))*cos(theta(i))
       end do
       m(1, 6) = m(1, 6) + 6*sin(3*t)
       m(:4, 5) = -tie

@@ -2,7 +2,7 @@
 module limber_analysis_check
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_scene, only: scene_type, read_scene, mobility_line
+   use limber_analysis_scene, only: scene_type, read_scene, mobility_line, inner_joints
    use limber_deck_parameters, only: override_type
    use limber_model_scene, only: body_type, body_flexible, units_type
    implicit none
@@ -40,9 +40,9 @@ contains
             end if
             report = report//newline//'   '//body_line(model%bodies(i), model%units)
          end do
-         report = report//newline//'   '//as_text(size(model%joints))//' joints, '//as_text(size(model%drivers))//' drivers, '// &
-            & as_text(size(model%loads))//' loads; '//as_text(size(model%channels))//' channels'//newline// &
-            & '   '//mobility_line(scene%assembly)
+         report = report//newline//'   '//as_text(size(model%joints) - inner_joints(model))//' joints, '// &
+            & as_text(size(model%drivers))//' drivers, '//as_text(size(model%loads))//' loads; '// &
+            & as_text(size(model%channels))//' channels'//newline//'   '//mobility_line(scene%assembly, inner_joints(model))
       end associate
    end subroutine check_deck
 

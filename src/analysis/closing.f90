@@ -4,7 +4,7 @@ module limber_analysis_closing
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_scene, only: scene_type, mobility_line
+   use limber_analysis_scene, only: scene_type, mobility_line, inner_joints
    use limber_integrator_integrator, only: integrator_type
    use limber_output_history, only: history_type
    implicit none
@@ -58,7 +58,7 @@ contains
          text = path//': '//scene%system%model%heading//newline
          if (scene%system%model%dynamics%reason /= '') text = text//'   '//scene%system%model%dynamics%integrator//', chosen: '// &
             & scene%system%model%dynamics%reason//newline
-         text = text//'   '//mobility_line(scene%assembly)//newline
+         text = text//'   '//mobility_line(scene%assembly, inner_joints(scene%system%model))//newline
          text = text//'   reached t = '//as_text(outcome%reached, 8)//' '//units%time//' in '//as_text(statistics%steps)// &
             & ' steps ('//as_text(statistics%rejected)//' rejected), '//as_text(statistics%evaluations)//' evaluations'//newline// &
             & '   '//as_text(outcome%cpu, 3)//' s CPU in the time loop; '//as_text(scene%reading + scene%building + &

@@ -16,7 +16,8 @@ module limber_analysis_drawing
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_output_history_reader, only: history_reader_type
-   use limber_output_motion, only: motion_type, read_motion, place_all, find_place, deflections, frame_axis
+   use limber_output_motion, only: motion_type, read_motion, find_place, deflections, frame_axis
+   use limber_output_posture, only: place_all
    use limber_analysis_pen, only: pen_type
    implicit none
    private

@@ -120,7 +120,7 @@ contains
          allocate (motion%v(nq), motion%a(nq), motion%trial(nq), motion%change(scene%system%layout%nw))
          allocate (motion%values(sample_width(scene%system)))
       end associate
-      drivers = size(scene%system%constraints) - size(scene%system%model%joints)
+      drivers = size(scene%system%model%drivers)
       allocate (motion%peak(drivers), motion%peak_time(drivers), motion%power(drivers), motion%power_time(drivers))
       motion%peak = 0.0_wp
       motion%power = 0.0_wp

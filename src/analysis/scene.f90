@@ -16,14 +16,15 @@ module limber_analysis_scene
    use limber_model_segments, only: name_in_deck
    use limber_model_scene, only: model_type, step_dynamics
    use limber_system_assembly, only: first_guess, assemble
-   use limber_system_held, only: held_type, new_held, balance_start, balance_deflections
+   use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_rank, only: assembly_type
    use limber_system_redundancy, only: group_names, constraint_names
+   use limber_system_relaxation, only: balance_start
    use limber_system_softening, only: soften_constraints
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
-   public :: scene_type, carried_type, read_scene, build_scene, settle_integrator, seconds_since, mobility_line
+   public :: scene_type, carried_type, read_scene, build_scene, settle_integrator, seconds_since, mobility_line, inner_joints
 
    !> What an analysis leaves to the next
    type :: carried_type
@@ -202,7 +203,8 @@ contains
       associate (start => scene%system%model%dynamics%start)
          call new_held(scene%system, held)
          call balance_start(scene%system, scene%work, held, start, q, v, done)
-         if (.not. done) then
+         ! Where no frame is free all are in equilibrium together
+         if (.not. done .and. scene%system%nc >= sum(scene%system%layout%rates)) then
             q = scene%q
             call balance_deflections(scene%system, scene%work, held, start, q, v, a, done)
          end if
@@ -272,11 +274,21 @@ contains
       end associate
    end subroutine warn_of_turn
 
+   !> Number of joints that beams in segments have between their pieces: welds of three equations each.
+   pure integer function inner_joints(model) result(number)
+      type(model_type), intent(in) :: model
+      number = 0
+      if (allocated(model%wholes)) number = sum(model%wholes%last - model%wholes%first)
+   end function inner_joints
+
    !> What the constraints leave free: degrees of freedom, rank, and the count of Gruebler.
-   pure function mobility_line(found) result(text)
+   pure function mobility_line(found, inner) result(text)
       type(assembly_type), intent(in) :: found
+      !> Number of joints between segments
+      integer, intent(in) :: inner
       character(:), allocatable :: text
       text = as_text(found%rates)//' rates, '//as_text(found%equations)//' constraint equations'
+      if (inner > 0) text = text//' ('//as_text(3*inner)//' of them between segments)'
       if (found%rank < found%equations) text = text//' of rank '//as_text(found%rank)
       text = text//': '//as_text(found%rates - found%rank)//' degrees of freedom'
       if (found%rates - found%rank == 1) text = text(:len(text) - len('degrees of freedom'))//'degree of freedom'

@@ -86,9 +86,10 @@ module limber_deck_examples
       & line_type('TABLE', '*FORCE, NAME=winch, POINT=left-cage'), &
       & line_type('TABLE', ' 0, thrust(t)'), &
       & line_type('CURVE', '*CURVE, NAME=profile, CLOSED=YES, FILE=cam_profile.csv'), &
-      & line_type('COUPLER', '*COUPLER, NAME=rope-length'), &
-      & line_type('COUPLER', ' 1, displacement, left-guide'), &
-      & line_type('COUPLER', ' 2, displacement, right-guide'), &
+      & line_type('COUPLER', '*COUPLER, NAME=ring-mesh'), &
+      & line_type('COUPLER', ' ring, angle, ring'), &
+      & line_type('COUPLER', ' -ring, angle, carrier'), &
+      & line_type('COUPLER', ' -planet, joint_angle, planet-pin'), &
       & line_type('DRIVER', '*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=motor-shaft, LEVEL=VELOCITY'), &
       & line_type('DRIVER', ' speed*cycloidal(5*t)'), &
       & line_type('MOTION', '*MOTION, NAME=motor, BODY=crank'), &

@@ -470,7 +470,7 @@ module limber_deck_keywords
       & field_spec_type('CURVE', 'y', kind_real, 'm', 'of a point', .true.), &
       & field_spec_type('COUPLER', 'coefficient', kind_time_expression, '', &
       &    'of the term; of value: what the sum is, expression of the time t'), &
-      & field_spec_type('COUPLER', 'coordinate', kind_name, '', 'angle, joint_angle, displacement or value'), &
+      & field_spec_type('COUPLER', 'coordinate', kind_name, '', 'angle, joint_angle, displacement or value; angles count turns'), &
       & field_spec_type('COUPLER', 'object', kind_name, '', 'body of angle, joint of the others', .true.), &
       & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', 'expression of the time t'), &
       & field_spec_type('MOTION', 'x', kind_time_expression, 'm', 'of the origin of the body''s frame, expression of the time t'), &

@@ -17,7 +17,8 @@ module limber_integrator_alpha
       & condense_right_side
    use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_forest, only: forest_type, new_forest, forest_solve
-   use limber_system_forest_motion, only: forest_residual, forest_factor, forest_settle, forest_times_mass, forest_power
+   use limber_system_forest_factors, only: forest_factor
+   use limber_system_forest_motion, only: forest_residual, forest_settle, forest_times_mass, forest_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type

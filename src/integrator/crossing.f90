@@ -11,8 +11,9 @@ module limber_integrator_crossing
    use limber_system_algebra, only: turn, cross
    use limber_system_dynamics, only: linearise, accelerations, input_power, velocity_residual
    use limber_system_kinematics, only: place_frames, advance
-   use limber_system_multiplier, only: solve_gaps, recover_multipliers, update_jacobians
+   use limber_system_multiplier, only: update_jacobians
    use limber_system_projection, only: settle, project_velocity
+   use limber_system_solution, only: solve_gaps, recover_multipliers
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private

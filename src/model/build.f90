@@ -7,7 +7,8 @@ module limber_model_build
    use limber_deck_origin, only: origin_type
    use limber_flex_library, only: library_type
    use limber_model_analyses, only: add_analyses
-   use limber_model_bodies, only: add_rigid_body, add_point_mass, add_beam, add_points
+   use limber_model_beams, only: add_beam
+   use limber_model_bodies, only: add_rigid_body, add_point_mass, add_points
    use limber_model_channels, only: add_channels
    use limber_model_first_state, only: read_assembly
    use limber_model_frames, only: add_frame

@@ -11,9 +11,9 @@ module limber_model_channels
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
       & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
-      & of_flexible_point, of_section, quantity_stress_top, quantity_stress_bottom
+      & of_flexible_point, of_section, of_coupler, quantity_stress_top, quantity_stress_bottom
    use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, body_flexible, ground, &
-      & joint_coupler, &
+      & joint_coupler, coordinate_displacement, &
       & driver_angle, driver_joint_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
       & load_distributed, load_friction
    implicit none
@@ -147,10 +147,20 @@ contains
          if (i == 0 .and. quantities(quantity%kind)%of == of_turner) call find_load(model, slot, [load_rotational], quantity)
          if (i == 0 .and. quantities(quantity%kind)%of == of_powered) call find_load(model, slot, [load_force, load_torque, &
             & load_spring, load_rotational, load_bushing, load_distributed, load_friction], quantity)
+         if (quantity%of == 0 .and. quantities(quantity%kind)%of == of_powered) call find_coupler(model, slot, quantity)
+         if (quantity%of_coupler) return
          if (quantity%of == 0) then
             call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
          else if (.not. quantity%of_load) then
             call check_effort(model%drivers(quantity%of)%kind, slot, diagnostics)
+         end if
+      case (of_coupler)
+         quantity%of = 0
+         call find_coupler(model, slot, quantity)
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no coupler '"//slot%argument//"'")
+         else if (size(model%joints(quantity%of)%terms) > 0) then
+            if (model%joints(quantity%of)%terms(1)%kind == coordinate_displacement) quantity%dimension(1) = 1
          end if
       case (of_spring)
          call find_load(model, slot, [load_spring, load_rotational], quantity)
@@ -165,6 +175,19 @@ contains
       end select
    end subroutine find_quantity
 
+   !> Finds the coupler that has the name; else nothing is changed.
+   subroutine find_coupler(model, slot, quantity)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      type(quantity_type), intent(inout) :: quantity
+      integer :: i
+      i = find_named(model, 'joint', slot%argument)
+      if (i == 0) return
+      if (model%joints(i)%kind /= joint_coupler) return
+      quantity%of = i
+      quantity%of_coupler = .true.
+   end subroutine find_coupler
+
    !> Complains of the force of a driver of an angle, or the torque of one of a length.
    subroutine check_effort(kind, slot, diagnostics)
       !> Kind of the driver
@@ -178,6 +201,7 @@ contains
       if (slot%name == 'torque' .and. .not. angular) call diagnostics%add(slot%origin, "driver '"//slot%argument// &
          & "' drives a length", 'write force('//slot%argument//')')
    end subroutine check_effort
+
    !> Finds the load of some kinds that has the name; `of` is 0 if there is none. What is asked of a rotational spring is in
    !> angles.
    subroutine find_load(model, slot, kinds, quantity)

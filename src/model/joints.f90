@@ -269,8 +269,6 @@ contains
       if (diagnostics%count > before) return
       if (size(model%joints(joint)%terms) == 0) call diagnostics%add(block%origin, "coupler '"//block%name()// &
          & "' has no joint coordinate", 'add a line: coefficient, angle, body')
-      if (moving_bodies(model, model%joints(joint)%terms) > 2) call diagnostics%add(block%origin, "coupler '"//block%name()// &
-         & "' couples more than two moving bodies", 'couple them two by two')
    end subroutine add_coupler
 
    !> coefficient, coordinate, object.
@@ -314,23 +312,6 @@ contains
          if (term%of == 0) call diagnostics%add(line%origin_of(3), "there is no joint '"//line%text(3)//"'")
       end if
    end subroutine read_term
-
-   !> Number of moving bodies that joint coordinates depend on.
-   pure integer function moving_bodies(model, terms) result(number)
-      type(model_type), intent(in) :: model
-      type(term_type), intent(in) :: terms(:)
-      integer :: bodies(2*size(terms)), i, j, pair(2)
-      number = 0
-      do i = 1, size(terms)
-         pair = [terms(i)%of, ground]
-         if (terms(i)%kind /= coordinate_angle) pair = model%points(model%joints(terms(i)%of)%points)%body
-         do j = 1, 2
-            if (pair(j) == ground .or. any(bodies(:number) == pair(j))) cycle
-            number = number + 1
-            bodies(number) = pair(j)
-         end do
-      end do
-   end function moving_bodies
 
    !> Index of a joint between two points; 0 if there is none of this name.
    pure integer function find_joint(model, name) result(found)

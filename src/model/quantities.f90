@@ -9,7 +9,7 @@ module limber_model_quantities
    !> What a quantity is asked of
    integer, parameter, public :: of_point = 1, of_body = 2, of_beam_point = 3, of_beam = 4, of_joint = 5, of_driver = 6, &
       & of_system = 7, of_spring = 8, of_translational = 9, of_turner = 10, of_pusher = 11, of_powered = 12, &
-      & of_flexible_point = 13, of_section = 14
+      & of_flexible_point = 13, of_section = 14, of_coupler = 15
 
    !> The quantities
    integer, parameter, public :: quantity_x = 1, quantity_y = 2, quantity_vx = 3, quantity_vy = 4, quantity_ax = 5, &
@@ -21,7 +21,8 @@ module limber_model_quantities
       & quantity_joint_spin = 25, quantity_displacement = 26, quantity_sliding_speed = 27, &
       & quantity_force = 28, quantity_power = 29, quantity_elongation = 30, quantity_rate = 31, &
       & quantity_axial_force = 32, quantity_shear_force = 33, quantity_bending_moment = 34, quantity_stress_top = 35, &
-      & quantity_stress_bottom = 36, quantity_momentum_x = 37, quantity_momentum_y = 38, quantity_angular_momentum = 39
+      & quantity_stress_bottom = 36, quantity_momentum_x = 37, quantity_momentum_y = 38, quantity_angular_momentum = 39, &
+      & quantity_coupling = 40
 
    !> One row
    type :: quantity_spec_type
@@ -37,7 +38,7 @@ module limber_model_quantities
       character(100) :: meaning
    end type quantity_spec_type
 
-   type(quantity_spec_type), parameter :: quantities(39) = [ &
+   type(quantity_spec_type), parameter :: quantities(40) = [ &
       & quantity_spec_type('x', of_point, [1, 0, 0], .false., 'position of a point along the fixed x axis'), &
       & quantity_spec_type('y', of_point, [1, 0, 0], .false., 'position of a point along the fixed y axis'), &
       & quantity_spec_type('vx', of_point, [1, -1, 0], .false., 'velocity of a point along x'), &
@@ -84,7 +85,7 @@ module limber_model_quantities
       & quantity_spec_type('force', of_driver, [1, -2, 1], .false., &
       &    'force of a driver that drives a length, positive where it lengthens'), &
       & quantity_spec_type('power', of_powered, [2, -3, 1], .false., &
-      &    'power that a driver puts in, or that a load gives to the bodies, from its energy or not'), &
+      &    'power that a driver or coupler puts in, or that a load gives to the bodies, from its energy or not'), &
       & quantity_spec_type('elongation', of_spring, [1, 0, 0], .false., &
       &    'length of a spring less its free length, or angle less its free angle'), &
       & quantity_spec_type('rate', of_spring, [1, -1, 0], .false., 'rate of the elongation of a spring'), &
@@ -103,7 +104,9 @@ module limber_model_quantities
       & quantity_spec_type('momentum_y', of_system, [1, -1, 1], .false., &
       &    'momentum of all bodies along y: momentum_y(system)'), &
       & quantity_spec_type('angular_momentum', of_system, [2, -1, 1], .false., &
-      &    'angular momentum of all bodies about the fixed origin: angular_momentum(system)')]
+      &    'angular momentum of all bodies about the fixed origin: angular_momentum(system)'), &
+      & quantity_spec_type('coupling', of_coupler, [2, -2, 1], .false., &
+      &    'what a coupler exerts: times the coefficient of a term it is the torque or force on that coordinate')]
 
 contains
 
@@ -139,9 +142,9 @@ contains
    pure function argument(of) result(name)
       integer, intent(in) :: of
       character(24) :: name
-      character(24), parameter :: names(14) = [character(24) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
-         & 'driver', 'system', 'spring', 'spring', 'driver, spring', 'joint, bushing', 'driver, load', &
-         & 'point of a beam or frame', 'point of a beam or frame']
+      character(24), parameter :: names(15) = [character(24) :: 'point', 'body', 'point of a beam', 'beam', 'joint', &
+         & 'driver', 'system', 'spring', 'spring', 'driver, spring', 'joint, bushing', 'driver, coupler, load', &
+         & 'point of a beam or frame', 'point of a beam or frame', 'coupler']
       name = names(of)
    end function argument
 

@@ -65,6 +65,8 @@ module limber_model_scene
       integer :: of = 0
       !> True if that is a named load
       logical :: of_load = .false.
+      !> True if that is a coupler, of the joints
+      logical :: of_coupler = .false.
       !> Dimension: exponents of length, time and mass; true for an angle or its rate
       integer :: dimension(3) = 0
       logical :: angular = .false.

@@ -8,7 +8,7 @@ module limber_output_channels
    use limber_model_scene, only: quantity_type, driver_angle, ground
    use limber_output_internal_forces, only: effort_type, new_efforts, gather_efforts, section_forces, stresses
    use limber_output_joints, only: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, &
-      & section_rotation, joint_spin, driver_effort, driver_power
+      & section_rotation, joint_spin, driver_effort, driver_power, coupler_effort, coupler_power
    use limber_output_loads, only: load_value
    use limber_output_segments, only: whole_direction, whole_spin, whole_displacement, whole_rotation
    use limber_system_algebra, only: cross
@@ -65,7 +65,7 @@ contains
                case (quantity_joint_angle); recorder%turning = [recorder%turning, turning_bodies(system, quantity%of)]
                case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension, &
                      & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power, &
-                     & quantity_elongation, quantity_rate)
+                     & quantity_elongation, quantity_rate, quantity_coupling)
                   recorder%needs_accelerations = .true.
                case (quantity_axial_force, quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
                      & quantity_stress_bottom)
@@ -268,7 +268,13 @@ contains
       case (quantity_joint_spin); value = joint_spin(system, quantity%of, q, v)
       case (quantity_displacement); value = joint_displacement(system, quantity%of, q)
       case (quantity_sliding_speed); value = joint_sliding(system, quantity%of, q, v)
-      case (quantity_power); value = driver_power(system, work, quantity%of)
+      case (quantity_coupling); value = coupler_effort(system, work, quantity%of)
+      case (quantity_power)
+         if (quantity%of_coupler) then
+            value = coupler_power(system, work, quantity%of)
+         else
+            value = driver_power(system, work, quantity%of)
+         end if
       case (quantity_axial_force, quantity_shear_force, quantity_bending_moment, quantity_stress_top, quantity_stress_bottom)
          force = section_forces(recorder%efforts, system, quantity%of, q)
          value = section_value(quantity%kind, force, system, quantity%of)

@@ -9,7 +9,7 @@ module limber_output_joints
    implicit none
    private
    public :: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, section_rotation, joint_spin
-   public :: driver_effort, driver_power
+   public :: driver_effort, driver_power, coupler_effort, coupler_power
 
 contains
 
@@ -187,6 +187,27 @@ contains
       integer, intent(in) :: driver
       power = driver_effort(system, work, driver)*work%kinematics%drives(driver)%rate
    end function driver_power
+
+   !> What a coupler exerts on a coordinate of coefficient one, positive where it drives the sum forward.
+   pure real(wp) function coupler_effort(system, work, joint) result(effort)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the coupler among the joints of the model
+      integer, intent(in) :: joint
+      effort = -work%lambda(system%constraints(joint)%item%first)
+   end function coupler_effort
+
+   !> Power that a coupler puts in whose sum is given in time; none else.
+   pure real(wp) function coupler_power(system, work, joint) result(power)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      integer, intent(in) :: joint
+      integer :: i
+      power = 0.0_wp
+      do i = size(system%model%drivers) + 1, size(work%kinematics%drives)
+         if (work%kinematics%drives(i)%joint == joint) power = coupler_effort(system, work, joint)*work%kinematics%drives(i)%rate
+      end do
+   end function coupler_power
 
    !> Unit vector of a body's frame; of the ground and of a point mass the x axis (2).
    pure function frame_of(system, body, q) result(u)

@@ -24,7 +24,7 @@ module limber_output_motion
    use limber_output_history_reader, only: history_reader_type
    implicit none
    private
-   public :: geometry_type, motion_type, prepare, define_motion, read_motion, place_all, find_place, deflections, frame_axis
+   public :: geometry_type, motion_type, prepare, define_motion, read_motion, find_place, deflections, frame_axis
 
    !> What is drawn, and which coordinates move it
    type :: geometry_type
@@ -48,6 +48,10 @@ module limber_output_motion
       !> Follows from the rest (`prepare`): first coordinate of each body, first entry in `shapes` of each place, first place of
       !> each stroke, and two places of each body that are connected to others, or 0: (2, bodies)
       integer, allocatable :: first(:), first_shape(:), first_place(:), anchors(:, :)
+      !> Of a piece of a beam the first piece, which has the anchors of the whole; 0: it is none (bodies). Undeformed places in the
+      !> frame of the first piece, or of the body (2, places)
+      integer, allocatable :: root(:)
+      real(wp), allocatable :: unbent(:, :)
    end type geometry_type
 
    !> A motion that was read
@@ -83,15 +87,45 @@ contains
             g%first_place(i) = k
             k = k + g%stroke_widths(i)
          end do
+         call join_pieces(g)
          g%anchors = 0
          do i = 1, size(g%connection_places, 2)
+            if (g%connection_types(i) == 'SEGMENTS') cycle
             do k = 1, 2
                body = g%place_bodies(g%connection_places(k, i))
-               if (body > 0) call take_anchor(g%places, g%connection_places(k, i), g%anchors(:, body))
+               if (body == 0) cycle
+               if (g%root(body) > 0) body = g%root(body)
+               call take_anchor(g%unbent, g%connection_places(k, i), g%anchors(:, body))
             end do
          end do
       end associate
    end subroutine prepare
+
+   !> Lays the pieces of each beam in segments one after another, as they are joined.
+   pure subroutine join_pieces(g)
+      type(geometry_type), intent(inout) :: g
+      real(wp) :: offset(2, size(g%bodies))
+      integer :: i, k, places(2), bodies(2)
+      allocate (g%root(size(g%bodies)), g%unbent(2, size(g%place_bodies)))
+      g%root = 0
+      offset = 0.0_wp
+      do i = 1, size(g%connection_places, 2)
+         if (g%connection_types(i) /= 'SEGMENTS') cycle
+         places = g%connection_places(:, i)
+         bodies = g%place_bodies(places)
+         if (bodies(1) > bodies(2)) then
+            places = places([2, 1])
+            bodies = bodies([2, 1])
+         end if
+         if (g%root(bodies(1)) == 0) g%root(bodies(1)) = bodies(1)
+         g%root(bodies(2)) = g%root(bodies(1))
+         offset(:, bodies(2)) = offset(:, bodies(1)) + g%places(:, places(1)) - g%places(:, places(2))
+      end do
+      g%unbent = g%places
+      do k = 1, size(g%place_bodies)
+         if (g%place_bodies(k) > 0) g%unbent(:, k) = g%unbent(:, k) + offset(:, g%place_bodies(k))
+      end do
+   end subroutine join_pieces
 
    !> Keeps of the connected places of a body the first one and the one farthest from it.
    pure subroutine take_anchor(places, place, anchors)
@@ -238,95 +272,6 @@ contains
       end subroutine read_lines
 
    end subroutine read_motion
-
-   !> Where all places are: eq. (63).
-   pure subroutine place_all(geometry, coordinates, factor, positions)
-      type(geometry_type), intent(in) :: geometry
-      !> Coordinates at an instant (k)
-      real(wp), intent(in) :: coordinates(:)
-      !> Factor of the deflections from the undeformed body that has its two connected places where they are; from the frame if
-      !> none is connected, from the frame moved to that place if one is
-      real(wp), intent(in) :: factor
-      !> (2, places) [length]
-      real(wp), intent(out) :: positions(:, :)
-      real(wp) :: ends(2, 2), p(2), still(2)
-      integer :: i, body, anchor
-      body = -1
-      do i = 1, size(positions, 2)
-         associate (g => geometry)
-            p = bent(g, coordinates, i)
-            if (deflections(g, g%place_bodies(i)) > 0) then
-               if (g%place_bodies(i) /= body) then
-                  body = g%place_bodies(i)
-                  do anchor = 1, 2
-                     if (g%anchors(anchor, body) > 0) ends(:, anchor) = bent(g, coordinates, g%anchors(anchor, body))
-                  end do
-               end if
-               still = undeformed(g, g%anchors(:, body), ends, i)
-               p = still + factor*(p - still)
-            end if
-            positions(:, i) = in_space(g, coordinates, g%place_bodies(i), p)
-         end associate
-      end do
-   end subroutine place_all
-
-   !> A place on the deformed body, in the body's frame (2).
-   pure function bent(geometry, coordinates, place) result(p)
-      type(geometry_type), intent(in) :: geometry
-      real(wp), intent(in) :: coordinates(:)
-      integer, intent(in) :: place
-      real(wp) :: p(2)
-      integer :: k, body
-      body = geometry%place_bodies(place)
-      p = geometry%places(:, place)
-      do k = 1, deflections(geometry, body)
-         associate (from => geometry%first_shape(place) + 2*(k - 1))
-            p = p + geometry%shapes(from:from + 1)*coordinates(geometry%first(body) + 3 + k)
-         end associate
-      end do
-   end function bent
-
-   !> A place on the undeformed body that is moved, turned and stretched so that its anchors are where `ends` says (2): eq. (62).
-   pure function undeformed(geometry, anchors, ends, place) result(p)
-      type(geometry_type), intent(in) :: geometry
-      integer, intent(in) :: anchors(2)
-      real(wp), intent(in) :: ends(2, 2)
-      integer, intent(in) :: place
-      real(wp) :: p(2)
-      complex(wp) :: ratio, arm
-      p = geometry%places(:, place)
-      if (anchors(1) == 0) return
-      p = p - geometry%places(:, anchors(1))
-      if (anchors(2) > 0) then
-         arm = as_complex(geometry%places(:, anchors(2)) - geometry%places(:, anchors(1)))
-         ratio = as_complex(ends(:, 2) - ends(:, 1))/arm
-         arm = ratio*as_complex(p)
-         p = [real(arm, wp), aimag(arm)]
-      end if
-      p = ends(:, 1) + p
-   end function undeformed
-
-   pure complex(wp) function as_complex(p)
-      real(wp), intent(in) :: p(2)
-      as_complex = cmplx(p(1), p(2), wp)
-   end function as_complex
-
-   !> A place in a body's frame, in space (2).
-   pure function in_space(geometry, coordinates, body, p) result(position)
-      type(geometry_type), intent(in) :: geometry
-      real(wp), intent(in) :: coordinates(:), p(2)
-      integer, intent(in) :: body
-      real(wp) :: position(2)
-      position = p
-      if (body == 0) return
-      associate (q => coordinates(geometry%first(body):))
-         if (geometry%widths(body) == 2) then
-            position = q(:2) + p
-         else
-            position = q(:2) + [q(3)*p(1) - q(4)*p(2), q(4)*p(1) + q(3)*p(2)]
-         end if
-      end associate
-   end function in_space
 
    !> First axis of a body's frame, in space (2); of the ground and of point masses along x.
    pure function frame_axis(geometry, coordinates, body) result(axis)

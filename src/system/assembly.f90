@@ -232,6 +232,9 @@ contains
       residual = part(culprit)*system%constraints(culprit)%item%scale
       other = part > takes_part*part(culprit)
       other(culprit) = .false.
+      do i = 1, size(part)
+         if (system%constraints(i)%item%part_of > 0) other(i) = .false.
+      end do
       others = ''
       if (any(other)) others = ': it contradicts '//constraint_names(system, other)
    end subroutine find_parties

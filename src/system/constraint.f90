@@ -1,6 +1,7 @@
 !> What every joint and driver gives the system: its residual, its Jacobian with respect to the independent rates
 !> (r', omega, eta') of the one or two bodies it acts on, and the right-hand sides of its velocity and
-!> acceleration equations. Floor: system. Source: doc/theory, eq. (27).
+!> acceleration equations. An equation of more bodies, a coupler, is a sum of parts of two bodies each: the parts behind the first
+!> have its equations for theirs, and add to them. Floor: system. Source: doc/theory, eqs. (27), (C1).
 module limber_system_constraint
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -33,6 +34,9 @@ module limber_system_constraint
       real(wp) :: scale = 1.0_wp
       !> True if it moves in time, and so puts work in
       logical :: driven = .false.
+      !> Index of the constraint that it is a part of: their equations, and so `rows`, `first`, `scale`, are the same, and it adds
+      !> to what that one writes, which comes first; 0: it is a constraint of its own
+      integer :: part_of = 0
    contains
       !> Position residual
       procedure(residual_interface), deferred :: residual
@@ -56,7 +60,7 @@ module limber_system_constraint
    end type constraint_item_type
 
    abstract interface
-      !> Writes phi (rows); kinematics are placed at their time.
+      !> Writes phi (rows), or adds to it (`part_of`); kinematics are placed at their time.
       pure subroutine residual_interface(self, kinematics, phi)
          import :: constraint_type, kinematics_type, wp
          class(constraint_type), intent(in) :: self
@@ -72,7 +76,7 @@ module limber_system_constraint
          type(jacobian_type), intent(inout) :: first, second
       end subroutine jacobian_interface
 
-      !> Writes a right-hand side (rows); kinematics are placed, for `gamma` also moved.
+      !> Writes a right-hand side (rows), or adds to it (`part_of`); kinematics are placed, for `gamma` also moved.
       pure subroutine rate_interface(self, kinematics, rate)
          import :: constraint_type, kinematics_type, wp
          class(constraint_type), intent(in) :: self

@@ -4,17 +4,19 @@ module limber_system_couplings
    use limber_base_kinds, only: wp
    use limber_model_scene, only: joint_type, driver_type, term_type, body_flexible, ground, joint_revolute, joint_point_on_line, &
       & joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler, &
-      & coordinate_angle, coordinate_joint_angle, coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, &
+      & coordinate_joint_angle, coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, &
       & driver_displacement, driver_x, driver_y
    use limber_system_constraint, only: constraint_type
+   use limber_system_couplers, only: add_coupler
    use limber_system_drivers, only: driven_angle_type, driven_origin_type
    use limber_system_joints, only: revolute_type, point_on_line_type
-   use limber_system_kernel, only: kernel_type, linear_type, most_vectors
-   use limber_system_measures, only: measure_type, measure_component, measure_along, measure_cross, measure_distance, &
-      & measure_angle, measure_slope
+   use limber_system_kernel, only: linear_type
+   use limber_system_measures, only: measure_type, measure_along, measure_angle
    use limber_system_paths, only: curve_joint_type, sliding_type, set_line
-   use limber_system_registry, only: registry_type, marker_of, frame_marker, direction_of, frame_direction, angle_of, bend_of, &
-      & guessed_angle, guessed_turn, guessed_position
+   use limber_system_registry, only: registry_type, marker_of, frame_marker, frame_direction, angle_of, bend_of, &
+      & guessed_angle, guessed_position
+   use limber_system_terms, only: add_coordinate, add_section_angle, add_displacement, add_parallel, add_component, add_distance, &
+      & add_measure, vector, take_measures, find_bodies, guessed_distance, guessed_place
    implicit none
    private
    public :: new_joint, new_driver
@@ -23,12 +25,14 @@ module limber_system_couplings
 
 contains
 
-   !> The constraint of a joint of the model.
-   subroutine new_joint(system, index, item)
+   !> The constraint of a joint of the model, which has its index.
+   subroutine new_joint(system, index, item, parts)
       class(registry_type), intent(inout) :: system
       !> Of the joint in the model
       integer, intent(in) :: index
       class(constraint_type), allocatable, intent(out) :: item
+      !> Receives the parts behind the first of a coupler of more than two bodies
+      type(linear_type), allocatable, intent(inout) :: parts(:)
       type(joint_type) :: joint
       joint = system%model%joints(index)
       select case (joint%kind)
@@ -38,11 +42,12 @@ contains
       case (joint_rack); call add_rack(system, joint, item)
       case (joint_curve); call add_curve(system, joint, item)
       case (joint_sliding); call add_sliding(system, joint, item)
-      case (joint_coupler); call add_coupler(system, index, item)
+      case (joint_coupler); call add_coupler(system, index, item, parts)
       end select
       item%label = "joint '"//joint%name//"'"
-      item%scale = system%model%length
+      if (joint%kind == joint_coupler) item%label = "coupler '"//joint%name//"'"
       if (joint%kind == joint_coupler) return
+      item%scale = system%model%length
       item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
       item%points = joint%points
    end subroutine new_joint
@@ -167,28 +172,6 @@ contains
       allocate (item, source=path)
    end subroutine add_sliding
 
-   !> A linear coupling of joint coordinates.
-   subroutine add_coupler(system, index, item)
-      class(registry_type), intent(inout) :: system
-      integer, intent(in) :: index
-      class(constraint_type), allocatable, intent(out) :: item
-      type(linear_type) :: coupler
-      integer :: i
-      coupler%rows = 1
-      associate (joint => system%model%joints(index))
-         do i = 1, size(joint%terms)
-            call add_coordinate(system, coupler, joint%terms(i), coupler%offset(1))
-         end do
-         if (joint%has_law) then
-            coupler%offset(1) = 0.0_wp
-            coupler%drive = size(system%model%drivers) + count(system%model%joints(:index)%has_law)
-            coupler%driven = .true.
-         end if
-      end associate
-      call find_bodies(system, coupler)
-      allocate (item, source=coupler)
-   end subroutine add_coupler
-
    !> The constraint of a driver of the model.
    subroutine new_driver(system, index, item)
       class(registry_type), intent(inout) :: system
@@ -255,173 +238,6 @@ contains
       end associate
    end function drives_origin
 
-   !> Adds the term of a joint coordinate, and what it is in the first guess to a sum.
-   subroutine add_coordinate(system, item, term, sum)
-      class(registry_type), intent(inout) :: system
-      type(linear_type), intent(inout) :: item
-      type(term_type), intent(in) :: term
-      real(wp), intent(inout) :: sum
-      integer :: direction
-      select case (term%kind)
-      case (coordinate_angle)
-         direction = frame_direction(system, term%of, 0.0_wp)
-         call add_measure(item, measure_type(kind=measure_angle, vectors=[vector(item, direction), 0, 0], &
-            & angle=angle_of(system, 0, direction)), term%coefficient, 1)
-         sum = sum + term%coefficient*guessed_turn(system, term%of)
-      case (coordinate_joint_angle)
-         associate (points => system%model%joints(term%of)%points)
-            call add_section_angle(system, item, points(1), term%coefficient, sum)
-            call add_section_angle(system, item, points(2), -term%coefficient, sum)
-         end associate
-      case default
-         associate (joint => system%model%joints(term%of))
-            sum = sum + term%coefficient*guessed_place(system, joint%points, joint%angle)
-         end associate
-         call add_displacement(system, item, system%model%joints(term%of), system%model%joints(term%of)%angle, term%coefficient)
-      end select
-   end subroutine add_coordinate
-
-   !> Adds the followed angle of a section; nothing of the ground.
-   subroutine add_section_angle(system, item, point, coefficient, sum)
-      class(registry_type), intent(inout) :: system
-      type(linear_type), intent(inout) :: item
-      integer, intent(in) :: point
-      real(wp), intent(in) :: coefficient
-      !> Receives the term's value in the first guess
-      real(wp), intent(inout) :: sum
-      integer :: direction
-      if (system%model%points(point)%body == ground) return
-      direction = direction_of(system, point, 0.0_wp)
-      call add_measure(item, measure_type(kind=measure_angle, vectors=[vector(item, direction), 0, 0], &
-         & angle=angle_of(system, 0, direction)), coefficient, 1)
-      sum = sum + coefficient*guessed_angle(system, 0, direction)
-   end subroutine add_section_angle
-
-   !> Adds the place of the first point of a joint along a line through the second, at an angle in the second section. Measures
-   !> of one kind stand in one row each, unless the row is given.
-   subroutine add_displacement(system, item, joint, angle, coefficient)
-      class(registry_type), intent(inout) :: system
-      type(linear_type), intent(inout) :: item
-      type(joint_type), intent(in) :: joint
-      real(wp), intent(in) :: angle, coefficient
-      integer :: vectors(3)
-      vectors(1) = vector(item, marker_of(system, joint%points(1)))
-      vectors(2) = vector(item, marker_of(system, joint%points(2)))
-      vectors(3) = vector(item, direction_of(system, joint%points(2), angle))
-      call add_measure(item, measure_type(kind=measure_along, vectors=vectors), coefficient, 1)
-   end subroutine add_displacement
-
-   !> Adds the equation that a section of the first body has a given angle from that of the second: of lengths.
-   subroutine add_parallel(system, item, joint, row)
-      class(registry_type), intent(inout) :: system
-      type(linear_type), intent(inout) :: item
-      type(joint_type), intent(in) :: joint
-      integer, intent(in) :: row
-      real(wp) :: angle
-      integer :: first, second
-      first = direction_of(system, joint%points(1), 0.0_wp)
-      angle = joint%turn
-      if (.not. joint%has_turn) angle = guessed_angle(system, 0, first) - guessed_section(system, joint%points(2))
-      second = direction_of(system, joint%points(2), angle)
-      call add_measure(item, measure_type(kind=measure_cross, vectors=[vector(item, second), vector(item, first), 0]), &
-         & system%model%length, row)
-      call add_slope(system, item, joint%points(1), system%model%length, row)
-      call add_slope(system, item, joint%points(2), -system%model%length, row)
-   end subroutine add_parallel
-
-   !> Adds what the angle of a section of a beam is more than that of its direction (1, slope) in the frame, to third order: the
-   !> slope is the sine of the angle in the model FULL, the angle itself in the others.
-   subroutine add_slope(system, item, point, coefficient, row)
-      class(registry_type), intent(inout) :: system
-      type(linear_type), intent(inout) :: item
-      integer, intent(in) :: point, row
-      real(wp), intent(in) :: coefficient
-      integer :: vectors(3), body
-      body = system%model%points(point)%body
-      if (body == ground) return
-      if (.not. any(abs(system%model%points(point)%psi) > 0.0_wp)) return
-      vectors = 0
-      vectors(1) = vector(item, frame_direction(system, body, 0.0_wp))
-      vectors(2) = vector(item, direction_of(system, point, 0.0_wp))
-      call add_measure(item, measure_type(kind=measure_slope, vectors=vectors), &
-         & coefficient*merge(0.5_wp, 1.0_wp/3, system%model%bodies(body)%reduced%full), row)
-   end subroutine add_slope
-
-   !> Adds the distance along an axis of space from the second point to the first; without the second (0), from the origin.
-   subroutine add_component(system, item, points, axis, row)
-      class(registry_type), intent(inout) :: system
-      type(linear_type), intent(inout) :: item
-      integer, intent(in) :: points(2), row
-      real(wp), intent(in) :: axis(2)
-      integer :: vectors(3)
-      vectors = 0
-      vectors(1) = vector(item, marker_of(system, points(1)))
-      if (points(2) > 0) vectors(2) = vector(item, marker_of(system, points(2)))
-      call add_measure(item, measure_type(kind=measure_component, vectors=vectors, axis=axis), 1.0_wp, row)
-   end subroutine add_component
-
-   subroutine add_distance(system, item, points, row)
-      class(registry_type), intent(inout) :: system
-      type(linear_type), intent(inout) :: item
-      integer, intent(in) :: points(2), row
-      integer :: vectors(3)
-      vectors = 0
-      vectors(1) = vector(item, marker_of(system, points(1)))
-      vectors(2) = vector(item, marker_of(system, points(2)))
-      call add_measure(item, measure_type(kind=measure_distance, vectors=vectors), 1.0_wp, row)
-   end subroutine add_distance
-
-   !> Adds a measure with its coefficient in one row.
-   subroutine add_measure(item, measure, coefficient, row)
-      type(linear_type), intent(inout) :: item
-      type(measure_type), intent(in) :: measure
-      real(wp), intent(in) :: coefficient
-      integer, intent(in) :: row
-      item%count = item%count + 1
-      item%measures(item%count) = measure
-      item%coefficients(row, item%count) = coefficient
-      item%rows = max(item%rows, row)
-   end subroutine add_measure
-
-   !> Place of a marker among the vectors of a constraint; a new one if it is not there yet.
-   integer function vector(item, marker)
-      type(linear_type), intent(inout) :: item
-      integer, intent(in) :: marker
-      do vector = 1, item%vectors
-         if (item%markers(vector) == marker) return
-      end do
-      item%vectors = vector
-      if (vector <= most_vectors) item%markers(vector) = marker
-   end function vector
-
-   !> The measures of one constraint for another.
-   subroutine take_measures(from, to)
-      type(linear_type), intent(in) :: from
-      class(kernel_type), intent(inout) :: to
-      to%rows = 1
-      to%vectors = from%vectors
-      to%markers = from%markers
-      to%count = from%count
-      to%measures = from%measures
-   end subroutine take_measures
-
-   !> The bodies of a constraint, from its vectors.
-   subroutine find_bodies(system, item)
-      class(registry_type), intent(in) :: system
-      type(linear_type), intent(inout) :: item
-      integer :: j, body
-      item%bodies = ground
-      do j = 1, item%vectors
-         body = system%model%points(system%marker_points(item%markers(j)))%body
-         if (body == ground .or. any(item%bodies == body)) cycle
-         if (item%bodies(1) == ground) then
-            item%bodies(1) = body
-         else
-            item%bodies(2) = body
-         end if
-      end do
-   end subroutine find_bodies
-
    !> Points where a driver acts on its bodies.
    subroutine find_points(system, driver, item)
       class(registry_type), intent(in) :: system
@@ -446,35 +262,5 @@ contains
          if (body /= ground) bends = system%model%bodies(body)%kind == body_flexible
       end associate
    end function bends
-
-   !> Angle of an undeformed section in the first guess; nought of the ground and of a point mass.
-   real(wp) function guessed_section(system, point) result(angle)
-      class(registry_type), intent(in) :: system
-      integer, intent(in) :: point
-      angle = 0.0_wp
-      associate (body => system%model%points(point)%body)
-         if (body == ground) return
-         if (system%layout%framed(body)) angle = guessed_turn(system, body)
-      end associate
-   end function guessed_section
-
-   !> Distance of two points in the first guess.
-   real(wp) function guessed_distance(system, points) result(distance)
-      class(registry_type), intent(in) :: system
-      integer, intent(in) :: points(2)
-      distance = norm2(guessed_position(system, system%model%points(points(1))) &
-         & - guessed_position(system, system%model%points(points(2))))
-   end function guessed_distance
-
-   !> Place of the first point along a line through the second, at an angle in the second section, in the first guess.
-   real(wp) function guessed_place(system, points, angle) result(place)
-      class(registry_type), intent(in) :: system
-      integer, intent(in) :: points(2)
-      real(wp), intent(in) :: angle
-      real(wp) :: whole
-      whole = angle + guessed_section(system, points(2))
-      place = dot_product([cos(whole), sin(whole)], guessed_position(system, system%model%points(points(1))) &
-         & - guessed_position(system, system%model%points(points(2))))
-   end function guessed_place
 
 end module limber_system_couplings

@@ -10,7 +10,8 @@ module limber_system_dynamics
    use limber_system_condensation, only: update_folds, project_vector, condense_forces, gather_loads, push_bending, axial_posture
    use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_multiplier, only: update_jacobians, factor_multiplier_system, solve_multiplier_system, recover_multipliers
+   use limber_system_multiplier, only: update_jacobians, factor_multiplier_system
+   use limber_system_solution, only: solve_multiplier_system, recover_multipliers
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -203,7 +204,22 @@ contains
             largest = max(largest, maxval(abs(work%phi(item%first:item%first + item%rows - 1)))/item%scale)
          end associate
       end do
+      if (system%parted) largest = largest_of(system, work%phi)
    end function position_residual
+
+   !> The largest of complete residuals, each relative to its scale: where equations are sums of several constraints.
+   pure real(wp) function largest_of(system, residuals) result(largest)
+      type(system_type), intent(in) :: system
+      !> Of all equations (nc)
+      real(wp), intent(in) :: residuals(:)
+      integer :: i
+      largest = 0.0_wp
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            largest = max(largest, maxval(abs(residuals(item%first:item%first + item%rows - 1)))/item%scale)
+         end associate
+      end do
+   end function largest_of
 
    !> Label and residual of the constraint that is farthest from satisfied, for messages.
    subroutine worst_constraint(system, work, index, residual)
@@ -263,6 +279,7 @@ contains
             largest = max(largest, maxval(abs(work%gamma(at + 1:at + item%rows)))/item%scale)
          end associate
       end do
+      if (system%parted) largest = largest_of(system, work%gamma)
    end function velocity_residual
 
    !> Power that drivers and loads put in, less what damping and the geometric force of the model k_g take, at the state of the
@@ -276,7 +293,7 @@ contains
       power = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
-            if (.not. item%driven) cycle
+            if (.not. item%driven .or. item%part_of > 0) cycle
             last = item%first + item%rows - 1
             call item%rate(work%kinematics, work%gamma(item%first:last))
             power = power - dot_product(work%lambda(item%first:last), work%gamma(item%first:last))

@@ -5,7 +5,7 @@
 !>
 !> with the block A_k of each body, the multipliers l_k of the pin that it hangs on, and the rows of that pin on the body itself
 !> (G, L) and on its carrier c (H, N). All numbers stand in arrays in the order of the elimination, so that a body costs the same
-!> in the longest chain. Who fills the blocks decides what is solved: `limber_system_forest_motion`, `limber_system_forest_step`.
+!> in the longest chain. Who fills the blocks decides what is solved: `limber_system_forest_factors`, `limber_system_forest_step`.
 !> Floor: system. Source: doc/theory, eqs. (166)-(168).
 module limber_system_forest
    use limber_base_kinds, only: wp

@@ -99,6 +99,7 @@ contains
       real(wp), allocatable :: row(:)
       integer :: i, k, side, body, first, m
       allocate (row(size(scale)))
+      rows(:size(columns), :system%nc) = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
             do k = 1, item%rows
@@ -112,7 +113,7 @@ contains
                   row(first + m:first + m + system%layout%n(body) - 1) = work%jacobians(side, i)%eta(k, :)
                end do
                row = row*scale/item%scale
-               rows(:size(columns), item%first + k - 1) = row(columns)
+               rows(:size(columns), item%first + k - 1) = rows(:size(columns), item%first + k - 1) + row(columns)
             end do
          end associate
       end do

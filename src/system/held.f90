@@ -3,17 +3,16 @@
 !> Source: doc/theory, eqs. (102)-(104); Nikravesh 1988, chapter 3.
 module limber_system_held
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dgetrf, dgetrs
    use limber_system_algebra, only: turn
    use limber_system_dynamics, only: position_residual
    use limber_system_freedom, only: rate_scales
-   use limber_system_kinematics, only: advance, rates_of, velocities_of
+   use limber_system_kinematics, only: advance, velocities_of
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, motion_residual, linearise_motion, combine, static_softness, &
       & solve_refined
    implicit none
    private
-   public :: held_type, new_held, held_position, held_motion, balance_deflections, balance_start, rest_multipliers
+   public :: held_type, new_held, factor_held, gather_gamma, held_position, held_motion, balance_deflections, rest_multipliers
 
    !> Stiffness that holds a coordinate, relative to its mass of one
    real(wp), parameter :: rigid = 1.0e30_wp
@@ -228,86 +227,6 @@ contains
          if (done) return
       end do
    end subroutine balance_deflections
-
-   !> Brings the deflections of a scene that moves freely into equilibrium with the loads and the inertia of its motion, whose
-   !> accelerations are those of held deflections; joints are closed by the frames. Rates of deflection become zero.
-   subroutine balance_start(system, work, held, t, q, v, done)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      type(held_type), intent(inout) :: held
-      real(wp), intent(in) :: t
-      !> Coordinates and velocities (nq)
-      real(wp), intent(inout) :: q(:), v(:)
-      !> False if that does not converge
-      logical, intent(out) :: done
-      integer, parameter :: most = 200
-      real(wp), parameter :: small = 1.0e-13_wp
-      real(wp) :: size_of, change
-      integer :: round
-      logical :: singular
-      done = .false.
-      do round = 1, most
-         call rates_of(system%layout, q, v, held%w)
-         held%w(held%deflections) = 0.0_wp
-         call velocities_of(system%layout, q, held%w, v)
-         call factor_held(system, work, held, t, q, v, singular)
-         if (singular) return
-         associate (nw => system%layout%nw, solution => held%solution)
-            ! Velocities that the changed position asks for
-            solution(:nw) = 0.0_wp
-            solution(nw + 1:) = -held%rates
-            call solve_refined(held%tangent, nw, solution, held%correction)
-            held%w = held%w + solution(:nw)
-            held%w(held%deflections) = 0.0_wp
-            call velocities_of(system%layout, q, held%w, v)
-            call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-            call gather_gamma(system, work)
-            solution(:nw) = -held%motion
-            solution(held%deflections) = 0.0_wp
-            solution(nw + 1:) = work%gamma
-            call solve_refined(held%tangent, nw, solution, held%correction)
-            held%a = solution(:nw)
-            held%a(held%deflections) = 0.0_wp
-            held%lambda = solution(nw + 1:)
-         end associate
-         call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-         call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
-         call relax_deflections(system, held, q, size_of)
-         if (.not. size_of <= huge(size_of)) return
-         call held_position(system, work, held, t, q, change, done)
-         if (.not. done) return
-         done = size_of <= small
-         if (done) return
-      end do
-   end subroutine balance_start
-
-   !> One Newton step of the deflections of each body, frames held.
-   subroutine relax_deflections(system, held, q, size_of)
-      type(system_type), intent(in) :: system
-      type(held_type), intent(in) :: held
-      real(wp), intent(inout) :: q(:)
-      !> Largest change relative to its scale
-      real(wp), intent(out) :: size_of
-      real(wp), allocatable :: stiffness(:, :), step(:)
-      integer, allocatable :: pivot(:)
-      integer :: i, n, m, first, info
-      size_of = 0.0_wp
-      do i = 1, size(system%layout%w)
-         n = system%layout%n(i)
-         if (n == 0) cycle
-         m = system%layout%rates(i)
-         first = system%layout%w(i) + m
-         stiffness = held%tangent%bodies(i)%stiffness(m + 1:, m + 1:)
-         step = -held%motion(first:first + n - 1)
-         allocate (pivot(n))
-         call dgetrf(n, n, stiffness, n, pivot, info)
-         if (info == 0) call dgetrs('N', n, 1, stiffness, n, pivot, step, n, info)
-         deallocate (pivot)
-         if (info /= 0) step = huge(1.0_wp)
-         size_of = max(size_of, maxval(abs(step/held%scale(first:first + n - 1))))
-         q(system%layout%q(i) + 4:system%layout%q(i) + 3 + n) = q(system%layout%q(i) + 4:system%layout%q(i) + 3 + n) + step
-      end do
-   end subroutine relax_deflections
 
    !> Multipliers, and accelerations of the rates (nw), that a scene at rest has at a place, into held%lambda, held%a: the balance
    !> of forces of eq. (32) without velocities; deflections are free.

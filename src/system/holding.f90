@@ -108,7 +108,8 @@ contains
       type(constraint_item_type), intent(in) :: constraints(:)
       integer, intent(in) :: c
       integer :: k
-      suits = .true.
+      suits = constraints(c)%item%part_of == 0
+      if (.not. suits) return
       associate (joints => size(registry%model%joints))
          select type (item => constraints(c)%item)
          type is (revolute_type)

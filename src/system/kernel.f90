@@ -94,6 +94,10 @@ contains
       call find_vectors(self, kinematics, y, rate)
       call find_variables(self, kinematics, y, at)
       call self%evaluate(0, at)
+      if (self%part_of > 0) then
+         phi = phi + at%f(:self%rows)
+         return
+      end if
       phi = at%f(:self%rows)
       if (self%drive > 0) phi(1) = phi(1) - kinematics%drives(self%drive)%value
    end subroutine kernel_residual
@@ -126,6 +130,7 @@ contains
       class(kernel_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: rate(:)
+      if (self%part_of > 0) return
       rate = 0.0_wp
       if (self%drive > 0) rate(1) = kinematics%drives(self%drive)%rate
    end subroutine kernel_rate
@@ -144,7 +149,7 @@ contains
       do row = 1, self%rows
          call gather_weights(self, at%gradient(row, :self%count), g, weight)
          call turn_weights(self, row, y, speed, sway, g, at, push, bend)
-         rate(row) = 0.0_wp
+         if (self%part_of == 0) rate(row) = 0.0_wp
          do j = 1, self%vectors
             rate(row) = rate(row) - dot_product(push(:, j), speed(:, j)) &
                & - dot_product(weight(:, j), kinematics%markers(self%markers(j))%bias)

@@ -10,7 +10,8 @@ module limber_system_projection
    use limber_system_drivers, only: driven_angle_type
    use limber_system_dynamics, only: linearise, position_residual, velocity_residual
    use limber_system_kinematics, only: place_drives, place_frames, point_position, point_velocity
-   use limber_system_multiplier, only: update_jacobians, solve_multiplier_system, solve_gaps
+   use limber_system_multiplier, only: update_jacobians
+   use limber_system_solution, only: solve_multiplier_system, solve_gaps
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private

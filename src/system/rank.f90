@@ -88,6 +88,7 @@ contains
       logical :: done
       do k = 1, size(here%group)
          associate (item => system%constraints(k)%item)
+            if (item%part_of > 0) cycle
             owner(item%first:item%first + item%rows - 1) = k
          end associate
       end do

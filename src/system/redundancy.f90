@@ -38,6 +38,7 @@ contains
       found%group = 0
       do i = 1, constraints
          associate (item => system%constraints(i)%item)
+            if (item%part_of > 0) cycle
             owner(item%first:item%first + item%rows - 1) = i
          end associate
       end do
@@ -247,9 +248,12 @@ contains
       integer :: i, named, all_of_them
       text = ''
       named = 0
-      all_of_them = count(chosen)
+      all_of_them = 0
       do i = 1, size(chosen)
-         if (.not. chosen(i)) cycle
+         if (chosen(i) .and. system%constraints(i)%item%part_of == 0) all_of_them = all_of_them + 1
+      end do
+      do i = 1, size(chosen)
+         if (.not. chosen(i) .or. system%constraints(i)%item%part_of > 0) cycle
          named = named + 1
          if (named > most .and. all_of_them > most + 1) then
             text = text//' and '//as_text(all_of_them - most)//' more'

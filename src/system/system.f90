@@ -7,6 +7,7 @@ module limber_system_system
    use limber_model_scene, only: model_type, ground
    use limber_system_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_system_couplings, only: new_joint, new_driver
+   use limber_system_kernel, only: linear_type
    use limber_system_kinematics, only: kinematics_type, new_kinematics
    use limber_system_load_list, only: new_loads
    use limber_system_loads, only: load_item_type
@@ -19,7 +20,7 @@ module limber_system_system
 
    !> The equations; constant once it is built
    type, extends(registry_type) :: system_type
-      !> Joints first, then drivers, in the order of the model
+      !> Joints first, then drivers, in the order of the model, then the parts that some of them have more than one of
       type(constraint_item_type), allocatable :: constraints(:)
       !> Forces first, then torques, springs and efforts, in the order of the model
       type(load_item_type), allocatable :: loads(:)
@@ -28,6 +29,8 @@ module limber_system_system
       real(wp), allocatable :: inertia(:, :)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
+      !> True if some equations are sums of several constraints
+      logical :: parted = .false.
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
       type(tree_type) :: tree
       !> True if the axial coordinates of some body follow at rest; and whether their loads need several solutions (model k_g)
@@ -110,7 +113,7 @@ contains
       type(model_type), intent(in) :: model
       type(system_type) :: system
       type(load_item_type), allocatable :: loads(:)
-      integer :: i, count
+      integer :: i
       call start_registry(system, model)
       allocate (system%inertia(4, size(model%bodies)))
       do i = 1, size(model%bodies)
@@ -118,20 +121,7 @@ contains
             system%inertia(:, i) = [body%mass, body%c0(1), body%c0(2), body%i0]
          end associate
       end do
-      allocate (system%constraints(size(model%joints) + size(model%drivers)))
-      count = 0
-      do i = 1, size(model%joints)
-         count = count + 1
-         call new_joint(system, i, system%constraints(count)%item)
-      end do
-      do i = 1, size(model%drivers)
-         count = count + 1
-         call new_driver(system, i, system%constraints(count)%item)
-      end do
-      do i = 1, count
-         system%constraints(i)%item%first = system%nc + 1
-         system%nc = system%nc + system%constraints(i)%item%rows
-      end do
+      call new_constraints(model, system)
       call new_loads(system, loads)
       call move_alloc(loads, system%loads)
       system%marker_points = system%marker_points(:system%markers)
@@ -151,6 +141,38 @@ contains
          end associate
       end do
    end function new_system
+
+   !> Joints, drivers, and further parts of couplers, with their equations.
+   subroutine new_constraints(model, system)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(inout) :: system
+      type(constraint_item_type), allocatable :: whole(:)
+      type(linear_type), allocatable :: parts(:)
+      integer :: i, joints
+      joints = size(model%joints)
+      allocate (whole(joints + size(model%drivers)), parts(0))
+      do i = 1, joints
+         call new_joint(system, i, whole(i)%item, parts)
+      end do
+      do i = 1, size(model%drivers)
+         call new_driver(system, i, whole(joints + i)%item)
+      end do
+      allocate (system%constraints(size(whole) + size(parts)))
+      do i = 1, size(whole)
+         call move_alloc(whole(i)%item, system%constraints(i)%item)
+         system%constraints(i)%item%first = system%nc + 1
+         system%nc = system%nc + system%constraints(i)%item%rows
+      end do
+      system%parted = size(parts) > 0
+      do i = 1, size(parts)
+         allocate (system%constraints(size(whole) + i)%item, source=parts(i))
+         associate (part => system%constraints(size(whole) + i)%item, item => system%constraints(parts(i)%part_of)%item)
+            part%first = item%first
+            part%scale = item%scale
+            part%label = item%label
+         end associate
+      end do
+   end subroutine new_constraints
 
    !> Room for everything that changes.
    subroutine new_workspace(system, work)

@@ -258,8 +258,10 @@ contains
       end do
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
-            call item%rate(work%kinematics, rates(item%first:item%first + item%rows - 1))
-            rates(item%first:item%first + item%rows - 1) = -rates(item%first:item%first + item%rows - 1)
+            if (item%part_of == 0) then
+               call item%rate(work%kinematics, rates(item%first:item%first + item%rows - 1))
+               rates(item%first:item%first + item%rows - 1) = -rates(item%first:item%first + item%rows - 1)
+            end if
             do j = 1, 2
                if (item%bodies(j) == ground) cycle
                first = system%layout%w(item%bodies(j))

@@ -481,7 +481,7 @@ contains
       tree%unknowns = tree%free
       tree%row = 0
       do i = 1, size(constraints)
-         if (tree%body(i) > 0) cycle
+         if (tree%body(i) > 0 .or. constraints(i)%item%part_of > 0) cycle
          do row = constraints(i)%item%first, constraints(i)%item%first + constraints(i)%item%rows - 1
             tree%unknowns = tree%unknowns + 1
             tree%row(row) = tree%unknowns

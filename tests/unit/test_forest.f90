@@ -11,7 +11,8 @@ program test_forest
    use limber_system_discrete, only: begin_step, frame_rates, linearise_step, new_step, step_residual, step_type
    use limber_system_dynamics, only: accelerations, input_power, linearise
    use limber_system_forest, only: forest_type, forest_solve, new_forest
-   use limber_system_forest_motion, only: forest_factor, forest_power, forest_residual, forest_settle, forest_times_mass
+   use limber_system_forest_factors, only: forest_factor
+   use limber_system_forest_motion, only: forest_power, forest_residual, forest_settle, forest_times_mass
    use limber_system_forest_step, only: begin_forest_step, forest_step_factor, forest_step_mass, forest_step_residual
    use limber_system_kinematics, only: rates_of, velocities_of
    use limber_system_projection, only: settle

@@ -19,6 +19,7 @@ program test_kernels
    use limber_base_text, only: newline
    use limber_model_breaks, only: law_breaks
    use limber_system_discrete, only: begin_step, new_step, step_residual, step_type
+   use limber_system_drivers, only: driven_origin_type
    use limber_system_dynamics, only: position_residual
    use limber_system_kinematics, only: advance, move_frames, place_frames, velocities_of
    use limber_system_multiplier, only: update_jacobians
@@ -207,7 +208,7 @@ contains
       call add_joint(model, 'ground along rod', joint_sliding, g, a)
       call add_joint(model, 'hinge', joint_revolute, d, f)
       call add_joint(model, 'guide', joint_translational, f, d, 0.3_wp)
-      call add_couplers(model, block, rod, plate)
+      call add_couplers(model, block, rod, plate, arm)
       call add_driver(model, 'turn', block, wavy_law(2.9_wp, -0.7_wp, 0.6_wp, -1.4_wp))
       call add_driver(model, 'angle', 0, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
       call set_driver(model, driver_joint_angle, 'hinge', [0, 0])
@@ -219,6 +220,10 @@ contains
       call set_driver(model, driver_y, '', [c, 0])
       call add_driver(model, 'push', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
       call set_driver(model, driver_x, '', [e, 0])
+      call add_driver(model, 'raise', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
+      call set_driver(model, driver_y, '', [add_place(model, 'plate.origin', plate, [0.0_wp, 0.0_wp]), 0])
+      call add_driver(model, 'shift', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
+      call set_driver(model, driver_x, '', [add_beam_place(model, 'rod.start', rod, 0.0_wp), 0])
    end function zoo
 
    !> A joint of a kind with all that any kind needs.
@@ -240,11 +245,11 @@ contains
       end associate
    end subroutine link
 
-   !> Couplers of two bodies.
-   subroutine add_couplers(model, block, rod, plate)
+   !> Couplers of two bodies, and of four; one with more terms than a part has room for.
+   subroutine add_couplers(model, block, rod, plate, arm)
       type(model_type), intent(inout) :: model
-      integer, intent(in) :: block, rod, plate
-      integer :: hinge, guide
+      integer, intent(in) :: block, rod, plate, arm
+      integer :: hinge, guide, long, k
       hinge = size(model%joints) - 1
       guide = size(model%joints)
       call add_joint(model, 'coupler', joint_coupler, 0, 0)
@@ -255,6 +260,19 @@ contains
          & term_type(-0.7_wp, coordinate_angle, plate)]
       model%joints(size(model%joints))%has_law = .true.
       model%joints(size(model%joints))%law = wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp)
+      long = 0
+      do k = 1, hinge
+         if (model%joints(k)%name == 'flexible-flexible '//achar(iachar('a') + joint_point_on_line)) long = k
+      end do
+      call add_joint(model, 'driven coupler of four', joint_coupler, 0, 0)
+      model%joints(size(model%joints))%terms = [term_type(0.6_wp, coordinate_joint_angle, hinge), &
+         & term_type(-1.1_wp, coordinate_displacement, long), term_type(0.8_wp, coordinate_angle, arm), &
+         & term_type(0.9_wp, coordinate_displacement, guide), term_type(0.5_wp, coordinate_joint_angle, long)]
+      model%joints(size(model%joints))%has_law = .true.
+      model%joints(size(model%joints))%law = wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp)
+      call add_joint(model, 'coupler of nine terms', joint_coupler, 0, 0)
+      model%joints(size(model%joints))%terms = [(term_type(0.1_wp*k, coordinate_joint_angle, long), k=1, 4), &
+         & (term_type(0.2_wp - 0.1_wp*k, coordinate_displacement, guide), k=1, 4), term_type(1.0_wp, coordinate_angle, rod)]
    end subroutine add_couplers
 
    !> What the last driver drives.
@@ -280,11 +298,25 @@ contains
       system = new_system(zoo())
       call new_workspace(system, work)
       call new_tangent(system, tangent)
+      call check(origins(system) == 3, 'three drivers of origins are of their own type')
       do trial = 1, 4
          call test_state(system, work, tangent)
       end do
       call test_steps(system, work)
    end subroutine test_scene
+
+   !> Number of drivers that move the origin of a frame itself, whatever the deflection.
+   integer function origins(system) result(number)
+      type(system_type), intent(in) :: system
+      integer :: i
+      number = 0
+      do i = 1, size(system%constraints)
+         select type (item => system%constraints(i)%item)
+         type is (driven_origin_type)
+            number = number + 1
+         end select
+      end do
+   end function origins
 
    !> All derivatives at a random state.
    subroutine test_state(system, work, tangent)
@@ -340,8 +372,8 @@ contains
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item, c => tangent%constraints(i))
             do row = 1, item%rows
-               if (item%bodies(1) /= ground) drift(item%first + row - 1) = dot_product(c%first_drift(row, :), &
-                  & part(system, d, item%bodies(1)))
+               if (item%bodies(1) /= ground) drift(item%first + row - 1) = drift(item%first + row - 1) &
+                  & + dot_product(c%first_drift(row, :), part(system, d, item%bodies(1)))
                if (item%bodies(2) /= ground) drift(item%first + row - 1) = drift(item%first + row - 1) &
                   & + dot_product(c%second_drift(row, :), part(system, d, item%bodies(2)))
             end do
@@ -417,7 +449,7 @@ contains
          expected = times_jacobian(system, step%jacobians, y)
          do i = 1, size(system%constraints)
             associate (item => system%constraints(i)%item)
-               if (.not. item%driven) cycle
+               if (.not. item%driven .or. item%part_of > 0) cycle
                expected(item%first) = expected(item%first) - moved_by(system, i, length)
                if (i == size(system%model%joints) + 1) expected(item%first) = phi(item%first) - before(item%first)
             end associate

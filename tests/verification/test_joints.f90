@@ -21,6 +21,10 @@ program test_joints
       & '*SECTION, NAME=flat, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.02'//nl//'*BEAM, NAME=beam, MATERIAL=soft, SECTION=flat, '// &
       & 'LENGTH=1, ELEMENTS=12, BENDING MODES=2, AXIAL MODES=1, GEOMETRIC=LINEAR'//nl// &
       & '*JOINT, NAME=hinge, TYPE=REVOLUTE'//nl//' beam.start, ground.origin'//nl
+   character(*), parameter :: hand = '*RIGID BODY, NAME=hand, MASS=0.6, INERTIA=0.02, X=0.9, Y=0.4, CENTRE X=0.1'//nl// &
+      & ' tip, 0.2, 0'//nl//'*RIGID BODY, NAME=slide, MASS=0.5, INERTIA=0.01, X=1.1, Y=0.4'//nl// &
+      & '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' block.origin, arm.tip'//nl//'*JOINT, NAME=wrist, TYPE=REVOLUTE'//nl// &
+      & ' hand.origin, block.rim'//nl
    character(256) :: results
 
    call get_command_argument(1, results)
@@ -55,6 +59,21 @@ program test_joints
       & '*COUPLER, NAME=j'//nl//' 1.5, angle, arm'//nl//' -0.4, joint_angle, pin'//nl)
    call compare('driven coupler', arm//block//spin//'*JOINT, NAME=pin, TYPE=TRANSLATIONAL'//nl//' block.origin, arm.tip'//nl// &
       & '*COUPLER, NAME=j'//nl//' 0.2, angle, arm'//nl//' 1, displacement, pin'//nl//' 0.15 + 0.1*sin(3*t), value'//nl)
+   call compare('coupler of four', arm//block//spin//hand//'*JOINT, NAME=guide, TYPE=TRANSLATIONAL, ANGLE=0.5'//nl// &
+      & ' slide.origin, hand.tip'//nl//'*SPRING, NAME=s, STIFFNESS=60, LENGTH=0.1'//nl//' slide.origin, hand.origin'//nl// &
+      & '*COUPLER, NAME=j'//nl//' 1, joint_angle, pin'//nl//' -0.7, joint_angle, wrist'//nl//' 0.3, angle, arm'//nl// &
+      & ' 2, displacement, guide'//nl)
+   call compare('driven coupler of four', arm//block//spin//hand//'*JOINT, NAME=guide, TYPE=WELD'//nl// &
+      & ' slide.origin, hand.tip'//nl//'*COUPLER, NAME=j'//nl//' 1, joint_angle, pin'//nl//' -0.7, joint_angle, wrist'//nl// &
+      & ' 0.8 + 0.3*sin(5*t), value'//nl)
+   call compare('sliders on one body', arm//block//spin//'*RIGID BODY, NAME=slide, MASS=0.5, INERTIA=0.01, Y=0.3'//nl// &
+      & '*JOINT, NAME=guide, TYPE=TRANSLATIONAL, ANGLE=0.2'//nl//' slide.origin, arm.tip'//nl// &
+      & '*JOINT, NAME=other, TYPE=TRANSLATIONAL, ANGLE=1.2'//nl//' block.origin, arm.tip'//nl// &
+      & '*COUPLER, NAME=j'//nl//' 1, displacement, guide'//nl//' -1.4, displacement, other'//nl)
+   call compare('coupler on a beam', beam//block//spin//'*RIGID BODY, NAME=slide, MASS=0.5, INERTIA=0.01, Y=0.3'//nl// &
+      & '*JOINT, NAME=guide, TYPE=TRANSLATIONAL, ANGLE=0.2'//nl//' slide.origin, beam.middle'//nl// &
+      & '*JOINT, NAME=other, TYPE=TRANSLATIONAL, ANGLE=1.2'//nl//' block.origin, beam.end'//nl// &
+      & '*COUPLER, NAME=j'//nl//' 1, displacement, guide'//nl//' -1.4, displacement, other'//nl//' 0.1, angle, beam'//nl)
    call compare('driven joint angle', arm//block//motor//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' block.origin, arm.tip'//nl// &
       & '*DRIVER, NAME=j, TYPE=ANGLE, JOINT=pin, LEVEL=ACCELERATION, INITIAL VELOCITY=1'//nl//' 20*sin(9*t)'//nl)
    call compare('driven distance', arm//block//spin//'*DRIVER, NAME=j, TYPE=DISTANCE, POINT=block.rim, TO=arm.tip'//nl// &

@@ -5,8 +5,9 @@ program test_motion
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_output_history_reader, only: history_reader_type
-   use limber_output_motion, only: motion_type, read_motion, place_all, find_place
+   use limber_output_motion, only: motion_type, read_motion, find_place
    use limber_output_outline, only: hull
+   use limber_output_posture, only: place_all
    use runs, only: run_changed, channel
    use testing, only: check, check_close, check_text, check_no_error, finish
    implicit none
@@ -23,6 +24,7 @@ program test_motion
    call test_pendulum(trim(results))
    call test_quick_return(trim(results))
    call test_wheels(trim(results))
+   call test_pieces(trim(results))
    call finish()
 
 contains
@@ -80,6 +82,54 @@ contains
       call check_counts(path, path_of('rod.middle'), [1, 0, 0, 0, 1, 1, 1, 0, 1, 1, 4], 'slider-crank with a path')
       call check_choices(path)
    end subroutine test_slider_crank
+
+   !> A rod in segments is magnified as one: its pieces stay together, undeformed it is the chord from pin to pin.
+   subroutine test_pieces(path)
+      character(*), intent(in) :: path
+      type(history_reader_type) :: reader
+      type(motion_type) :: motion
+      type(error_type), allocatable :: error
+      real(wp), allocatable, dimension(:, :) :: bent, straight, large
+      real(wp) :: chord(2), way, largest
+      integer :: i, k, start, end, inner
+      call run_changed('../input/slider_crank_3mm.inp', path, [character(20) :: 'END=2*pi/speed', 'OUTPUTS=419'], &
+         & [character(20) :: 'END=2e-3', 'OUTPUTS=3'], reader)
+      call read_motion(reader, motion, error)
+      call check_no_error(error, 'segments: motion')
+      if (allocated(error)) return
+      associate (g => motion%geometry)
+         allocate (bent(2, size(g%place_bodies)))
+         allocate (straight, large, mold=bent)
+         call place_all(g, motion%coordinates(:, 4), 1.0_wp, bent)
+         call place_all(g, motion%coordinates(:, 4), 0.0_wp, straight)
+         call place_all(g, motion%coordinates(:, 4), 30.0_wp, large)
+         start = find_place(g, 'rod.start')
+         end = find_place(g, 'rod.end')
+         chord = bent(:, end) - bent(:, start)
+         largest = 0.0_wp
+         inner = 0
+         do i = 1, size(g%connections)
+            if (g%connection_types(i) /= 'SEGMENTS') cycle
+            inner = inner + 1
+            do k = 1, 2
+               associate (place => g%connection_places(k, i))
+                  way = inner*norm2(chord)/(count(g%connection_types == 'SEGMENTS') + 1)
+                  call check_close(norm2(straight(:, place) - bent(:, start) - way*chord/norm2(chord)), 0.0_wp, 1.0e-12_wp, &
+                     & 'undeformed segments divide the chord')
+                  call check_close(norm2(large(:, place) - straight(:, place) - 30*(bent(:, place) - straight(:, place))), &
+                     & 0.0_wp, 1.0e-12_wp, 'magnified from it')
+                  largest = max(largest, norm2(bent(:, place) - straight(:, place)))
+               end associate
+            end do
+            call check_close(norm2(large(:, g%connection_places(1, i)) - large(:, g%connection_places(2, i))), 0.0_wp, 1.0e-10_wp, &
+               & 'magnified segments stay together')
+         end do
+         call check(inner > 0 .and. largest > 1.0e-6_wp, 'segments that bend')
+         call check_close(norm2(large(:, end) - bent(:, end)) + norm2(large(:, start) - bent(:, start)), 0.0_wp, 1.0e-13_wp, &
+            & 'pins of the whole rod stay')
+      end associate
+      call reader%close()
+   end subroutine test_pieces
 
    !> A place at all samples against channels of its coordinates.
    subroutine check_places(reader, motion, name, x, y)

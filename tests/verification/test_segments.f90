@@ -18,6 +18,7 @@ program test_segments
    call check_crank()
    call check_pendulum()
    call check_energy()
+   call check_static_axial()
    call finish()
 
 contains
@@ -48,6 +49,36 @@ contains
       call reader%close()
 
    end subroutine check_bending
+
+   !> Segments that stretch as at rest, by two integrators, against those that follow it.
+   subroutine check_static_axial()
+      character(*), parameter :: names(3) = [character(10) :: 'y', 'deflection', 'pull']
+      real(wp), parameter :: tolerances(3) = [1.0e-5_wp, 3.0e-4_wp, 1.0e-3_wp]
+      type(history_reader_type) :: reader
+      character(20) :: old(2), new(2, 3)
+      real(wp), allocatable :: values(:)
+      real(wp) :: full(21, 3), scale
+      integer :: i, k
+      old = [character(20) :: 'DYNAMICS=FULL', 'INTEGRATOR=ADAMS']
+      new(:, 1) = old
+      new(:, 2) = [character(20) :: 'DYNAMICS=STATIC', 'INTEGRATOR=ADAMS']
+      new(:, 3) = [character(20) :: 'DYNAMICS=STATIC', 'INTEGRATOR=RADAU']
+      do k = 1, 3
+         call run_changed('verification/segments_static.inp', trim(results), old, new(:, k), reader)
+         do i = 1, 3
+            values = channel(reader, trim(names(i)))
+            if (k == 1) full(:, i) = values
+            scale = maxval(abs(full(:, i)))
+            print '(a,a12,es9.1)', new(1, k)//new(2, k), names(i), maxval(abs(values - full(:, i)))/scale
+            call check_close(maxval(abs(values - full(:, i)))/scale, 0.0_wp, tolerances(i), trim(new(1, k))//', '// &
+               & trim(new(2, k))//': '//trim(names(i))//' of segments')
+         end do
+         values = channel(reader, 'energy')
+         call check_close(maxval(abs(values - values(1))), 0.0_wp, 1.0e-7_wp, trim(new(2, k))//': energy of segments')
+         call reader%close()
+      end do
+      call check(scale > 0.5_wp, 'the segments are pulled')
+   end subroutine check_static_axial
 
    !> Compares the last value of a channel.
    subroutine expect(reader, name, value, tolerance)

@@ -1,0 +1,314 @@
+!> What the deck says of a beam, or a piece of it: rigidities, mesh, masses, modes and functions. Floor: model.
+module limber_model_beam_choice
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: deck_type, block_type, line_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_flex_functions, only: attachment_type
+   use limber_flex_mesh, only: new_support, concentrate
+   use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_full, &
+      & axial_by_modes, axial_by_elements, axial_static
+   use limber_model_acting, only: acting_type, acting_points
+   use limber_model_parts, only: is_part
+   use limber_model_points, only: find_named
+   use limber_model_scene, only: body_type
+   use limber_model_sections, only: read_section
+   use limber_model_segments, only: choose_frame, piece_at
+   implicit none
+   private
+   public :: read_beam
+
+contains
+
+   !> Rigidities, mesh and choices of a piece of a beam.
+   subroutine read_beam(deck, index, piece, pieces, body, rigid, diagnostics, usable)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: index, piece, pieces
+      type(body_type), intent(inout) :: body
+      !> Mass, coordinate of the centre of mass, moment of inertia about it of the rigid beam
+      real(wp), intent(out) :: rigid(3)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> False if it cannot be reduced
+      logical, intent(out) :: usable
+      integer :: material, section, before
+      before = diagnostics%count
+      material = deck%find_named('MATERIAL', deck%blocks(index)%name('MATERIAL'))
+      section = deck%find_named('SECTION', deck%blocks(index)%name('SECTION'))
+      allocate (body%strength(4, 1))
+      body%strength(:, 1) = [1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp]
+      body%beam%rho_a = 1.0_wp
+      if (section > 0) call read_section(deck%blocks(section), body%strength(:, 1), diagnostics)
+      if (material > 0) then
+         body%beam%ea = body%strength(1, 1)*deck%blocks(material)%real('YOUNG')
+         body%beam%ei = body%strength(2, 1)*deck%blocks(material)%real('YOUNG')
+         body%beam%rho_a = body%strength(1, 1)*deck%blocks(material)%real('DENSITY')
+      end if
+      body%beam%length = deck%blocks(index)%real('LENGTH')/pieces
+      body%beam%elements = deck%blocks(index)%integer('ELEMENTS')
+      rigid(1) = body%beam%rho_a*body%beam%length
+      rigid(2:3) = [0.5_wp*body%beam%length, body%beam%rho_a*body%beam%length**3/12]
+      call read_masses(deck, index, piece, pieces, body, rigid, diagnostics)
+      if (deck%blocks(index)%word('AXIAL BASIS') == '') call deck%set_option(index, 'AXIAL BASIS', &
+         & merge('STATIC', 'MODES ', deck%blocks(index)%word('GEOMETRIC') == 'FULL'))
+      associate (block => deck%blocks(index))
+         body%choice = new_choice(block)
+         call choose_attachments(deck, index, piece, pieces, body%choice, diagnostics)
+         if (piece == 1 .and. (body%choice%origin < 0.0_wp .or. body%choice%origin > block%real('LENGTH'))) call diagnostics%add( &
+            & block%origin_of('ORIGIN'), "the origin of the frame lies outside beam '"//body%name//"'", &
+            & 'give a coordinate from 0 to '//as_text(block%real('LENGTH')))
+         if (pieces > 1) call choose_frame(block, piece, body%choice)
+         if (body%choice%linear .and. body%choice%fidelity == fidelity_full) call diagnostics%add( &
+            & block%origin_of('GEOMETRIC INTEGRAL'), "beam '"//body%name//"': FULL needs a tension that is constant in each "// &
+            & 'geometric element', 'use GEOMETRIC INTEGRAL=EXACT, or GEOMETRIC=K_G')
+         usable = section > 0 .and. material > 0 .and. diagnostics%count == before .and. body%beam%length > 0.0_wp &
+            & .and. body%beam%elements > 0 .and. body%choice%geometric_elements > 0
+         if (usable) call check_modes(block, body, diagnostics)
+         usable = usable .and. diagnostics%count == before
+      end associate
+   end subroutine read_beam
+
+   !> Masses that *MASS puts on a piece of a beam.
+   subroutine read_masses(deck, index, piece, pieces, body, rigid, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index, piece, pieces
+      type(body_type), intent(inout) :: body
+      real(wp), intent(inout) :: rigid(3)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k, before
+      real(wp) :: x, inertia, centre
+      if (.not. (body%beam%length > 0.0_wp .and. body%beam%elements > 0)) return
+      do i = 1, size(deck%blocks)
+         ! Quick, for decks of thousands of beams
+         if (len(deck%blocks(i)%keyword) /= len('MASS')) cycle
+         if (deck%blocks(i)%keyword /= 'MASS') cycle
+         if (.not. is_part(deck, i, index)) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            associate (line => deck%blocks(i)%lines(k))
+               before = diagnostics%count
+               x = beam_place(deck%blocks(index), line, diagnostics)
+               if (diagnostics%count == before .and. (x < 0.0_wp .or. x > pieces*body%beam%length)) call diagnostics%add( &
+                  & line%origin_of(1), 'the mass lies outside the beam', &
+                  & 'give a coordinate from 0 to '//as_text(deck%blocks(index)%real('LENGTH')))
+               if (diagnostics%count > before .or. piece_at(x, body%beam%length, pieces) /= piece) cycle
+               x = min(max(x - (piece - 1)*body%beam%length, 0.0_wp), body%beam%length)
+               inertia = 0.0_wp
+               if (line%count() > 2) inertia = line%number(3)
+               call concentrate(body%beam, x, line%number(2), inertia)
+               centre = (rigid(1)*rigid(2) + line%number(2)*x)/(rigid(1) + line%number(2))
+               rigid(3) = rigid(3) + inertia + rigid(1)*(rigid(2) - centre)**2 + line%number(2)*(x - centre)**2
+               rigid(1:2) = [rigid(1) + line%number(2), centre]
+            end associate
+         end do
+      end do
+   end subroutine read_masses
+
+   !> Coordinate along a beam that the first field of a line gives as a number or as the name of a point.
+   real(wp) function beam_place(block, line, diagnostics) result(x)
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      type(line_type), intent(in) :: line
+      type(diagnostics_type), intent(inout) :: diagnostics
+      logical :: found
+      x = line%number(1)
+      if (line%text(1) == '') return
+      call find_beam_point(block, line%text(1), x, found)
+      if (.not. found) call diagnostics%add(line%origin_of(1), "beam '"//block%name()//"' has no point '"//line%text(1)//"'", &
+         & 'give a coordinate, or a point that the beam names')
+   end function beam_place
+
+   !> Coordinate along a beam of one of its points.
+   subroutine find_beam_point(block, name, x, found)
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: name
+      !> Unchanged if there is no such point
+      real(wp), intent(inout) :: x
+      logical, intent(out) :: found
+      integer :: i
+      found = .true.
+      select case (name)
+      case ('start'); x = 0.0_wp
+      case ('middle'); x = 0.5_wp*block%real('LENGTH')
+      case ('end'); x = block%real('LENGTH')
+      case ('origin'); x = block%real('ORIGIN')
+      case default
+         do i = 1, size(block%lines)
+            if (block%lines(i)%text(1) /= name) cycle
+            x = block%lines(i)%number(2)
+            return
+         end do
+         found = .false.
+      end select
+   end subroutine find_beam_point
+
+   !> The interface of Craig and Bampton, which is what *ATTACHMENT names or else all that acts on the beam; and what responses
+   !> are wanted to besides: what *ATTACHMENT names, and all that acts with CORRECTIONS=YES.
+   subroutine choose_attachments(deck, index, piece, pieces, choice, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Block of the beam; which piece, of how many
+      integer, intent(in) :: index, piece, pieces
+      type(reduction_type), intent(inout) :: choice
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(attachment_type), allocatable :: named(:), acting(:)
+      call read_attachments(deck, index, named, diagnostics)
+      allocate (acting(0))
+      if (choice%craig_bampton .or. deck%blocks(index)%yes('CORRECTIONS')) call find_acting(deck, index, acting)
+      if (.not. deck%blocks(index)%yes('CORRECTIONS') .and. size(named) > 0) acting = acting(:0)
+      if (pieces > 1) then
+         call keep_piece(named, piece, pieces, deck%blocks(index)%real('LENGTH')/pieces)
+         call keep_piece(acting, piece, pieces, deck%blocks(index)%real('LENGTH')/pieces)
+      end if
+      if (choice%craig_bampton) then
+         if (size(named) > 0) then
+            call move_alloc(named, choice%interface)
+            allocate (choice%corrections, source=others(acting, choice%interface))
+         else
+            call move_alloc(acting, choice%interface)
+         end if
+      else
+         allocate (choice%corrections, source=[named, others(acting, named)])
+      end if
+   end subroutine choose_attachments
+
+   !> Attachments that lie on a piece, with their coordinates along it.
+   subroutine keep_piece(attachments, piece, pieces, length)
+      type(attachment_type), allocatable, intent(inout) :: attachments(:)
+      integer, intent(in) :: piece, pieces
+      !> Of a piece [length]
+      real(wp), intent(in) :: length
+      type(attachment_type), allocatable :: kept(:)
+      integer :: i
+      allocate (kept, source=pack(attachments, [(piece_at(attachments(i)%x, length, pieces) == piece, i=1, size(attachments))]))
+      kept%x = kept%x - (piece - 1)*length
+      call move_alloc(kept, attachments)
+   end subroutine keep_piece
+
+   !> Attachments that are not among others.
+   pure function others(attachments, among) result(rest)
+      type(attachment_type), intent(in) :: attachments(:), among(:)
+      type(attachment_type), allocatable :: rest(:)
+      logical :: keep(size(attachments))
+      integer :: i
+      do i = 1, size(attachments)
+         keep(i) = .not. any(among%part == attachments(i)%part .and. .not. abs(among%x - attachments(i)%x) > 0.0_wp)
+      end do
+      allocate (rest, source=pack(attachments, keep))
+   end function others
+
+   !> What *ATTACHMENT names on a beam.
+   subroutine read_attachments(deck, index, named, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(attachment_type), allocatable, intent(out) :: named(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k, part, before
+      real(wp) :: x
+      allocate (named(0))
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'ATTACHMENT') cycle
+         if (.not. is_part(deck, i, index)) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            associate (line => deck%blocks(i)%lines(k), length => deck%blocks(index)%real('LENGTH'))
+               before = diagnostics%count
+               x = beam_place(deck%blocks(index), line, diagnostics)
+               if (diagnostics%count > before) cycle
+               part = findloc([1, 2, 6], nint(line%number(2)), dim=1)
+               if (x < 0.0_wp .or. x > length) then
+                  call diagnostics%add(line%origin_of(1), 'the attachment lies outside the beam', &
+                     & 'give a coordinate from 0 to '//as_text(length))
+               else if (part == 0) then
+                  call diagnostics%add(line%origin_of(2), 'a beam has no degree of freedom '//as_text(nint(line%number(2))), &
+                     & 'give 1 (along), 2 (across) or 6 (rotation)')
+               else
+                  named = [named, attachment_type(1, x, part)]
+               end if
+            end associate
+         end do
+      end do
+   end subroutine read_attachments
+
+   !> What joints, drivers and loads exert on a beam.
+   subroutine find_acting(deck, index, acting)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(attachment_type), allocatable, intent(inout) :: acting(:)
+      type(acting_type), allocatable :: points(:)
+      type(attachment_type) :: at(3)
+      logical :: found
+      integer :: i
+      call acting_points(deck, deck%blocks(index)%name(), points)
+      do i = 1, size(points)
+         call find_beam_point(deck%blocks(index), trim(points(i)%name), at(1)%x, found)
+         if (.not. found) cycle
+         at%x = at(1)%x
+         at%part = [1, 2, 3]
+         acting = [acting, others(pack(at, [points(i)%force, points(i)%force, points(i)%couple]), acting)]
+      end do
+   end subroutine find_acting
+
+   !> What the block says of the reduction.
+   function new_choice(block) result(choice)
+      type(block_type), intent(in) :: block
+      type(reduction_type) :: choice
+      choice%support = new_support(block%word('SUPPORT'))
+      choice%frequency_limit = block%real('FREQUENCY LIMIT')
+      choice%craig_bampton = block%word('BASIS') == 'CRAIG-BAMPTON'
+      if (block%given('BENDING MODES') .or. block%given('AXIAL MODES')) then
+         choice%bending = block%integer('BENDING MODES')
+         choice%axial = block%integer('AXIAL MODES')
+         ! With a limit, those whose number is not given are all below it
+         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('BENDING MODES')) choice%bending = huge(1)
+         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('AXIAL MODES')) choice%axial = huge(1)
+      else
+         choice%modes = block%integer('MODES')
+         if (block%given('FREQUENCY LIMIT')) choice%modes = huge(1)
+      end if
+      select case (block%word('GEOMETRIC'))
+      case ('LINEAR'); choice%fidelity = fidelity_linear
+      case ('K_G'); choice%fidelity = fidelity_kg
+      case ('FULL'); choice%fidelity = fidelity_full
+      end select
+      choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
+      choice%nodal = block%word('GEOMETRIC INTEGRAL') == 'NODAL'
+      choice%linear = block%word('GEOMETRIC INTEGRAL') == 'LINEAR'
+      select case (block%word('AXIAL BASIS'))
+      case ('MODES'); choice%axial_basis = axial_by_modes
+      case ('ELEMENTS'); choice%axial_basis = axial_by_elements
+      case ('STATIC'); choice%axial_basis = axial_static
+      end select
+      choice%end_shapes = block%yes('END SHAPES')
+      choice%end_force = block%yes('END FORCE')
+      choice%centrifugal = block%yes('CENTRIFUGAL')
+      choice%derivatives = block%integer('MODAL DERIVATIVES')
+      choice%origin = block%real('ORIGIN')
+      choice%condensed = block%word('AXIAL DYNAMICS') == 'STATIC'
+   end function new_choice
+
+   !> More modes than the lumped mass gives.
+   subroutine check_modes(block, body, diagnostics)
+      type(block_type), intent(in) :: block
+      type(body_type), intent(in) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: available(2)
+      if (body%choice%frequency_limit > 0.0_wp) return
+      available = available_modes(body%beam, body%choice)
+      call check_count('MODES', body%choice%modes, sum(available), 'bending and axial')
+      call check_count('BENDING MODES', body%choice%bending, available(1), 'bending')
+      if (body%choice%axial_basis == axial_by_modes) &
+         & call check_count('AXIAL MODES', body%choice%axial, available(2), 'axial')
+
+   contains
+
+      subroutine check_count(option, wanted, most, kind)
+         character(*), intent(in) :: option, kind
+         integer, intent(in) :: wanted, most
+         if (wanted <= most) return
+         call diagnostics%add(block%origin_of(option), "beam '"//body%name//"': "//as_text(wanted)//' '//kind// &
+            & ' modes are asked for, but the lumped mass of '//as_text(body%beam%elements)//' elements, '// &
+            & block%word('SUPPORT')//', gives '//as_text(most), &
+            & 'at most '//as_text(most)//', or raise ELEMENTS')
+      end subroutine check_count
+
+   end subroutine check_modes
+
+end module limber_model_beam_choice

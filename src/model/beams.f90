@@ -1,0 +1,218 @@
+!> Beams from the deck, whole or in segments: their reduction to modes, their bodies and named points. Floor: model.
+module limber_model_beams
+   use limber_base_kinds, only: wp, long
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_flex_functions, only: attachment_type
+   use limber_flex_library, only: library_type
+   use limber_flex_reduced, only: rigid_reduced
+   use limber_flex_reduction, only: reduce_beam, axial_by_modes
+   use limber_model_beam_choice, only: read_beam
+   use limber_model_bodies, only: new_body, append_body, is_new_point, memory_of
+   use limber_model_points, only: enter_name, find_named
+   use limber_model_scene, only: model_type, body_type, body_rigid, body_flexible
+   use limber_model_segments, only: number_of_pieces, choose_basis, place_piece, piece_at, unite, weld_pieces, add_beam_point
+   implicit none
+   private
+   public :: add_beam
+
+   !> Most memory of the constants and shapes of all bodies [bytes]
+   integer(long), parameter :: max_bytes = 1024_long*1024**2
+
+contains
+
+   !> A beam, in one piece or in SEGMENTS of them.
+   subroutine add_beam(deck, index, model, diagnostics, library)
+      type(deck_type), intent(inout) :: deck
+      !> Index of the block
+      integer, intent(in) :: index
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> Reductions of other models
+      type(library_type), intent(inout), optional :: library
+      integer :: pieces, piece, before, first
+      pieces = number_of_pieces(deck%blocks(index))
+      if (pieces > 1) call choose_basis(deck, index)
+      before = diagnostics%count
+      first = model%counts%bodies + 1
+      do piece = 1, pieces
+         call check_memory(deck%blocks(index), first, pieces - piece + 1, model, diagnostics)
+         if (diagnostics%count > before .and. piece > 1) exit
+         call add_piece(deck, index, piece, pieces, model, diagnostics, library)
+         ! what is wrong with the first piece is wrong with all
+         if (piece == 1 .and. diagnostics%count > before) exit
+      end do
+      if (model%counts%bodies > first) then
+         call unite(model, deck%blocks(index), first)
+      else if (pieces > 1) then
+         model%bodies(first)%name = deck%blocks(index)%name()
+         model%bodies(first)%beam%length = deck%blocks(index)%real('LENGTH')
+         call enter_name(model, 'body', model%bodies(first)%name, first)
+      end if
+      call add_beam_points(deck%blocks(index), first, model, diagnostics)
+      if (model%counts%bodies > first) call weld_pieces(model, model%bodies(first)%whole)
+   end subroutine add_beam
+
+   !> Refuses a beam whose pieces, all like the first, or the scene, would take too much memory, before it is asked for.
+   subroutine check_memory(block, first, left, model, diagnostics)
+      type(block_type), intent(in) :: block
+      !> Index of its first body, and number of pieces that are left
+      integer, intent(in) :: first, left
+      type(model_type), intent(in) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer(long) :: bytes
+      bytes = model%bytes
+      if (model%counts%bodies >= first) bytes = bytes + left*memory_of(model%bodies(first))
+      if (bytes > max_bytes) call diagnostics%add(block%origin, "with beam '"//block%name()//"' the bodies would take "// &
+         & as_text(bytes/1024**2)//' MB of memory, more than '//as_text(max_bytes/1024**2), &
+         & 'ask for fewer modes, elements, segments or beams')
+   end subroutine check_memory
+
+   !> One piece of a beam: a body.
+   subroutine add_piece(deck, index, piece, pieces, model, diagnostics, library)
+      type(deck_type), intent(inout) :: deck
+      !> Index of the block; which piece, of how many
+      integer, intent(in) :: index, piece, pieces
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> Reductions of other models
+      type(library_type), intent(inout), optional :: library
+      type(body_type) :: body
+      type(error_type), allocatable :: error
+      real(wp) :: rigid(3)
+      logical :: usable
+      integer :: twin, added
+      body = new_body(deck%blocks(index), body_flexible)
+      call read_beam(deck, index, piece, pieces, body, rigid, diagnostics, usable)
+      if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
+         twin = find_twin(model, body)
+         usable = twin > 0
+         body%twin = merge(twin, model%counts%bodies + 1, usable)
+         if (usable) then
+            body%reduced = model%bodies(twin)%reduced
+            body%field = model%bodies(twin)%field
+            body%note = model%bodies(twin)%note
+         else if (present(library)) then
+            call library%look_up(fingerprint(body), body%reduced, body%field, body%note, usable)
+         end if
+         if (.not. usable) call reduce_beam(body%beam, body%choice, body%reduced, body%field, error, body%note)
+         if (present(library) .and. .not. (usable .or. allocated(error))) call library%put(fingerprint(body), body%reduced, &
+            & body%field, body%note)
+         if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "beam '"//body%name//"': "//error%message)
+         usable = .not. allocated(error)
+      else
+         usable = .false.
+      end if
+      if (.not. usable) then
+         body%kind = body_rigid
+         body%reduced = rigid_reduced(rigid(1), rigid(3), [rigid(2) - body%choice%origin, 0.0_wp])
+      else
+         if (piece == 1) call warn_of_basis(deck%blocks(index), body, diagnostics)
+         if (body%reduced%n > 0) body%largest_shape = max(maxval(abs(body%field%w)), maxval(abs(body%field%u)))
+      end if
+      body%size = body%beam%length
+      if (pieces > 1) call place_piece(deck%blocks(index), piece, pieces, body)
+      call append_body(model, body, added)
+      if (usable) call enter_name(model, 'beam', fingerprint(body), added)
+   end subroutine add_piece
+
+   !> Index of a beam that was reduced already and is the same to the bit; 0: none.
+   pure integer function find_twin(model, body) result(twin)
+      type(model_type), intent(in) :: model
+      type(body_type), intent(in) :: body
+      twin = find_named(model, 'beam', fingerprint(body))
+   end function find_twin
+
+   !> All that the reduction of a beam follows from, as one text: beams with the same one have the same modes.
+   pure function fingerprint(body) result(text)
+      type(body_type), intent(in) :: body
+      character(:), allocatable :: text
+      character(200) :: buffer
+      integer :: i
+      associate (beam => body%beam, choice => body%choice)
+         write (buffer, '(5(z16, 1x), 8(i0, 1x), 12l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
+            & choice%modes, choice%bending, choice%axial, choice%fidelity, choice%geometric_elements, choice%axial_basis, &
+            & choice%derivatives, choice%support, choice%nodal, choice%end_force, choice%centrifugal, &
+            & choice%end_shapes, choice%linear, choice%condensed
+         text = trim(buffer)
+         write (buffer, '(1x, l1, 1x, z16)') choice%craig_bampton, choice%frequency_limit
+         text = text//trim(buffer)//attachments_text(choice%interface)//attachments_text(choice%corrections)
+         if (.not. allocated(beam%place)) return
+         do i = 0, beam%elements
+            write (buffer, '(3(1x, z16))') beam%place(i), beam%mass(i), beam%inertia(i)
+            text = text//trim(buffer)
+         end do
+      end associate
+   end function fingerprint
+
+   pure function attachments_text(attachments) result(text)
+      type(attachment_type), allocatable, intent(in) :: attachments(:)
+      character(:), allocatable :: text
+      character(40) :: buffer
+      integer :: i
+      text = ' '
+      if (.not. allocated(attachments)) return
+      do i = 1, size(attachments)
+         write (buffer, '(1x, z16, 1x, i0)') attachments(i)%x, attachments(i)%part
+         text = text//trim(buffer)
+      end do
+   end function attachments_text
+
+   !> Choices that are known to give wrong answers.
+   subroutine warn_of_basis(block, body, diagnostics)
+      type(block_type), intent(in) :: block
+      type(body_type), intent(in) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (body%reduced%geometric .and. body%reduced%n == body%reduced%bending) call diagnostics%warn( &
+         & block%origin_of('GEOMETRIC'), "beam '"//body%name//"' has no axial coordinate: no tension, so that its "// &
+         & 'geometric stiffness is zero', 'ask for more MODES, or AXIAL MODES=1')
+      if (body%reduced%full .and. body%choice%axial_basis == axial_by_modes) call diagnostics%warn( &
+         & block%origin_of('AXIAL BASIS'), "beam '"//body%name//"' locks: FULL with vibration modes alone deflects too little", &
+         & 'use AXIAL BASIS=STATIC or ELEMENTS')
+   end subroutine warn_of_basis
+
+   !> Points of the beam that was added last: start, middle, end, and the named ones, `name, coordinate` a line.
+   subroutine add_beam_points(block, first, model, diagnostics)
+      type(block_type), intent(in) :: block
+      !> Index of its body, or of that of its first piece
+      integer, intent(in) :: first
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, pieces
+      real(wp) :: length
+      pieces = model%counts%bodies - first + 1
+      length = pieces*model%bodies(first)%beam%length
+      call place('origin', min(max(block%real('ORIGIN'), 0.0_wp), length))
+      call place('start', 0.0_wp)
+      model%bodies(first:first + pieces - 1)%start_point = model%counts%points
+      call place('middle', 0.5_wp*length)
+      call place('end', length)
+      model%bodies(first:first + pieces - 1)%end_point = model%counts%points
+      do i = 1, size(block%lines)
+         associate (line => block%lines(i))
+            if (line%number(2) < 0.0_wp .or. line%number(2) > length) then
+               call diagnostics%add(line%origin_of(2), 'the point lies outside the beam', &
+                  & 'give a coordinate from 0 to '//as_text(length))
+               cycle
+            end if
+            if (is_new_point(model, block%name()//'.'//line%text(1), line%origin_of(1), diagnostics)) &
+               & call place(line%text(1), line%number(2))
+         end associate
+      end do
+
+   contains
+
+      subroutine place(name, s)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: s
+         integer :: piece
+         piece = piece_at(s, length/pieces, pieces)
+         call add_beam_point(model, block%name()//'.'//name, first + piece - 1, &
+            & min(max(s - (piece - 1)*length/pieces, 0.0_wp), length/pieces))
+      end subroutine place
+
+   end subroutine add_beam_points
+
+end module limber_model_beams

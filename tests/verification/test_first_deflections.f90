@@ -1,0 +1,121 @@
+!> First deflections in balance with springs as stiff as the beams, and far stiffer ones: of a beam in space against the equation
+!> of the beam, of two beams on hinges against *STATICS, and of rotating ones by how they go on. Usage, in tests/:
+!> test_first_deflections RESULT_FILE
+program test_first_deflections
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: newline, as_text
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: channel, run_changed
+   use testing, only: check, check_close, finish
+   implicit none
+
+   character(256) :: results
+   type(history_reader_type) :: reader
+
+   call get_command_argument(1, results)
+   call check_free_beam()
+   call check_statics()
+   call check_rotating()
+   call finish()
+
+contains
+
+   !> A force F at the end of a free beam gives it (4 F/m) there; bent by this and by the inertia, the end is F L^3/(30 EI) off the
+   !> tangent at the other end; by a torque T it turns by T L/(2 EI).
+   subroutine check_free_beam()
+      real(wp), parameter :: stiffness(4) = [1.0_wp, 60.0_wp, 6.0e3_wp, 6.0e6_wp], ei = 2.0_wp
+      real(wp) :: value(2), force, k
+      character(40) :: old(1), new(1)
+      integer :: i
+      do i = 1, size(stiffness)
+         k = stiffness(i)
+         old(1) = 'shift = 0'
+         new(1) = 'shift = '//as_text(k)
+         call run_changed('verification/sprung_beam.inp', trim(results), old, new, reader)
+         force = 1.0e-3_wp*k/(1 + k/(30*ei))
+         value = channel(reader, 'tip')
+         call check_close(value(1), force/(30*ei), 3.0e-4_wp*force/(30*ei), 'deflection of a free beam, stiffness '//as_text(k))
+         value = channel(reader, 'pull')
+         call check_close(value(1), force, 3.0e-4_wp*force, 'pull of its spring, stiffness '//as_text(k))
+         call reader%close()
+         old(1) = 'turn = 0'
+         new(1) = 'turn = '//as_text(k)
+         call run_changed('verification/sprung_beam.inp', trim(results), old, new, reader)
+         force = 1.0e-3_wp*k/(1 + k/(2*ei))
+         value = channel(reader, 'slope')
+         call check_close(abs(value(1)), force/(2*ei), 3.0e-3_wp*force/(2*ei), 'slope of a free beam, stiffness '//as_text(k))
+         value = channel(reader, 'torque')
+         call check_close(abs(value(1)), force, 3.0e-3_wp*force, 'torque of its spring, stiffness '//as_text(k))
+         call reader%close()
+      end do
+   end subroutine check_free_beam
+
+   !> In frames that are placed where they balance, deflections are those of *STATICS. Without stretch, for which the joints, closed
+   !> undeformed, would give way.
+   subroutine check_statics()
+      character(*), parameter :: deck = 'verification/sprung_arm.inp'
+      character(7), parameter :: names(4) = [character(7) :: 'first', 'second', 'middle', 'tip']
+      character(120) :: old(4), new(4)
+      real(wp), allocatable :: values(:)
+      real(wp) :: rest(4)
+      integer :: i
+      old(:2) = [character(120) :: '*OUTPUT', 'AXIAL MODES=1, GEOMETRIC=K_G']
+      new(:2) = [character(120) :: '*STATICS, RAMP=YES'//nl_output(), 'AXIAL MODES=0, GEOMETRIC=LINEAR']
+      call run_changed(deck, trim(results), old(:2), new(:2), reader)
+      do i = 1, 4
+         values = channel(reader, trim(names(i)))
+         rest(i) = values(size(values))
+      end do
+      call reader%close()
+      print '(a,4f12.6)', 'statics ', rest
+      old = [character(120) :: '*OUTPUT', 'AXIAL MODES=1, GEOMETRIC=K_G', 'first = 0', 'second = 0']
+      new = [character(120) :: '*ASSEMBLY, INITIAL DEFLECTIONS=STATIC'//newline//'*DYNAMICS, END=1, OUTPUTS=20'//nl_output(), &
+         & 'AXIAL MODES=0, GEOMETRIC=LINEAR', 'first = '//as_text(rest(1)), 'second = '//as_text(rest(2))]
+      call run_changed(deck, trim(results), old, new, reader)
+      do i = 1, 4
+         values = channel(reader, trim(names(i)))
+         print '(2a,es9.1)', names(i), ' off by', values(1) - rest(i)
+         call check_close(values(1), rest(i), 1.0e-9_wp, trim(names(i))//' as in statics')
+         call check_close(maxval(abs(values - rest(i))), 0.0_wp, 1.0e-5_wp, trim(names(i))//' stays there')
+      end do
+      call check(abs(rest(3)) > 5.0e-3_wp .and. abs(rest(4)) > 3.0e-3_wp, 'there are deflections')
+      call reader%close()
+   end subroutine check_statics
+
+   !> Away from equilibrium and with speed deflections rest at first: their second derivatives are nought beside those from zero.
+   subroutine check_rotating()
+      real(wp) :: rest(3), free(3)
+      call start_of('STATIC', rest)
+      call start_of('ZERO', free)
+      print '(a,3es10.2)', 'second derivatives from balance', rest, 'from zero', free
+      call check(all(abs(rest) <= 1.0e-4_wp*maxval(abs(free))), 'deflections in balance begin at rest')
+   end subroutine check_rotating
+
+   !> Second derivatives of three deflections at the start.
+   subroutine start_of(word, second)
+      character(*), intent(in) :: word
+      real(wp), intent(out) :: second(3)
+      character(7), parameter :: names(3) = [character(7) :: 'middle', 'stretch', 'tip']
+      real(wp), parameter :: h = 2.0e-5_wp
+      character(160) :: old(4), new(4)
+      real(wp) :: f(6)
+      integer :: i
+      old = [character(160) :: '*OUTPUT', 'first = 0', 'second = 0', 'spin = 0']
+      new = [character(160) :: '*ASSEMBLY, INITIAL DEFLECTIONS='//word//newline// &
+         & '*DYNAMICS, END=1e-4, OUTPUTS=5, INTEGRATOR=ADAMS, TOLERANCE=1e-12'//nl_output(), 'first = 0.5', 'second = -0.3', &
+         & 'spin = 1.5']
+      call run_changed('verification/sprung_arm.inp', trim(results), old, new, reader)
+      do i = 1, 3
+         f = channel(reader, trim(names(i)))
+         second(i) = (2*f(1) - 5*f(2) + 4*f(3) - f(4))/h**2
+      end do
+      call reader%close()
+   end subroutine start_of
+
+   !> The keyword that the blocks are put before.
+   function nl_output() result(text)
+      character(:), allocatable :: text
+      text = newline//'*OUTPUT'
+   end function nl_output
+
+end program test_first_deflections

@@ -8,7 +8,7 @@ module limber_model_bodies
    use limber_deck_origin, only: origin_type
    use limber_flex_functions, only: attachment_type
    use limber_flex_library, only: library_type
-   use limber_flex_mesh, only: new_support, concentrate
+   use limber_flex_mesh, only: new_support, concentrate, field_bytes
    use limber_flex_reduced, only: rigid_reduced, bytes_of
    use limber_flex_reduction, only: reduction_type, reduce_beam, available_modes, fidelity_linear, fidelity_kg, &
       & fidelity_full, axial_by_modes, axial_by_elements, axial_static
@@ -87,9 +87,7 @@ contains
    !> Memory of the constants and shapes of a body [bytes].
    pure integer(long) function memory_of(body) result(bytes)
       type(body_type), intent(in) :: body
-      bytes = bytes_of(body%reduced)
-      if (allocated(body%field%w)) bytes = bytes + 16*size(body%field%w, kind=long)
-      if (allocated(body%field%u)) bytes = bytes + 8*size(body%field%u, kind=long)
+      bytes = bytes_of(body%reduced) + field_bytes(body%field)
       if (allocated(body%shape)) bytes = bytes + 8*size(body%shape, kind=long)
    end function memory_of
 

@@ -179,7 +179,7 @@ module limber_deck_keywords
       &    '', 'FULL', 'STATIC: the beam stretches as at rest, without axial vibrations; not with CONSERVING'), &
       & option_spec_type('BEAM', 'SEGMENTS', kind_counting, '', &
       &    '', '1', 'equal pieces, each with a frame, modes and elements of its own, welded together: large deflections', &
-      &    most=10000), &
+      &    most=500), &
       & option_spec_type('BEAM', 'ORIGIN', kind_real, '', &
       &    'm', '0', 'coordinate along the beam where the floating frame has its origin'), &
       & option_spec_type('BEAM', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &
@@ -525,7 +525,18 @@ contains
       !> In upper case
       character(*), intent(in) :: keyword
       type(option_spec_type), allocatable :: options(:)
-      options = pack(option_table, option_table%keyword == keyword)
+      integer :: i, first, last
+      first = 1
+      last = 0
+      do i = 1, size(option_table)
+         ! Most differ in their first letter: asked for at each block of a deck
+         if (option_table(i)%keyword(1:1) /= keyword(1:1)) cycle
+         if (option_table(i)%keyword /= keyword) cycle
+         if (last == 0) first = i
+         last = i
+      end do
+      allocate (options(last - first + 1))
+      options(:) = option_table(first:last)
    end function keyword_options
 
    !> The fields of the data lines of a keyword.

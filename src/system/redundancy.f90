@@ -2,7 +2,7 @@
 !> with sparse factors in large ones; and what it means for the joints, by name. Floor: system. Source: doc/theory, eqs. (70)-(72).
 module limber_system_redundancy
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dgesvd
+   use limber_base_finite, only: dgesvd
    use limber_base_text, only: as_text
    use limber_system_constraint_matrix, only: constraint_matrix_type, solve_damped, transposed_times, full_matrix, small_square
    use limber_system_system, only: system_type
@@ -192,6 +192,7 @@ contains
          call dgesvd('N', 'A', matrix%columns, wide, image, matrix%columns, values, left, 1, right, wide, buffer, size(buffer), &
             & info)
          found = count(values <= matrix%nothing*matrix%norm)
+         if (info /= 0) found = 0
          if (found < wide .or. wide == matrix%rows) exit
          wide = min(4*wide, matrix%rows)
          deallocate (block, image, values, left, right, buffer)

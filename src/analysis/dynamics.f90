@@ -15,7 +15,7 @@ module limber_analysis_dynamics
    use limber_integrator_conserving, only: conserving_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_breaks, only: break_times
+   use limber_model_breaks, only: break_times, station_times
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, gather_balance, sample_width
    use limber_output_internal_forces, only: effort_type
@@ -147,14 +147,16 @@ contains
       type(axial_watch_type), intent(inout) :: axial
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: breaks(:)
+      real(wp), allocatable :: breaks(:), stations(:)
       type(jump_watch_type) :: watch
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
-      integer :: next, passed
+      integer :: next, passed, seen
       allocate (breaks, source=break_times(scene%system%model))
+      allocate (stations, source=station_times(scene%system%model))
       passed = 0
+      seen = 0
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
       sample%q = scene%q
       sample%v = scene%v
@@ -171,7 +173,12 @@ contains
          barrier = dynamics%end
          if (passed < size(breaks)) barrier = nearest(breaks(passed + 1), -1.0_wp)
          stop = barrier
-         if (integrator%ends_on_samples) stop = min(barrier, sample_time(dynamics, next))
+         do while (seen < size(stations))
+            if (stations(seen + 1) > integrator%t + near) exit
+            seen = seen + 1
+         end do
+         if (seen < size(stations)) stop = min(stop, stations(seen + 1))
+         if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, next))
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)

@@ -24,6 +24,7 @@ module limber_analysis_dynamics
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
       & worst_constraint
    use limber_system_kinematics, only: place_frames, settle_angles
+   use limber_system_multiplier, only: update_jacobians
    use limber_system_projection, only: settle, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -166,8 +167,10 @@ contains
       next = 1
       do while (next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
+            text = ''
+            if (dynamics%integrator == 'ADAMS') text = ', or INTEGRATOR=RADAU if vibrations that do not matter bind the step'
             call raise(error, 'MAXIMUM STEPS='//as_text(dynamics%maximum_steps)//' are used up at t = '// &
-               & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE')
+               & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE'//text)
             exit
          end if
          barrier = dynamics%end
@@ -305,9 +308,11 @@ contains
       real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
       real(wp) :: residual, energy(2), before, speed
       integer :: culprit
+      logical :: demanded
       associate (system => scene%system, work => scene%work)
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, integrator%t, sample%q, sample%v)
+         demanded = demanded_jump(system, work, t, sample%q)
          call linearise(system, work, t, sample%q, error)
          if (allocated(error)) return
          if (system%nc > 0) then
@@ -325,8 +330,8 @@ contains
          call settle(system, work, t, sample%q, sample%v, sample%a, .true., residual, error)
          if (allocated(error)) return
          call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
-         if (maxval(abs(sample%v - sample%change)) > impact*speed) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)// &
-            & ' as by an impact, for a driver changes its speed abruptly there; the energy changes by '// &
+         if (maxval(abs(sample%v - sample%change)) > impact*speed .and. demanded) call warn(outcome, 'velocities jump at t = '// &
+            & as_text(t, 8)//' as by an impact, for a driver changes its speed abruptly there; the energy changes by '// &
             & as_text(sum(energy) - before, 3))
          integrator%work_at_start = sample%w + sum(energy) - before
          associate (dynamics => system%model%dynamics)
@@ -334,6 +339,27 @@ contains
          end associate
       end associate
    end subroutine pass_break
+
+   !> Whether drivers ask for other velocities right after an instant than right before it.
+   logical function demanded_jump(system, work, t, q) result(jumps)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      real(wp), parameter :: little = 1.0e-7_wp
+      real(wp) :: before(system%nc), rest(size(q)), largest
+      jumps = .false.
+      if (system%nc == 0) return
+      rest = 0.0_wp
+      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, rest)
+      before = work%gamma(:system%nc)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, rest)
+      jumps = any(abs(work%gamma(:system%nc) - before) > little*max(abs(before), abs(work%gamma(:system%nc))))
+   end function demanded_jump
 
    !> Adds a line to the warnings of a run.
    pure subroutine warn(outcome, text)

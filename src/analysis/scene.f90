@@ -342,8 +342,8 @@ contains
       origin = origin_type(file=1)
       block = scene%deck%find_named('RIGID BODY|POINT MASS|BEAM|FRAME', name)
       if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
-      call diagnostics%warn(origin, "body '"//name//"' does not start with the velocity that it is given, which its joints do not"// &
-         & ' allow together with those of the other bodies: it is off by '//as_text(100*most, 2)//' %', &
+      call diagnostics%warn(origin, "body '"//name//"' does not start with the velocity that it is given, which its joints do"// &
+         & ' not allow together with those of the other bodies: it is off by '//as_text(100*most, 2)//' %', &
          & 'give VX=, VY= and SPIN= of all bodies as the joints let them move')
    end subroutine warn_of_velocities
 

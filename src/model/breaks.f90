@@ -1,7 +1,7 @@
-!> Instants that steps must not pass unseen. Breaks: where a law of time changes its formula, as min, max, abs, step, smoothstep, atan2
-!> and tables do; an integrator ends a step there and starts anew. Stations: where a law does in a short time what it leaves in all
-!> the rest, as a narrow pulse does; a step ends there, so that none takes the pulse for nothing. Both are found by bounds of the law in
-!> intervals, which miss nothing between samples. Floor: model. Source: doc/theory, eqs. (H1), (H2).
+!> Instants that steps must not pass unseen. Breaks: where a law of time changes its formula, as min, max, abs, step, smoothstep,
+!> atan2 and tables do; an integrator ends a step there and starts anew. Stations: where a law does in a short time what it leaves
+!> in all the rest, as a narrow pulse does; a step ends there, so that none takes the pulse for nothing. Both are found by bounds
+!> of the law in intervals, which miss nothing between samples. Floor: model. Source: doc/theory, eqs. (H1), (H2).
 module limber_model_breaks
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
@@ -19,9 +19,11 @@ module limber_model_breaks
    integer, parameter :: most = 1000
    !> Most intervals of a law that are divided further: bounds that stay too wide end there
    integer, parameter :: most_divided = 20000
-   !> Change between two stations relative to that of the whole law, and part of the time in which a law may do more than that before
-   !> it is one that is busy throughout, which the error of each step shows
-   real(wp), parameter :: change = 0.1_wp, busy = 0.2_wp
+   !> Changes of a law in one of the equal parts relative to all that it changes by: that of one which rests, and of one that needs
+   !> stations, which a law has that rests for so much of the time
+   real(wp), parameter :: resting = 1.0e-4_wp, steep = 0.03_wp, mostly = 0.5_wp
+   !> Relative change between two stations, also relative to the way from where the law rests
+   real(wp), parameter :: change = 0.02_wp, near_rest = 0.75_wp
 
 contains
 
@@ -148,33 +150,47 @@ contains
       end do
    end function first_change
 
-   !> Adds the stations of one law to a list in order: between two of them, or a break, it changes by no more than a part of all
-   !> that it changes by.
+   !> Adds the stations of one law to a list in order. Only a law that rests most of the time has any; what is busy throughout the
+   !> error of each step shows. They lie where it changes steeply, and around that as far as it moves at all.
    subroutine law_stations(law, start, end, times)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
       real(wp), allocatable, intent(inout) :: times(:)
-      real(wp), allocatable :: breaks(:), edges(:), steep(:)
+      real(wp), allocatable :: breaks(:), edges(:)
       type(range_type), allocatable :: ranges(:)
-      real(wp) :: whole
-      integer :: i, divided
+      logical, allocatable :: moving(:)
+      real(wp) :: whole, rest(2)
+      integer :: i, first, last, n, divided
       if (size(law%slots) == 0) return
       allocate (breaks(0))
       call law_breaks(law, start, end, breaks)
       call cut(start, end, breaks, edges)
-      allocate (ranges(size(edges) - 1), steep(size(edges) - 1))
-      do i = 1, size(ranges)
+      n = size(edges) - 1
+      allocate (ranges(n), moving(n))
+      do i = 1, n
          ranges(i) = law_range(law, edges(i), before(edges(i + 1), breaks))
       end do
       if (.not. all(ranges%defined)) return
       whole = maxval(ranges%high) - minval(ranges%low)
-      steep = 0.0_wp
-      where (ranges%high - ranges%low > change*whole) steep = edges(2:) - edges(:size(edges) - 1)
-      if (sum(steep) > busy*(end - start)) return
+      moving = ranges%high - ranges%low > resting*whole
+      if (sum(edges(2:) - edges(:n), mask=.not. moving) < mostly*(end - start)) return
       divided = 0
-      do i = 1, size(ranges)
-         if (steep(i) > 0.0_wp) call search_stations(law, end - start, edges(i), before(edges(i + 1), breaks), change*whole, &
-            & divided, times)
+      last = 0
+      do while (last < n)
+         first = last + 1
+         last = first
+         if (.not. moving(first)) cycle
+         do while (last < n)
+            if (.not. moving(last + 1)) exit
+            last = last + 1
+         end do
+         if (.not. any(ranges(first:last)%high - ranges(first:last)%low > steep*whole)) cycle
+         rest = [law%evaluate([edges(first)]), law%evaluate([before(edges(last + 1), breaks)])]
+         do i = first, last
+            call insert(edges(i), 0.0_wp, times)
+            call search_stations(law, end - start, edges(i), before(edges(i + 1), breaks), whole, rest, divided, times)
+         end do
+         call insert(edges(last + 1), 0.0_wp, times)
       end do
    end subroutine law_stations
 
@@ -208,22 +224,25 @@ contains
       if (any(.not. abs(breaks - t) > 0.0_wp)) before = nearest(t, -1.0_wp)
    end function before
 
-   !> Divides an interval until the law changes little in each piece; their ends are stations.
-   recursive subroutine search_stations(law, duration, left, right, allowed, divided, times)
+   !> Divides an interval until the law changes little in each piece, eq. (H2); their ends are stations.
+   recursive subroutine search_stations(law, duration, left, right, whole, rest, divided, times)
       type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: duration, left, right, allowed
+      real(wp), intent(in) :: duration, left, right
+      !> All that the law changes by, and its values where it rests before and after
+      real(wp), intent(in) :: whole, rest(2)
       integer, intent(inout) :: divided
       real(wp), allocatable, intent(inout) :: times(:)
       type(range_type) :: range
-      real(wp) :: middle
+      real(wp) :: middle, way
       range = law_range(law, left, right)
-      if (range%high - range%low <= allowed) return
+      way = minval(max(0.0_wp, range%low - rest, rest - range%high))
+      if (range%high - range%low <= max(resting*whole, min(change*whole, near_rest*way))) return
       if (right - left <= apart*duration .or. divided >= most_divided .or. size(times) >= most) return
       divided = divided + 1
       middle = left + 0.5_wp*(right - left)
-      call search_stations(law, duration, left, middle, allowed, divided, times)
+      call search_stations(law, duration, left, middle, whole, rest, divided, times)
       call insert(middle, 0.0_wp, times)
-      call search_stations(law, duration, middle, right, allowed, divided, times)
+      call search_stations(law, duration, middle, right, whole, rest, divided, times)
    end subroutine search_stations
 
    !> The first instant from which on a law is not defined or grows without bound; beyond `end` if there is none.

@@ -115,8 +115,8 @@ contains
       call update_jacobians(system, work)
    end subroutine approach
 
-   !> Least-norm change of the rates that satisfies the velocity equations, or comes nearest to that; refined. Bodies without inertia
-   !> go first: whatever the deck says of them, they have no momentum that others could take from.
+   !> Least-norm change of the rates that satisfies the velocity equations, or comes nearest to that; refined. Bodies without
+   !> inertia go first: whatever the deck says of them, they have no momentum that others could take from.
    subroutine close_velocities(system, work, matrix, q, v, done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work

@@ -2,23 +2,24 @@
 !>
 !>    hard TABLE FOLDER [--long] [CASE [INTEGRATOR]]
 !>
-!> TABLE stands beside the decks; FOLDER takes decks and results. --long: with the values that a case has for long runs. A line for
-!> each run, its parts separated by tabs: case, integrator, 'as expected' or 'NOT AS EXPECTED', outcome, error, its bound, CPU seconds,
-!> the first warning or the message. The table has blocks of lines, a word and what belongs to it:
+!> TABLE stands beside the decks; FOLDER takes decks and results. --long: also the cases that take minutes. A line for each run, its
+!> parts separated by tabs: case, integrator, 'as expected' or 'NOT AS EXPECTED', outcome, error, its bound, CPU seconds, warnings
+!> or the message. The table has blocks of lines, a word and what belongs to it:
 !>
-!>    CASE name                     begins a case
+!>    CASE name, LONG_CASE name     begins a case; one that takes minutes
 !>    TITLE text, SOURCE text       for doc/hard-cases.md: what it is, where the expected values are from
 !>    DECK file                     its deck, with INTEGRATOR=AUTO
 !>    SET parameter value           a value of a parameter of the deck
-!>    LONG parameter value          the same in long runs
+!>    REPLACE old => new            a text of the deck, and what stands for it
+!>    APPEND text                   a line behind the deck
 !>    SCALE value                   what errors are relative to; 1 if not given
 !>    VALUE channel sample value    an expected value; samples count from 0
 !>    FILE file                     columns of expected values: sample, channels named in the first line
-!>    LIKE case                     expected values: those of another case, to be run before, at all samples of all channels
+!>    LIKE case                     expected values: those of another case, at all samples of all channels
 !>    integrators expectation       integrators: ALL, or some of them, joined by commas; the last line that names one counts
 !>
-!> Expectations: SOLVED bound: without a warning, the error at most the bound. WARNED bound text: the same with a warning that holds the
-!> text, of any error if the bound is 'any'. REFUSED status text: an error with this status whose message holds the text.
+!> Expectations: SOLVED bound: without a warning, the error at most the bound. WARNED bound text: the same with a warning that holds
+!> the text, of any error if the bound is 'any'. REFUSED status text: an error with this status whose message holds the text.
 !> SKIPPED text: why the case is not for an integrator.
 module hard_cases
    use limber_base_error, only: error_type
@@ -45,8 +46,10 @@ module hard_cases
    type :: case_type
       character(64) :: name = '', deck = '', like = ''
       real(wp) :: scale = 1.0_wp
-      type(override_type) :: set(20), long(20)
-      integer :: sets = 0, longs = 0, values = 0
+      type(override_type) :: set(20)
+      character(width) :: replaced = '', replacement = '', appended = ''
+      integer :: sets = 0, values = 0
+      logical :: long = .false.
       type(value_type) :: value(200)
       !> What is expected of each integrator
       character(width) :: expected(size(integrators)) = ''
@@ -69,9 +72,10 @@ contains
          call split(line, word, rest)
          select case (word)
          case ('', '#', 'TITLE', 'SOURCE')
-         case ('CASE')
+         case ('CASE', 'LONG_CASE')
             count = count + 1
             cases(count)%name = trim(rest)
+            cases(count)%long = word == 'LONG_CASE'
          case default
             call take(cases(count), path, trim(word), rest)
          end select
@@ -106,9 +110,11 @@ contains
       case ('SET')
          item%sets = item%sets + 1
          read (rest, *) item%set(item%sets)%name, item%set(item%sets)%value
-      case ('LONG')
-         item%longs = item%longs + 1
-         read (rest, *) item%long(item%longs)%name, item%long(item%longs)%value
+      case ('REPLACE')
+         i = index(rest, ' => ')
+         item%replaced = rest(:i - 1)
+         item%replacement = rest(i + 4:)
+      case ('APPEND'); item%appended = rest
       case ('VALUE')
          item%values = item%values + 1
          associate (value => item%value(item%values))
@@ -156,56 +162,89 @@ contains
    end subroutine read_file
 
    !> Runs a case by one integrator and prints its line.
-   subroutine run_case(item, integrator, decks, folder, long, good)
-      type(case_type), intent(in) :: item
-      integer, intent(in) :: integrator
+   subroutine run_case(cases, k, integrator, decks, folder, good)
+      type(case_type), intent(in) :: cases(:)
+      !> Which case, which integrator
+      integer, intent(in) :: k, integrator
       !> Folder of the decks; folder of the results
       character(*), intent(in) :: decks, folder
-      logical, intent(in) :: long
       logical, intent(out) :: good
-      type(batch_type) :: batch
       type(error_type), allocatable :: error
-      character(:), allocatable :: path, report, outcome, message
+      character(:), allocatable :: path, outcome, message
       character(width) :: kind, rest, word, bound_text
-      real(wp) :: found, bound
+      real(wp) :: found, bound, seconds
+      integer :: other
       good = .true.
-      call split(item%expected(integrator), kind, rest)
-      if (kind == 'SKIPPED') then
-         call print_line(item, integrator, .true., 'skipped', '', '', '', trim(rest))
-         return
-      end if
-      path = folder//trim(item%name)//'.'//trim(integrators(integrator))
-      call write_deck(decks//trim(item%deck), path//'.inp', trim(integrators(integrator)))
-      allocate (batch%overrides(item%sets + merge(item%longs, 0, long)))
-      batch%overrides(:item%sets) = item%set(:item%sets)
-      if (long) batch%overrides(item%sets + 1:) = item%long(:item%longs)
+      associate (item => cases(k))
+         call split(item%expected(integrator), kind, rest)
+         if (kind == 'SKIPPED') then
+            call print_line(item, integrator, .true., 'skipped', '', '', '', trim(rest))
+            return
+         end if
+         path = folder//trim(item%name)//'.'//trim(integrators(integrator))
+         call run_deck(item, integrator, decks, path, message, seconds, error)
+         found = -1.0_wp
+         if (allocated(error)) then
+            outcome = 'refused '//as_text(error%status)
+            message = message//error%message
+         else
+            outcome = trim(merge('warned', 'solved', message /= ''))
+            do other = 1, size(cases)
+               if (cases(other)%name == item%like) call run_other(cases(other), integrator, decks, path//'.like')
+            end do
+            call compare(item, path//'.h5', path//'.like.h5', found)
+         end if
+         call split(rest, bound_text, word)
+         bound = huge(1.0_wp)
+         select case (kind)
+         case ('SOLVED')
+            read (bound_text, *) bound
+            good = outcome == 'solved' .and. found <= bound
+         case ('WARNED')
+            if (bound_text /= 'any') read (bound_text, *) bound
+            good = outcome == 'warned' .and. found <= bound .and. index(message, trim(word)) > 0
+         case ('REFUSED')
+            good = outcome == 'refused '//trim(bound_text) .and. index(message, trim(word)) > 0
+            bound_text = ''
+         case default
+            good = .false.
+         end select
+         call print_line(item, integrator, good, outcome, number(found), trim(bound_text), as_text(seconds, 3), &
+            & one_line(message))
+      end associate
+   end subroutine run_case
+
+   !> Runs the deck of a case.
+   subroutine run_deck(item, integrator, decks, path, message, seconds, error)
+      type(case_type), intent(in) :: item
+      integer, intent(in) :: integrator
+      !> Folder of the decks; path of the results without its ending
+      character(*), intent(in) :: decks, path
+      !> Warnings, and CPU seconds
+      character(:), allocatable, intent(out) :: message
+      real(wp), intent(out) :: seconds
+      type(error_type), allocatable, intent(out) :: error
+      type(batch_type) :: batch
+      character(:), allocatable :: report
+      call write_deck(item, decks//trim(item%deck), path//'.inp', trim(integrators(integrator)))
+      allocate (batch%overrides(item%sets), source=item%set(:item%sets))
       call run_one(path//'.inp', path//'.h5', .true., .true., batch, report, error)
-      found = -1.0_wp
       message = ''
       if (allocated(batch%warnings)) message = batch%warnings
-      if (allocated(error)) then
-         outcome = 'refused '//as_text(error%status)
-         message = message//error%message
-      else
-         outcome = trim(merge('warned', 'solved', message /= ''))
-         call compare(item, path//'.h5', folder//trim(item%like)//'.'//trim(integrators(integrator))//'.h5', found)
-      end if
-      call split(rest, bound_text, word)
-      bound = huge(1.0_wp)
-      select case (kind)
-      case ('SOLVED')
-         read (bound_text, *) bound
-         good = outcome == 'solved' .and. found <= bound
-      case ('WARNED')
-         if (bound_text /= 'any') read (bound_text, *) bound
-         good = outcome == 'warned' .and. found <= bound .and. index(message, trim(word)) > 0
-      case ('REFUSED')
-         good = outcome == 'refused '//trim(bound_text) .and. index(message, trim(word)) > 0
-      case default
-         good = .false.
-      end select
-      call print_line(item, integrator, good, outcome, number(found), trim(bound_text), as_text(batch%cpu, 3), one_line(message))
-   end subroutine run_case
+      seconds = batch%cpu
+   end subroutine run_deck
+
+   !> Runs the case that another one is to be like.
+   subroutine run_other(item, integrator, decks, path)
+      type(case_type), intent(in) :: item
+      integer, intent(in) :: integrator
+      character(*), intent(in) :: decks, path
+      type(error_type), allocatable :: error
+      character(:), allocatable :: message
+      real(wp) :: seconds
+      call run_deck(item, integrator, decks, path, message, seconds, error)
+      if (allocated(error)) call stop_with(error%message)
+   end subroutine run_other
 
    !> The line of a run.
    subroutine print_line(item, integrator, good, outcome, found, bound, seconds, text)
@@ -225,23 +264,35 @@ contains
       error stop 2
    end subroutine stop_with
 
-   !> The deck with an integrator.
-   subroutine write_deck(path, changed, integrator)
+   !> The deck with an integrator, and with what the case exchanges.
+   subroutine write_deck(item, path, changed, integrator)
+      type(case_type), intent(in) :: item
       character(*), intent(in) :: path, changed, integrator
-      character(*), parameter :: old = 'INTEGRATOR=AUTO'
       character(:), allocatable :: text
-      integer :: unit, length, at
+      integer :: unit, length
       inquire (file=path, size=length)
       if (length < 1) call stop_with('a deck is missing: '//path)
       allocate (character(length) :: text)
       open (newunit=unit, file=path, access='stream', action='read', status='old')
       read (unit) text
       close (unit)
-      at = index(text, old)
-      if (at == 0) call stop_with('no INTEGRATOR=AUTO in '//path)
+      call exchange('INTEGRATOR=AUTO', 'INTEGRATOR='//integrator)
+      if (item%replaced /= '') call exchange(trim(item%replaced), trim(item%replacement))
+      if (item%appended /= '') text = text//trim(item%appended)//new_line('a')
       open (newunit=unit, file=changed, access='stream', action='write', status='replace')
-      write (unit) text(:at + 10)//integrator//text(at + len(old):)
+      write (unit) text
       close (unit)
+
+   contains
+
+      subroutine exchange(old, new)
+         character(*), intent(in) :: old, new
+         integer :: at
+         at = index(text, old)
+         if (at == 0) call stop_with('no '//old//' in '//path)
+         text = text(:at - 1)//new//text(at + len(old):)
+      end subroutine exchange
+
    end subroutine write_deck
 
    !> Largest error of a result in units of the scale; infinite if a sample is missing or not a number.
@@ -342,9 +393,10 @@ contains
       count = 0
       do i = 1, size(cases)
          if (words(3) /= '' .and. words(3) /= cases(i)%name) cycle
+         if (cases(i)%long .and. .not. long) cycle
          do j = 1, size(integrators)
             if (words(4) /= '' .and. words(4) /= integrators(j)) cycle
-            call run_case(cases(i), j, words(1)(:index(words(1), '/', back=.true.)), trim(words(2))//'/', long, good)
+            call run_case(cases, i, j, words(1)(:index(words(1), '/', back=.true.)), trim(words(2))//'/', good)
             all_good = all_good .and. good
             count = count + 1
          end do

@@ -9,7 +9,7 @@ module limber_analysis_dynamics
    use limber_analysis_indicators, only: indicators_type, start_indicators
    use limber_analysis_observation, only: observe
    use limber_analysis_scene, only: scene_type, seconds_since
-   use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
+   use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -25,7 +25,7 @@ module limber_analysis_dynamics
       & worst_constraint
    use limber_system_kinematics, only: place_frames, settle_angles
    use limber_system_multiplier, only: update_jacobians
-   use limber_system_projection, only: settle, settle_position, settle_stretched
+   use limber_system_projection, only: harmless, settle, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -40,6 +40,8 @@ module limber_analysis_dynamics
       real(wp) :: wall = 0.0_wp, cpu = 0.0_wp
       !> Largest constraint residuals at a sample: position [length or 1], velocity [the same per time]
       real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
+      !> Whether a sample could not be brought onto the constraints
+      logical :: astray = .false.
       !> Mechanical energy at the start and the end, and work put in
       real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
       !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
@@ -162,6 +164,7 @@ contains
       sample%q = scene%q
       sample%v = scene%v
       call start_watch(watch, dynamics%start, scene%v)
+      watch%late = dynamics%end - 0.1_wp*(dynamics%end - dynamics%start)
       call check_energy(scene, sample, outcome)
       call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       next = 1
@@ -211,6 +214,8 @@ contains
          call progress%update(integrator%t)
       end do
       outcome%reached = integrator%t
+      text = scale_warning(watch, scene%system, integrator%tolerance, integrator%t)
+      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       call report_axial(scene, axial, outcome)
 
    contains
@@ -389,6 +394,7 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before, residual
+      integer :: culprit
       associate (system => scene%system, work => scene%work)
          if (system%condensed) then
             ! The motion keeps the balance of energy without the stretch that the channels show
@@ -404,6 +410,13 @@ contains
          end if
          if (allocated(error)) return
          call check_residuals(system, work, recorder%needs_velocities, sample%v, outcome)
+         if (residual > harmless .and. .not. outcome%astray) then
+            outcome%astray = .true.
+            call worst_constraint(system, work, culprit, residual)
+            call warn(outcome, system%constraints(culprit)%item%label//' is not kept at the sample at t = '//as_text(t, 8)// &
+               & ' (residual '//as_text(residual, 3)//'): it is nearly singular there, or masses differ too much; this sample,'// &
+               & ' and others like it, are wrong; try a smaller TOLERANCE, or another INTEGRATOR')
+         end if
          if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
             & sample%a)
          recorder%work = sample%w

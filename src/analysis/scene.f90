@@ -15,13 +15,14 @@ module limber_analysis_scene
    use limber_flex_library, only: library_type
    use limber_model_build, only: build_model
    use limber_model_segments, only: name_in_deck
-   use limber_model_scene, only: model_type, step_dynamics
+   use limber_model_scene, only: model_type, step_dynamics, in_springs
    use limber_system_assembly, only: first_guess, assemble
    use limber_system_held, only: held_type, new_held, balance_start, balance_deflections
    use limber_system_rank, only: assembly_type
    use limber_system_redundancy, only: group_names, constraint_names
    use limber_system_softening, only: soften_constraints
    use limber_system_algebra, only: cross
+   use limber_system_kinematics, only: point_position
    use limber_system_massless, only: find_massless
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
@@ -212,6 +213,7 @@ contains
       call warn_of_redundancy(scene, diagnostics)
       call warn_of_turn(scene, diagnostics)
       call warn_of_velocities(scene, guess, diagnostics)
+      call warn_of_springs(scene, diagnostics)
       if (scene%assembly%rank < scene%assembly%equations) then
          call soften_constraints(scene%system)
          call new_workspace(scene%system, scene%work)
@@ -302,6 +304,33 @@ contains
             & as_text(found%turned, 3)//' rad from its guess: make sure that the branch is the one that is meant, or give ANGLE=')
       end associate
    end subroutine warn_of_turn
+
+   !> Springs that pull or push between points that coincide: their force has no direction.
+   subroutine warn_of_springs(scene, diagnostics)
+      type(scene_type), intent(in) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(origin_type) :: origin
+      real(wp) :: gap(2)
+      integer :: i, k, block
+      associate (model => scene%system%model, layout => scene%system%layout)
+         do i = 1, size(model%loads)
+            if (model%loads(i)%list /= in_springs) cycle
+            do k = model%loads(i)%first, model%loads(i)%last
+               associate (spring => model%springs(k))
+                  gap = point_position(layout, model%points(spring%points(1)), scene%q) &
+                     & - point_position(layout, model%points(spring%points(2)), scene%q)
+                  if (norm2(gap) > 1.0e-12_wp*spring%length .or. .not. spring%stiffness*spring%length > 0.0_wp) cycle
+               end associate
+               origin = origin_type(file=1)
+               block = scene%deck%find_named('SPRING', model%loads(i)%name)
+               if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
+               call diagnostics%warn(origin, "the points of spring '"//model%loads(i)%name//"' are in one place at first: its"// &
+                  & ' force has no direction there and is taken for zero', 'move one of them a little in the direction that is'// &
+                  & ' meant, or give LENGTH=0')
+            end do
+         end do
+      end associate
+   end subroutine warn_of_springs
 
    !> Says which body that was given a velocity starts with another one, the one that has changed most.
    subroutine warn_of_velocities(scene, guess, diagnostics)

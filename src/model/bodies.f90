@@ -22,7 +22,7 @@ module limber_model_bodies
       & add_beam_point
    implicit none
    private
-   public :: add_rigid_body, add_point_mass, add_beam, add_points, new_body, append_body, is_new_point
+   public :: add_rigid_body, add_point_mass, add_beam, add_points, new_body, append_body, is_new_point, warn_of_rounding
 
    !> Most memory of the constants and shapes of all bodies [bytes]
    integer(long), parameter :: max_bytes = 1024_long*1024**2
@@ -562,7 +562,23 @@ contains
       if (body%reduced%full .and. body%choice%axial_basis == axial_by_modes) call diagnostics%warn( &
          & block%origin_of('AXIAL BASIS'), "beam '"//body%name//"' locks: FULL with vibration modes alone deflects too little", &
          & 'use AXIAL BASIS=STATIC or ELEMENTS')
+      call warn_of_rounding(real(body%beam%elements, wp), block%origin_of('ELEMENTS'), "beam '"//body%name//"'", diagnostics)
    end subroutine warn_of_basis
+
+   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (H5).
+   subroutine warn_of_rounding(slenderness, origin, what, diagnostics)
+      !> Length of the body over that of its shortest element
+      real(wp), intent(in) :: slenderness
+      type(origin_type), intent(in) :: origin
+      !> 'beam ...'
+      character(*), intent(in) :: what
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), parameter :: clamped_free = 12.36_wp, allowed = 1.0e-4_wp
+      real(wp) :: part
+      part = 0.5_wp*epsilon(part)*slenderness**4/clamped_free
+      if (part > allowed) call diagnostics%warn(origin, what//': round-off of elements that are so short makes its lowest'// &
+         & ' frequency wrong by a part of about '//as_text(part, 1), 'a hundred elements along it are enough for most modes')
+   end subroutine warn_of_rounding
 
    !> Points of the beam that was added last: start, middle, end, and the named ones, `name, coordinate` a line.
    subroutine add_beam_points(block, first, model, diagnostics)

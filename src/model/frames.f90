@@ -12,7 +12,7 @@ module limber_model_frames
    use limber_flex_reduced, only: reduced_type, rigid_reduced
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
    use limber_model_acting, only: acting_type, acting_points
-   use limber_model_bodies, only: new_body, append_body, is_new_point
+   use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
    use limber_model_frame_draft, only: draft_type, read_draft, member_of
    use limber_model_parts, only: is_part
    use limber_model_points, only: add_point
@@ -64,6 +64,8 @@ contains
             & 'use MODAL DERIVATIVES=3 or more')
          if (body%reduced%full) call warn_of_elements(deck%blocks(index), body, diagnostics)
       end if
+      if (usable .and. allocated(body%shape)) call warn_of_rounding(extent(draft%place(:, :size(draft%node)))/ &
+         & minval(body%mesh%length), deck%blocks(index)%origin_of('DIVISIONS'), "frame '"//body%name//"'", diagnostics)
       if (cut .and. diagnostics%count == before) call diagnostics%warn(deck%blocks(index)%origin_of('MODES'), "frame '"// &
          & body%name//"': modes of one frequency are divided: it is chance which of them are left out, and with them what the"// &
          & ' frame answers to', 'use more MODES=, or fewer, until all of that frequency are in or out')

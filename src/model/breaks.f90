@@ -249,9 +249,12 @@ contains
    real(wp) function undefined_at(law, start, end) result(found)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
+      type(range_type) :: range
       integer :: part, divided
       found = huge(found)
       if (size(law%slots) == 0) return
+      range = law_range(law, start, end)
+      if (range%defined) return
       divided = 0
       do part = 1, parts
          call search_undefined(law, end - start, part_end(start, end, part - 1), part_end(start, end, part), divided, found)

@@ -117,7 +117,7 @@ contains
       character(:), allocatable :: name
       integer :: body, block
       logical :: turns
-      call find_massless(scene%system, scene%work, scene%q, body, turns)
+      call find_massless(scene%system, scene%work, scene%system%model%dynamics%start, scene%q, body, turns)
       if (body == 0) return
       name = name_in_deck(scene%system%model, body)
       origin = origin_type(file=1)

@@ -114,8 +114,7 @@ contains
       self%sig(1) = 1.0_wp
       slope = weighted(self, self%yp)
       self%h = duration
-      ! Where nothing is known of the second derivative it is taken for the square of the first: eq. (H4), free of units
-      if (self%tolerance < 16*(slope*self%h)**2) self%h = 0.25_wp*sqrt(self%tolerance)/slope
+      if (self%tolerance < 16*slope*self%h**2) self%h = 0.25_wp*sqrt(self%tolerance/slope)
       ! At rest where a load is about to begin nothing says how soon
       if (system%powered) self%h = min(self%h, 1.0e-3_wp*duration)
       if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)

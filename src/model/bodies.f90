@@ -565,7 +565,7 @@ contains
       call warn_of_rounding(real(body%beam%elements, wp), block%origin_of('ELEMENTS'), "beam '"//body%name//"'", diagnostics)
    end subroutine warn_of_basis
 
-   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (H5).
+   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (H4).
    subroutine warn_of_rounding(slenderness, origin, what, diagnostics)
       !> Length of the body over that of its shortest element
       real(wp), intent(in) :: slenderness

@@ -4,6 +4,8 @@ module limber_system_massless
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgesvd
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill, full_matrix, small_scene
+   use limber_system_kinematics, only: place_frames
+   use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -11,12 +13,12 @@ module limber_system_massless
 
 contains
 
-   !> Names the body whose free motion has no inertia. The system's Jacobians are those of the position.
-   subroutine find_massless(system, work, q, body, turns)
+   !> Names the body whose free motion has no inertia.
+   subroutine find_massless(system, work, t, q, body, turns)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      !> Assembled coordinates (nq)
-      real(wp), intent(in) :: q(:)
+      !> Time; assembled coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
       !> Its index; 0 if there is none, or too many without mass to look at
       integer, intent(out) :: body
       !> Whether that motion is a rotation
@@ -39,6 +41,8 @@ contains
          return
       end if
       call new_constraint_matrix(system, .true., matrix, .true.)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
       call fill(system, work, matrix)
       allocate (motions(matrix%columns, n))
       call list_massless(system, q, matrix%place(:matrix%columns), matrix%scale(:matrix%columns), motions, owner, turning)

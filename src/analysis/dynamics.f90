@@ -42,6 +42,8 @@ module limber_analysis_dynamics
       real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
       !> Whether a sample could not be brought onto the constraints
       logical :: astray = .false.
+      !> Whether a channel had no value at a sample
+      logical :: undefined = .false.
       !> Mechanical energy at the start and the end, and work put in
       real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
       !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
@@ -421,6 +423,18 @@ contains
             & sample%a)
          recorder%work = sample%w
          call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
+         if (.not. all(abs(sample%q) <= huge(t))) then
+            call raise(error, 'the motion is no number any more at t = '//as_text(t, 8)//': something in it is too large or too'// &
+               & ' small for double precision; use other units, or look at the numbers of the deck')
+            return
+         end if
+         if (.not. (outcome%undefined .or. all(abs(sample%values) <= huge(t)))) then
+            outcome%undefined = .true.
+            do culprit = 1, size(system%model%channels) - 1
+               if (.not. abs(sample%values(culprit)) <= huge(t)) exit
+            end do
+            call warn(outcome, "channel '"//system%model%channels(culprit)%name//"' has no value at t = "//as_text(t, 8))
+         end if
       end associate
       call history%take(t, sample%values, error)
       outcome%samples = outcome%samples + 1

@@ -5,8 +5,9 @@
 module limber_model_breaks
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
+   use limber_deck_operations, only: op_constant, op_slot
    use limber_deck_range, only: range_type, law_range
-   use limber_model_scene, only: model_type
+   use limber_model_scene, only: model_type, effort_type
    implicit none
    private
    public :: break_times, law_breaks, station_times, law_stations, undefined_at
@@ -65,8 +66,7 @@ contains
          call visit(model%torques(i)%law)
       end do
       do i = 1, size(model%efforts)
-         if (.not. model%efforts(i)%driven) cycle
-         if (all(model%efforts(i)%quantities%kind == 0)) call visit(model%efforts(i)%law)
+         if (model%efforts(i)%driven) call visit(law_of_time(model%efforts(i)))
       end do
 
    contains
@@ -82,6 +82,33 @@ contains
 
    end subroutine visit_laws
 
+   !> The law of an effort as one of time alone: what else it depends on counts as 1. So the factors of a law that are of time show
+   !> where they change; where others do only the motion can tell.
+   function law_of_time(effort) result(law)
+      type(effort_type), intent(in) :: effort
+      type(expression_type) :: law
+      integer :: i, n
+      n = size(effort%law%constants)
+      allocate (law%codes(size(effort%law%codes)), law%operands(size(effort%law%codes)), law%constants(n + 1))
+      law%codes = effort%law%codes
+      law%operands = effort%law%operands
+      law%constants(:n) = effort%law%constants
+      law%constants(n + 1) = 1.0_wp
+      if (allocated(effort%law%tables)) allocate (law%tables, source=effort%law%tables)
+      n = 0
+      do i = 1, size(law%codes)
+         if (law%codes(i) /= op_slot) cycle
+         if (effort%quantities(law%operands(i))%kind == 0) then
+            law%operands(i) = 1
+            n = 1
+         else
+            law%codes(i) = op_constant
+            law%operands(i) = size(law%constants)
+         end if
+      end do
+      allocate (law%slots(n))
+   end function law_of_time
+
    !> Adds the breaks of one law to a list in order.
    subroutine law_breaks(law, start, end, times)
       type(expression_type), intent(in) :: law
@@ -89,6 +116,7 @@ contains
       real(wp), intent(in) :: start, end
       real(wp), allocatable, intent(inout) :: times(:)
       integer :: part, divided
+      if (size(law%slots) == 0) return
       if (law%branches(start) < 0) return
       divided = 0
       do part = 1, parts

@@ -158,6 +158,7 @@ contains
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
       integer :: next, passed, seen
+      logical :: at_station
       allocate (breaks, source=break_times(scene%system%model))
       allocate (stations, source=station_times(scene%system%model))
       passed = 0
@@ -186,7 +187,11 @@ contains
             seen = seen + 1
          end do
          if (seen < size(stations)) stop = min(stop, stations(seen + 1))
-         if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, next))
+         if (integrator%ends_on_samples) then
+            stop = min(stop, sample_time(dynamics, next))
+         else
+            stop = min(stop, integrator%t + turn_time(scene%system, integrator%t - integrator%t_before, sample%q, sample%v))
+         end if
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
@@ -202,7 +207,9 @@ contains
             call place_frames(scene%system%model, scene%system%layout, integrator%t, sample%q, scene%work%kinematics)
             call settle_angles(scene%work%kinematics)
          end if
-         if (sample_time(dynamics, next) <= integrator%t + near) call check_energy(scene, sample, outcome)
+         at_station = .false.
+         if (seen < size(stations)) at_station = stations(seen + 1) <= integrator%t + near
+         if (at_station .or. sample_time(dynamics, next) <= integrator%t + near) call check_energy(scene, sample, outcome)
          if (passed < size(breaks) .and. integrator%t >= barrier - near) then
             call record_before(barrier - near)
             if (allocated(error)) exit
@@ -235,6 +242,26 @@ contains
       end subroutine record_before
 
    end subroutine advance
+
+   !> Time in which no frame turns by more than a part of a turn, so that turns can be counted; huge if the last step was so short that
+   !> the next one cannot come near that.
+   pure real(wp) function turn_time(system, last, q, v) result(longest)
+      type(system_type), intent(in) :: system
+      !> Length of the last step; coordinates and velocities (nq)
+      real(wp), intent(in) :: last, q(:), v(:)
+      !> Largest turn in a step [rad], and factor by which steps grow at most
+      real(wp), parameter :: most = 2.0_wp, growth = 10.0_wp
+      real(wp) :: spin
+      integer :: i, first
+      spin = 0.0_wp
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         first = system%layout%q(i) + 2
+         spin = max(spin, abs(q(first)*v(first + 1) - q(first + 1)*v(first)))
+      end do
+      longest = huge(longest)
+      if (growth*last*spin > most) longest = most/spin
+   end function turn_time
 
    !> Begins to watch axial coordinates that follow at rest, and puts them where they belong.
    subroutine start_axial(scene, axial, change, error)

@@ -66,27 +66,35 @@ contains
             if (.not. system%layout%framed(i)) cycle
             call spin_frame(system%layout%q(i) + 2, change(system%layout%q(i) + 2), work%kinematics%frames(i)%u, change)
          end do
-         call shift(1.0_wp)
-         if (residual < 2*last .or. residual <= harmless) cycle
-         ! Where the factors lead astray the way is taken back
-         call shift(-1.0_wp)
-         return
-      end do
-
-   contains
-
-      !> Goes the way, forth or back.
-      subroutine shift(sign)
-         real(wp), intent(in) :: sign
-         q = q + sign*change
+         q = q + change
          call normalise_frames(system, q)
          if (system%condensed) call place_axial(system, work, q)
          call place_tree(system, work, t, q)
          call place_frames(system%model, system%layout, t, q, work%kinematics)
          residual = position_residual(system, work)
-      end subroutine shift
-
+         if (residual < 2*last .or. residual <= harmless) cycle
+         call go_back(system, work, t, q, change, residual)
+         return
+      end do
    end subroutine project_placed
+
+   !> Takes a way back on which the factors have led astray.
+   subroutine go_back(system, work, t, q, change, residual)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates, and the way (nq)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp), contiguous, intent(in) :: change(:)
+      !> That of the place where it began
+      real(wp), intent(out) :: residual
+      q = q - change
+      call normalise_frames(system, q)
+      if (system%condensed) call place_axial(system, work, q)
+      call place_tree(system, work, t, q)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      residual = position_residual(system, work)
+   end subroutine go_back
 
    !> Puts frames that hang on others, or are driven, where they belong.
    subroutine place_tree(system, work, t, q)

@@ -13,20 +13,22 @@ module limber_analysis_dynamics
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
-   use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities
+   use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_breaks, only: break_times
+   use limber_model_breaks, only: break_times, station_times
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, follow_angles, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
-   use limber_system_dynamics, only: linearise, accelerations, mechanical_energy, worst_constraint
+   use limber_system_dynamics, only: linearise, accelerations, velocity_residual, mechanical_energy, worst_constraint
    use limber_system_kinematics, only: place_frames, settle_angles
+   use limber_system_multiplier, only: update_jacobians
    use limber_system_projection, only: settle
+   use limber_system_system, only: system_type, workspace_type
    implicit none
    private
    public :: run_dynamics, new_integrator
@@ -117,18 +119,22 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       type(guard_type), intent(inout), optional :: guard
-      real(wp), allocatable :: breaks(:)
+      real(wp), allocatable :: breaks(:), stations(:)
       type(jump_watch_type) :: watch
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
-      integer :: passed
+      integer :: passed, seen
+      logical :: at_station
       allocate (breaks, source=break_times(scene%system%model))
+      allocate (stations, source=station_times(scene%system%model))
       passed = 0
+      seen = 0
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
       sample%q = scene%q
       sample%v = scene%v
       call start_watch(watch, dynamics%start, scene%v)
+      watch%late = dynamics%end - 0.1_wp*(dynamics%end - dynamics%start)
       if (restarts(guard)) then
          call restore()
       else
@@ -137,14 +143,25 @@ contains
       end if
       do while (sample%next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
+            text = ''
+            if (dynamics%integrator == 'ADAMS') text = ', or INTEGRATOR=RADAU if vibrations that do not matter bind the step'
             call raise(error, 'MAXIMUM STEPS='//as_text(dynamics%maximum_steps)//' are used up at t = '// &
-               & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE')
+               & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE'//text)
             exit
          end if
          barrier = dynamics%end
          if (passed < size(breaks)) barrier = nearest(breaks(passed + 1), -1.0_wp)
          stop = barrier
-         if (integrator%ends_on_samples) stop = min(barrier, sample_time(dynamics, sample%next))
+         do while (seen < size(stations))
+            if (stations(seen + 1) > integrator%t + near) exit
+            seen = seen + 1
+         end do
+         if (seen < size(stations)) stop = min(stop, stations(seen + 1))
+         if (integrator%ends_on_samples) then
+            stop = min(stop, sample_time(dynamics, sample%next))
+         else
+            stop = min(stop, integrator%t + turn_time(scene%system, integrator%t - integrator%t_before, sample%q, sample%v))
+         end if
          call integrator%step(scene%system, scene%work, stop, error)
          if (.not. allocated(error)) call history%check_limit(integrator%t, error)
          if (allocated(error)) exit
@@ -161,7 +178,9 @@ contains
             call place_frames(scene%system%model, scene%system%layout, integrator%t, sample%q, scene%work%kinematics)
             call settle_angles(scene%work%kinematics)
          end if
-         if (sample_time(dynamics, sample%next) <= integrator%t + near) call check_energy(scene, sample, outcome)
+         at_station = .false.
+         if (seen < size(stations)) at_station = stations(seen + 1) <= integrator%t + near
+         if (at_station .or. sample_time(dynamics, sample%next) <= integrator%t + near) call check_energy(scene, sample, outcome)
          if (passed < size(breaks) .and. integrator%t >= barrier - near) then
             call record_before(barrier - near)
             if (allocated(error)) exit
@@ -179,6 +198,8 @@ contains
          if (guard%asks_at_end()) call write_checkpoint(.false.)
       end if
       outcome%reached = integrator%t
+      text = scale_warning(watch, scene%system, integrator%tolerance, integrator%t)
+      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       call report_axial(scene, axial, outcome)
 
    contains
@@ -239,6 +260,26 @@ contains
       end subroutine record_before
 
    end subroutine advance
+
+   !> Time in which no frame turns by more than a part of a turn, so that turns can be counted; huge if the last step was so short that
+   !> the next one cannot come near that.
+   pure real(wp) function turn_time(system, last, q, v) result(longest)
+      type(system_type), intent(in) :: system
+      !> Length of the last step; coordinates and velocities (nq)
+      real(wp), intent(in) :: last, q(:), v(:)
+      !> Largest turn in a step [rad], and factor by which steps grow at most
+      real(wp), parameter :: most = 2.0_wp, growth = 10.0_wp
+      real(wp) :: spin
+      integer :: i, first
+      spin = 0.0_wp
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         first = system%layout%q(i) + 2
+         spin = max(spin, abs(q(first)*v(first + 1) - q(first + 1)*v(first)))
+      end do
+      longest = huge(longest)
+      if (growth*last*spin > most) longest = most/spin
+   end function turn_time
 
    !> Begins to watch axial coordinates that follow at rest, and puts them where they belong.
    subroutine start_axial(scene, axial, change, error)
@@ -319,9 +360,11 @@ contains
       real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
       real(wp) :: residual, energy(2), before, speed
       integer :: culprit
+      logical :: demanded
       associate (system => scene%system, work => scene%work)
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, integrator%t, sample%q, sample%v)
+         demanded = demanded_jump(system, work, t, sample%q)
          call linearise(system, work, t, sample%q, error)
          if (allocated(error)) return
          if (system%nc > 0) then
@@ -339,8 +382,8 @@ contains
          call settle(system, work, t, sample%q, sample%v, sample%a, .true., residual, error)
          if (allocated(error)) return
          call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
-         if (maxval(abs(sample%v - sample%change)) > impact*speed) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)// &
-            & ' as by an impact, for a driver changes its speed abruptly there; the energy changes by '// &
+         if (maxval(abs(sample%v - sample%change)) > impact*speed .and. demanded) call warn(outcome, 'velocities jump at t = '// &
+            & as_text(t, 8)//' as by an impact, for a driver changes its speed abruptly there; the energy changes by '// &
             & as_text(sum(energy) - before, 3))
          integrator%work_at_start = sample%w + sum(energy) - before
          associate (dynamics => system%model%dynamics)
@@ -348,6 +391,27 @@ contains
          end associate
       end associate
    end subroutine pass_break
+
+   !> Whether drivers ask for other velocities right after an instant than right before it.
+   logical function demanded_jump(system, work, t, q) result(jumps)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      real(wp), parameter :: little = 1.0e-7_wp
+      real(wp) :: before(system%nc), rest(size(q)), largest
+      jumps = .false.
+      if (system%nc == 0) return
+      rest = 0.0_wp
+      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, rest)
+      before = work%gamma(:system%nc)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, rest)
+      jumps = any(abs(work%gamma(:system%nc) - before) > little*max(abs(before), abs(work%gamma(:system%nc))))
+   end function demanded_jump
 
    !> Adds the wall and CPU seconds since some moment.
    subroutine add_seconds(tick, cpu, outcome)

@@ -1,16 +1,18 @@
 !> Samples of a motion in time: a state, projected onto the constraints, and its channels; what is checked there. Floor: analysis.
 module limber_analysis_sampling
    use limber_base_kinds, only: wp, long
-   use limber_base_error, only: error_type
+   use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
-   use limber_analysis_outcome, only: outcome_type
+   use limber_base_text, only: as_text
+   use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_scene, only: scene_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, channel_values, gather_balance
    use limber_output_sink, only: sink_type
-   use limber_system_dynamics, only: accelerations, position_residual, velocity_residual, mechanical_energy
-   use limber_system_projection, only: settle, settle_position, settle_stretched
+   use limber_system_dynamics, only: accelerations, position_residual, velocity_residual, mechanical_energy, &
+      & worst_constraint
+   use limber_system_projection, only: harmless, settle, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -84,14 +86,55 @@ contains
          end if
          if (allocated(error)) return
          call check_residuals(system, work, recorder%needs_velocities, sample%v, outcome)
+         call check_place(system, work, t, residual, outcome)
          if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
             & sample%a)
          recorder%work = sample%w
          call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
+         call check_values(system, t, sample, outcome, error)
+         if (allocated(error)) return
       end associate
       call history%take(t, sample%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine record
+
+   !> A warning if a sample could not be brought onto the constraints, once a run.
+   subroutine check_place(system, work, t, residual, outcome)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; residual that is left
+      real(wp), intent(in) :: t, residual
+      type(outcome_type), intent(inout) :: outcome
+      real(wp) :: worst
+      integer :: culprit
+      if (outcome%astray .or. .not. residual > harmless) return
+      outcome%astray = .true.
+      call worst_constraint(system, work, culprit, worst)
+      call warn(outcome, system%constraints(culprit)%item%label//' is not kept at the sample at t = '//as_text(t, 8)// &
+         & ' (residual '//as_text(worst, 3)//'): it is nearly singular there, or masses differ too much; this sample,'// &
+         & ' and others like it, are wrong; try a smaller TOLERANCE, or another INTEGRATOR')
+   end subroutine check_place
+
+   !> An error if a state is no number; a warning if a channel is none, once a run.
+   subroutine check_values(system, t, sample, outcome, error)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: t
+      type(sample_type), intent(in) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+      if (.not. all(abs(sample%q) <= huge(t))) then
+         call raise(error, 'the motion is no number any more at t = '//as_text(t, 8)//': something in it is too large or too'// &
+            & ' small for double precision; use other units, or look at the numbers of the deck')
+         return
+      end if
+      if (outcome%undefined .or. all(abs(sample%values) <= huge(t))) return
+      outcome%undefined = .true.
+      do i = 1, size(system%model%channels) - 1
+         if (.not. abs(sample%values(i)) <= huge(t)) exit
+      end do
+      call warn(outcome, "channel '"//system%model%channels(i)%name//"' has no value at t = "//as_text(t, 8))
+   end subroutine check_values
 
    !> Constraint residuals of a sample.
    subroutine check_residuals(system, work, moving, v, outcome)

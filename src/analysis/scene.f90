@@ -4,6 +4,7 @@ module limber_analysis_scene
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
+   use limber_analysis_laws, only: check_laws
    use limber_analysis_axial, only: axial_verdict_type, axial_target, judge_axial
    use limber_analysis_choice, only: choose_integrator
    use limber_deck_content, only: deck_type
@@ -14,13 +15,16 @@ module limber_analysis_scene
    use limber_flex_library, only: library_type
    use limber_model_build, only: build_model
    use limber_model_segments, only: name_in_deck
-   use limber_model_scene, only: model_type, step_dynamics
+   use limber_model_scene, only: model_type, step_dynamics, in_springs
    use limber_system_assembly, only: first_guess, assemble
    use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_rank, only: assembly_type
    use limber_system_redundancy, only: group_names, constraint_names
    use limber_system_relaxation, only: balance_start
    use limber_system_softening, only: soften_constraints
+   use limber_system_algebra, only: cross
+   use limber_system_kinematics, only: point_position
+   use limber_system_massless, only: find_massless
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
@@ -90,11 +94,13 @@ contains
       call system_clock(tick)
       call build_model(scene%deck, model, diagnostics, library)
       scene%building = seconds_since(tick)
+      if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call check_laws(model, scene%deck, diagnostics)
       if (diagnostics%count == 0) then
          call system_clock(tick)
          scene%system = new_system(model)
          call new_workspace(scene%system, scene%work)
          call assemble_scene(scene, diagnostics)
+         if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call check_masses(scene, diagnostics)
          scene%assembling = seconds_since(tick)
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call settle_integrator(scene)
          if (diagnostics%count == 0 .and. scene%system%condensed) call check_axial(scene, diagnostics)
@@ -103,6 +109,29 @@ contains
       if (diagnostics%count > 0) call raise(error, scene%warnings, status_deck)
       if (diagnostics%warnings > 0) scene%warnings = scene%warnings//newline
    end subroutine build_scene
+
+   !> A body without inertia that is free to move has no motion that could be found.
+   subroutine check_masses(scene, diagnostics)
+      type(scene_type), intent(inout) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(origin_type) :: origin
+      character(:), allocatable :: name
+      integer :: body, block
+      logical :: turns
+      call find_massless(scene%system, scene%work, scene%system%model%dynamics%start, scene%q, body, turns)
+      if (body == 0) return
+      name = name_in_deck(scene%system%model, body)
+      origin = origin_type(file=1)
+      block = scene%deck%find_named('RIGID BODY|POINT MASS|BEAM|FRAME', name)
+      if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
+      if (turns) then
+         call diagnostics%add(origin, "body '"//name//"' has no moment of inertia, and its joints leave it free to turn", &
+            & 'give it INERTIA=, or a joint or driver that holds its rotation; what need not turn is a *POINT MASS')
+      else
+         call diagnostics%add(origin, "body '"//name//"' has no mass, and its joints leave it free to move", &
+            & 'give it MASS=, however small, or joints or drivers that hold it')
+      end if
+   end subroutine check_masses
 
    !> Whether the first analysis is a dynamic one.
    pure logical function starts_with_dynamics(model)
@@ -170,10 +199,12 @@ contains
       type(scene_type), intent(inout) :: scene
       type(diagnostics_type), intent(inout) :: diagnostics
       type(error_type), allocatable :: error
+      real(wp), allocatable :: guess(:)
       integer :: culprit
       allocate (scene%q(scene%system%layout%nq), scene%v(scene%system%layout%nq))
       associate (model => scene%system%model)
          call first_guess(scene%system, model%dynamics%start, scene%q, scene%v)
+         allocate (guess, source=scene%v)
          call assemble(scene%system, scene%work, model%dynamics%start, scene%q, scene%v, error, culprit, scene%assembly)
       end associate
       if (allocated(error)) then
@@ -182,6 +213,8 @@ contains
       end if
       call warn_of_redundancy(scene, diagnostics)
       call warn_of_turn(scene, diagnostics)
+      call warn_of_velocities(scene, guess, diagnostics)
+      call warn_of_springs(scene, diagnostics)
       if (scene%assembly%rank < scene%assembly%equations) then
          call soften_constraints(scene%system)
          call new_workspace(scene%system, scene%work)
@@ -285,6 +318,77 @@ contains
       number = 0
       if (allocated(model%wholes)) number = sum(model%wholes%last - model%wholes%first)
    end function inner_joints
+
+   !> Springs that pull or push between points that coincide: their force has no direction.
+   subroutine warn_of_springs(scene, diagnostics)
+      type(scene_type), intent(in) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(origin_type) :: origin
+      real(wp) :: gap(2)
+      integer :: i, k, block
+      associate (model => scene%system%model, layout => scene%system%layout)
+         do i = 1, size(model%loads)
+            if (model%loads(i)%list /= in_springs) cycle
+            do k = model%loads(i)%first, model%loads(i)%last
+               associate (spring => model%springs(k))
+                  gap = point_position(layout, model%points(spring%points(1)), scene%q) &
+                     & - point_position(layout, model%points(spring%points(2)), scene%q)
+                  if (norm2(gap) > 1.0e-12_wp*spring%length .or. .not. spring%stiffness*spring%length > 0.0_wp) cycle
+               end associate
+               origin = origin_type(file=1)
+               block = scene%deck%find_named('SPRING', model%loads(i)%name)
+               if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
+               call diagnostics%warn(origin, "the points of spring '"//model%loads(i)%name//"' are in one place at first: its"// &
+                  & ' force has no direction there and is taken for zero', 'move one of them a little in the direction that is'// &
+                  & ' meant, or give LENGTH=0')
+            end do
+         end do
+      end associate
+   end subroutine warn_of_springs
+
+   !> Says which body that was given a velocity starts with another one, the one that has changed most.
+   subroutine warn_of_velocities(scene, guess, diagnostics)
+      type(scene_type), intent(in) :: scene
+      !> Velocities as guessed (nq)
+      real(wp), intent(in) :: guess(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> Part of what is given that may change without a word
+      real(wp), parameter :: little = 1.0e-2_wp
+      type(origin_type) :: origin
+      character(:), allocatable :: name
+      real(wp) :: v(3), most, found(3)
+      integer :: i, first, worst, block
+      worst = 0
+      most = little
+      associate (model => scene%system%model, layout => scene%system%layout)
+         do i = 1, size(layout%q)
+            first = layout%q(i)
+            v = [guess(first:first + 1), 0.0_wp]
+            found(:2) = scene%v(first:first + 1)
+            found(3) = 0.0_wp
+            if (layout%framed(i)) then
+               v(3) = model%bodies(i)%spin
+               found(3) = cross(scene%q(first + 2:first + 3), scene%v(first + 2:first + 3))
+            end if
+            if (norm2(found(:2) - v(:2)) > most*norm2(v(:2)) .and. norm2(v(:2)) > 0.0_wp) then
+               most = norm2(found(:2) - v(:2))/norm2(v(:2))
+               worst = i
+            end if
+            if (abs(found(3) - v(3)) > most*abs(v(3)) .and. abs(v(3)) > 0.0_wp) then
+               most = abs(found(3) - v(3))/abs(v(3))
+               worst = i
+            end if
+         end do
+         if (worst == 0) return
+         name = name_in_deck(model, worst)
+      end associate
+      origin = origin_type(file=1)
+      block = scene%deck%find_named('RIGID BODY|POINT MASS|BEAM|FRAME', name)
+      if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
+      call diagnostics%warn(origin, "body '"//name//"' does not start with the velocity that it is given, which its joints do"// &
+         & ' not allow together with those of the other bodies: it is off by '//as_text(100*most, 2)//' %', &
+         & 'give VX=, VY= and SPIN= of all bodies as the joints let them move')
+   end subroutine warn_of_velocities
 
    !> What the constraints leave free: degrees of freedom, rank, and the count of Gruebler.
    pure function mobility_line(found, inner) result(text)

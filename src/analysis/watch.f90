@@ -11,7 +11,7 @@ module limber_analysis_watch
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: check_deflections, jump_watch_type, start_watch, watch_velocities
+   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning
 
    !> Velocities that change faster than a motion changes them
    type :: jump_watch_type
@@ -26,6 +26,8 @@ module limber_analysis_watch
       real(wp) :: way = 0.0_wp
       !> Number of jumps that were reported
       integer :: reported = 0
+      !> When the largest speed was; from when on the last part of the run counts, and the largest speed in that
+      real(wp) :: peak = 0.0_wp, late = huge(1.0_wp), latest = 0.0_wp
    contains
       procedure :: exchange => exchange_jump_watch
    end type jump_watch_type
@@ -89,22 +91,26 @@ contains
       !> Relative ways: of the window, and before which a motion has hardly begun; relative change of the velocities
       real(wp), parameter :: window = 0.05_wp, begun = 0.2_wp, abrupt = 0.5_wp
       integer, parameter :: most = 3
-      real(wp) :: change, largest, way
+      real(wp) :: change, largest, way, here
       logical :: seen
       integer :: i, first, body
       largest = 0.0_wp
+      here = 0.0_wp
       body = 1
       do i = 1, size(system%layout%q)
          first = system%layout%q(i)
-         self%speed = max(self%speed, abs(v(first)), abs(v(first + 1)))
+         here = max(here, abs(v(first)), abs(v(first + 1)))
          change = max(abs(v(first) - self%v(first)), abs(v(first + 1) - self%v(first + 1)))
          if (system%layout%framed(i)) then
-            self%speed = max(self%speed, system%model%length*norm2(v(first + 2:first + 3)))
+            here = max(here, system%model%length*norm2(v(first + 2:first + 3)))
             change = max(change, system%model%length*norm2(v(first + 2:first + 3) - self%v(first + 2:first + 3)))
          end if
          if (change > largest) body = i
          largest = max(largest, change)
       end do
+      if (here >= self%speed) self%peak = t
+      self%speed = max(self%speed, here)
+      if (t >= self%late) self%latest = max(self%latest, here)
       way = (t - self%since)*self%speed/system%model%length
       self%way = self%way + (t - self%last)*self%speed/system%model%length
       seen = way < 2*window .or. (self%since >= self%last .and. way < 10*window)
@@ -117,6 +123,24 @@ contains
       end if
       self%last = t
    end subroutine watch_velocities
+
+   !> A warning if the motion was so fast once that errors in units of that speed, which the tolerance is in, are no longer small
+   !> beside what follows.
+   function scale_warning(self, system, tolerance, t) result(text)
+      type(jump_watch_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      !> Local error allowed, end of the run
+      real(wp), intent(in) :: tolerance, t
+      !> Empty if all is well
+      character(:), allocatable :: text
+      !> Part of the largest speed below which what follows is slow, and of the scene that an error may add up to
+      real(wp), parameter :: slow = 1.0e-2_wp, part = 1.0e-2_wp
+      text = ''
+      if (self%latest >= slow*self%speed .or. tolerance*self%speed*(t - self%peak) <= part*system%model%length) return
+      text = 'the largest speed, '//as_text(self%speed, 2)//' at t = '//as_text(self%peak, 8)// &
+         & ', sets the scale of the errors: what follows is '//as_text(self%latest/self%speed, 1)//' as fast and is not known'// &
+         & ' to the tolerance; use a smaller TOLERANCE, or two analyses, one for each'
+   end function scale_warning
 
    !> Text about a jump, if constraints have lost their grip there.
    subroutine explain(system, work, t, q, body, text)
@@ -157,6 +181,8 @@ contains
       call snapshot%exchange('speed', self%speed)
       call snapshot%exchange('way', self%way)
       call snapshot%exchange('reported', self%reported)
+      call snapshot%exchange('peak', self%peak)
+      call snapshot%exchange('latest', self%latest)
    end subroutine exchange_jump_watch
 
 end module limber_analysis_watch

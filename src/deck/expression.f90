@@ -96,8 +96,8 @@ contains
       call walk(self, line, jet, taken)
    end function evaluate_along
 
-   !> A number for the branches that min, max, abs, step and smoothstep take at a time, right after it where it is a bend: while
-   !> it does not change the expression is smooth. -1 if there is nothing to choose.
+   !> A number for the branches that min, max, abs, step, smoothstep and atan2 take at a time, right after it where it is a bend:
+   !> while it does not change the expression is smooth. -1 if there is nothing to choose.
    pure integer(long) function branches(self, t)
       class(expression_type), intent(in) :: self
       !> Time [s]

@@ -7,6 +7,8 @@ module limber_deck_operations
    public :: branch_of, jet_type, unary_value, binary_value, unary_jet, binary_jet, unary_complaint, binary_complaint, &
       & function_names, function_arity, first_function, function_meanings
    public :: op_table, op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, op_power
+   public :: op_sqrt, op_sin, op_cos, op_tan, op_asin, op_acos, op_log, op_log10, op_cosh, op_abs, op_atan2, op_min, op_max, &
+      & op_step, op_smoothstep, op_cycloidal, op_poly345
 
    !> Codes of a postfix program; the functions follow in the order of `function_names`
    integer, parameter :: op_constant = 1, op_slot = 2, op_negate = 3, op_add = 4, op_subtract = 5, &
@@ -230,6 +232,8 @@ contains
       case (op_abs); branch = merge(1, 0, is_below(u, jet_type()))
       case (op_min, op_max); branch = merge(1, 0, is_below(u, v))
       case (op_step); branch = merge(1, 0, u%value >= 0.0_wp)
+      ! It jumps where u changes its sign while v is negative
+      case (op_atan2); branch = merge(1, 0, u%value < 0.0_wp .and. v%value < 0.0_wp)
       case (op_smoothstep, op_poly345, op_cycloidal); branch = merge(1, 0, u%value >= 0.0_wp) + merge(1, 0, u%value >= 1.0_wp)
       case default; branch = -1
       end select

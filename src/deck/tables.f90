@@ -6,7 +6,7 @@ module limber_deck_tables
    use limber_base_spline, only: spline_moments, spline_segment, spline_natural
    implicit none
    private
-   public :: new_table, table_value, table_segment
+   public :: new_table, table_value, table_segment, table_range
 
    !> Kinds
    real(wp), parameter :: linear = 1.0_wp, cubic = 2.0_wp
@@ -52,6 +52,34 @@ contains
       segment = place(table, x)
       if (table(2) > linear .and. segment > 0) segment = merge(2, 1, segment == nint(table(1)))
    end function table_segment
+
+   !> Bounds of the values for arguments between two, which on return are those of the values; whether one formula holds there.
+   pure subroutine table_range(table, low, high, whole)
+      real(wp), intent(in) :: table(:)
+      !> In, the arguments; out, the values
+      real(wp), intent(inout) :: low, high
+      logical, intent(out) :: whole
+      real(wp) :: a(0:2), b(0:2), margin
+      integer :: first, last, n
+      n = nint(table(1))
+      first = place(table, low)
+      last = place(table, high)
+      whole = table_segment(table, low) == table_segment(table, high)
+      a = table_value(table, low)
+      b = table_value(table, high)
+      margin = 0.0_wp
+      ! A cubic is off the line through two of its points by at most an eighth of its curvature times their distance squared
+      if (table(2) > linear .and. last > 0 .and. first < n) margin = 0.125_wp*(high - low)**2* &
+         & maxval(abs(table(2 + 2*n + max(1, first):2 + 2*n + min(n, last + 1))))
+      low = min(a(0), b(0))
+      high = max(a(0), b(0))
+      if (last > first) then
+         low = min(low, minval(table(3 + n + first:2 + n + last)))
+         high = max(high, maxval(table(3 + n + first:2 + n + last)))
+      end if
+      low = low - margin
+      high = high + margin
+   end subroutine table_range
 
    !> Index of the last argument that is not above x; 0: none.
    pure integer function place(table, x) result(low)

@@ -115,7 +115,7 @@ contains
    end subroutine held_rows
 
    !> Reduces a frame.
-   subroutine reduce_frame(frame, choice, body, shape, error, note)
+   subroutine reduce_frame(frame, choice, body, shape, error, note, cut)
       type(frame_type), intent(in) :: frame
       type(frame_choice_type), intent(in) :: choice
       !> Constants for the time loop
@@ -126,12 +126,18 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> What was left out because it depends on others; empty if nothing was
       character(:), allocatable, intent(out), optional :: note
+      !> Whether the first mode that is left out has the frequency of the last one that is not
+      logical, intent(out), optional :: cut
       type(solver_type) :: solver
+      real(wp), parameter :: equal = 1.0e-7_wp
       real(wp), allocatable :: omega2(:), functions(:, :, :), load(:, :, :)
+      real(wp) :: next
       integer :: i, k, left_out
       left_out = 0
-      call vibration_modes(frame, choice, shape, omega2, error)
+      if (present(cut)) cut = .false.
+      call vibration_modes(frame, choice, shape, omega2, next, error)
       if (allocated(error)) return
+      if (present(cut) .and. size(omega2) > 0) cut = next <= omega2(size(omega2))*(1 + equal)
       call interface_loads(frame, choice, load)
       if (size(load, 3) > 0) then
          call new_solver(frame, solver, error)
@@ -189,10 +195,12 @@ contains
 
    !> The lowest vibration modes under the supports, eqs. (18), (19), with the interface held as well if there is one; none above
    !> the limit.
-   subroutine vibration_modes(frame, choice, shape, omega2, error)
+   subroutine vibration_modes(frame, choice, shape, omega2, next, error)
       type(frame_type), intent(in) :: frame
       type(frame_choice_type), intent(in) :: choice
       real(wp), allocatable, intent(out) :: shape(:, :, :), omega2(:)
+      !> That of the lowest mode that is left out; huge if none is
+      real(wp), intent(out) :: next
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: number(:, :)
       real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), mass(:), held(:, :), all(:)
@@ -212,7 +220,7 @@ contains
       if (limited) wanted = min(most, first_search)
       do
          allocate (all(wanted), phi(size(band, 2), wanted))
-         call lowest_modes(band, mass, rigid, shift, wanted, all, phi, error, held)
+         call lowest_modes(band, mass, rigid, shift, wanted, all, phi, error, held, next)
          if (allocated(error)) return
          if (wanted == most .or. any(all > choice%frequency_limit**2)) exit
          if (wanted > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
@@ -220,7 +228,10 @@ contains
          wanted = min(most, 2*wanted)
          deallocate (all, phi)
       end do
-      if (limited) wanted = count(all <= choice%frequency_limit**2)
+      if (limited) then
+         wanted = count(all <= choice%frequency_limit**2)
+         if (wanted < size(all)) next = all(wanted + 1)
+      end if
       allocate (omega2(wanted), shape(3, size(frame%place, 2), wanted))
       omega2(:) = all(:wanted)
       do j = 1, wanted

@@ -120,7 +120,7 @@ contains
    end function null_space
 
    !> The lowest elastic modes, mass-normalised, in ascending frequency.
-   subroutine lowest_modes(stiffness, mass, rigid, shift, wanted, omega2, phi, error, held)
+   subroutine lowest_modes(stiffness, mass, rigid, shift, wanted, omega2, phi, error, held, next)
       !> Lower band of K, (1 + bandwidth, n), LAPACK storage
       real(wp), intent(in) :: stiffness(:, :)
       !> Lumped masses (n) [mass]; zero where a coordinate has none
@@ -139,10 +139,14 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Displacements that are held: rows of them (n, number)
       real(wp), intent(in), optional :: held(:, :)
+      !> Squared frequency of the lowest mode that is left out; huge if none is
+      real(wp), intent(out), optional :: next
       type(operator_type) :: op
       real(wp), allocatable :: theta(:), y(:, :)
+      real(wp) :: beside
       integer :: available, i, j
 
+      if (present(next)) next = huge(next)
       available = count_modes(mass, size(rigid, 2))
       if (present(held)) available = count_held_modes(mass, rigid, held)
       if (wanted > available) then
@@ -159,7 +163,8 @@ contains
       allocate (theta(wanted), y(op%massive, wanted))
       if (wanted < available) then
          call iterate(op, wanted, theta, y, error)
-         if (.not. allocated(error)) call find_equals(op, theta, y, error)
+         if (.not. allocated(error)) call find_equals(op, theta, y, beside, error)
+         if (.not. allocated(error) .and. present(next) .and. beside > 0.0_wp) next = op%shift + 1.0_wp/beside
       else
          call solve_whole(op, wanted, theta, y, error)
       end if
@@ -376,16 +381,19 @@ contains
 
    !> Modes of exactly equal frequency, of which a Krylov space of one start vector may hold one only: what is left beside the
    !> modes found is searched for a lower one.
-   subroutine find_equals(op, theta, y, error)
+   subroutine find_equals(op, theta, y, beside, error)
       type(operator_type), intent(inout) :: op
       !> Descending, and their vectors
       real(wp), intent(inout) :: theta(:), y(:, :)
+      !> The largest one beside these
+      real(wp), intent(out) :: beside
       type(error_type), allocatable, intent(out) :: error
       real(wp), parameter :: equal = 1.0e-9_wp
       real(wp), allocatable :: rigid(:, :)
       real(wp) :: another(1), vector(op%massive, 1)
       integer :: turn, i, n
       n = size(theta)
+      beside = 0.0_wp
       call move_alloc(op%rigid, rigid)
       do turn = 1, n
          allocate (op%rigid(op%massive, size(rigid, 2) + n))
@@ -395,7 +403,9 @@ contains
          call iterate(op, 1, another, vector, error)
          deallocate (op%rigid)
          if (allocated(error)) exit
+         beside = another(1)
          if (another(1) <= theta(n)*(1 + equal)) exit
+         beside = theta(n)
          i = count(theta >= another(1))
          theta(i + 2:) = theta(i + 1:n - 1)
          theta(i + 1) = another(1)

@@ -374,6 +374,7 @@ contains
       self%e = 0.5_wp*(self%b + self%trial%new_b) - self%mean(:, 1)
       self%curvature = (self%e/first - (self%mean(:, 1) - self%mean(:, 2))/last)/both/(0.5_wp + 0.125_wp*widths)
       err = part_of_error(self, system, self%curvature, self%scale_x)
+      err = err + turning_error(self, system)
       self%motion = (self%curvature - self%curvature_before)/first
       if (self%has_curvature) err = err + part_of_error(self, system, self%motion, self%scale_w)
       err = sqrt(err)
@@ -387,6 +388,34 @@ contains
       real(wp), intent(in) :: derivative(:), scales(:)
       call fixed_rates(system%layout, self%trial%new_q, derivative, self%e)
       self%e = self%trial%h**3/12*self%e
+      square = filtered_square(self, system, scales)
+   end function part_of_error
+
+   !> The same of what frames turn too little, eq. (H5): a steady rotation has no other error.
+   real(wp) function turning_error(self, system) result(square)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Part of the tolerance that is worth a look
+      real(wp), parameter :: worth = 0.1_wp
+      real(wp) :: largest
+      integer :: i, at
+      largest = 0.0_wp
+      self%e = 0.0_wp
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         at = system%layout%w(i) + 2
+         self%e(at) = self%y(at)**3/12
+         largest = max(largest, abs(self%e(at)))
+      end do
+      square = 0.0_wp
+      if (largest > worth*self%tolerance) square = filtered_square(self, system, self%scale_x)
+   end function turning_error
+
+   !> Square of an error of the coordinates, in `e`, that the Newton matrix lets pass, in units of scales.
+   real(wp) function filtered_square(self, system, scales) result(square)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: scales(:)
       self%unknown = 0.0_wp
       if (self%forest%usable) then
          call forest_step_mass(self%forest, self%e, self%unknown)
@@ -395,7 +424,7 @@ contains
       end if
       call solve(self)
       square = sum((self%unknown(:system%layout%nw)/scales)**2)
-   end function part_of_error
+   end function filtered_square
 
    !> Takes the step.
    subroutine accept(self, system, work, stop)

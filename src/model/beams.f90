@@ -10,7 +10,7 @@ module limber_model_beams
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: reduce_beam, axial_by_modes
    use limber_model_beam_choice, only: read_beam
-   use limber_model_bodies, only: new_body, append_body, is_new_point, memory_of
+   use limber_model_bodies, only: new_body, append_body, is_new_point, memory_of, warn_of_rounding
    use limber_model_points, only: enter_name, find_named
    use limber_model_scene, only: model_type, body_type, body_rigid, body_flexible
    use limber_model_segments, only: number_of_pieces, choose_basis, place_piece, piece_at, unite, weld_pieces, add_beam_point
@@ -171,6 +171,7 @@ contains
       if (body%reduced%full .and. body%choice%axial_basis == axial_by_modes) call diagnostics%warn( &
          & block%origin_of('AXIAL BASIS'), "beam '"//body%name//"' locks: FULL with vibration modes alone deflects too little", &
          & 'use AXIAL BASIS=STATIC or ELEMENTS')
+      call warn_of_rounding(real(body%beam%elements, wp), block%origin_of('ELEMENTS'), "beam '"//body%name//"'", diagnostics)
    end subroutine warn_of_basis
 
    !> Points of the beam that was added last: start, middle, end, and the named ones, `name, coordinate` a line.

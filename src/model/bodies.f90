@@ -1,6 +1,7 @@
 !> Rigid bodies, point masses and named points from the deck, and what bodies of all kinds share. Floor: model.
 module limber_model_bodies
    use limber_base_kinds, only: wp, long
+   use limber_base_text, only: as_text
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
@@ -11,7 +12,7 @@ module limber_model_bodies
    use limber_model_scene, only: model_type, body_type, body_point, body_rigid
    implicit none
    private
-   public :: add_rigid_body, add_point_mass, add_points, new_body, append_body, is_new_point, memory_of
+   public :: add_rigid_body, add_point_mass, add_points, new_body, append_body, is_new_point, memory_of, warn_of_rounding
 
 contains
 
@@ -106,6 +107,21 @@ contains
       if (any(own_names == name(index(name, '.') + 1:))) call diagnostics%add(origin, &
          & "point '"//name//"' is there without being defined", 'choose another name')
    end function is_new_point
+
+   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (H4).
+   subroutine warn_of_rounding(slenderness, origin, what, diagnostics)
+      !> Length of the body over that of its shortest element
+      real(wp), intent(in) :: slenderness
+      type(origin_type), intent(in) :: origin
+      !> 'beam ...'
+      character(*), intent(in) :: what
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), parameter :: clamped_free = 12.36_wp, allowed = 1.0e-4_wp
+      real(wp) :: part
+      part = 0.5_wp*epsilon(part)*slenderness**4/clamped_free
+      if (part > allowed) call diagnostics%warn(origin, what//': round-off of elements that are so short makes its lowest'// &
+         & ' frequency wrong by a part of about '//as_text(part, 1), 'a hundred elements along it are enough for most modes')
+   end subroutine warn_of_rounding
 
    !> Largest distance between two points of the body that was added last [length].
    pure real(wp) function extent(model, body)

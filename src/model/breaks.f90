@@ -1,71 +1,164 @@
-!> Instants at which a law of time changes its formula: where min, max, abs, step or smoothstep turn from one branch to
-!> another. An integrator ends a step there and starts anew. Floor: model.
+!> Instants that steps must not pass unseen. Breaks: where a law of time changes its formula, as min, max, abs, step, smoothstep,
+!> atan2 and tables do; an integrator ends a step there and starts anew. Stations: where a law does in a short time what it leaves
+!> in all the rest, as a narrow pulse does; a step ends there, so that none takes the pulse for nothing. Both are found by bounds
+!> of the law in intervals, which miss nothing between samples. Floor: model. Source: doc/theory, eqs. (H1), (H2).
 module limber_model_breaks
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
-   use limber_model_scene, only: model_type
+   use limber_deck_operations, only: op_constant, op_slot
+   use limber_deck_range, only: range_type, law_range
+   use limber_model_scene, only: model_type, effort_type
    implicit none
    private
-   public :: break_times, law_breaks
+   public :: break_times, law_breaks, station_times, law_stations, undefined_at
 
-   !> Equal parts of the time that are looked at: a formula that comes and goes within one of them is not seen
+   !> Equal parts of the time that are looked at whatever the bounds say
    integer, parameter :: parts = 500
    !> Part of the whole time within which two breaks are one
    real(wp), parameter :: apart = 1.0e-12_wp
    !> Most breaks of one model: beyond them a law is taken for noise, which no step can follow
    integer, parameter :: most = 1000
+   !> Most intervals of a law that are divided further: bounds that stay too wide end there
+   integer, parameter :: most_divided = 20000
+   !> Changes of a law in one of the equal parts relative to all that it changes by: that of one which rests, and of one that needs
+   !> stations, which a law has that rests for so much of the time
+   real(wp), parameter :: resting = 1.0e-4_wp, steep = 0.03_wp, mostly = 0.5_wp
+   !> Relative change between two stations, also relative to the way from where the law rests
+   real(wp), parameter :: change = 0.02_wp, near_rest = 0.75_wp
 
 contains
 
-   !> The instants of all drivers and loads of a model within its dynamic analysis, in order, each once.
+   !> The breaks of all drivers and loads of a model within its dynamic analysis, in order, each once.
    function break_times(model) result(times)
       type(model_type), intent(in) :: model
       real(wp), allocatable :: times(:)
-      integer :: i, j
       allocate (times(0))
-      associate (t0 => model%dynamics%start, t1 => model%dynamics%end)
-         do i = 1, size(model%drivers)
-            call law_breaks(model%drivers(i)%law, t0, t1, times)
-         end do
-         do i = 1, size(model%joints)
-            if (model%joints(i)%has_law) call law_breaks(model%joints(i)%law, t0, t1, times)
-         end do
-         do i = 1, size(model%forces)
-            do j = 1, 2
-               call law_breaks(model%forces(i)%law(j), t0, t1, times)
-            end do
-         end do
-         do i = 1, size(model%torques)
-            call law_breaks(model%torques(i)%law, t0, t1, times)
-         end do
-         do i = 1, size(model%efforts)
-            if (.not. model%efforts(i)%driven) cycle
-            if (all(model%efforts(i)%quantities%kind == 0)) call law_breaks(model%efforts(i)%law, t0, t1, times)
-         end do
-      end associate
+      call visit_laws(model, .false., times)
    end function break_times
 
-   !> Adds the instants of one law to a list in order.
+   !> The stations of the same laws, in order.
+   function station_times(model) result(times)
+      type(model_type), intent(in) :: model
+      real(wp), allocatable :: times(:)
+      allocate (times(0))
+      call visit_laws(model, .true., times)
+   end function station_times
+
+   !> Adds the instants of all laws of time.
+   subroutine visit_laws(model, stations, times)
+      type(model_type), intent(in) :: model
+      !> Which ones
+      logical, intent(in) :: stations
+      real(wp), allocatable, intent(inout) :: times(:)
+      integer :: i, j
+      do i = 1, size(model%drivers)
+         call visit(model%drivers(i)%law)
+      end do
+      do i = 1, size(model%joints)
+         if (model%joints(i)%has_law) call visit(model%joints(i)%law)
+      end do
+      do i = 1, size(model%forces)
+         do j = 1, 2
+            call visit(model%forces(i)%law(j))
+         end do
+      end do
+      do i = 1, size(model%torques)
+         call visit(model%torques(i)%law)
+      end do
+      do i = 1, size(model%efforts)
+         if (model%efforts(i)%driven) call visit(law_of_time(model%efforts(i)))
+      end do
+
+   contains
+
+      subroutine visit(law)
+         type(expression_type), intent(in) :: law
+         if (stations) then
+            call law_stations(law, model%dynamics%start, model%dynamics%end, times)
+         else
+            call law_breaks(law, model%dynamics%start, model%dynamics%end, times)
+         end if
+      end subroutine visit
+
+   end subroutine visit_laws
+
+   !> The law of an effort as one of time alone: what else it depends on counts as 1. So the factors of a law that are of time show
+   !> where they change; where others do only the motion can tell.
+   function law_of_time(effort) result(law)
+      type(effort_type), intent(in) :: effort
+      type(expression_type) :: law
+      integer :: i, n
+      n = size(effort%law%constants)
+      allocate (law%codes(size(effort%law%codes)), law%operands(size(effort%law%codes)), law%constants(n + 1))
+      law%codes = effort%law%codes
+      law%operands = effort%law%operands
+      law%constants(:n) = effort%law%constants
+      law%constants(n + 1) = 1.0_wp
+      if (allocated(effort%law%tables)) allocate (law%tables, source=effort%law%tables)
+      n = 0
+      do i = 1, size(law%codes)
+         if (law%codes(i) /= op_slot) cycle
+         if (effort%quantities(law%operands(i))%kind == 0) then
+            law%operands(i) = 1
+            n = 1
+         else
+            law%codes(i) = op_constant
+            law%operands(i) = size(law%constants)
+         end if
+      end do
+      allocate (law%slots(n))
+   end function law_of_time
+
+   !> Adds the breaks of one law to a list in order.
    subroutine law_breaks(law, start, end, times)
       type(expression_type), intent(in) :: law
       !> First and last time; breaks at these two do not count
       real(wp), intent(in) :: start, end
       real(wp), allocatable, intent(inout) :: times(:)
-      real(wp) :: left, right, found
-      integer :: part
+      integer :: part, divided
+      if (size(law%slots) == 0) return
       if (law%branches(start) < 0) return
-      right = start
+      divided = 0
       do part = 1, parts
-         left = right
-         right = start + (end - start)*(real(part, wp)/parts)
-         do while (law%branches(left) /= law%branches(right) .and. size(times) < most)
-            found = first_change(law, left, right)
-            if (min(found - start, end - found) > apart*(end - start)) call insert(found, apart*(end - start), times)
-            left = found
-            if (left >= right) exit
-         end do
+         call search_breaks(law, start, end, part_end(start, end, part - 1), part_end(start, end, part), divided, times)
       end do
    end subroutine law_breaks
+
+   !> End of one of the equal parts.
+   pure real(wp) function part_end(start, end, part)
+      real(wp), intent(in) :: start, end
+      integer, intent(in) :: part
+      part_end = start + (end - start)*(real(part, wp)/parts)
+      if (part == parts) part_end = end
+   end function part_end
+
+   !> Finds all changes of the formula between two times: between those at whose ends it differs by bisection, and by division of
+   !> intervals in which the bounds leave room for more.
+   recursive subroutine search_breaks(law, start, end, left, right, divided, times)
+      type(expression_type), intent(in) :: law
+      !> The whole time, and the interval
+      real(wp), intent(in) :: start, end, left, right
+      !> Number of intervals that were divided
+      integer, intent(inout) :: divided
+      real(wp), allocatable, intent(inout) :: times(:)
+      type(range_type) :: range
+      real(wp) :: found, middle
+      if (size(times) >= most) return
+      if (law%branches(left) /= law%branches(right)) then
+         found = first_change(law, left, right)
+         if (min(found - start, end - found) > apart*(end - start)) call insert(found, apart*(end - start), times)
+         if (nearest(found, -1.0_wp) > left) call search_breaks(law, start, end, left, nearest(found, -1.0_wp), divided, times)
+         if (found < right .and. found > left) call search_breaks(law, start, end, found, right, divided, times)
+      else
+         if (right - left <= apart*(end - start) .or. divided >= most_divided) return
+         range = law_range(law, left, right)
+         if (range%whole) return
+         divided = divided + 1
+         middle = left + 0.5_wp*(right - left)
+         call search_breaks(law, start, end, left, middle, divided, times)
+         call search_breaks(law, start, end, middle, right, divided, times)
+      end if
+   end subroutine search_breaks
 
    !> The first instant of the branch that follows that of `left`, to the bit, by bisection.
    real(wp) function first_change(law, left, right) result(found)
@@ -84,6 +177,171 @@ contains
          end if
       end do
    end function first_change
+
+   !> Adds the stations of one law to a list in order. Only a law that rests most of the time has any; what is busy throughout the
+   !> error of each step shows. They lie where it changes steeply, and around that as far as it moves at all.
+   subroutine law_stations(law, start, end, times)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      real(wp), allocatable, intent(inout) :: times(:)
+      real(wp), allocatable :: breaks(:), edges(:)
+      type(range_type), allocatable :: ranges(:)
+      logical, allocatable :: moving(:)
+      real(wp) :: whole, rest(2)
+      integer :: i, first, last, n, divided
+      if (size(law%slots) == 0) return
+      allocate (breaks(0))
+      call law_breaks(law, start, end, breaks)
+      call cut(start, end, breaks, edges)
+      n = size(edges) - 1
+      allocate (ranges(n), moving(n))
+      do i = 1, n
+         ranges(i) = law_range(law, edges(i), before(edges(i + 1), breaks))
+      end do
+      if (.not. all(ranges%defined)) return
+      whole = maxval(ranges%high) - minval(ranges%low)
+      moving = ranges%high - ranges%low > resting*whole
+      if (sum(edges(2:) - edges(:n), mask=.not. moving) < mostly*(end - start)) return
+      divided = 0
+      last = 0
+      do while (last < n)
+         first = last + 1
+         last = first
+         if (.not. moving(first)) cycle
+         do while (last < n)
+            if (.not. moving(last + 1)) exit
+            last = last + 1
+         end do
+         if (.not. any(ranges(first:last)%high - ranges(first:last)%low > steep*whole)) cycle
+         rest = [law%evaluate([edges(first)]), law%evaluate([before(edges(last + 1), breaks)])]
+         do i = first, last
+            call insert(edges(i), 0.0_wp, times)
+            call search_stations(law, end - start, edges(i), before(edges(i + 1), breaks), whole, rest, divided, times)
+         end do
+         call insert(edges(last + 1), 0.0_wp, times)
+      end do
+   end subroutine law_stations
+
+   !> Edges of the equal parts and breaks, in order.
+   subroutine cut(start, end, breaks, edges)
+      real(wp), intent(in) :: start, end, breaks(:)
+      real(wp), allocatable, intent(out) :: edges(:)
+      integer :: i, k, part
+      allocate (edges(parts + 1 + size(breaks)))
+      k = 0
+      i = 1
+      do part = 0, parts
+         do while (i <= size(breaks))
+            if (breaks(i) > part_end(start, end, part)) exit
+            if (breaks(i) < part_end(start, end, part)) then
+               k = k + 1
+               edges(k) = breaks(i)
+            end if
+            i = i + 1
+         end do
+         k = k + 1
+         edges(k) = part_end(start, end, part)
+      end do
+      edges = edges(:k)
+   end subroutine cut
+
+   !> A time, or if it is a break the last one before it.
+   pure real(wp) function before(t, breaks)
+      real(wp), intent(in) :: t, breaks(:)
+      before = t
+      if (any(.not. abs(breaks - t) > 0.0_wp)) before = nearest(t, -1.0_wp)
+   end function before
+
+   !> Divides an interval until the law changes little in each piece, eq. (H2); their ends are stations.
+   recursive subroutine search_stations(law, duration, left, right, whole, rest, divided, times)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: duration, left, right
+      !> All that the law changes by, and its values where it rests before and after
+      real(wp), intent(in) :: whole, rest(2)
+      integer, intent(inout) :: divided
+      real(wp), allocatable, intent(inout) :: times(:)
+      type(range_type) :: range
+      real(wp) :: middle, way
+      range = law_range(law, left, right)
+      way = minval(max(0.0_wp, range%low - rest, rest - range%high))
+      if (range%high - range%low <= max(resting*whole, min(change*whole, near_rest*way))) return
+      if (right - left <= apart*duration .or. divided >= most_divided .or. size(times) >= most) return
+      divided = divided + 1
+      middle = left + 0.5_wp*(right - left)
+      call search_stations(law, duration, left, middle, whole, rest, divided, times)
+      call insert(middle, 0.0_wp, times)
+      call search_stations(law, duration, middle, right, whole, rest, divided, times)
+   end subroutine search_stations
+
+   !> The first instant from which on a law is not defined or grows without bound; beyond `end` if there is none.
+   real(wp) function undefined_at(law, start, end) result(found)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      type(range_type) :: range
+      integer :: part, divided
+      found = huge(found)
+      if (size(law%slots) == 0) return
+      range = law_range(law, start, end)
+      if (range%defined) return
+      divided = 0
+      do part = 1, parts
+         call search_undefined(law, end - start, part_end(start, end, part - 1), part_end(start, end, part), divided, found)
+         if (found <= end) return
+      end do
+   end function undefined_at
+
+   !> Divides an interval where the bounds do not say that the law is defined. Where its value is not a number, or gets ten times as
+   !> large a thousand times nearer, it is not; elsewhere the bounds were too wide.
+   recursive subroutine search_undefined(law, duration, left, right, divided, found)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: duration, left, right
+      integer, intent(inout) :: divided
+      real(wp), intent(inout) :: found
+      type(range_type) :: range
+      real(wp) :: middle
+      range = law_range(law, left, right)
+      if (range%defined) return
+      middle = left + 0.5_wp*(right - left)
+      if (right - left <= apart*duration) then
+         if (largest(law, middle, right - left) > 10*largest(law, middle, 1000*(right - left))) found = middle
+      else if (largest(law, middle, 0.5_wp*(right - left)) >= huge(found)) then
+         found = first_undefined(law, left, right)
+      else if (divided < most_divided) then
+         divided = divided + 1
+         call search_undefined(law, duration, left, middle, divided, found)
+         if (found > right) call search_undefined(law, duration, middle, right, divided, found)
+      end if
+   end subroutine search_undefined
+
+   !> Larger magnitude at a distance on both sides of a time; huge where there is none.
+   real(wp) function largest(law, t, distance)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: t, distance
+      real(wp) :: values(2)
+      values = abs([law%evaluate([t - distance]), law%evaluate([t + distance])])
+      largest = maxval(values)
+      if (.not. all(values < huge(largest))) largest = huge(largest)
+   end function largest
+
+   !> The first time without a value, of an interval with such a time at its end.
+   real(wp) function first_undefined(law, left, right) result(found)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: left, right
+      real(wp) :: before, middle
+      before = left
+      found = left
+      if (.not. abs(law%evaluate([left])) <= huge(found)) return
+      found = right
+      do
+         middle = before + 0.5_wp*(found - before)
+         if (middle <= before .or. middle >= found) return
+         if (abs(law%evaluate([middle])) <= huge(found)) then
+            before = middle
+         else
+            found = middle
+         end if
+      end do
+   end function first_undefined
 
    !> Puts a time into a list in order, unless it is there already.
    subroutine insert(t, width, times)

@@ -12,7 +12,7 @@ module limber_model_frames
    use limber_flex_reduced, only: reduced_type, rigid_reduced
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
    use limber_model_acting, only: acting_type, acting_points
-   use limber_model_bodies, only: new_body, append_body, is_new_point
+   use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
    use limber_model_frame_draft, only: draft_type, read_draft, member_of
    use limber_model_parts, only: is_part
    use limber_model_points, only: add_point
@@ -36,7 +36,7 @@ contains
       type(draft_type) :: draft
       type(body_type) :: body
       type(error_type), allocatable :: error
-      logical :: usable
+      logical :: usable, cut
       integer :: before, added
       before = diagnostics%count
       call settle_options(deck, index)
@@ -46,8 +46,9 @@ contains
       usable = diagnostics%count == before
       if (usable) call mesh(deck, index, draft, body, diagnostics)
       usable = usable .and. diagnostics%count == before
+      cut = .false.
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
-         call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note)
+         call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut)
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"': "//error%message)
       end if
       if (.not. usable .or. diagnostics%count > before) then
@@ -63,6 +64,11 @@ contains
             & 'use MODAL DERIVATIVES=3 or more')
          if (body%reduced%full) call warn_of_elements(deck%blocks(index), body, diagnostics)
       end if
+      if (usable .and. allocated(body%shape)) call warn_of_rounding(extent(draft%place(:, :size(draft%node)))/ &
+         & minval(body%mesh%length), deck%blocks(index)%origin_of('DIVISIONS'), "frame '"//body%name//"'", diagnostics)
+      if (cut .and. diagnostics%count == before) call diagnostics%warn(deck%blocks(index)%origin_of('MODES'), "frame '"// &
+         & body%name//"': modes of one frequency are divided: it is chance which of them are left out, and with them what the"// &
+         & ' frame answers to', 'use more MODES=, or fewer, until all of that frequency are in or out')
       body%size = extent(draft%place(:, :size(draft%node)))
       call append_body(model, body, added)
       if (diagnostics%count == before) call add_frame_points(deck, index, draft, model, diagnostics)

@@ -30,9 +30,10 @@ contains
       real(wp), intent(in) :: breaks(:)
       type(integral_type) :: integral
       real(wp), allocatable :: edges(:), longer(:)
-      real(wp) :: left, right, width
+      real(wp) :: left, right, width, scale
       integer :: i
       allocate (edges(1), source=start)
+      scale = largest(law, start, end, breaks)
       do i = 1, size(breaks) + 1
          left = edges(size(edges))
          right = end
@@ -40,7 +41,7 @@ contains
          width = right - left
          do while (right - left > 4*epsilon(left)*max(abs(left), abs(right)) .and. size(edges) < most)
             width = min(width, right - left)
-            if (.not. resolved(law, left, left + width) .and. width > 1.0e-9_wp*(end - start)) then
+            if (.not. resolved(law, left, left + width, scale) .and. width > 1.0e-9_wp*(end - start)) then
                width = 0.5_wp*width
                cycle
             end if
@@ -75,14 +76,41 @@ contains
       end do
    end subroutine fill
 
-   !> Whether the last terms of a piece's series are round-off.
-   logical function resolved(law, left, right)
+   !> Whether the last terms of a piece's series are round-off, that of the time included. A piece in which the law is a millionth of
+   !> what it is elsewhere need not be known as well as that.
+   logical function resolved(law, left, right, scale)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: left, right
-      real(wp) :: c(0:terms)
+      !> Largest value of the law
+      real(wp), intent(in) :: scale
+      real(wp), parameter :: little = 1.0e-6_wp
+      real(wp) :: c(0:terms), slope
+      type(jet_type) :: jet
+      integer :: i
       c = chebyshev(law, left, right)
-      resolved = maxval(abs(c(terms - 5:terms - 2))) <= 2.0e-14_wp*(maxval(abs(c)) + tiny(1.0_wp))
+      slope = 0.0_wp
+      do i = 0, 4
+         jet = law%evaluate_jet(left + 0.25_wp*i*(right - left))
+         slope = max(slope, abs(jet%first))
+      end do
+      resolved = maxval(abs(c(terms - 5:terms - 2))) <= max(2.0e-14_wp*max(maxval(abs(c)), little*scale, tiny(1.0_wp)), &
+         & epsilon(slope)*max(abs(left), abs(right))*slope)
    end function resolved
+
+   !> Largest value of a law at equal distances and where it bends.
+   real(wp) function largest(law, start, end, breaks)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end, breaks(:)
+      integer, parameter :: parts = 100
+      integer :: i
+      largest = 0.0_wp
+      do i = 0, parts
+         largest = max(largest, abs(law%evaluate([start + (end - start)*(real(i, wp)/parts)])))
+      end do
+      do i = 1, size(breaks)
+         largest = max(largest, abs(law%evaluate([breaks(i)])))
+      end do
+   end function largest
 
    !> Coefficients of the polynomial through a law at the Chebyshev points of a piece, all inside it; the last two are zero, so
    !> that there is room for two integrations.

@@ -4,7 +4,7 @@ module limber_model_joints
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_model_breaks, only: law_breaks
+   use limber_model_breaks, only: law_breaks, law_stations
    use limber_model_curve, only: curve_type, spline_curve, expression_curve
    use limber_model_integral, only: integrate
    use limber_model_lists, only: append
@@ -437,6 +437,7 @@ contains
       if (.not. end > start) end = start + max(1.0_wp, abs(start))
       allocate (breaks(0))
       call law_breaks(driver%law, start, end, breaks)
+      call law_stations(driver%law, start, end, breaks)
       driver%integral = integrate(driver%law, start, end, breaks)
    end subroutine prepare
 

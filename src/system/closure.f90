@@ -115,7 +115,8 @@ contains
       call update_jacobians(system, work)
    end subroutine approach
 
-   !> Least-norm change of the rates that satisfies the velocity equations, or comes nearest to that; refined.
+   !> Least-norm change of the rates that satisfies the velocity equations, or comes nearest to that; refined. Bodies without
+   !> inertia go first: whatever the deck says of them, they have no momentum that others could take from.
    subroutine close_velocities(system, work, matrix, q, v, done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -124,26 +125,84 @@ contains
       real(wp), intent(inout) :: v(:)
       logical, intent(out) :: done
       real(wp), allocatable :: step(:)
+      logical, allocatable :: massless(:)
       real(wp) :: residual, speed
-      integer :: round, i
+      integer :: round
       allocate (step(size(v)))
+      massless = .not. (system%inertia(1, :) > 0.0_wp .or. system%inertia(4, :) > 0.0_wp)
+      ! What drivers ask for, and what the motion has before and after
+      step = 0.0_wp
+      speed = max(velocity_residual(system, work, step), largest_rate(system, v))
       call fill(system, work, matrix)
+      if (any(massless)) then
+         residual = velocity_residual(system, work, v)
+         call keep_columns(system, matrix, massless)
+         call least_step(matrix, work%gamma, step)
+         call add_rates(system, q, step, v)
+         call fill(system, work, matrix)
+      end if
       do round = 1, 3
          residual = velocity_residual(system, work, v)
          call least_step(matrix, work%gamma, step)
-         do i = 1, size(system%layout%q)
-            if (.not. system%layout%framed(i)) cycle
-            associate (first => system%layout%q(i) + 2)
-               step(first:first + 1) = step(first)*turn(q(first:first + 1))
-            end associate
-         end do
-         v = v + step
+         call add_rates(system, q, step, v)
       end do
       residual = velocity_residual(system, work, v)
-      speed = max(1.0_wp, maxval(abs(v))/system%model%length)
-      done = residual <= enough(system, q)*speed
+      done = residual <= enough(system, q)*max(speed, largest_rate(system, v))
       call move_frames(system%model, system%layout, q, v, work%kinematics)
    end subroutine close_velocities
+
+   !> Adds a change of the rates that has that of the rotation in the first place of u.
+   pure subroutine add_rates(system, q, step, v)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: q(:)
+      real(wp), intent(inout) :: step(:), v(:)
+      integer :: i
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         associate (first => system%layout%q(i) + 2)
+            step(first:first + 1) = step(first)*turn(q(first:first + 1))
+         end associate
+      end do
+      v = v + step
+   end subroutine add_rates
+
+   !> Largest rate of a motion, relative to the scene [1/time].
+   pure real(wp) function largest_rate(system, v) result(largest)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: v(:)
+      integer :: i, first, last
+      largest = 0.0_wp
+      do i = 1, size(system%layout%q)
+         first = system%layout%q(i)
+         largest = max(largest, norm2(v(first:first + 1))/system%model%length)
+         if (.not. system%layout%framed(i)) cycle
+         largest = max(largest, norm2(v(first + 2:first + 3)))
+         if (system%layout%n(i) == 0) cycle
+         last = first + 3 + system%layout%n(i)
+         largest = max(largest, maxval(abs(v(first + 4:last)))*system%model%bodies(i)%largest_shape/system%model%length)
+      end do
+   end function largest_rate
+
+   !> Forgets the entries of all bodies but some.
+   pure subroutine keep_columns(system, matrix, kept)
+      type(system_type), intent(in) :: system
+      type(constraint_matrix_type), intent(inout) :: matrix
+      !> Which bodies are kept (bodies)
+      logical, intent(in) :: kept(:)
+      logical :: column(matrix%columns)
+      integer :: i, k
+      i = 1
+      do k = 1, matrix%columns
+         do while (i < size(kept))
+            if (matrix%place(k) < system%layout%q(i + 1)) exit
+            i = i + 1
+         end do
+         column(k) = kept(i)
+      end do
+      do k = 1, size(matrix%value)
+         if (.not. column(matrix%column(k))) matrix%value(k) = 0.0_wp
+      end do
+   end subroutine keep_columns
 
    !> Largest rotation in a step [rad].
    pure real(wp) function largest_turn(system, step) result(largest)

@@ -6,8 +6,10 @@ module limber_system_projection
    use limber_base_error, only: error_type
    use limber_model_scene, only: point_type
    use limber_system_algebra, only: cross
+   use limber_system_closure, only: close_positions
    use limber_system_condensation, only: place_axial, place_axial_rates, stretch_axial, release_axial
    use limber_system_drivers, only: driven_angle_type
+   use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
    use limber_system_dynamics, only: linearise, position_residual, velocity_residual
    use limber_system_kinematics, only: place_drives, place_frames, point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians
@@ -15,6 +17,9 @@ module limber_system_projection
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
+   !> Residual relative to the constraints' scales that a sample may have
+   real(wp), parameter, public :: harmless = 1.0e-9_wp
+
    public :: project_position, project_velocity, settle, settle_position, settle_stretched, list_unplaced, place_known
 
 contains
@@ -49,11 +54,13 @@ contains
       real(wp), intent(in) :: tolerance
       real(wp), intent(out) :: before, residual
       integer, parameter :: most = 6
+      real(wp) :: last
       integer :: round, i
       residual = position_residual(system, work)
       before = residual
       do round = 1, most
          if (residual <= tolerance) return
+         last = residual
          work%phi = -work%phi
          call solve_gaps(system, work, work%phi, change)
          do i = 1, size(work%bodies)
@@ -66,8 +73,29 @@ contains
          call place_tree(system, work, t, q)
          call place_frames(system%model, system%layout, t, q, work%kinematics)
          residual = position_residual(system, work)
+         if (residual < 2*last .or. residual <= harmless) cycle
+         call go_back(system, work, t, q, change, residual)
+         return
       end do
    end subroutine project_placed
+
+   !> Takes a way back on which the factors have led astray.
+   subroutine go_back(system, work, t, q, change, residual)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates, and the way (nq)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp), contiguous, intent(in) :: change(:)
+      !> That of the place where it began
+      real(wp), intent(out) :: residual
+      q = q - change
+      call normalise_frames(system, q)
+      if (system%condensed) call place_axial(system, work, q)
+      call place_tree(system, work, t, q)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      residual = position_residual(system, work)
+   end subroutine go_back
 
    !> Puts frames that hang on others, or are driven, where they belong.
    subroutine place_tree(system, work, t, q)
@@ -254,7 +282,25 @@ contains
       if (allocated(error)) return
       call project_placed(system, work, t, q, change, aim, before, residual)
       if (before <= aim) before = 0.0_wp
+      if (residual > harmless) call settle_plainly(system, work, t, q, residual, error)
    end subroutine settle_position
+
+   !> The same in the norm of the assembly: in the mass norm a light body between heavy ones goes far for little.
+   subroutine settle_plainly(system, work, t, q, residual, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: q(:)
+      real(wp), intent(out) :: residual
+      type(error_type), allocatable, intent(out) :: error
+      type(constraint_matrix_type) :: matrix
+      logical :: done
+      residual = huge(residual)
+      call new_constraint_matrix(system, .true., matrix)
+      call close_positions(system, work, matrix, t, q, done)
+      call linearise(system, work, t, q, error)
+      if (.not. allocated(error)) residual = position_residual(system, work)
+   end subroutine settle_plainly
 
    !> Takes out of v what violates the velocity equations, least in the mass norm; `linearise` at q comes first.
    subroutine project_velocity(system, work, v, change, residual)

@@ -1,0 +1,55 @@
+!> Laws of time that have no value somewhere in a motion are refused before it runs: no step can pass a pole, or end of a root.
+!> Floor: analysis.
+module limber_analysis_laws
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_expression, only: expression_type
+   use limber_deck_origin, only: origin_type
+   use limber_model_breaks, only: undefined_at
+   use limber_model_scene, only: model_type
+   implicit none
+   private
+   public :: check_laws
+
+contains
+
+   !> Errors at the drivers, forces and torques whose laws are not defined throughout the dynamic analysis.
+   subroutine check_laws(model, deck, diagnostics)
+      type(model_type), intent(in) :: model
+      type(deck_type), intent(in) :: deck
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, j
+      do i = 1, size(model%drivers)
+         call check_law(model%drivers(i)%law, 'DRIVER|MOTION', model%drivers(i)%name)
+      end do
+      do i = 1, size(model%forces)
+         do j = 1, 2
+            call check_law(model%forces(i)%law(j), 'FORCE', model%forces(i)%name)
+         end do
+      end do
+      do i = 1, size(model%torques)
+         call check_law(model%torques(i)%law, 'TORQUE', model%torques(i)%name)
+      end do
+
+   contains
+
+      subroutine check_law(law, keywords, name)
+         type(expression_type), intent(in) :: law
+         character(*), intent(in) :: keywords, name
+         type(origin_type) :: origin
+         real(wp) :: t
+         integer :: block
+         t = undefined_at(law, model%dynamics%start, model%dynamics%end)
+         if (t > model%dynamics%end) return
+         origin = origin_type(file=1)
+         block = deck%find_named(keywords, name)
+         if (block > 0) origin = deck%blocks(block)%origin_of('NAME')
+         call diagnostics%add(origin, "the law of '"//name//"' has no value, or grows without bound, at t = "//as_text(t, 8), &
+            & 'let END= come before that, or write a law that is finite throughout')
+      end subroutine check_law
+
+   end subroutine check_laws
+
+end module limber_analysis_laws

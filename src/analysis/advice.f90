@@ -81,7 +81,7 @@ contains
    end subroutine make_advice
 
    !> Lets axial coordinates follow at rest where they bind the steps of ADAMS, and where that is admissible for a third of the
-   !> target and fits into the share: eq. (184).
+   !> target and fits into the share: eq. (185).
    subroutine choose_axial(deck, advice)
       type(deck_type), intent(in) :: deck
       type(advice_type), intent(inout) :: advice
@@ -130,7 +130,7 @@ contains
    end subroutine choose_axial
 
    !> Puts what a run has measured of a beam in place of what the probe expected. A beam that bends far beyond what the probe foresaw
-   !> does as much more to the channels; its error is taken for its share at least, so that it is verified: eq. (182).
+   !> does as much more to the channels; its error is taken for its share at least, so that it is verified: eq. (183).
    subroutine take_measured(advice, which, slope, deflection, at_rest)
       type(advice_type), intent(inout) :: advice
       integer, intent(in) :: which

@@ -201,7 +201,7 @@ contains
    end subroutine record_errors
 
    !> Puts what a run has shown in place of what the probe expected; climbs at once where the model of a beam is so far outside its
-   !> range that there is no use in verifying it, eqs. (182), (183).
+   !> range that there is no use in verifying it, eqs. (183), (184).
    subroutine take_seen(deck, target, trial, reached, climbed)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target

@@ -1,7 +1,7 @@
 !> What an expression of the time can be within an interval: bounds of its values by interval arithmetic, whether one formula
 !> holds throughout, and whether it is defined throughout. Samples miss what comes and goes between them, bounds do not. They can
 !> be too wide where the time occurs several times, and get exact as the interval shrinks. Floor: deck.
-!> Source: Moore, Interval Analysis, 1966; doc/theory, eq. (H1).
+!> Source: Moore, Interval Analysis, 1966; doc/theory, eq. (190).
 module limber_deck_range
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type, max_stack, is_binary

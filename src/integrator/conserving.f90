@@ -391,7 +391,7 @@ contains
       square = filtered_square(self, system, scales)
    end function part_of_error
 
-   !> The same of what frames turn too little, eq. (H5): a steady rotation has no other error.
+   !> The same of what frames turn too little, eq. (194): a steady rotation has no other error.
    real(wp) function turning_error(self, system) result(square)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system

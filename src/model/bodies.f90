@@ -108,7 +108,7 @@ contains
          & "point '"//name//"' is there without being defined", 'choose another name')
    end function is_new_point
 
-   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (H4).
+   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (193).
    subroutine warn_of_rounding(slenderness, origin, what, diagnostics)
       !> Length of the body over that of its shortest element
       real(wp), intent(in) :: slenderness

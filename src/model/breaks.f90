@@ -1,7 +1,7 @@
 !> Instants that steps must not pass unseen. Breaks: where a law of time changes its formula, as min, max, abs, step, smoothstep,
 !> atan2 and tables do; an integrator ends a step there and starts anew. Stations: where a law does in a short time what it leaves
 !> in all the rest, as a narrow pulse does; a step ends there, so that none takes the pulse for nothing. Both are found by bounds
-!> of the law in intervals, which miss nothing between samples. Floor: model. Source: doc/theory, eqs. (H1), (H2).
+!> of the law in intervals, which miss nothing between samples. Floor: model. Source: doc/theory, eqs. (190), (191).
 module limber_model_breaks
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
@@ -252,7 +252,7 @@ contains
       if (any(.not. abs(breaks - t) > 0.0_wp)) before = nearest(t, -1.0_wp)
    end function before
 
-   !> Divides an interval until the law changes little in each piece, eq. (H2); their ends are stations.
+   !> Divides an interval until the law changes little in each piece, eq. (191); their ends are stations.
    recursive subroutine search_stations(law, duration, left, right, whole, rest, divided, times)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: duration, left, right

@@ -1,7 +1,7 @@
 !> What every joint and driver gives the system: its residual, its Jacobian with respect to the independent rates
 !> (r', omega, eta') of the one or two bodies it acts on, and the right-hand sides of its velocity and
 !> acceleration equations. An equation of more bodies, a coupler, is a sum of parts of two bodies each: the parts behind the first
-!> have its equations for theirs, and add to them. Floor: system. Source: doc/theory, eqs. (27), (C1).
+!> have its equations for theirs, and add to them. Floor: system. Source: doc/theory, eqs. (27), (186).
 module limber_system_constraint
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type

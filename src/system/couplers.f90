@@ -1,5 +1,5 @@
 !> Linear couplers of joint coordinates, of any number of bodies: sums of parts of at most two bodies, which share an equation.
-!> Floor: system. Source: doc/theory, eq. (C1).
+!> Floor: system. Source: doc/theory, eq. (186).
 module limber_system_couplers
    use limber_base_kinds, only: wp
    use limber_model_scene, only: term_type, coordinate_displacement, ground
@@ -14,7 +14,7 @@ module limber_system_couplers
 
 contains
 
-   !> A linear coupling of joint coordinates: the sum of parts of at most two bodies, eq. (C1).
+   !> A linear coupling of joint coordinates: the sum of parts of at most two bodies, eq. (186).
    subroutine add_coupler(system, index, item, parts)
       class(registry_type), intent(inout) :: system
       integer, intent(in) :: index

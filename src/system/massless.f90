@@ -1,5 +1,5 @@
 !> Motions without inertia that nothing holds: of bodies without mass, or without moment of inertia, whose joints leave them free.
-!> They have no accelerations, whatever forces act on them. Floor: system. Source: doc/theory, eq. (H3).
+!> They have no accelerations, whatever forces act on them. Floor: system. Source: doc/theory, eq. (192).
 module limber_system_massless
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgesvd

@@ -1,7 +1,7 @@
 !> Deflections at the start of a free motion: in equilibrium with the loads and the inertia of the motion that the frames then
 !> begin, which is that of held deflections. Newton's method with all that a deflection changes: its own elastic force, springs and other
 !> loads, the frames that close the joints, and with them the accelerations and multipliers. Floor: system.
-!> Source: doc/theory, eqs. (C2)-(C4); Saad and Schultz 1986 (GMRES).
+!> Source: doc/theory, eqs. (187)-(189); Saad and Schultz 1986 (GMRES).
 module limber_system_relaxation
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs
@@ -90,7 +90,7 @@ contains
       end associate
    end subroutine start_motion
 
-   !> One Newton step of all deflections, eq. (C4), by GMRES.
+   !> One Newton step of all deflections, eq. (189), by GMRES.
    subroutine relax_deflections(system, work, held, q, size_of)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -181,7 +181,7 @@ contains
       end do
    end subroutine drift_of_accelerations
 
-   !> Solves eq. (C4): GMRES without restarts, preconditioned by the bodies' own stiffness.
+   !> Solves eq. (189): GMRES without restarts, preconditioned by the bodies' own stiffness.
    subroutine krylov_step(system, held, factors, step)
       type(system_type), intent(in) :: system
       type(held_type), intent(inout) :: held
@@ -230,7 +230,7 @@ contains
       step = matmul(basis(:, :used), right(:used))
    end subroutine krylov_step
 
-   !> What a change of the deflections changes the forces on them by, eqs. (C2) to (C4), divided by the bodies' own stiffness.
+   !> What a change of the deflections changes the forces on them by, eqs. (187) to (189), divided by the bodies' own stiffness.
    subroutine respond(system, held, factors, deflection, answer)
       type(system_type), intent(in) :: system
       type(held_type), intent(inout) :: held

@@ -5,7 +5,7 @@ module limber_analysis_axial
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
-   use limber_base_lapack, only: dsyev
+   use limber_base_finite, only: dsyev
    use limber_base_text, only: as_text
    use limber_analysis_choice, only: frame_rate
    use limber_model_breaks, only: break_times

@@ -146,6 +146,7 @@ contains
          stop = barrier
          if (integrator%ends_on_samples) stop = min(barrier, sample_time(dynamics, sample%next))
          call integrator%step(scene%system, scene%work, stop, error)
+         if (.not. allocated(error)) call history%check_limit(integrator%t, error)
          if (allocated(error)) exit
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)

@@ -58,7 +58,7 @@ contains
       if (allocated(error)) return
       call start(scene, step, motion)
       do k = 0, step%dynamics%outputs
-         if (k > 0) call move_to(scene, sample_time(step, k), motion, error)
+         if (k > 0) call move_to(scene, sample_time(step, k), motion, history, error)
          if (.not. allocated(error)) call sample(scene, step, motion, history, outcome, error)
          if (allocated(error)) exit
          outcome%reached = motion%t
@@ -135,10 +135,11 @@ contains
    end subroutine start
 
    !> Moves on to a time in steps so small that the next position is sure to be on the same branch.
-   subroutine move_to(scene, t, motion, error)
+   subroutine move_to(scene, t, motion, history, error)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
       type(motion_type), intent(inout) :: motion
+      class(sink_type), intent(in) :: history
       type(error_type), allocatable, intent(out) :: error
       !> Largest change of a coordinate that is predicted, and largest correction, relative to the scales
       real(wp), parameter :: stride = 0.2_wp, correction = 0.05_wp
@@ -147,6 +148,8 @@ contains
       shortest = 1.0e-10_wp*max(abs(t - motion%t), spacing(t))
       associate (system => scene%system, work => scene%work, held => motion%held)
          do while (motion%t < t)
+            call history%check_limit(motion%t, error)
+            if (allocated(error)) return
             h = t - motion%t
             do
                motion%change = h*(held%w + 0.5_wp*h*held%a)

@@ -3,7 +3,7 @@
 !> before it runs; plain numbers. Floor: analysis. Equations: doc/theory.md, accuracy on request.
 module limber_analysis_shadow
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dsyev
+   use limber_base_finite, only: dsyev
    implicit none
    private
    public :: follow_forces, follow_first, vibration_modes

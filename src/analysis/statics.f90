@@ -224,6 +224,8 @@ contains
       logical :: done
       increment = target - statics%part
       do while (statics%part < target)
+         call history%check_limit(time_of(step, statics%part), error)
+         if (allocated(error)) return
          next = statics%part + increment
          if (target - next < 0.5_wp*least_part) next = target
          call try(scene, step, next, statics, done)

@@ -1,11 +1,11 @@
 !> Explicit interfaces of every LAPACK, BLAS and ARPACK routine that limber calls, in their own words.
+!> Those that decompose dense matrices are called by way of limber_base_finite.
 !> Floor: base. Source: LAPACK Users' Guide; Lehoucq, Sorensen and Yang, ARPACK Users' Guide.
 module limber_base_lapack
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: dgetrf, dgetrs, dpbtrf, dpbtrs, dsyev, dsygv, dgeev, dggev, dgeqp3, dorgqr, dgelsd, dgesvd, &
-      & dsaupd, dseupd
+   public :: dgetrf, dgetrs, dpbtrf, dpbtrs, dsyev, dsygv, dgeev, dgeqp3, dorgqr, dgelsd, dgesvd, dsaupd, dseupd
 
    interface
 
@@ -75,16 +75,6 @@ module limber_base_lapack
          real(wp), intent(out) :: wr(*), wi(*), vl(ldvl, *), vr(ldvr, *), work(*)
          integer, intent(out) :: info
       end subroutine dgeev
-
-      !> All eigenvalues and eigenvectors of a general pencil
-      subroutine dggev(jobvl, jobvr, n, a, lda, b, ldb, alphar, alphai, beta, vl, ldvl, vr, ldvr, work, lwork, info)
-         import :: wp
-         character(1), intent(in) :: jobvl, jobvr
-         integer, intent(in) :: n, lda, ldb, ldvl, ldvr, lwork
-         real(wp), intent(inout) :: a(lda, *), b(ldb, *)
-         real(wp), intent(out) :: alphar(*), alphai(*), beta(*), vl(ldvl, *), vr(ldvr, *), work(*)
-         integer, intent(out) :: info
-      end subroutine dggev
 
       !> QR factors with column pivoting
       subroutine dgeqp3(m, n, a, lda, jpvt, tau, work, lwork, info)

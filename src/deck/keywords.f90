@@ -525,7 +525,18 @@ contains
       !> In upper case
       character(*), intent(in) :: keyword
       type(option_spec_type), allocatable :: options(:)
-      options = pack(option_table, option_table%keyword == keyword)
+      integer :: i, first, last
+      first = 1
+      last = 0
+      do i = 1, size(option_table)
+         ! Most differ in their first letter: asked for at each block of a deck
+         if (option_table(i)%keyword(1:1) /= keyword(1:1)) cycle
+         if (option_table(i)%keyword /= keyword) cycle
+         if (last == 0) first = i
+         last = i
+      end do
+      allocate (options(last - first + 1))
+      options(:) = option_table(first:last)
    end function keyword_options
 
    !> The fields of the data lines of a keyword.

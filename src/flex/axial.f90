@@ -7,7 +7,7 @@
 module limber_flex_axial
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_base_lapack, only: dsyev
+   use limber_base_finite, only: dsyev
    use limber_base_text, only: as_text
    use limber_flex_mesh, only: beam_type, support_type, field_type, nodal_masses
    implicit none

@@ -5,7 +5,7 @@
 module limber_flex_functions
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_base_lapack, only: dsyev
+   use limber_base_finite, only: dsyev
    use limber_base_text, only: as_text
    use limber_flex_frame, only: frame_type, strain_energy, unit_load
    use limber_flex_frame_solver, only: solver_type, solve_static, project

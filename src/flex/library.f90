@@ -1,14 +1,16 @@
 !> Reductions of beams that have been made, to be used again: by the many runs of a sweep. Floor: flex.
 module limber_flex_library
+   use limber_base_kinds, only: long
    use limber_base_names, only: name_index_type
-   use limber_flex_mesh, only: field_type
-   use limber_flex_reduced, only: reduced_type
+   use limber_flex_mesh, only: field_type, field_bytes
+   use limber_flex_reduced, only: reduced_type, bytes_of
    implicit none
    private
    public :: library_type
 
-   !> Reductions that are kept; with one more all are forgotten
-   integer, parameter :: most = 64
+   !> Reductions that are kept, and memory that they take [bytes]; beyond that all are forgotten
+   integer, parameter :: most = 512
+   integer(long), parameter :: most_bytes = 256_long*1024**2
 
    !> A reduction
    type :: book_type
@@ -23,6 +25,7 @@ module limber_flex_library
       type(name_index_type), private :: names
       type(book_type), allocatable, private :: books(:)
       integer, private :: count = 0
+      integer(long), private :: bytes = 0
    contains
       procedure :: look_up, put
    end type library_type
@@ -55,14 +58,18 @@ contains
       type(reduced_type), intent(in) :: reduced
       type(field_type), intent(in) :: field
       if (.not. allocated(self%books)) allocate (self%books(most))
-      if (self%count == most) then
+      if (self%count == most .or. self%bytes > most_bytes) then
          self%count = 0
+         self%bytes = 0
+         deallocate (self%books)
+         allocate (self%books(most))
          call self%names%shorten(0)
       end if
       self%count = self%count + 1
       self%books(self%count)%reduced = reduced
       self%books(self%count)%field = field
       self%books(self%count)%note = note
+      self%bytes = self%bytes + bytes_of(reduced) + field_bytes(field)
       call self%names%add(fingerprint, self%count)
    end subroutine put
 

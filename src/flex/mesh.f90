@@ -2,7 +2,7 @@
 !> vibration modes, bending and axial apart (they do not couple). Everything that follows sees the beam as
 !> nodal fields, `field_type`. Floor: flex. Source: doc/theory, eqs. (16), (18).
 module limber_flex_mesh
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
    use limber_flex_beam, only: axial_stiffness, bending_stiffness, lumped_mass, bending_shape
    use limber_flex_modes, only: lowest_modes, count_held_modes
@@ -10,7 +10,7 @@ module limber_flex_mesh
    private
    public :: beam_type, support_type, field_type, new_support, mesh_beam, count_bending_modes, count_axial_modes
    public :: concentrate, bending_modes, axial_modes, nodal_masses, nodal_inertias, deflection_at, slope_at, extension_at
-   public :: element_of, element_length
+   public :: element_of, element_length, field_bytes
 
    !> A straight uniform beam along the body's x axis and its division into elements
    type :: beam_type
@@ -64,6 +64,14 @@ contains
       support%w_end = finish /= 'FREE'
       support%theta_end = finish == 'CLAMPED'
    end function new_support
+
+   !> Memory of the shapes of a beam [bytes].
+   pure integer(long) function field_bytes(field) result(bytes)
+      type(field_type), intent(in) :: field
+      bytes = 0
+      if (allocated(field%w)) bytes = 16*size(field%w, kind=long)
+      if (allocated(field%u)) bytes = bytes + 8*size(field%u, kind=long)
+   end function field_bytes
 
    !> Fields without coordinates on the beam's mesh.
    pure function mesh_beam(beam) result(field)

@@ -8,9 +8,11 @@
 !> held besides: their reactions are taken out of the inverse, eq. (131).
 !> Floor: flex. Source: doc/theory, eqs. (18), (19), (130), (131); Lehoucq, Sorensen and Yang, ARPACK Users' Guide, section 3.2.
 module limber_flex_modes
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_base_lapack, only: dpbtrf, dpbtrs, dsaupd, dseupd, dsyev
+   use limber_base_finite, only: dsyev, not_finite
+   use limber_base_lapack, only: dpbtrf, dpbtrs, dsaupd, dseupd
    use limber_base_text, only: as_text
    implicit none
    private
@@ -200,7 +202,10 @@ contains
       op%factor(1, :) = op%factor(1, :) - shift*mass
       allocate (op%full(op%n), op%rigid(op%massive, size(rigid, 2)), op%holding(op%n, 0))
       call dpbtrf('L', op%n, op%width, op%factor, op%width + 1, info)
-      if (info /= 0) then
+      if (info == 0 .and. .not. (all(ieee_is_finite(op%factor(1, :))) .and. all(ieee_is_finite(op%root)))) then
+         call raise(error, 'masses or stiffness are too great or too small to compute modes with')
+         return
+      else if (info /= 0) then
          call raise(error, 'the stiffness matrix under these supports is not positive definite (row '//as_text(info)//')')
          return
       end if
@@ -332,6 +337,9 @@ contains
          from = ipntr(1)
          to = ipntr(2)
          call apply_operator(op, workd(from:from + op%massive - 1), workd(to:to + op%massive - 1))
+         if (all(ieee_is_finite(workd(to:to + op%massive - 1)))) cycle
+         info = not_finite
+         exit
       end do
       if (info == 0) call dseupd(.true., 'A', select, value, vector, op%massive, 0.0_wp, 'I', op%massive, 'LA', wanted, &
          & tolerance, resid, ncv, basis, op%massive, iparam, ipntr, workd, workl, lworkl, info)

@@ -4,7 +4,7 @@
 module limber_flex_stations
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_base_lapack, only: dsyev
+   use limber_base_finite, only: dsyev
    use limber_flex_beam, only: bending_shape, bending_slope
    use limber_flex_frame, only: frame_type, beam_frame
    use limber_flex_frame_solver, only: solver_type, new_solver, solve_static

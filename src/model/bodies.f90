@@ -4,6 +4,7 @@ module limber_model_bodies
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
+   use limber_flex_mesh, only: field_bytes
    use limber_flex_reduced, only: rigid_reduced, bytes_of
    use limber_model_lists, only: append
    use limber_model_points, only: add_point, enter_name, find_named
@@ -72,9 +73,7 @@ contains
    !> Memory of the constants and shapes of a body [bytes].
    pure integer(long) function memory_of(body) result(bytes)
       type(body_type), intent(in) :: body
-      bytes = bytes_of(body%reduced)
-      if (allocated(body%field%w)) bytes = bytes + 16*size(body%field%w, kind=long)
-      if (allocated(body%field%u)) bytes = bytes + 8*size(body%field%u, kind=long)
+      bytes = bytes_of(body%reduced) + field_bytes(body%field)
       if (allocated(body%shape)) bytes = bytes + 8*size(body%shape, kind=long)
    end function memory_of
 

@@ -11,7 +11,7 @@ module limber_output_sink
 
    !> What takes samples
    type, abstract :: sink_type
-      !> CPU time after which the run is given up at its next sample, and CPU clock at its start [s]
+      !> CPU time after which the run is given up at its next step or sample, and CPU clock at its start [s]
       real(wp) :: limit = huge(1.0_wp), started = 0.0_wp
       !> Whether the run ends at its next sample when a signal asks for that: one that could not go on from there
       logical :: heeds_signals = .false.
@@ -21,7 +21,7 @@ module limber_output_sink
    contains
       procedure(append_interface), deferred :: append
       procedure :: secure => secure_nothing, note_checkpoint => note_nothing
-      procedure :: take, watch_limit, summarise
+      procedure :: take, watch_limit, check_limit, summarise
       procedure :: exchange => exchange_sink
    end type sink_type
 
@@ -80,6 +80,20 @@ contains
       call cpu_time(self%started)
    end subroutine watch_limit
 
+   !> Gives up the run if its time is over: asked at each step or increment.
+   subroutine check_limit(self, t, error)
+      class(sink_type), intent(in) :: self
+      !> Time reached
+      real(wp), intent(in) :: t
+      !> The time is over
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: now
+      if (.not. self%limit < huge(now)) return
+      call cpu_time(now)
+      if (now - self%started > self%limit) call raise(error, 'given up after '//as_text(self%limit, 3)//' s at t = '// &
+         & as_text(t, 4))
+   end subroutine check_limit
+
    !> From now on keeps the extremes and sums of the first numbers of each sample.
    subroutine summarise(self, width)
       class(sink_type), intent(inout) :: self
@@ -95,14 +109,8 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: values(:)
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: now
-      if (self%limit < huge(now)) then
-         call cpu_time(now)
-         if (now - self%started > self%limit) then
-            call raise(error, 'given up after '//as_text(self%limit, 3)//' s at t = '//as_text(t, 4))
-            return
-         end if
-      end if
+      call self%check_limit(t, error)
+      if (allocated(error)) return
       if (self%heeds_signals) then
          if (signal_came()) then
             call raise(error, 'interrupted by '//signal_name()//' at t = '//as_text(t, 8)//'; it can only be run anew')
@@ -131,7 +139,7 @@ contains
       class(memory_type), intent(inout) :: self
       !> Numbers of a sample that are kept, and greatest number of samples
       integer, intent(in) :: width, samples
-      !> CPU time after which the run is given up at its next sample [s]
+      !> CPU time after which the run is given up [s]
       real(wp), intent(in) :: limit
       if (allocated(self%times)) deallocate (self%times, self%values)
       allocate (self%times(samples), self%values(width, samples))

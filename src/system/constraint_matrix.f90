@@ -8,7 +8,7 @@
 !> at a cost that is linear in the number of bodies. Floor: system. Source: doc/theory, eqs. (69), (70).
 module limber_system_constraint_matrix
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dgelsd
+   use limber_base_finite, only: dgelsd
    use limber_model_scene, only: ground
    use limber_system_sparse, only: sparse_type
    use limber_system_system, only: system_type, workspace_type

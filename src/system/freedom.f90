@@ -3,7 +3,8 @@
 !> Source: doc/theory, eqs. (100), (101); Golub and Van Loan, Matrix Computations, section 5.4.
 module limber_system_freedom
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dgeqp3, dorgqr, dsyev, dgeev
+   use limber_base_finite, only: dsyev, dgeev
+   use limber_base_lapack, only: dgeqp3, dorgqr
    use limber_model_scene, only: ground
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, times_stiffness

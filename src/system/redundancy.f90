@@ -2,7 +2,7 @@
 !> with sparse factors in large ones; and what it means for the joints, by name. Floor: system. Source: doc/theory, eqs. (70)-(72).
 module limber_system_redundancy
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dgesvd
+   use limber_base_finite, only: dgesvd
    use limber_base_text, only: as_text
    use limber_system_constraint_matrix, only: constraint_matrix_type, solve_damped, transposed_times, full_matrix, small_square
    use limber_system_system, only: system_type

@@ -32,10 +32,14 @@ module fuzzing
    !> What came out
    type :: tally_type
       integer :: accepted = 0, refused = 0, finished = 0, stopped = 0, placeless = 0
+      !> What was said without a place
+      character(:), allocatable :: remark
       !> Messages without their names and numbers, each once
       type(name_index_type) :: messages
       !> File that they are written to
       integer :: unit = 0
+      !> What runs share: reductions that have been made once
+      type(batch_type) :: batch
    end type tally_type
 
    !> Of setitimer: processor time of the program; its two pairs of seconds and microseconds
@@ -54,6 +58,9 @@ module fuzzing
       end function c_alarm
    end interface
 
+   !> Seconds of processor time after which a run ends
+   real(wp), parameter :: moment = 0.25_wp
+
    !> Decks that are longer are changed no more
    integer, parameter :: longest = 200000
 
@@ -65,7 +72,8 @@ module fuzzing
       & '((((((((1))))))))', '1e', '.', '-', '2**1024', 'sqrt(-1)', 'pi', 't', '<i>', '<', &
       & '''', '"', '""', '*', '**', ',', ',,', '=', 'x(rod)', 'ground', 'ground.origin', 'NAME=', 'YES', &
       & '../../etc/passwd', '/dev/null', '/', achar(9), achar(0), char(255), &
-      & '1000000', '100000', '1e6', '7', '3', 'exp(1000)', '-0']
+      & '1000000', '100000', '1e6', '7', '3', 'exp(1000)', '-0', '10000', '1000', '200', '20']
+   character(*), parameter :: digits = '0123456789'
 
 contains
 
@@ -92,7 +100,28 @@ contains
          if (len(text) == 0 .or. len(text) > longest) exit
          if (chance(2) == 1) exit
       end do
+      if (index(text, '*REPEAT') > 0) call shorten_repeats(text)
    end function mutant
+
+   !> Takes digits from whole numbers that would be allowed, but long, turns of a *REPEAT: chains of a few links break like long ones.
+   subroutine shorten_repeats(text)
+      character(:), allocatable, intent(inout) :: text
+      integer :: first, last
+      last = 0
+      do
+         if (last >= len(text)) exit
+         first = last + scan(text(last + 1:), digits)
+         if (first == last) exit
+         last = first - 1 + verify(text(first:)//' ', digits) - 1
+         if (last - first < 1 .or. last - first > 5) cycle
+         ! parts of names and of numbers with a point remain
+         if (first > 1) then
+            if (index(' =,', text(first - 1:first - 1)) == 0) cycle
+         end if
+         text = text(:first)//text(last + 1:)
+         last = first
+      end do
+   end subroutine shorten_repeats
 
    !> One change.
    subroutine change(text, decks)
@@ -214,35 +243,72 @@ contains
       type(error_type), allocatable :: error
       integer :: i
       call read_deck_text('fuzz.inp', text, scene%deck, diagnostics)
-      call build_scene(scene, diagnostics, error)
+      call build_scene(scene, diagnostics, error, tally%batch%library)
       accepted = .not. allocated(error)
       if (accepted) then
          tally%accepted = tally%accepted + 1
-         if (diagnostics%count > 0) tally%placeless = tally%placeless + 1
+         if (diagnostics%count > 0) call remark(tally, 'accepted with errors')
       else
          tally%refused = tally%refused + 1
-         if (index(error%message, 'fuzz.inp:') == 0 .and. index(error%message, '.csv:') == 0) tally%placeless = tally%placeless + 1
+         if (.not. has_place(error%message)) call remark(tally, error%message)
          do i = 1, diagnostics%kept
             call note(tally, diagnostics%items(i)%message)
          end do
       end if
    end subroutine try_deck
 
+   !> Takes note of a deck that was refused without a place.
+   subroutine remark(tally, message)
+      type(tally_type), intent(inout) :: tally
+      character(*), intent(in) :: message
+      tally%placeless = tally%placeless + 1
+      tally%remark = message(:min(300, len(message)))
+   end subroutine remark
+
+   !> Whether each error has a line, or else is one of a whole file that lacks something.
+   logical function has_place(message)
+      !> Rendered errors
+      character(*), intent(in) :: message
+      character(*), parameter :: of_files(*) = [character(24) :: 'the deck is empty', 'this file is not a text', &
+         & 'the deck has no']
+      integer :: first, last, i
+      first = 1
+      has_place = .true.
+      do while (has_place .and. first <= len(message))
+         last = index(message(first:)//newline, newline) + first - 2
+         if (index(message(first:last), 'error: ') > 0 .and. index(message(first:last), ' | ') == 0) then
+            has_place = has_line(message(first:last))
+            do i = 1, size(of_files)
+               has_place = has_place .or. index(message(first:last), trim(of_files(i))) > 0
+            end do
+         end if
+         first = last + 2
+      end do
+   end function has_place
+
+   !> Whether a text has the name of a file with the number of a line.
+   pure logical function has_line(text)
+      character(*), intent(in) :: text
+      integer :: at
+      has_line = .false.
+      at = max(index(text, '.inp:'), index(text, '.csv:'))
+      if (at > 0 .and. at + 5 <= len(text)) has_line = scan(text(at + 5:at + 5), digits) == 1
+   end function has_line
+
    !> Runs a deck for a moment.
    subroutine try_run(text, tally)
       character(*), intent(in) :: text
       type(tally_type), intent(inout) :: tally
-      type(batch_type) :: batch
       type(error_type), allocatable :: error
       character(:), allocatable :: report
       integer :: unit
       open (newunit=unit, file='fuzz.inp', access='stream', form='unformatted', status='replace', action='write')
       write (unit) text
       close (unit)
-      allocate (batch%overrides(0))
-      batch%in_memory = .true.
-      batch%limit = 0.25_wp
-      call run_one('fuzz.inp', 'fuzz.h5', .true., .true., batch, report, error)
+      if (.not. allocated(tally%batch%overrides)) allocate (tally%batch%overrides(0))
+      tally%batch%in_memory = .true.
+      tally%batch%limit = moment
+      call run_one('fuzz.inp', 'fuzz.h5', .true., .true., tally%batch, report, error)
       if (.not. allocated(error)) then
          tally%finished = tally%finished + 1
       else
@@ -267,7 +333,9 @@ contains
       end do
       if (tally%messages%find(plain) > 0) return
       call tally%messages%add(plain, tally%messages%count + 1)
-      if (tally%unit /= 0) write (tally%unit, '(a)') plain
+      if (tally%unit == 0) return
+      write (tally%unit, '(a)') plain
+      flush (tally%unit)
    end subroutine note
 
    !> The text of a file.
@@ -337,6 +405,10 @@ contains
          flush (unit)
          call set_alarm(seconds)
          call try_deck(text, tally, accepted)
+         if (allocated(tally%remark)) then
+            write (output_unit, '(a)') 'case '//as_text(i)//' without a place: '//tally%remark
+            deallocate (tally%remark)
+         end if
          if (runs .and. accepted) call try_run(text, tally)
       end do
       call set_alarm(0)

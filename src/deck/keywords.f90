@@ -179,7 +179,7 @@ module limber_deck_keywords
       &    '', 'FULL', 'STATIC: the beam stretches as at rest, without axial vibrations; not with CONSERVING'), &
       & option_spec_type('BEAM', 'SEGMENTS', kind_counting, '', &
       &    '', '1', 'equal pieces, each with a frame, modes and elements of its own, welded together: large deflections', &
-      &    most=10000), &
+      &    most=500), &
       & option_spec_type('BEAM', 'ORIGIN', kind_real, '', &
       &    'm', '0', 'coordinate along the beam where the floating frame has its origin'), &
       & option_spec_type('BEAM', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &

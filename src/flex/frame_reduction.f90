@@ -14,7 +14,7 @@ module limber_flex_frame_reduction
    use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
    use limber_flex_modes, only: lowest_modes, count_held_modes
-   use limber_flex_reduced, only: check_size, reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_reduced, only: check_size, check_slopes, reduced_type, start_inertia, add_inertia, add_rotary
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
    implicit none
    private
@@ -161,6 +161,8 @@ contains
       body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
       body%full = choice%fidelity == fidelity_full .and. body%n > 0
       if (body%geometric) call check_size(body%n, body%n, body%full, error)
+      if (body%geometric .and. .not. allocated(error)) call check_slopes(body%n, (size(frame%first) - 1)* &
+         & choice%geometric_elements, size(frame%length), body%full, error)
       if (.not. allocated(error)) call project_members(frame, choice, shape, body)
    end subroutine reduce_frame
 

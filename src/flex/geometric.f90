@@ -183,8 +183,11 @@ contains
          bend = as_pairs(outer(slope_at(field, place(k), bending_curvature)))
          turn = as_pairs(outer(slope_at(field, place(k), bending_slope)))
          do j = 1, size(bend)
-            quartic(:, j) = quartic(:, j) + 0.5_wp*beam%ei*weight(k)*(bend*turn(j) + turn*bend(j))
+            quartic(j:, j) = quartic(j:, j) + 0.5_wp*beam%ei*weight(k)*(bend(j:)*turn(j) + turn(j:)*bend(j))
          end do
+      end do
+      do j = 2, size(bend)
+         quartic(:j - 1, j) = quartic(j, :j - 1)
       end do
    end function project_curvature
 
@@ -220,15 +223,19 @@ contains
       real(wp), parameter :: heavy = (18.0_wp + sqrt(30.0_wp))/36.0_wp, light = (18.0_wp - sqrt(30.0_wp))/36.0_wp
       real(wp), parameter :: gauss(4) = [light, heavy, heavy, light]
       real(wp) :: left, right
-      integer :: e
-      allocate (place(0), weight(0))
+      integer :: e, n
+      allocate (place(4*ubound(s, 1)), weight(4*ubound(s, 1)))
+      n = 0
       do e = 1, ubound(s, 1)
          left = max(from, s(e - 1))
          right = min(to, s(e))
          if (right - left <= 1.0e-12_wp*(s(e) - s(e - 1))) cycle
-         place = [place, 0.5_wp*(left + right) + 0.5_wp*(right - left)*abscissa]
-         weight = [weight, 0.5_wp*(right - left)*gauss]
+         place(n + 1:n + 4) = 0.5_wp*(left + right) + 0.5_wp*(right - left)*abscissa
+         weight(n + 1:n + 4) = 0.5_wp*(right - left)*gauss
+         n = n + 4
       end do
+      place = place(:n)
+      weight = weight(:n)
    end subroutine quadrature
 
 end module limber_flex_geometric

@@ -14,6 +14,7 @@ module limber_flex_modes
    use limber_base_finite, only: dsyev, not_finite
    use limber_base_lapack, only: dpbtrf, dpbtrs, dsaupd, dseupd
    use limber_base_text, only: as_text
+   use limber_flex_reduced, only: check_operations
    implicit none
    private
    public :: lowest_modes, count_modes, count_held_modes, null_space
@@ -149,6 +150,9 @@ contains
          return
       end if
       if (wanted == 0) return
+      call check_operations(operations(count(mass > 0.0_wp), size(mass), size(stiffness, 1), wanted, available), &
+         & as_text(wanted)//' modes on '//as_text(size(mass))//' coordinates', error)
+      if (allocated(error)) return
       call factor_operator(op, stiffness, mass, rigid, shift, error)
       if (allocated(error)) return
       if (present(held)) call hold(op, mass, held)
@@ -169,6 +173,22 @@ contains
          phi(:, j) = phi(:, j)*leading_sign(phi(:, j))/sqrt(sum(mass*phi(:, j)**2))
       end do
    end subroutine lowest_modes
+
+   !> Estimate of the operations that modes take.
+   pure real(wp) function operations(massive, n, width, wanted, available)
+      !> Coordinates with mass, all coordinates, their band; modes that are wanted, and that there are
+      integer, intent(in) :: massive, n, width, wanted, available
+      real(wp) :: basis
+      basis = basis_size(massive, wanted)
+      operations = 16*massive*basis**2 + 8*basis**3 + 12*basis*n*width
+      if (wanted == available) operations = 12*real(massive, wp)**3
+   end function operations
+
+   !> Vectors of the Krylov space for so many modes.
+   pure integer function basis_size(massive, wanted)
+      integer, intent(in) :: massive, wanted
+      basis_size = min(massive, max(2*wanted + 1, 20))
+   end function basis_size
 
    !> Sign of the first entry that is not small beside the largest one with mass.
    pure real(wp) function leading_sign(vector)
@@ -318,7 +338,7 @@ contains
       real(wp) :: tolerance
       real(wp), parameter :: golden = 0.6180339887498949_wp
 
-      ncv = min(op%massive, max(2*wanted + 1, 20))
+      ncv = basis_size(op%massive, wanted)
       lworkl = ncv*(ncv + 8)
       allocate (resid(op%massive), basis(op%massive, ncv), workd(3*op%massive), workl(lworkl), select(ncv))
       allocate (value(wanted), vector(op%massive, wanted))

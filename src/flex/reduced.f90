@@ -6,10 +6,13 @@ module limber_flex_reduced
    use limber_base_text, only: as_text
    implicit none
    private
-   public :: reduced_type, rigid_reduced, start_inertia, add_inertia, add_rotary, rotary_row, rotary_square, bytes_of, check_size
+   public :: reduced_type, rigid_reduced, start_inertia, add_inertia, add_rotary, rotary_row, rotary_square, bytes_of
+   public :: check_size, check_slopes, check_operations
 
    !> Most memory of the constants of one body [bytes]
    integer(long), parameter :: max_bytes = 64_long*1024**2
+   !> Most operations that modes or the geometric part of one body may take: some seconds
+   real(wp), parameter :: max_operations = 4.0e9_wp
 
    !> Constants of a body. Its coordinates eta (n) are mass-normalised. Those of a straight beam bend it first, then stretch it;
    !> those of a frame do both.
@@ -73,6 +76,35 @@ contains
       if (bytes > max_bytes) call raise(error, 'the geometric part of '//as_text(bending)//' coordinates would take '// &
          & as_text(bytes/1024**2)//' MB of memory, more than '//as_text(max_bytes/1024**2)//'; ask for fewer modes')
    end subroutine check_size
+
+   !> Refuses k_G elements whose slopes and fourth-order part would take too much memory or time, before they are made.
+   subroutine check_slopes(bending, geometric, fine, full, error)
+      !> Coordinates that bend, k_G elements, and the finite elements that they are integrated over
+      integer, intent(in) :: bending, geometric, fine
+      !> Whether the model is that of von Karman
+      logical, intent(in) :: full
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: squares, fourth
+      squares = real(bending, wp)**2
+      fourth = 0.0_wp
+      if (full) fourth = (0.5_wp*squares)**2
+      call check_operations(4*real(fine, wp)*(squares + fourth) + 3*real(geometric, wp)*(squares + fourth), &
+         & 'the geometric part of '//as_text(bending)//' coordinates', error)
+      if (allocated(error)) return
+      if (8*squares*geometric > real(max_bytes, wp)) call raise(error, 'the slopes of '//as_text(bending)//' coordinates in '// &
+         & as_text(geometric)//' elements of the geometric part would take '//as_text(8*squares*geometric/1024**2, 3)// &
+         & ' MB of memory, more than '//as_text(max_bytes/1024**2)//'; ask for fewer modes or GEOMETRIC ELEMENTS')
+   end subroutine check_slopes
+
+   !> Refuses what would take too long, before it is begun.
+   subroutine check_operations(operations, what, error)
+      !> Their estimated number, and what they are for
+      real(wp), intent(in) :: operations
+      character(*), intent(in) :: what
+      type(error_type), allocatable, intent(out) :: error
+      if (operations > max_operations) call raise(error, what//' would take about '//as_text(operations, 2)// &
+         & ' operations, more than '//as_text(max_operations, 2)//'; ask for fewer modes or elements')
+   end subroutine check_operations
 
    !> A rigid body.
    pure function rigid_reduced(mass, inertia, centre) result(body)

@@ -16,7 +16,7 @@ module limber_flex_reduction
       & project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
       & nodal_inertias, count_bending_modes, count_axial_modes, deflection_at, slope_at, extension_at
-   use limber_flex_reduced, only: check_size, reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_reduced, only: check_size, check_slopes, reduced_type, start_inertia, add_inertia, add_rotary
    implicit none
    private
    public :: reduction_type, reduce_beam, available_modes, point_shape
@@ -122,6 +122,8 @@ contains
       ! Axial functions on pieces of the k_G elements, if the tension may vary within these
       pieces = 1
       if (choice%linear) pieces = max(1, beam%elements/choice%geometric_elements)
+      call check_slopes(size(field%w, 2), choice%geometric_elements*pieces, beam%elements, choice%fidelity == fidelity_full, error)
+      if (allocated(error)) return
       allocate (x(0:choice%geometric_elements*pieces))
       x(:) = element_ends(beam%length, choice%geometric_elements*pieces)
       allocate (slopes, source=mean_slopes(field, x, choice%nodal))

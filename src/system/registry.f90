@@ -4,21 +4,23 @@ module limber_system_registry
    use limber_base_kinds, only: wp
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
+   use limber_model_lists, only: append
    use limber_model_scene, only: model_type, driver_type, point_type, driver_angle, ground
    use limber_system_algebra, only: along
    use limber_system_kinematics, only: layout_type, new_layout, angle_type
    implicit none
    private
-   public :: registry_type, start_registry, marker_of, frame_marker, frame_point, direction_of, frame_direction, angle_of, bend_of
+   public :: registry_type, start_registry, end_registry, marker_of, frame_marker, frame_point, direction_of, frame_direction
+   public :: angle_of, bend_of
    public :: guessed_angle, guessed_turn, guessed_position
 
    !> The model with its layout, and what is asked for
    type :: registry_type
       type(model_type) :: model
       type(layout_type) :: layout
-      !> Points of the markers that joints and loads use
+      !> Points of the markers that joints and loads use; like the points of the model longer than needed until all is there
       integer, allocatable :: marker_points(:)
-      !> Number of markers, to which the list is cut when all is there; marker of each point, 0: none
+      !> Number of markers; marker of each point, 0: none
       integer :: markers = 0
       integer, allocatable :: point_marker(:)
       !> Angles that they use, with their values in the first guess
@@ -34,10 +36,20 @@ contains
       class(registry_type), intent(inout) :: system
       type(model_type), intent(in) :: model
       system%model = model
+      system%model%counts%points = size(model%points)
       system%layout = new_layout(model)
       allocate (system%point_marker(size(model%points)), source=0)
       allocate (system%marker_points(0), system%angles(0), system%bends(0))
    end subroutine start_registry
+
+   !> Cuts the lists to what is in them, when all is there.
+   subroutine end_registry(system)
+      class(registry_type), intent(inout) :: system
+      system%marker_points = system%marker_points(:system%markers)
+      associate (model => system%model)
+         if (size(model%points) > model%counts%points) model%points = model%points(:model%counts%points)
+      end associate
+   end subroutine end_registry
 
    !> Index of the marker at a point; a new one if there is none yet.
    integer function marker_of(system, point) result(marker)
@@ -144,15 +156,11 @@ contains
    integer function index_of(system, wanted) result(index)
       class(registry_type), intent(inout) :: system
       type(point_type), intent(in) :: wanted
-      type(point_type), allocatable :: longer(:)
-      do index = size(system%model%points), 1, -1
+      do index = system%model%counts%points, 1, -1
          if (is_same(system%model%points(index), wanted)) return
       end do
-      index = size(system%model%points) + 1
-      allocate (longer(index))
-      longer(:index - 1) = system%model%points
-      longer(index) = wanted
-      call move_alloc(longer, system%model%points)
+      call append(system%model%points, system%model%counts%points, wanted)
+      index = system%model%counts%points
    end function index_of
 
    !> Whether two are one point, or one direction.

@@ -11,7 +11,7 @@ module limber_system_system
    use limber_system_kinematics, only: kinematics_type, new_kinematics
    use limber_system_load_list, only: new_loads
    use limber_system_loads, only: load_item_type
-   use limber_system_registry, only: registry_type, start_registry
+   use limber_system_registry, only: registry_type, start_registry, end_registry
    use limber_system_sparse, only: sparse_type
    use limber_system_tree, only: tree_type, new_tree
    implicit none
@@ -124,7 +124,7 @@ contains
       call new_constraints(model, system)
       call new_loads(system, loads)
       call move_alloc(loads, system%loads)
-      system%marker_points = system%marker_points(:system%markers)
+      call end_registry(system)
       system%tree = new_tree(system, system%constraints, system%nc)
       system%powered = .false.
       do i = 1, size(system%constraints)

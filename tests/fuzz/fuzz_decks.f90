@@ -100,27 +100,37 @@ contains
          if (len(text) == 0 .or. len(text) > longest) exit
          if (chance(2) == 1) exit
       end do
-      if (index(text, '*REPEAT') > 0) call shorten_repeats(text)
+      if (len(text) <= longest .and. index(text, '*REPEAT') > 0) call shorten_repeats(text)
    end function mutant
 
-   !> Takes digits from whole numbers that would be allowed, but long, turns of a *REPEAT: chains of a few links break like long ones.
+   !> Takes all digits but the first from whole numbers of two to six, unless they belong to a name or have a point: those would be
+   !> allowed, but long, turns of a *REPEAT, and chains of a few links break like long ones.
    subroutine shorten_repeats(text)
       character(:), allocatable, intent(inout) :: text
-      integer :: first, last
-      last = 0
-      do
-         if (last >= len(text)) exit
-         first = last + scan(text(last + 1:), digits)
-         if (first == last) exit
-         last = first - 1 + verify(text(first:)//' ', digits) - 1
-         if (last - first < 1 .or. last - first > 5) cycle
-         ! parts of names and of numbers with a point remain
-         if (first > 1) then
-            if (index(' =,', text(first - 1:first - 1)) == 0) cycle
-         end if
-         text = text(:first)//text(last + 1:)
+      logical :: kept(len(text))
+      character(len(text)) :: shorter
+      integer :: first, last, i, n
+      kept = .true.
+      first = 1
+      do while (first <= len(text))
          last = first
+         if (scan(text(first:first), digits) == 1) then
+            do while (last < len(text))
+               if (scan(text(last + 1:last + 1), digits) == 0) exit
+               last = last + 1
+            end do
+            if (first > 1 .and. last > first .and. last < first + 6) &
+               & kept(first + 1:last) = index(' =,', text(first - 1:first - 1)) == 0
+         end if
+         first = last + 1
       end do
+      n = 0
+      do i = 1, len(text)
+         if (.not. kept(i)) cycle
+         n = n + 1
+         shorter(n:n) = text(i:i)
+      end do
+      text = shorter(:n)
    end subroutine shorten_repeats
 
    !> One change.
@@ -399,11 +409,11 @@ contains
       open (newunit=unit, file='fuzz.case', access='stream', form='unformatted', status='replace', action='write')
       open (newunit=tally%unit, file='fuzz.messages', status='replace', action='write')
       do i = first, first + count - 1
-         text = mutant(i, decks)
-         if (shows) write (output_unit, '(a)') text
          write (unit, pos=1) as_text(i)//' '
          flush (unit)
          call set_alarm(seconds)
+         text = mutant(i, decks)
+         if (shows) write (output_unit, '(a)') text
          call try_deck(text, tally, accepted)
          if (allocated(tally%remark)) then
             write (output_unit, '(a)') 'case '//as_text(i)//' without a place: '//tally%remark

@@ -224,16 +224,21 @@ contains
       !> Its index among the constraints
       integer, intent(in) :: constraint
       type(origin_type) :: origin
-      integer :: block
+      integer :: block, beam
+      beam = 0
       associate (model => scene%system%model)
          if (constraint <= size(model%joints)) then
             block = scene%deck%find_named('JOINT|COUPLER', model%joints(constraint)%name)
+            ! One between the segments of a beam
+            if (block == 0) beam = scene%deck%find_named('BEAM', name_in_deck(model, &
+               & model%points(model%joints(constraint)%points(1))%body))
          else
             block = scene%deck%find_named('DRIVER', model%drivers(constraint - size(model%joints))%name)
          end if
       end associate
       origin = origin_type(file=1)
       if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
+      if (beam > 0) origin = scene%deck%blocks(beam)%origin_of('SEGMENTS')
    end function place_of
 
    !> Names the constraints that share redundant equations, group by group, and those that do so at the first position only.

@@ -143,19 +143,23 @@ contains
    pure function collapsed(text) result(word)
       character(*), intent(in) :: text
       character(:), allocatable :: word
-      integer :: i
+      character(len(text)) :: short
+      integer :: i, n
       logical :: gap
-      word = ''
+      n = 0
       gap = .false.
       do i = 1, len(text)
          if (scan(text(i:i), blanks) > 0) then
-            gap = len(word) > 0
+            gap = n > 0
          else
-            if (gap) word = word//' '
+            if (gap) n = n + 1
+            if (gap) short(n:n) = ' '
             gap = .false.
-            word = word//uppercase(text(i:i))
+            n = n + 1
+            short(n:n) = text(i:i)
          end if
       end do
+      word = uppercase(short(:n))
    end function collapsed
 
    !> Whether a text is the name of an object.

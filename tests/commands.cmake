@@ -1,0 +1,119 @@
+# Each command with what it is given rightly and wrongly: status, and what it says.
+# cmake -DLIMBER= -DWORK=<folder> -P commands.cmake
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK})
+set(pendulum "*PARAMETER
+ length = 1
+*RIGID BODY, NAME=rod, MASS=1, INERTIA=0.1, CENTRE X=length/2
+ tip, length, 0
+*JOINT, NAME=pin, TYPE=REVOLUTE
+ rod.origin, ground.origin
+*GRAVITY
+")
+file(WRITE ${WORK}/pendulum.inp "${pendulum}*DYNAMICS, END=0.2, OUTPUTS=4\n*OUTPUT, MOTION=YES\n angle(rod), x(rod.tip)\n")
+file(WRITE ${WORK}/still.inp "${pendulum}")
+file(WRITE ${WORK}/wrong.inp "*RIGID BODY, MASS=1\n")
+file(WRITE ${WORK}/other.inp "${pendulum}*DYNAMICS, END=0.2, OUTPUTS=4\n*OUTPUT\n speed = spin(rod)\n")
+file(WRITE ${WORK}/text.h5 "no HDF5")
+
+# expect(<status> <what it says, a regular expression> <argument>...)
+function(expect status says)
+  execute_process(COMMAND ${LIMBER} ${ARGN} WORKING_DIRECTORY ${WORK} RESULT_VARIABLE result OUTPUT_VARIABLE said
+    ERROR_VARIABLE complained)
+  if(NOT result EQUAL status)
+    message(SEND_ERROR "limber ${ARGN}: status ${result} in place of ${status}\n${said}${complained}")
+  elseif(NOT "${said}${complained}" MATCHES "${says}")
+    message(SEND_ERROR "limber ${ARGN}: does not say '${says}'\n${said}${complained}")
+  endif()
+endfunction()
+
+expect(0 "limber run DECK")
+expect(0 "Status: 0 done" --help)
+expect(0 "^limber [0-9.]+ \\(" --version)
+expect(2 "there is no command 'rnu'" rnu)
+expect(2 "there is no command 'sweeep'; did you mean 'sweep'" sweeep)
+expect(2 "limber run: a file is missing" run)
+expect(2 "'b.inp' is one file too many" run a.inp b.inp)
+expect(2 "there is no option '--forse'; did you mean '--force'" run pendulum.inp --forse)
+expect(2 "a value is missing behind -o" run pendulum.inp -o)
+string(REPEAT x 5000 long)
+expect(2 "an argument is longer" run ${long})
+
+# Help
+expect(0 "\\*BEAM" help)
+expect(0 "A flexible beam" help beam)
+expect(0 "MASS" help *rigid body)
+expect(0 "momentum_x" help output)
+expect(0 "AXIAL BASIS is an option; see\n   limber help BEAM" help axial basis)
+expect(2 "there is no keyword \\*BAEM; did you mean \\*BEAM" help baem)
+expect(2 "there is no keyword \\*QQQQQQQQQQ" help qqqqqqqqqq)
+
+# Runs
+expect(2 "cannot|no such|not" run nothing.inp)
+expect(2 "wrong.inp:1:1: error" check wrong.inp)
+expect(2 "wrong.inp:1:1: error" run wrong.inp)
+expect(2 "nothing to run" run still.inp)
+expect(0 "1 degree of freedom" check still.inp)
+expect(0 "5 samples in pendulum.h5" run pendulum.inp)
+expect(2 "pendulum.h5 is there already|exists" run pendulum.inp)
+expect(0 "^$" run pendulum.inp --force --quiet)
+expect(0 "samples in long.h5" run pendulum.inp --set length=2 -o long.h5)
+expect(2 "the deck has no parameter 'lenght'" run pendulum.inp --set lenght=2 -o x.h5)
+expect(2 "--set 'length' is not name=value" run pendulum.inp --set length)
+expect(2 "--set 'length=1,2' is not name=value" run pendulum.inp --set length=1,2)
+expect(2 "nowhere" run pendulum.inp -o nowhere/x.h5)
+expect(0 "samples in other.h5" run other.inp)
+
+# Differences
+expect(0 "." diff pendulum.h5 pendulum.h5)
+expect(1 "angle" diff pendulum.h5 long.h5)
+expect(0 "." diff pendulum.h5 long.h5 --rtol 10 --range 10 --atol 10)
+expect(1 "." diff pendulum.h5 other.h5)
+expect(2 "'much' is not a number" diff pendulum.h5 long.h5 --rtol much)
+expect(2 "text.h5" diff pendulum.h5 text.h5)
+expect(2 "nothing.h5" diff nothing.h5 pendulum.h5)
+expect(2 "limber diff: a file is missing" diff pendulum.h5)
+
+# Columns
+expect(0 "# time \\[s\\].*angle" export pendulum.h5)
+expect(0 "x_rod_tip" export pendulum.h5 x_rod_tip)
+expect(2 "nothing" export pendulum.h5 nothing)
+expect(2 "text.h5" export text.h5)
+expect(2 "nothing.h5" export nothing.h5)
+
+# Drawings
+expect(0 "." export pendulum.h5 --motion)
+expect(0 "." export pendulum.h5 --motion --sample 2)
+expect(0 "." export pendulum.h5 --motion --time 0.1 --deflection 10)
+expect(0 "." export pendulum.h5 --motion --samples 3 --path rod.tip)
+expect(2 "." export pendulum.h5 --motion --path rod.nothing)
+expect(2 "." export pendulum.h5 --motion --sample 99)
+expect(2 "'-1' is not a whole number" export pendulum.h5 --motion --sample -1)
+expect(2 "MOTION" export other.h5 --motion)
+expect(2 "'angle' is one file too many" export pendulum.h5 --motion angle)
+
+# Sweeps
+expect(2 "nothing is swept" sweep pendulum.inp)
+expect(2 "--set 'length' is not name=value,value" sweep pendulum.inp --set length)
+expect(2 "--part '3/2' is not K/N" sweep pendulum.inp --set length=1:2:3 --part 3/2)
+expect(2 "--part 'x' is not K/N" sweep pendulum.inp --set length=1:2:3 --part x)
+expect(2 "the deck has no parameter 'width'" sweep pendulum.inp --set width=1:2:3)
+expect(2 "is not a whole number" sweep pendulum.inp --set length=1:2:3 --jobs many)
+expect(2 "nothing.inp" sweep nothing.inp --set length=1,2)
+expect(0 "." sweep pendulum.inp --set length=1:2:3 --jobs 2 --keep)
+expect(0 "." sweep pendulum.inp --set length=1:2:3)
+expect(0 "^$" sweep pendulum.inp --set length=1,2 -o two.h5 --quiet)
+expect(0 "." sweep pendulum.inp --set length=1:2:3 -o parts.h5 --part 1/2)
+expect(0 "." sweep pendulum.inp --set length=1:2:3 -o parts.h5 --part 2/2)
+expect(0 "." sweep pendulum.inp --set length=1:2:3 -o parts.h5 --collect)
+
+# Advice and studies
+expect(0 "." advise pendulum.inp)
+expect(0 "." advise pendulum.inp --all --target 1e-2 --write advised.inp)
+expect(2 "advised.inp" advise pendulum.inp --write advised.inp)
+expect(0 "." advise pendulum.inp --write advised.inp --force)
+expect(2 "nothing.inp" advise nothing.inp)
+expect(2 "wrong.inp:1:1" advise wrong.inp)
+expect(2 "'little' is not a number" advise pendulum.inp --target little)
+expect(2 "nothing.inp" study nothing.inp)
+expect(2 "." study still.inp)

@@ -64,6 +64,9 @@ expect(2 "--set 'length=1,2' is not name=value" run pendulum.inp --set length=1,
 expect(2 "nowhere" run pendulum.inp -o nowhere/x.h5)
 expect(0 "samples in other.h5" run other.inp)
 
+# All that acts on a beam has its responses beside the modes: couples one that bends, forces one that stretches besides
+expect(0 "bar: mass [^\n]* 7 bending and 4 axial coordinates" check ${CMAKE_CURRENT_LIST_DIR}/decks/acting.inp)
+
 # Differences
 expect(0 "." diff pendulum.h5 pendulum.h5)
 expect(1 "angle" diff pendulum.h5 long.h5)

@@ -20,6 +20,7 @@ program test_vibrations
    call check_campbell()
    call check_oscillator()
    call check_column()
+   call check_long()
    call finish()
 
 contains
@@ -79,6 +80,24 @@ contains
       call check_close(growth(1), -zeta*omega, 1.0e-11_wp, 'decay')
       call reader%close()
    end subroutine check_oscillator
+
+   !> A cantilever in a hundred segments, beyond the size of dense matrices: roots of cos x cosh x = -1.
+   subroutine check_long()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:)
+      real(wp), parameter :: root(3) = [1.87510406871_wp, 4.69409113297_wp, 7.85475743824_wp]
+      real(wp), parameter :: unit = sqrt(2.0e11_wp*0.005_wp**2/12/8000)
+      integer :: k
+      call run_changed('verification/long_cantilever.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      call reader%read_numbers('/modes/modes/frequency', frequency, error)
+      call check_no_error(error, 'frequency')
+      call check(size(frequency) == 3, 'three modes')
+      do k = 1, 3
+         call check_close(frequency(k), root(k)**2*unit, 5.0e-5_wp*frequency(k), 'frequency '//as_text(k)//' of a cantilever')
+      end do
+      call reader%close()
+   end subroutine check_long
 
    !> A compressed column: omega^2 falls with the load as 1 - P/P_E; in segments, and K_G in one frame.
    subroutine check_column()

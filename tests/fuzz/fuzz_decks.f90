@@ -360,12 +360,13 @@ contains
       close (unit)
    end function read_text
 
-   !> Ends the program after some seconds of processor time, or twenty times as many, unless it is called again before; 0: never.
+   !> Ends the program after some seconds of processor time, or of what it takes on a machine that is very busy, unless it is called
+   !> again before; 0: never.
    subroutine set_alarm(seconds)
       integer, intent(in) :: seconds
       integer(c_int) :: ignored
       ignored = c_set_timer(processor_time, [0_c_long, 0_c_long, int(seconds, c_long), 0_c_long], c_null_ptr)
-      ignored = c_alarm(int(20*seconds, c_int))
+      ignored = c_alarm(int(300*seconds, c_int))
    end subroutine set_alarm
 
 end module fuzzing

@@ -21,13 +21,30 @@ contains
       is_finite = all(ieee_is_finite(matrix))
    end function is_finite
 
+   !> Whether all entries of the triangle that is used of a symmetric matrix are numbers; the other one may never have been set.
+   pure logical function is_half_finite(uplo, matrix) result(finite)
+      !> L or U
+      character(1), intent(in) :: uplo
+      real(wp), intent(in) :: matrix(:, :)
+      integer :: j
+      finite = .true.
+      do j = 1, size(matrix, 2)
+         if (uplo == 'L') then
+            finite = all(ieee_is_finite(matrix(j:, j)))
+         else
+            finite = all(ieee_is_finite(matrix(:j, j)))
+         end if
+         if (.not. finite) return
+      end do
+   end function is_half_finite
+
    !> All eigenvalues and eigenvectors of a symmetric matrix.
    subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
       character(1), intent(in) :: jobz, uplo
       integer, intent(in) :: n, lda, lwork
       real(wp), intent(inout) :: a(lda, *), w(*), work(*)
       integer, intent(out) :: info
-      if (is_finite(a(:n, :n))) then
+      if (is_half_finite(uplo, a(:n, :n))) then
          call lapack_dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
       else
          w(:n) = 0.0_wp
@@ -41,7 +58,7 @@ contains
       integer, intent(in) :: itype, n, lda, ldb, lwork
       real(wp), intent(inout) :: a(lda, *), b(ldb, *), w(*), work(*)
       integer, intent(out) :: info
-      if (is_finite(a(:n, :n)) .and. is_finite(b(:n, :n))) then
+      if (is_half_finite(uplo, a(:n, :n)) .and. is_half_finite(uplo, b(:n, :n))) then
          call lapack_dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
       else
          w(:n) = 0.0_wp

@@ -13,6 +13,7 @@ program test_limits
    call check_analysis('*STATICS, INCREMENTS=1', 'statics')
    call check_analysis('*KINEMATICS, END=1e6, OUTPUTS=1', 'kinematics')
    call check_decompositions()
+   call check_half()
    call finish()
 
 contains
@@ -67,6 +68,19 @@ contains
          call expect('dgesvd', k, info, [3.0_wp, 1.0_wp], values)
       end do
    end subroutine check_decompositions
+
+   !> Of a symmetric matrix only the triangle counts that is named.
+   subroutine check_half()
+      real(wp) :: a(2, 2), values(2), work(200)
+      integer :: info
+      a = matrix(1)
+      a(1, 2) = ieee_value(1.0_wp, ieee_quiet_nan)
+      call dsyev('N', 'L', 2, a, 2, values, work, size(work), info)
+      call expect('dsyev, the lower half', 1, info, [1.0_wp, 3.0_wp], values)
+      a = matrix(2)
+      call dsyev('N', 'U', 2, a, 2, values, work, size(work), info)
+      call expect('dsyev, the upper half', 1, info, [1.0_wp, 3.0_wp], values)
+   end subroutine check_half
 
    !> First a matrix with the eigenvalues 1 and 3, then one with a hole.
    function matrix(k) result(a)

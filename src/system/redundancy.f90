@@ -192,6 +192,7 @@ contains
          call dgesvd('N', 'A', matrix%columns, wide, image, matrix%columns, values, left, 1, right, wide, buffer, size(buffer), &
             & info)
          found = count(values <= matrix%nothing*matrix%norm)
+         if (info /= 0) found = 0
          if (found < wide .or. wide == matrix%rows) exit
          wide = min(4*wide, matrix%rows)
          deallocate (block, image, values, left, right, buffer)

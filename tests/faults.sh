@@ -139,7 +139,9 @@ if [ $status -ne 3 ] || ! grep -q "gone/a.h5.running is gone: somebody has remov
   echo "a folder that vanishes: status $status"; cat messages; exit 1
 fi
 "$limber" export elsewhere/a.h5 > /dev/null || exit 1
-expect 4 "interrupted" sh -c "'$limber' run long.inp --quiet -o elsewhere/a.h5 --restart & sleep 0.3; kill -TERM \$!; wait \$!"
+number=$(ls -i elsewhere/a.checkpoint.h5)
+expect 4 "interrupted" sh -c "'$limber' run long.inp --quiet -o elsewhere/a.h5 --restart --checkpoint 0.02 & p=\$!
+  while [ \"\$(ls -i elsewhere/a.checkpoint.h5)\" = '$number' ]; do sleep 0.02; done; kill -TERM \$p; wait \$p"
 expect 2 "cannot create gone/a.h5.running: No such file or directory" "$limber" run deck.inp --quiet -o gone/a.h5
 [ $skipped -eq 0 ] || exit 77
 echo "all as it should be"

@@ -41,8 +41,8 @@ expect(0 "the same" "${LIMBER} diff killed.h5 whole.h5 --rtol 0 --range 0")
 string(REPLACE FILE on wait "${later}")
 expect(2 "the run goes on still: .*on.h5.running: another program has it open" "${run} --set turns=40 -o on.h5 --checkpoint 0.02 & ${wait}; \
   ${LIMBER} export on.h5 > /dev/null || exit 9; ${run} -o on.h5 --restart; s=$?; kill -9 $p; exit $s")
-expect(2 "cannot overwrite on.h5.running: another program" "${run} --set turns=40 -o on.h5 --force & p=$!; \
-  sleep 0.3; ${run} -o on.h5 --force; s=$?; kill -9 $p; exit $s")
+expect(2 "cannot overwrite on.h5.running: another program" "rm on.h5.running; ${run} --set turns=40 -o on.h5 --force & p=$!; \
+  while test ! -e on.h5.running; do sleep 0.05; done; sleep 0.1; ${run} -o on.h5 --force; s=$?; kill -9 $p; exit $s")
 
 # Things that are not what they should be; nothing is changed
 string(REPLACE FILE odd wait "${later}")
@@ -84,6 +84,6 @@ file(READ ${INPUT}/rotating_cantilever.inp deck)
 string(REPLACE "TOLERANCE=1e-7" "TOLERANCE=1e-7\n*DYNAMICS, END=4800, OUTPUTS=240000, TOLERANCE=1e-7" deck "${deck}")
 file(WRITE ${WORK}/several.inp "${deck}")
 expect(3 "interrupted by SIGTERM at t = .* only be run anew.*What was computed up to there is in several.h5, marked incomplete"
-  "${LIMBER} run several.inp --quiet --restart & p=$!; sleep 0.3; kill -TERM $p; wait $p")
+  "${LIMBER} run several.inp --quiet --restart & p=$!; while test ! -e several.h5; do sleep 0.05; done; kill -TERM $p; wait $p")
 expect(2 "only a single .DYNAMICS without TARGET can go on" "${LIMBER} run several.inp --quiet --restart")
 expect(0 "" "${LIMBER} export several.h5 > /dev/null")

@@ -24,10 +24,12 @@ foreach(signal TERM INT USR1)
   expect(4 "interrupted by SIG${signal}" "${run} -o ${signal}.h5 --checkpoint 0.02 & ${wait}; kill -${signal} $p; wait $p")
   expect(2 "samples of a run that did not finish; give --restart to continue it, --force to overwrite it" "${run} -o ${signal}.h5")
   expect(2 "another deck" "${run} -o ${signal}.h5 --set crank=0.14 --restart")
-  expect(0 "continued at t = " "${LIMBER} run ${DECK} --set turns=2 -o ${signal}.h5 --restart")
+  expect(0 "continued at t = " "cp ${signal}.checkpoint.h5 kept; ${LIMBER} run ${DECK} --set turns=2 -o ${signal}.h5 --restart")
   expect(0 "the same" "${LIMBER} diff ${signal}.h5 whole.h5 --rtol 0 --range 0")
   expect(0 "" "test ! -e ${signal}.checkpoint.h5 && test ! -e ${signal}.h5.running")
-  expect(0 "nothing left to do" "${LIMBER} run ${DECK} --set turns=2 -o ${signal}.h5 --restart")
+  # Killed between its end and the removal of its checkpoint
+  expect(0 "nothing left to do" "mv kept ${signal}.checkpoint.h5; ${LIMBER} run ${DECK} --set turns=2 -o ${signal}.h5 --restart")
+  expect(0 "" "test ! -e ${signal}.checkpoint.h5")
 endforeach()
 
 # Killed at some moments: what was written can be read, and the run goes on from its last checkpoint

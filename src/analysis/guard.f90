@@ -106,9 +106,26 @@ contains
          return
       end if
       done = reader%complete
+      if (done) call clear_away(self%path, reader)
       if (.not. done) call weigh(self, results, reader, error)
       call reader%close()
    end subroutine find
+
+   !> Removes the checkpoint of a run that has reached its end, if it was killed before it could do that itself.
+   subroutine clear_away(path, reader)
+      !> Name of the checkpoint
+      character(*), intent(in) :: path
+      !> Open; complete
+      type(history_reader_type), intent(in) :: reader
+      type(checkpoint_type) :: found
+      type(snapshot_type) :: snapshot
+      type(error_type), allocatable :: error
+      character(:), allocatable :: run
+      call read_checkpoint(path, found, snapshot, error)
+      if (.not. allocated(error)) call reader%read_label('/run', 'number', run, error)
+      if (allocated(error)) return
+      if (found%run == run) call remove_file(path)
+   end subroutine clear_away
 
    !> Says of results that are there what they are, if they are those of a run that did not finish.
    subroutine refuse_unfinished(continuable, results, error)

@@ -7,13 +7,14 @@ module limber_analysis_advice
    use limber_analysis_axial, only: axial_verdict_type, judge_axial
    use limber_analysis_probe, only: probe_type, prospect_type, make_probe
    use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, functions_of, enough_derivatives, &
-      & level_rigid, level_linear, level_kg, level_full, most_modes, most_elements, most_segments, first_pieces, in_pieces
+      & level_rigid, level_linear, level_kg, level_full, most_modes, most_elements, most_segments, most_piece_modes, first_pieces, &
+      & in_pieces
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
    private
-   public :: advice_type, make_advice, take_measured, find_floors, apply_advice, expected_error, cost_of, &
+   public :: advice_type, make_advice, take_measured, find_floors, apply_advice, expected_error, cost_of, divide_beam, floor_of, &
       & lumping_elements, wanted_tolerance
 
    !> What is advised
@@ -37,6 +38,8 @@ module limber_analysis_advice
    real(wp), parameter :: part_model = 0.65_wp, part_time = 0.3_wp
    !> Constants of eqs. (174) to (176), measured
    real(wp), parameter :: kg_static = 4.0_wp, kg_dynamic = 0.12_wp, full_floor = 50.0_wp, of_pieces = 15.0_wp
+   !> Slopes in the first of many pieces, in units of those of the whole beam by their number: between supports, with a free end
+   real(wp), parameter :: piece_slope = 0.75_wp, free_piece_slope = 1.3_wp
    !> Parts below which a beam does not matter, relative to the target
    real(wp), parameter :: no_matter = 0.01_wp, little = 0.2_wp
    !> Ratio of errors that is worth a higher cost where no rung is good enough
@@ -159,7 +162,7 @@ contains
       integer, intent(in) :: which
       type(rung_type) :: rung, best
       real(wp) :: least, error
-      integer :: level, n, pieces
+      integer :: level, n
       associate (beam => advice%probe%beams(which), start => advice%rungs(which))
          best = start
          least = huge(least)
@@ -183,14 +186,11 @@ contains
                call consider()
             end do
          end do
-         pieces = first_pieces
-         do while (start%open_segments .and. pieces <= most_segments)
-            rung = in_pieces(start, pieces)
-            if (.not. start%given_elements) rung%elements = lumping_elements(rung, advice, beam)
+         if (start%open_segments .and. .not. (start%level == level_rigid .and. .not. start%open_level)) then
+            rung = divided_beam(advice, start, beam)
             error = expected_error(rung, beam, advice%probe%duration)
             call consider()
-            pieces = 2*pieces
-         end do
+         end if
          start = best
       end associate
 
@@ -214,6 +214,49 @@ contains
 
    end subroutine choose
 
+   !> Divides a beam into the pieces that are expected to do for its share.
+   subroutine divide_beam(advice, which)
+      type(advice_type), intent(inout) :: advice
+      integer, intent(in) :: which
+      type(rung_type) :: divided
+      divided = divided_beam(advice, advice%rungs(which), advice%probe%beams(which))
+      advice%rungs(which) = divided
+      advice%expected(which) = expected_error(divided, advice%probe%beams(which), advice%probe%duration)
+   end subroutine divide_beam
+
+   !> The cheapest pieces whose expected error is within the share, or those of least error.
+   function divided_beam(advice, start, beam) result(best)
+      type(advice_type), intent(in) :: advice
+      type(rung_type), intent(in) :: start
+      type(prospect_type), intent(in) :: beam
+      type(rung_type) :: best, rung
+      real(wp) :: error, least, cost
+      logical :: better
+      integer :: pieces, n
+      least = huge(least)
+      cost = huge(cost)
+      pieces = first_pieces
+      do while (pieces <= most_segments)
+         do n = 1, most_piece_modes
+            rung = in_pieces(start, pieces, n)
+            if (.not. start%given_elements) rung%elements = lumping_elements(rung, advice, beam)
+            error = expected_error(rung, beam, advice%probe%duration)
+            if (least <= advice%share) then
+               better = error <= advice%share .and. cost_of(rung) < cost
+            else
+               better = error <= advice%share .or. worth*error < least
+            end if
+            if (better) then
+               best = rung
+               least = error
+               cost = cost_of(rung)
+            end if
+            if (.not. start%open_modes) exit
+         end do
+         pieces = 2*pieces
+      end do
+   end function divided_beam
+
    !> Expected error of a beam's model in the channels, relative to their largest values: eqs. (173) to (176).
    pure real(wp) function expected_error(rung, beam, duration) result(error)
       type(rung_type), intent(in) :: rung
@@ -222,9 +265,11 @@ contains
       real(wp), intent(in) :: duration
       real(wp) :: slope, turns
       integer :: modes
-      modes = rung%bending
+      ! The shapes of a loaded end are two more coordinates
+      modes = rung%bending + merge(2, 0, rung%shaped)
       if (rung%segments > 1) then
-         error = floor_of(rung, beam)
+         error = floor_of(rung, beam) + beam%effect*min(0.2_wp, of_pieces*beam%slope**2 &
+            & /(real(rung%segments, wp)**4*rung%bending**2))
          return
       end if
       slope = beam%slope
@@ -249,11 +294,10 @@ contains
    pure real(wp) function floor_of(rung, beam) result(error)
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
-      if (rung%segments > 1) then
-         error = beam%effect*min(0.2_wp, of_pieces*beam%slope**2/real(rung%segments, wp)**4)
-      else
-         error = beam%effect*min(0.3_wp, full_floor*beam%slope**4)
-      end if
+      real(wp) :: slope
+      slope = beam%slope
+      if (rung%segments > 1) slope = merge(free_piece_slope, piece_slope, rung%free_end)*slope/rung%segments
+      error = beam%effect*min(0.3_wp, full_floor*slope**4)
    end function floor_of
 
    !> The floors of all beams on their rungs.
@@ -262,25 +306,26 @@ contains
       integer :: i
       advice%floor = 0.0_wp
       do i = 1, size(advice%rungs)
-         if (advice%rungs(i)%level == level_full .and. advice%rungs(i)%segments == 1) &
+         if (advice%rungs(i)%level == level_full) &
             & advice%floor(i) = floor_of(advice%rungs(i), advice%probe%beams(i))
       end do
    end subroutine find_floors
 
    !> What a rung costs in an evaluation, in units of a rigid body: counted operations, eq. (177).
-   pure real(wp) function cost_of(rung) result(cost)
+   elemental real(wp) function cost_of(rung) result(cost)
       type(rung_type), intent(in) :: rung
+      real(wp), parameter :: of_division = 3.0_wp
       real(wp) :: n, axial, pairs
       cost = 1.0_wp
       if (rung%level == level_rigid) return
-      n = rung%bending
-      axial = functions_of(rung)
+      n = rung%bending + merge(2, 0, rung%shaped .or. rung%segments > 1)
+      axial = functions_of(rung) - merge(2, 0, rung%segments > 1)
       pairs = n*(n + 1)/2
       cost = 2.0_wp + 0.15_wp*(n + axial) + 0.02_wp*(n + axial)**2
       if (rung%level >= level_kg) cost = cost + 0.02_wp*pairs*axial
       if (rung%level == level_full) cost = cost + 0.02_wp*pairs*(axial + pairs)
-      cost = 1.5_wp*cost*rung%segments
-      if (rung%segments == 1) cost = cost/1.5_wp
+      ! Short pieces stretch and shrink fast, which takes twice the steps; and they are held to each other
+      if (rung%segments > 1) cost = of_division*cost*rung%segments
    end function cost_of
 
    !> Finite elements that keep the error of the lumped masses in a tenth of the share, closed form: eq. (178).

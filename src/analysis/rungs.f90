@@ -10,19 +10,19 @@ module limber_analysis_rungs
    implicit none
    private
    public :: rung_type, find_rungs, bare_deck, apply_rung, next_rung, better_rung, can_climb, rung_name, has_option, functions_of
-   public :: free_options, enough_derivatives, in_pieces
+   public :: free_options, enough_derivatives, in_pieces, lower_rungs, bound_rung, rest_beyond
 
    !> Levels of the ladder
    integer, parameter, public :: level_rigid = 0, level_linear = 1, level_kg = 2, level_full = 3
-   !> Most bending modes, and most pieces of a beam
-   integer, parameter, public :: most_modes = 12, most_segments = 16, most_elements = 480
+   !> Most bending modes, and most pieces of a beam and modes in each
+   integer, parameter, public :: most_modes = 12, most_segments = 16, most_elements = 480, most_piece_modes = 6
    !> Pieces that a beam is divided into first
-   integer, parameter, public :: first_pieces = 4
+   integer, parameter, public :: first_pieces = 2
    !> Words of the option GEOMETRIC for the levels
    character(6), parameter :: level_words(0:3) = ['RIGID ', 'LINEAR', 'K_G   ', 'FULL  ']
    !> Elements of the geometric part: of no cost in the time loop
    integer, parameter :: geometric_elements = 12
-   !> The same for a piece of a beam, and its coordinates beside the bending modes: shapes of its ends, axial functions
+   !> Elements of the geometric part of a piece for each of its bending modes, each with an axial function; and shapes of its ends
    integer, parameter :: of_piece = 2, of_ends = 2
 
    !> A beam on its rung
@@ -39,6 +39,8 @@ module limber_analysis_rungs
       logical :: spun = .false.
       !> Whether a linear beam stretches
       logical :: stretched = .false.
+      !> Whether it has the shapes of forces and moments at its ends beside its modes, of which none is loaded there
+      logical :: shaped = .false.
       !> Whether its axial coordinates follow at rest
       logical :: at_rest = .false.
       !> Whether the deck gives the number of elements; whether an end of the supports is free
@@ -87,6 +89,8 @@ contains
          if (block%given('BENDING MODES')) rung%bending = block%integer('BENDING MODES')
          if (has_option('SEGMENTS') .and. block%given('SEGMENTS')) rung%segments = block%integer('SEGMENTS')
          rung%pulled = holds_end(deck, block%name()) .or. block%word('SUPPORT') == 'FREE-FREE'
+         rung%shaped = rung%open_modes .and. rung%pulled .and. block%word('SUPPORT') == 'CLAMPED-FREE' .and. &
+            & .not. (block%given('END SHAPES') .or. block%given('CORRECTIONS') .or. block%given('ATTACHMENT MODES'))
       end associate
    end function given_rung
 
@@ -172,7 +176,7 @@ contains
          call number('SEGMENTS', rung%segments)
          if (rung%open_modes) call number('BENDING MODES', rung%bending)
          call number('ELEMENTS', max(6, rung%elements/rung%segments))
-         call number('GEOMETRIC ELEMENTS', of_piece)
+         call number('GEOMETRIC ELEMENTS', of_piece*rung%bending)
          return
       end if
       if (rung%open_modes) then
@@ -180,6 +184,7 @@ contains
          call number('AXIAL MODES', merge(0, merge(1, 0, rung%stretched), statics))
       end if
       call number('ELEMENTS', rung%elements)
+      if (rung%shaped) call word('END SHAPES', 'YES')
       if (rung%at_rest) call word('AXIAL DYNAMICS', 'STATIC')
       if (.not. statics) return
       call number('GEOMETRIC ELEMENTS', min(geometric_elements, rung%elements))
@@ -211,7 +216,7 @@ contains
       type(rung_type), intent(in) :: rung
       functions = 0
       if (rung%segments > 1) then
-         functions = of_ends + of_piece
+         functions = of_ends + of_piece*rung%bending
          return
       end if
       select case (rung%level)
@@ -228,6 +233,7 @@ contains
       can_climb = rung%open_level .and. rung%level < level_full
       if (rung%segments > 1) then
          can_climb = rung%open_segments .and. rung%segments < most_segments
+         if (rung%open_modes) can_climb = can_climb .or. rung%bending < most_piece_modes
          return
       end if
       if (rung%level > level_rigid) can_climb = can_climb .or. rung%at_rest .or. (rung%open_modes .and. rung%bending < most_modes) &
@@ -243,12 +249,17 @@ contains
       next%at_rest = .false.
       if (.not. can_climb(next)) return
       if (rung%segments > 1) then
-         if (rung%open_segments .and. rung%segments < most_segments) next%segments = 2*rung%segments
+         if (rung%open_modes .and. rung%bending < most_piece_modes) then
+            next%bending = rung%bending + 1
+         else
+            next%segments = 2*rung%segments
+         end if
+         if (.not. next%given_elements) next%elements = min(most_elements, 2*rung%elements)
          return
       end if
       if (rung%open_segments .and. rung%level > level_rigid .and. .not. (rung%open_level .and. rung%level < level_full .or. &
          & rung%open_modes .and. rung%bending < most_modes)) then
-         next = in_pieces(next, first_pieces)
+         next = in_pieces(next, first_pieces, most_piece_modes)
          return
       end if
       if (rung%level == level_rigid .and. rung%open_level) then
@@ -265,17 +276,91 @@ contains
       if (.not. next%given_elements) next%elements = min(most_elements, 2*rung%elements)
    end function next_rung
 
+   !> Error of a higher rung as a part of the difference that it makes: of errors that fall with the third power of the modes, with
+   !> the fourth of the pieces, and to a fifth by one order of the geometry.
+   pure real(wp) function rest_beyond(rung, higher) result(part)
+      type(rung_type), intent(in) :: rung, higher
+      real(wp), parameter :: least = 0.1_wp, usual = 0.25_wp
+      real(wp) :: ratio
+      part = usual
+      if (higher%level > rung%level .or. higher%segments > rung%segments .and. rung%segments == 1) return
+      if (higher%segments > rung%segments) then
+         ratio = (real(rung%segments, wp)/higher%segments)**4
+      else if (higher%bending > rung%bending) then
+         ratio = (real(rung%bending, wp)/higher%bending)**3
+      else
+         return
+      end if
+      part = max(least, ratio/(1 - ratio))
+   end function rest_beyond
+
    !> A beam in pieces, full in each.
-   pure function in_pieces(rung, pieces) result(divided)
+   pure function in_pieces(rung, pieces, bending) result(divided)
       type(rung_type), intent(in) :: rung
-      integer, intent(in) :: pieces
+      !> Their number, and bending modes of each beside the shapes of its ends
+      integer, intent(in) :: pieces, bending
       type(rung_type) :: divided
       divided = rung
       divided%at_rest = .false.
       divided%segments = pieces
       if (divided%open_level) divided%level = level_full
-      if (divided%open_modes) divided%bending = 1
+      if (divided%open_modes) divided%bending = bending
    end function in_pieces
+
+   !> Lowers a rung to a level and a number of modes, in one frame, if it is above and the deck leaves that open.
+   subroutine bound_rung(rung, level, bending)
+      type(rung_type), intent(inout) :: rung
+      !> level_linear, ...
+      integer, intent(in) :: level, bending
+      if (rung%segments > 1 .and. .not. rung%open_segments .or. rung%level == level_rigid) return
+      rung%segments = 1
+      rung%at_rest = .false.
+      if (rung%open_level) rung%level = min(rung%level, level)
+      if (.not. rung%open_modes) return
+      rung%bending = min(rung%bending, bending)
+      rung%spun = rung%bending > 1
+      if (rung%level == level_full) rung%derivatives = enough_derivatives(rung%bending)
+   end subroutine bound_rung
+
+   !> Rungs that leave out one thing more each: those that may do as well for less.
+   subroutine lower_rungs(rung, lower, count)
+      type(rung_type), intent(in) :: rung
+      !> The first `count` of them
+      type(rung_type), intent(out) :: lower(3)
+      integer, intent(out) :: count
+      type(rung_type) :: less
+      count = 0
+      if (rung%segments > 1) then
+         less = rung
+         less%bending = rung%bending - 1
+         if (rung%open_modes .and. rung%bending > 1) call add()
+         less = in_pieces(rung, rung%segments/2, min(most_piece_modes, 2*rung%bending))
+         if (rung%open_segments .and. rung%open_modes .and. rung%segments > first_pieces) call add()
+         less%bending = 3
+         less%derivatives = enough_derivatives(less%bending)
+         less%spun = .true.
+         if (rung%open_segments .and. rung%open_modes .and. rung%segments == first_pieces) call add()
+         return
+      end if
+      less = rung
+      less%bending = rung%bending - merge(2, 1, rung%bending > 5)
+      if (rung%open_modes .and. rung%bending > 1 .and. rung%level > level_rigid) call add()
+      less = rung
+      less%level = rung%level - 1
+      if (rung%open_level .and. rung%level > level_linear) call add()
+
+   contains
+
+      subroutine add()
+         if (less%open_modes .and. less%segments == 1) then
+            less%spun = less%bending > 1
+            if (less%level == level_full) less%derivatives = enough_derivatives(less%bending)
+         end if
+         count = count + 1
+         lower(count) = less
+      end subroutine add
+
+   end subroutine lower_rungs
 
    !> The rung to go to from one that is not good enough: higher in fidelity, or where there is no higher one richer.
    pure function better_rung(rung, divided) result(better)
@@ -284,11 +369,12 @@ contains
       logical, intent(in) :: divided
       type(rung_type) :: better
       better = next_rung(rung)
-      if (better%segments > 1) return
-      if (divided .and. rung%open_segments) then
-         better = in_pieces(rung, first_pieces)
+      if (divided .and. rung%open_segments .and. rung%segments < most_segments) then
+         better = in_pieces(rung, max(first_pieces, 2*rung%segments), merge(rung%bending, 2, rung%segments > 1))
          return
       end if
+      if (better%segments > 1) better%elements = rung%elements
+      if (better%segments > 1) return
       if (rung%at_rest) then
          better = rung
          better%at_rest = .false.
@@ -305,18 +391,22 @@ contains
    !> Modal derivatives that so many bending modes are worth.
    pure integer function enough_derivatives(bending) result(derivatives)
       integer, intent(in) :: bending
-      integer, parameter :: numbers(*) = [1, 3, 3, 3, 3, 6, 6, 10]
+      integer, parameter :: numbers(*) = [1, 3, 3, 6, 6, 6, 6, 10]
       derivatives = numbers(min(bending, size(numbers)))
    end function enough_derivatives
 
-   !> A rung for people: 'FULL, 3 + 5 functions'.
+   !> A rung for people: 'FULL 3 + 5', bending modes and axial functions; 'FULL 2 + 4, 2 pieces' of each piece.
    function rung_name(rung) result(text)
       type(rung_type), intent(in) :: rung
       character(:), allocatable :: text
       text = trim(level_words(rung%level))
       if (rung%level == level_rigid) return
+      if (rung%segments > 1) then
+         text = text//' '//as_text(rung%bending)//' + '//as_text(functions_of(rung) - of_ends)//', '// &
+            & as_text(rung%segments)//' pieces'
+         return
+      end if
       text = text//' '//as_text(rung%bending)//' + '//as_text(functions_of(rung))
-      if (rung%segments > 1) text = text//', '//as_text(rung%segments)//' pieces'
       if (rung%at_rest) text = text//', STATIC'
    end function rung_name
 

@@ -2,26 +2,20 @@
 !> that matters by its next rung, and where the differences are too large it climbs and runs again. Floor: analysis.
 !> Equations: doc/theory.md, accuracy on request.
 module limber_analysis_target
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use limber_base_kinds, only: wp, long
+   use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_base_text, only: as_text, first_line, newline
-   use limber_analysis_advice, only: advice_type, make_advice, find_floors, expected_error, take_measured
-   use limber_analysis_dynamics, only: run_dynamics, new_integrator
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_advice, only: advice_type, make_advice, find_floors, floor_of, expected_error, take_measured, divide_beam
+   use limber_analysis_descent, only: descend
+   use limber_analysis_errors, only: envelope, unknown_ratio
+   use limber_analysis_estimate, only: estimate_type
+   use limber_analysis_indicators, only: indicator_names
    use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_errors, only: envelope, magnitude, unknown_ratio
-   use limber_analysis_estimate, only: estimate_type, add_quantities, round_off
-   use limber_analysis_indicators, only: indicator_value, indicator_slope, indicator_deflection, indicator_rotation, &
-      & indicator_compression, indicator_geometric, indicator_shortening, indicator_names
-   use limber_analysis_ranges, only: excess
-   use limber_analysis_rungs, only: rung_type, apply_rung, next_rung, better_rung, can_climb, rung_name, level_full
-   use limber_analysis_scene, only: scene_type, build_scene
+   use limber_analysis_rungs, only: rung_type, next_rung, better_rung, in_pieces, can_climb, rung_name, rest_beyond, level_full, &
+      & first_pieces, most_piece_modes
+   use limber_analysis_trial, only: trial_type, truth_type, run_trial, take_samples, take_outcome, error_against
    use limber_deck_content, only: deck_type
-   use limber_deck_diagnostics, only: diagnostics_type
-   use limber_integrator_integrator, only: integrator_type
    use limber_integrator_statistics, only: step_statistics_type
-   use limber_model_scene, only: channel_type
-   use limber_output_progress, only: progress_type
    use limber_output_sink, only: memory_type
    implicit none
    private
@@ -43,35 +37,26 @@ module limber_analysis_target
       !> Largest of them, and their parts by the integration and by the model of each beam, relative
       real(wp) :: error = 0.0_wp, of_time = 0.0_wp
       real(wp), allocatable :: of_beam(:)
+      !> Parts of the beams when they were last verified in one frame; zero: never (rungs)
+      real(wp), allocatable :: before(:)
       !> Number of runs, of climbs, and CPU seconds of all but the last
       integer :: runs = 0, climbs = 0
       real(wp) :: cpu = 0.0_wp
+      !> Work of all, counted
+      real(wp) :: work = 0.0_wp
       !> What was climbed, a line for each
       character(:), allocatable :: path
    end type reached_type
 
-   !> A run in memory
-   type :: trial_type
-      type(memory_type) :: samples
-      type(step_statistics_type) :: statistics
-      type(outcome_type) :: outcome
-      !> Why it failed; empty if it did not
-      character(:), allocatable :: reason
-      !> Magnitude that each channel's errors are relative to (channels)
-      real(wp), allocatable :: scale(:)
-      !> Largest slope and deflection of each open beam, the latter relative to the length; negative: not seen (rungs)
-      real(wp), allocatable :: slope(:), deflection(:)
-      !> Worst indicator of its model relative to its limit, and its kind (rungs)
-      real(wp), allocatable :: excess(:)
-      integer, allocatable :: kind(:)
-      !> Error that its axial coordinates at rest make; zero if they are not at rest (rungs)
-      real(wp), allocatable :: at_rest(:)
-   end type trial_type
-
    !> Ratio of the tolerances of a run and its check, and least tolerance
    real(wp), parameter :: ladder = 0.1_wp, least_tolerance = 1.0e-13_wp
-   !> What differences are multiplied by: the check has an error too
-   real(wp), parameter :: widening = 1.25_wp
+   !> What differences are multiplied by: the check has an error too; and that error for the integration, as a part of the difference
+   real(wp), parameter :: widening = 1.25_wp, rest_of_time = 0.25_wp
+   !> Part of the target that a floor of one frame may have where runs in one frame verify each other, and error of the truth that is
+   !> good enough for another setting
+   real(wp), parameter :: unseen = 0.25_wp, sure = 0.3_wp
+   !> Part of an error that is left when a richer basis does not help
+   real(wp), parameter :: stalled = 0.7_wp
    !> Parts of the target that the integration and the models may have
    real(wp), parameter :: part_time = 0.4_wp, part_model = 0.6_wp
    !> Part of the target below which a beam does not matter
@@ -80,12 +65,13 @@ module limber_analysis_target
    real(wp), parameter :: hopeless = 5.0_wp, at_limit = 0.03_wp
    !> Neighbours on each side that the envelope takes in
    integer, parameter :: reach = 2
-   !> Most rounds, and CPU time in units of the first run after which no more are begun
-   integer, parameter :: most_rounds = 8
+   !> Most rounds, and work in units of the last run's after which no more are begun
+   integer, parameter :: most_rounds = 10
+   real(wp), parameter :: patience = 100.0_wp
 
 contains
 
-   !> Advises, runs, verifies, climbs.
+   !> Advises, runs, verifies, climbs, and descends where less will do.
    subroutine reach_target(deck, target, quiet, reached, error)
       !> As it was read
       type(deck_type), intent(in) :: deck
@@ -96,21 +82,22 @@ contains
       !> The deck is wrong (status 2)
       type(error_type), allocatable, intent(out) :: error
       type(trial_type) :: candidate
+      type(truth_type) :: truth
       integer :: round
       logical :: climbed
       reached%reason = ''
       reached%path = ''
       call make_advice(deck, target, reached%advice, error)
       if (allocated(error)) return
-      allocate (reached%of_beam(size(reached%advice%rungs)))
+      allocate (reached%of_beam(size(reached%advice%rungs)), reached%before(size(reached%advice%rungs)))
+      reached%before = 0.0_wp
       do round = 1, most_rounds
-         reached%of_beam = 0.0_wp
          call find_floors(reached%advice)
-         reached%of_time = 0.0_wp
          call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, huge(1.0_wp), &
             & .false., quiet, 'run', candidate, error)
          if (allocated(error)) return
          reached%runs = reached%runs + 1
+         reached%work = reached%work + candidate%work
          if (candidate%reason /= '') then
             reached%reason = candidate%reason
             call climb_all(deck, reached, climbed)
@@ -121,18 +108,38 @@ contains
                reached%climbs = reached%climbs + 1
                cycle
             end if
-            call verify(deck, target, quiet, candidate, reached, error)
+            if (does_for(truth, reached%advice, target)) then
+               reached%error = error_against(truth, candidate%samples%values)
+               reached%done = reached%error <= target
+            end if
+            if (reached%done) exit
+            call verify(deck, target, quiet, candidate, reached, truth, error)
             if (allocated(error)) return
             reached%done = reached%reason == '' .and. reached%error <= target
             if (reached%done) exit
             call climb(deck, target, reached, climbed)
          end if
          if (.not. climbed .or. round == most_rounds) exit
+         if (reached%work > patience*candidate%work .and. round > 2) exit
          reached%cpu = reached%cpu + candidate%outcome%cpu
          reached%climbs = reached%climbs + 1
          reached%reason = ''
       end do
-      if (.not. reached%done .and. reached%reason == '') then
+      if (reached%done) call descend(deck, target, quiet, truth, reached%advice, candidate, reached%error, reached%runs, &
+         & reached%cpu, reached%path, error)
+      if (allocated(error)) return
+      if (reached%done .or. truth%known) call record_errors(truth, candidate, reached)
+      if (.not. reached%done) call say_why(target, reached)
+      reached%statistics = candidate%statistics
+      call take_outcome(candidate%outcome, reached%outcome)
+      call take_samples(candidate%samples%memory_type, reached%samples)
+   end subroutine reach_target
+
+   !> Why a target is not kept.
+   subroutine say_why(target, reached)
+      real(wp), intent(in) :: target
+      type(reached_type), intent(inout) :: reached
+      if (reached%reason == '') then
          reached%reason = 'no rung keeps TARGET='//as_text(target, 2)//': '
          if (reached%error < 1.0e3_wp) then
             reached%reason = reached%reason//'the error that the verification shows is '//as_text(reached%error, 2)
@@ -140,136 +147,50 @@ contains
             reached%reason = reached%reason//'the run one rung higher that is to verify it fails'
          end if
       end if
-      if (any(reached%advice%floor > 0.5_wp*target) .and. .not. reached%done) reached%reason = reached%reason//newline// &
+      if (any(reached%advice%floor > 0.5_wp*target)) reached%reason = reached%reason//newline// &
          & '   Slopes of '//as_text(maxval(reached%advice%probe%beams%slope), 2)//' are more than one floating frame describes'// &
          & ' to that accuracy: leave SEGMENTS open, or divide the beam'
-      reached%statistics = candidate%statistics
-      call take_outcome(candidate%outcome, reached%outcome)
-      call take_samples(candidate%samples, reached%samples)
-   end subroutine reach_target
+   end subroutine say_why
 
-   !> Moves samples.
-   subroutine take_samples(from, to)
-      type(memory_type), intent(inout) :: from, to
-      to%samples = from%samples
-      call move_alloc(from%times, to%times)
-      call move_alloc(from%values, to%values)
-   end subroutine take_samples
-
-   !> Moves an outcome.
-   subroutine take_outcome(from, to)
-      type(outcome_type), intent(inout) :: from, to
-      to%reached = from%reached
-      to%samples = from%samples
-      to%wall = from%wall
-      to%cpu = from%cpu
-      to%position_residual = from%position_residual
-      to%velocity_residual = from%velocity_residual
-      to%first_energy = from%first_energy
-      to%last_energy = from%last_energy
-      to%work = from%work
-      to%imbalance = from%imbalance
-      to%largest_energy = from%largest_energy
-      call move_alloc(from%warnings, to%warnings)
-      call move_alloc(from%efforts, to%efforts)
-      call move_alloc(from%axial, to%axial)
-      call move_alloc(from%left_out, to%left_out)
-      call move_alloc(from%indicators, to%indicators)
-   end subroutine take_outcome
-
-   !> Runs a setting into memory.
-   subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error)
-      type(deck_type), intent(in) :: deck
-      type(rung_type), intent(in) :: rungs(:)
-      !> Tolerance, and what part it is of that of the run: steps that the deck gives are shortened as those of order two would be;
-      !> CPU seconds after which the run is given up
-      real(wp), intent(in) :: tolerance, part, limit
-      !> Whether the quantities of the channels are sampled too, and their scales found
-      logical, intent(in) :: wide, quiet
-      !> For the progress
-      character(*), intent(in) :: label
-      type(trial_type), intent(out) :: trial
-      !> The deck is wrong (status 2)
-      type(error_type), allocatable, intent(out) :: error
-      type(scene_type) :: scene
-      type(diagnostics_type) :: diagnostics
-      type(progress_type) :: progress
-      type(error_type), allocatable :: failure
-      class(integrator_type), allocatable :: integrator
-      type(channel_type), allocatable :: channels(:)
-      integer :: i, width
-      trial%reason = ''
-      scene%deck = deck
-      do i = 1, size(rungs)
-         call apply_rung(rungs(i), scene%deck)
+   !> Whether a finer run that is there already does for the present setting, so that none has to be made.
+   pure logical function does_for(truth, advice, target)
+      type(truth_type), intent(in) :: truth
+      type(advice_type), intent(in) :: advice
+      real(wp), intent(in) :: target
+      integer :: i
+      does_for = .false.
+      if (.not. truth%known) return
+      does_for = truth%tolerance <= 0.4_wp*advice%tolerance .and. all(truth%rest <= sure*target*truth%scale)
+      do i = 1, size(advice%rungs)
+         associate (high => truth%rungs(i), low => advice%rungs(i))
+            if (high%segments > low%segments .or. advice%expected(i) < no_matter*target) cycle
+            if (high%segments < low%segments .or. high%level < low%level .or. high%bending <= low%bending) does_for = .false.
+         end associate
       end do
-      call scene%deck%set_number(deck%find('DYNAMICS'), 'TOLERANCE', tolerance)
-      call build_scene(scene, diagnostics, error)
-      if (allocated(error)) return
-      associate (model => scene%system%model)
-         width = size(model%channels)
-         if (wide) then
-            call move_alloc(model%channels, channels)
-            call add_quantities(channels, model%channels)
-            width = size(model%channels)
-         else if (model%motion) then
-            width = width + scene%system%layout%nq
-         end if
-         model%dynamics%initial_step = part**(1.0_wp/3)*model%dynamics%initial_step
-         model%dynamics%maximum_step = part**(1.0_wp/3)*model%dynamics%maximum_step
-         model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step
-         call new_integrator(model%dynamics, integrator)
-         call trial%samples%start(width, model%dynamics%outputs + 1, limit)
-         if (.not. quiet) call progress%start(model%dynamics%start, model%dynamics%end, label)
-         call run_dynamics(scene, integrator, trial%samples, progress, trial%outcome, failure)
-         if (.not. quiet) call progress%finish()
-         trial%statistics = integrator%statistics
-         if (allocated(failure)) then
-            trial%reason = first_line(failure%message)
-         else if (.not. all(ieee_is_finite(trial%samples%values))) then
-            trial%reason = 'a channel is not finite'
-         end if
-         if (wide .and. trial%reason == '') call find_scales(channels, trial)
-      end associate
-      call see_beams(scene, rungs, trial)
-   end subroutine run_trial
+   end function does_for
 
-   !> What a run has shown of the open beams in one frame.
-   subroutine see_beams(scene, rungs, trial)
-      type(scene_type), intent(in) :: scene
-      type(rung_type), intent(in) :: rungs(:)
-      type(trial_type), intent(inout) :: trial
-      !> Those of which a higher rung keeps less
-      integer, parameter :: kinds(*) = [indicator_deflection, indicator_slope, indicator_rotation, indicator_compression, &
-         & indicator_geometric, indicator_shortening]
-      real(wp) :: value
-      integer :: i, k, j
-      allocate (trial%slope(size(rungs)), trial%deflection(size(rungs)), trial%excess(size(rungs)), trial%kind(size(rungs)), &
-         & trial%at_rest(size(rungs)))
-      trial%slope = -1.0_wp
-      trial%deflection = -1.0_wp
-      trial%excess = 0.0_wp
-      trial%kind = indicator_deflection
-      trial%at_rest = 0.0_wp
-      if (.not. allocated(trial%outcome%indicators)) return
-      associate (seen => trial%outcome%indicators%bodies, model => scene%system%model)
-         do i = 1, size(rungs)
-            if (rungs(i)%segments > 1) cycle
-            do k = 1, size(seen)
-               if (model%bodies(seen(k)%body)%name /= scene%deck%blocks(rungs(i)%block)%name()) cycle
-               trial%slope(i) = indicator_value(seen(k), indicator_slope)
-               trial%deflection(i) = indicator_value(seen(k), indicator_deflection)
-               if (allocated(trial%outcome%left_out)) trial%at_rest(i) = trial%outcome%left_out(seen(k)%body)
-               do j = 1, size(kinds)
-                  value = excess(seen(k), model%bodies(seen(k)%body), kinds(j))
-                  if (.not. value > trial%excess(i)) cycle
-                  trial%excess(i) = value
-                  trial%kind(i) = kinds(j)
-               end do
-            end do
+   !> Errors of the run at each sample.
+   subroutine record_errors(truth, candidate, reached)
+      type(truth_type), intent(in) :: truth
+      type(trial_type), intent(in) :: candidate
+      type(reached_type), intent(inout) :: reached
+      integer :: i, n
+      associate (estimate => reached%estimate)
+         n = size(truth%values, 2)
+         if (n /= candidate%samples%samples) return
+         if (allocated(estimate%values)) deallocate (estimate%values, estimate%ratio, estimate%stuck)
+         allocate (estimate%values(size(truth%scale), n), estimate%ratio(size(truth%scale)), estimate%stuck(size(truth%scale)))
+         do i = 1, size(truth%scale)
+            estimate%values(i, :) = envelope(candidate%samples%values(i, :n) - truth%values(i, :), reach) + truth%rest(i)
          end do
+         estimate%ratio = unknown_ratio
+         estimate%stuck = .false.
+         estimate%tolerance = reached%advice%tolerance
+         estimate%companion = truth%tolerance
+         estimate%cpu = reached%cpu
+         estimate%factor = reached%cpu/max(candidate%outcome%cpu, tiny(1.0_wp))
       end associate
-   end subroutine see_beams
+   end subroutine record_errors
 
    !> Puts what a run has shown in place of what the probe expected; climbs at once where the model of a beam is so far outside its
    !> range that there is no use in verifying it, eqs. (182), (183).
@@ -311,7 +232,11 @@ contains
          character(*), intent(in) :: why
          associate (rung => reached%advice%rungs(i))
             reached%path = reached%path//newline//"   beam '"//deck%blocks(rung%block)%name()//"' as "//rung_name(rung)//' '//why
-            rung = better_rung(rung, rung%level == level_full)
+            if (rung%level == level_full .and. rung%open_segments) then
+               call divide_beam(reached%advice, i)
+            else
+               rung = better_rung(rung, .false.)
+            end if
             reached%path = reached%path//': '//rung_name(rung)
             ! It is to be verified in any case
             reached%advice%expected(i) = max(reached%advice%share, expected_error(rung, reached%advice%probe%beams(i), &
@@ -322,56 +247,28 @@ contains
 
    end subroutine take_seen
 
-   !> What errors of the channels are relative to: their largest magnitude; of one that is the small difference of large terms, such
-   !> as an energy balance, that of its terms.
-   subroutine find_scales(channels, trial)
-      !> As the deck asks for them; behind them in the samples are their quantities
-      type(channel_type), intent(in) :: channels(:)
-      type(trial_type), intent(inout) :: trial
-      !> Part of its terms below which a channel counts as zero
-      real(wp), parameter :: small = 1.0e-2_wp
-      real(wp), allocatable :: floors(:), sizes(:)
-      real(wp) :: largest
-      integer :: i, j, first, n
-      n = trial%samples%samples
-      first = size(channels)
-      allocate (trial%scale(size(channels)), floors(n), sizes(n))
-      do i = 1, size(channels)
-         associate (asked => channels(i)%quantities)
-            call round_off(channels(i), trial%samples%values(first + 1:first + size(asked), :n), [(0.0_wp, j=1, size(asked))], &
-               & trial%statistics%steps, floors, sizes)
-            first = first + size(asked)
-            largest = magnitude(trial%samples%values(i, :n))
-            trial%scale(i) = largest
-            if (size(asked) > 1 .and. largest < small*maxval(sizes)) trial%scale(i) = maxval(sizes)
-         end associate
-      end do
-   end subroutine find_scales
-
-   !> Runs the checks of a run and estimates its errors from the differences, eqs. (180), (181).
-   subroutine verify(deck, target, quiet, candidate, reached, error)
+   !> Runs the checks of a run and estimates its errors from the differences, eqs. (180), (181): with a smaller tolerance, and then
+   !> with one beam after another on its next rung; the last of them is the truth that the run is compared with.
+   subroutine verify(deck, target, quiet, candidate, reached, truth, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
       logical, intent(in) :: quiet
       type(trial_type), intent(in) :: candidate
       type(reached_type), intent(inout) :: reached
+      type(truth_type), intent(inout) :: truth
       type(error_type), allocatable, intent(out) :: error
-      type(trial_type) :: check, other
+      type(trial_type) :: check
       type(deck_type) :: higher
-      type(rung_type), allocatable :: rungs(:)
-      real(wp), allocatable :: total(:, :), change(:, :)
-      real(wp) :: limit
-      integer :: i, n, channels
+      type(rung_type) :: rung
+      integer :: i, c, n, channels
+      reached%of_beam = 0.0_wp
+      reached%of_time = 0.0_wp
       associate (advice => reached%advice, estimate => reached%estimate)
-         estimate%tolerance = advice%tolerance
          estimate%companion = max(least_tolerance, ladder*advice%tolerance)
          estimate%reason = ''
          estimate%of_model = .true.
-         limit = 2 + 25*candidate%outcome%cpu
-         call run_trial(deck, advice%rungs, estimate%companion, ladder, limit, .true., quiet, 'check of the integration', check, &
-            & error)
+         call run_check(deck, advice%rungs, .true., 'check of the integration')
          if (allocated(error)) return
-         call count_run(check)
          if (check%reason /= '') then
             reached%reason = 'the check at TOLERANCE='//as_text(estimate%companion, 2)//' failed: '//check%reason
             estimate%reason = reached%reason
@@ -379,58 +276,95 @@ contains
          end if
          channels = size(check%scale)
          n = candidate%samples%samples
-         allocate (total(channels, n), change(channels, n))
-         total = check%samples%values(:channels, :n) - candidate%samples%values(:channels, :n)
-         reached%of_time = relative(total)
+         call begin_truth()
+         higher = deck
          do i = 1, size(advice%rungs)
             if (.not. can_climb(advice%rungs(i)) .or. advice%expected(i) < no_matter*target) cycle
-            allocate (rungs, source=advice%rungs)
-            rungs(i) = next_rung(advice%rungs(i))
-            higher = deck
             ! With axial vibrations the steps of ADAMS would be bound to them
             if (advice%rungs(i)%at_rest) call higher%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'AUTO')
-            call run_trial(higher, rungs, estimate%companion, ladder, limit, .false., quiet, 'check of '//rung_name(rungs(i)), &
-               & other, error)
+            rung = truth%rungs(i)
+            truth%rungs(i) = check_rung(i)
+            call run_check(higher, truth%rungs, .false., 'check of '//rung_name(truth%rungs(i)))
             if (allocated(error)) return
-            deallocate (rungs)
-            call count_run(other)
-            if (other%reason /= '') then
+            if (check%reason /= '') then
                reached%of_beam(i) = huge(1.0_wp)
+               truth%rungs(i) = rung
                cycle
             end if
-            change = other%samples%values(:channels, :n) - check%samples%values(:channels, :n)
-            reached%of_beam(i) = relative(change)
-            total = total + change
+            reached%of_beam(i) = relative(truth%values)
+            call refine_truth(rest_beyond(rung, truth%rungs(i)))
          end do
-         if (allocated(estimate%values)) deallocate (estimate%values, estimate%ratio, estimate%stuck)
-         allocate (estimate%values(channels, n), estimate%ratio(channels), estimate%stuck(channels))
-         do i = 1, channels
-            estimate%values(i, :) = widening*envelope(total(i, :), reach) + sum(advice%floor)*check%scale(i)
+         do i = 1, size(advice%rungs)
+            truth%rest = truth%rest + floor_beyond(i)*truth%scale
          end do
-         estimate%ratio = unknown_ratio
-         estimate%stuck = .false.
-         estimate%cpu = reached%cpu
-         estimate%factor = reached%cpu/max(candidate%outcome%cpu, tiny(1.0_wp))
-         reached%error = widening*relative(total) + sum(advice%floor) &
-            & + sum(merge(reached%of_beam, 0.0_wp, reached%of_beam > 1.0_wp))
+         reached%error = error_against(truth, candidate%samples%values) &
+            & + sum(merge(reached%of_beam, 0.0_wp, reached%of_beam > 1.0e3_wp))
       end associate
 
    contains
 
-      !> Adds to the costs.
-      subroutine count_run(trial)
-         type(trial_type), intent(in) :: trial
+      !> One run at the smaller tolerance.
+      subroutine run_check(changed, rungs, wide, label)
+         type(deck_type), intent(in) :: changed
+         type(rung_type), intent(in) :: rungs(:)
+         logical, intent(in) :: wide
+         character(*), intent(in) :: label
+         call run_trial(changed, rungs, reached%estimate%companion, ladder, 2 + 60*candidate%outcome%cpu, wide, quiet, label, &
+            & check, error)
          reached%runs = reached%runs + 1
-         reached%cpu = reached%cpu + trial%outcome%cpu
-      end subroutine count_run
+         reached%cpu = reached%cpu + check%outcome%cpu
+         reached%work = reached%work + check%work
+      end subroutine run_check
 
-      !> Largest difference over channels and samples, relative.
-      pure real(wp) function relative(difference)
-         real(wp), intent(in) :: difference(:, :)
-         integer :: c
+      !> The run with the smaller tolerance is the first truth.
+      subroutine begin_truth()
+         if (truth%known) deallocate (truth%rungs, truth%values, truth%scale, truth%rest)
+         allocate (truth%rungs, source=reached%advice%rungs)
+         allocate (truth%values(channels, n), truth%scale(channels), truth%rest(channels))
+         truth%known = .true.
+         truth%tolerance = reached%estimate%companion
+         truth%scale = check%scale
+         truth%rest = 0.0_wp
+         truth%values = candidate%samples%values(:channels, :n)
+         reached%of_time = relative(truth%values)
+         call refine_truth(rest_of_time)
+      end subroutine begin_truth
+
+      !> Takes the last check for the truth; its error is taken for a part of the difference from the one before.
+      subroutine refine_truth(part)
+         real(wp), intent(in) :: part
+         do c = 1, channels
+            truth%rest(c) = truth%rest(c) + part*maxval(abs(check%samples%values(c, :n) - truth%values(c, :)))
+         end do
+         truth%values = check%samples%values(:channels, :n)
+      end subroutine refine_truth
+
+      !> The rung that shows what a beam leaves out: in pieces where one frame leaves out too much itself.
+      type(rung_type) function check_rung(i)
+         integer, intent(in) :: i
+         associate (rung => reached%advice%rungs(i))
+            check_rung = next_rung(rung)
+            if (rung%segments > 1 .or. rung%level < level_full .or. .not. rung%open_segments) return
+            if (reached%advice%floor(i) <= unseen*target) return
+            check_rung = in_pieces(rung, first_pieces, min(most_piece_modes, max(3, rung%bending/2 + 1)))
+            if (.not. check_rung%given_elements) check_rung%elements = 2*rung%elements
+         end associate
+      end function check_rung
+
+      !> What the truth leaves out of a beam.
+      pure real(wp) function floor_beyond(i)
+         integer, intent(in) :: i
+         floor_beyond = 0.0_wp
+         if (truth%rungs(i)%level == level_full) floor_beyond = floor_of(truth%rungs(i), reached%advice%probe%beams(i))
+      end function floor_beyond
+
+      !> Largest difference of the check over channels and samples, relative.
+      pure real(wp) function relative(values)
+         real(wp), intent(in) :: values(:, :)
+         integer :: k
          relative = 0.0_wp
-         do c = 1, size(difference, 1)
-            relative = max(relative, maxval(abs(difference(c, :)))/check%scale(c))
+         do k = 1, channels
+            relative = max(relative, maxval(abs(check%samples%values(k, :n) - values(k, :)))/truth%scale(k))
          end do
       end function relative
 
@@ -456,7 +390,7 @@ contains
             if (.not. can_climb(advice%rungs(i))) cycle
             ! More coordinates in one frame do not help
             if (one_frame_is_not_enough(i) .and. .not. advice%rungs(i)%open_segments) cycle
-            if (widening*reached%of_beam(i) + advice%floor(i) > share) then
+            if (widening*reached%of_beam(i) > share) then
                call raise_beam(i)
             else if (.not. climbed .and. reached%of_beam(i) >= worst .and. worst > 0.0_wp) then
                call raise_beam(i)
@@ -484,6 +418,7 @@ contains
 
       subroutine raise_beam(i)
          integer, intent(in) :: i
+         integer :: k, from
          reached%path = reached%path//newline//"   beam '"//deck%blocks(reached%advice%rungs(i)%block)%name()// &
             & "' as "//rung_name(reached%advice%rungs(i))
          if (reached%of_beam(i) < 1.0e3_wp) then
@@ -491,10 +426,35 @@ contains
          else
             reached%path = reached%path//' could not be verified'
          end if
-         reached%advice%rungs(i) = better_rung(reached%advice%rungs(i), one_frame_is_not_enough(i))
-         reached%path = reached%path//': '//rung_name(reached%advice%rungs(i))
+         associate (rung => reached%advice%rungs(i))
+            if (rung%segments == 1 .and. rung%open_segments .and. (one_frame_is_not_enough(i) .or. stalls(i))) then
+               call divide_beam(reached%advice, i)
+            else if (rung%segments > 1 .and. one_frame_is_not_enough(i)) then
+               rung = better_rung(rung, .true.)
+            else
+               ! Errors fall with the third power of the modes at least
+               from = rung%bending
+               do k = 1, 3
+                  reached%before(i) = merge(reached%of_beam(i), 0.0_wp, rung%level == level_full)
+                  rung = better_rung(rung, .false.)
+                  if (rung%level < level_full .or. .not. can_climb(rung) .or. rung%segments > 1) exit
+                  if ((real(from, wp)/rung%bending)**3*reached%of_beam(i) < share) exit
+               end do
+            end if
+            reached%path = reached%path//': '//rung_name(rung)
+            ! It is to be verified in any case
+            reached%advice%expected(i) = max(reached%advice%share, expected_error(rung, reached%advice%probe%beams(i), &
+               & reached%advice%probe%duration))
+         end associate
          climbed = .true.
       end subroutine raise_beam
+
+      !> Whether a richer basis has not helped the last time.
+      pure logical function stalls(i)
+         integer, intent(in) :: i
+         stalls = reached%before(i) > 0.0_wp .and. reached%of_beam(i) > stalled*reached%before(i) .and. &
+            & reached%advice%floor(i) > 0.1_wp*target
+      end function stalls
 
    end subroutine climb
 

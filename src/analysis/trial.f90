@@ -1,0 +1,289 @@
+!> A run of a setting of fidelities and tolerance into memory, and what it shows of itself: for the search of the setting that a
+!> target needs. Floor: analysis; deck + rungs -> scene -> samples.
+module limber_analysis_trial
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: first_line
+   use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
+   use limber_analysis_errors, only: magnitude
+   use limber_analysis_estimate, only: add_quantities, round_off
+   use limber_analysis_indicators, only: indicator_value, indicator_slope, indicator_deflection, indicator_rotation, &
+      & indicator_compression, indicator_geometric, indicator_shortening
+   use limber_analysis_ranges, only: excess
+   use limber_analysis_rungs, only: rung_type, apply_rung
+   use limber_analysis_scene, only: scene_type, build_scene
+   use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_integrator_integrator, only: integrator_type
+   use limber_integrator_statistics, only: step_statistics_type
+   use limber_model_scene, only: channel_type
+   use limber_output_progress, only: progress_type
+   use limber_output_sink, only: memory_type
+   implicit none
+   private
+   public :: trial_type, truth_type, run_trial, take_samples, take_outcome, take_trial, error_against
+
+   !> Samples in memory of a run that is given up when they leave those of another by too much
+   type, extends(memory_type) :: watched_type
+      !> Channels of the other run (channels, samples), and the largest differences; not allocated: nothing is watched
+      real(wp), allocatable :: truth(:, :), allowed(:)
+   contains
+      procedure :: append => append_watched
+   end type watched_type
+
+   !> A run in memory
+   type :: trial_type
+      type(watched_type) :: samples
+      type(step_statistics_type) :: statistics
+      type(outcome_type) :: outcome
+      !> Why it failed; empty if it did not
+      character(:), allocatable :: reason
+      !> Counted work of its time loop, eq. (N5); the same on every machine
+      real(wp) :: work = 0.0_wp
+      !> Magnitude that each channel's errors are relative to (channels)
+      real(wp), allocatable :: scale(:)
+      !> Largest slope and deflection of each open beam, the latter relative to the length; negative: not seen (rungs)
+      real(wp), allocatable :: slope(:), deflection(:)
+      !> Worst indicator of its model relative to its limit, and its kind (rungs)
+      real(wp), allocatable :: excess(:)
+      integer, allocatable :: kind(:)
+      !> Error that its axial coordinates at rest make; zero if they are not at rest (rungs)
+      real(wp), allocatable :: at_rest(:)
+   end type trial_type
+
+   !> The finest run so far, which others are compared with
+   type :: truth_type
+      logical :: known = .false.
+      !> Its rungs and its tolerance
+      type(rung_type), allocatable :: rungs(:)
+      real(wp) :: tolerance = 0.0_wp
+      !> Its channels (channels, samples), what their errors are relative to, and the errors that it has itself, estimated (channels)
+      real(wp), allocatable :: values(:, :), scale(:), rest(:)
+   end type truth_type
+
+contains
+
+   !> Largest error of a run over channels and samples, relative: its difference from the truth, and the error of that.
+   pure real(wp) function error_against(truth, values) result(error)
+      type(truth_type), intent(in) :: truth
+      !> At least its channels (channels, samples)
+      real(wp), intent(in) :: values(:, :)
+      integer :: c, n
+      n = size(truth%values, 2)
+      error = 0.0_wp
+      do c = 1, size(truth%scale)
+         error = max(error, (maxval(abs(values(c, :n) - truth%values(c, :))) + truth%rest(c))/truth%scale(c))
+      end do
+   end function error_against
+
+   !> Runs a setting into memory.
+   subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error, truth, allowed, most)
+      type(deck_type), intent(in) :: deck
+      type(rung_type), intent(in) :: rungs(:)
+      !> Tolerance, and what part it is of that of the run: steps that the deck gives are shortened as those of order two would be;
+      !> CPU seconds after which the run is given up
+      real(wp), intent(in) :: tolerance, part, limit
+      !> Whether the quantities of the channels are sampled too, and their scales found
+      logical, intent(in) :: wide, quiet
+      !> For the progress
+      character(*), intent(in) :: label
+      type(trial_type), intent(out) :: trial
+      !> The deck is wrong (status 2)
+      type(error_type), allocatable, intent(out) :: error
+      !> Samples that it may leave only by so much, in each channel, or it is given up; and after so much work
+      real(wp), intent(in), optional :: truth(:, :), allowed(:), most
+      type(scene_type) :: scene
+      type(diagnostics_type) :: diagnostics
+      type(progress_type) :: progress
+      type(error_type), allocatable :: failure
+      class(integrator_type), allocatable :: integrator
+      type(channel_type), allocatable :: channels(:)
+      integer :: i, width
+      trial%reason = ''
+      scene%deck = deck
+      do i = 1, size(rungs)
+         call apply_rung(rungs(i), scene%deck)
+      end do
+      call scene%deck%set_number(deck%find('DYNAMICS'), 'TOLERANCE', tolerance)
+      call build_scene(scene, diagnostics, error)
+      if (allocated(error)) return
+      associate (model => scene%system%model)
+         width = size(model%channels)
+         if (wide) then
+            call move_alloc(model%channels, channels)
+            call add_quantities(channels, model%channels)
+            width = size(model%channels)
+         else if (model%motion) then
+            width = width + scene%system%layout%nq
+         end if
+         model%dynamics%initial_step = part**(1.0_wp/3)*model%dynamics%initial_step
+         model%dynamics%maximum_step = part**(1.0_wp/3)*model%dynamics%maximum_step
+         model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step
+         call new_integrator(model%dynamics, integrator)
+         call trial%samples%start(width, model%dynamics%outputs + 1, limit)
+         if (present(truth)) allocate (trial%samples%truth, source=truth)
+         if (present(allowed)) allocate (trial%samples%allowed, source=allowed)
+         if (present(most)) model%dynamics%maximum_steps = min(model%dynamics%maximum_steps, most_steps(most))
+         if (.not. quiet) call progress%start(model%dynamics%start, model%dynamics%end, label)
+         call run_dynamics(scene, integrator, trial%samples, progress, trial%outcome, failure)
+         if (.not. quiet) call progress%finish()
+         trial%statistics = integrator%statistics
+         trial%work = trial%statistics%evaluations*work_of(scene%system%layout%nw)
+         if (allocated(trial%samples%truth)) deallocate (trial%samples%truth)
+         if (allocated(failure)) then
+            trial%reason = first_line(failure%message)
+         else if (.not. all(ieee_is_finite(trial%samples%values))) then
+            trial%reason = 'a channel is not finite'
+         end if
+         if (wide .and. trial%reason == '') call find_scales(channels, trial)
+      end associate
+      call see_beams(scene, rungs, trial)
+
+   contains
+
+      !> Steps after which it has cost too much, by the evaluations that each takes at least.
+      pure integer function most_steps(most)
+         real(wp), intent(in) :: most
+         integer :: each
+         each = 1
+         if (scene%system%model%dynamics%integrator == 'ALPHA') each = 2
+         if (scene%system%model%dynamics%integrator == 'RADAU') each = 9
+         most_steps = 1 + int(min(1.0e8_wp, most/(each*work_of(scene%system%layout%nw))))
+      end function most_steps
+
+   end subroutine run_trial
+
+   !> What an evaluation costs with so many rates, its part of the factorisation of the Newton matrix included, eq. (N5).
+   pure real(wp) function work_of(rates) result(work)
+      integer, intent(in) :: rates
+      work = 1.0_wp + 0.005_wp*real(rates, wp)**2
+   end function work_of
+
+   !> Stores a sample; too far from the other run's it is the last.
+   subroutine append_watched(self, t, values, error)
+      class(watched_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: values(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+      call self%memory_type%append(t, values, error)
+      if (allocated(error) .or. .not. allocated(self%truth)) return
+      do i = 1, size(self%allowed)
+         if (abs(values(i) - self%truth(i, self%samples)) > self%allowed(i)) then
+            call raise(error, 'it errs by more than it may')
+            return
+         end if
+      end do
+   end subroutine append_watched
+
+   !> Moves a run.
+   subroutine take_trial(from, to)
+      type(trial_type), intent(inout) :: from, to
+      to%samples%samples = from%samples%samples
+      to%statistics = from%statistics
+      to%work = from%work
+      call take_samples(from%samples%memory_type, to%samples%memory_type)
+      call take_outcome(from%outcome, to%outcome)
+      call move_alloc(from%reason, to%reason)
+      call move_alloc(from%scale, to%scale)
+      call move_alloc(from%slope, to%slope)
+      call move_alloc(from%deflection, to%deflection)
+      call move_alloc(from%excess, to%excess)
+      call move_alloc(from%kind, to%kind)
+      call move_alloc(from%at_rest, to%at_rest)
+   end subroutine take_trial
+
+   !> What a run has shown of the open beams in one frame.
+   subroutine see_beams(scene, rungs, trial)
+      type(scene_type), intent(in) :: scene
+      type(rung_type), intent(in) :: rungs(:)
+      type(trial_type), intent(inout) :: trial
+      !> Those of which a higher rung keeps less
+      integer, parameter :: kinds(*) = [indicator_deflection, indicator_slope, indicator_rotation, indicator_compression, &
+         & indicator_geometric, indicator_shortening]
+      real(wp) :: value
+      integer :: i, k, j
+      allocate (trial%slope(size(rungs)), trial%deflection(size(rungs)), trial%excess(size(rungs)), trial%kind(size(rungs)), &
+         & trial%at_rest(size(rungs)))
+      trial%slope = -1.0_wp
+      trial%deflection = -1.0_wp
+      trial%excess = 0.0_wp
+      trial%kind = indicator_deflection
+      trial%at_rest = 0.0_wp
+      if (.not. allocated(trial%outcome%indicators)) return
+      associate (seen => trial%outcome%indicators%bodies, model => scene%system%model)
+         do i = 1, size(rungs)
+            if (rungs(i)%segments > 1) cycle
+            do k = 1, size(seen)
+               if (model%bodies(seen(k)%body)%name /= scene%deck%blocks(rungs(i)%block)%name()) cycle
+               trial%slope(i) = indicator_value(seen(k), indicator_slope)
+               trial%deflection(i) = indicator_value(seen(k), indicator_deflection)
+               if (allocated(trial%outcome%left_out)) trial%at_rest(i) = trial%outcome%left_out(seen(k)%body)
+               do j = 1, size(kinds)
+                  value = excess(seen(k), model%bodies(seen(k)%body), kinds(j))
+                  if (.not. value > trial%excess(i)) cycle
+                  trial%excess(i) = value
+                  trial%kind(i) = kinds(j)
+               end do
+            end do
+         end do
+      end associate
+   end subroutine see_beams
+
+   !> Moves samples.
+   subroutine take_samples(from, to)
+      type(memory_type), intent(inout) :: from, to
+      to%samples = from%samples
+      call move_alloc(from%times, to%times)
+      call move_alloc(from%values, to%values)
+   end subroutine take_samples
+
+   !> Moves an outcome.
+   subroutine take_outcome(from, to)
+      type(outcome_type), intent(inout) :: from, to
+      to%reached = from%reached
+      to%samples = from%samples
+      to%wall = from%wall
+      to%cpu = from%cpu
+      to%position_residual = from%position_residual
+      to%velocity_residual = from%velocity_residual
+      to%first_energy = from%first_energy
+      to%last_energy = from%last_energy
+      to%work = from%work
+      to%imbalance = from%imbalance
+      to%largest_energy = from%largest_energy
+      call move_alloc(from%warnings, to%warnings)
+      call move_alloc(from%efforts, to%efforts)
+      call move_alloc(from%axial, to%axial)
+      call move_alloc(from%left_out, to%left_out)
+      call move_alloc(from%indicators, to%indicators)
+   end subroutine take_outcome
+
+   !> What errors of the channels are relative to: their largest magnitude; of one that is the small difference of large terms, such
+   !> as an energy balance, that of its terms.
+   subroutine find_scales(channels, trial)
+      !> As the deck asks for them; behind them in the samples are their quantities
+      type(channel_type), intent(in) :: channels(:)
+      type(trial_type), intent(inout) :: trial
+      !> Part of its terms below which a channel counts as zero
+      real(wp), parameter :: small = 1.0e-2_wp
+      real(wp), allocatable :: floors(:), sizes(:)
+      real(wp) :: largest
+      integer :: i, j, first, n
+      n = trial%samples%samples
+      first = size(channels)
+      allocate (trial%scale(size(channels)), floors(n), sizes(n))
+      do i = 1, size(channels)
+         associate (asked => channels(i)%quantities)
+            call round_off(channels(i), trial%samples%values(first + 1:first + size(asked), :n), [(0.0_wp, j=1, size(asked))], &
+               & trial%statistics%steps, floors, sizes)
+            first = first + size(asked)
+            largest = magnitude(trial%samples%values(i, :n))
+            trial%scale(i) = largest
+            if (size(asked) > 1 .and. largest < small*maxval(sizes)) trial%scale(i) = maxval(sizes)
+         end associate
+      end do
+   end subroutine find_scales
+
+end module limber_analysis_trial

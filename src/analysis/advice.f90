@@ -334,7 +334,8 @@ contains
       type(advice_type), intent(in) :: advice
       type(prospect_type), intent(in) :: beam
       real(wp) :: allowed, phases, b
-      allowed = 0.1_wp*advice%target/max(beam%effect, 1.0e-3_wp)
+      ! Of a beam that hardly bends the inertia still counts
+      allowed = 0.1_wp*advice%target/max(beam%effect, 0.2_wp)
       phases = 1.0_wp + beam%frequency*advice%probe%duration*beam%vibration
       do elements = 24, most_elements - 24, 24
          b = acos(-1.0_wp)/elements

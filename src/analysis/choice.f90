@@ -8,6 +8,7 @@ module limber_analysis_choice
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
    use limber_model_scene, only: dynamics_type, driver_angle, driver_joint_angle
+   use limber_model_segments, only: pieces_of
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, accelerate
    use limber_system_kinematics, only: rates_of
@@ -91,16 +92,19 @@ contains
       if (.not. allocated(error)) call find_fastest(system, work, q, v, a, found%fastest)
    end subroutine look
 
-   !> Rate of the motion: that of the frames and drivers, and the slowest vibration of each body. [rad/time]
+   !> Rate of the motion: that of the frames and drivers, and the slowest vibration of each body; of a beam in s pieces that of the
+   !> whole, whose length is s times that of a piece. [rad/time]
    pure real(wp) function motion_rate(system, q, v, a) result(rate)
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: q(:), v(:), a(:)
-      integer :: i
+      integer :: i, pieces(2)
       associate (dynamics => system%model%dynamics)
          rate = max(2*acos(-1.0_wp)/(dynamics%end - dynamics%start), frame_rate(system, q, v, a))
       end associate
       do i = 1, size(system%layout%q)
-         if (system%layout%n(i) > 0) rate = max(rate, sqrt(minval(system%model%bodies(i)%reduced%omega2)))
+         if (system%layout%n(i) == 0) cycle
+         pieces = pieces_of(system%model, i)
+         rate = max(rate, sqrt(minval(system%model%bodies(i)%reduced%omega2))/(pieces(2) - pieces(1) + 1)**2)
       end do
    end function motion_rate
 

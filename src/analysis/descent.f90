@@ -89,8 +89,8 @@ contains
 
       !> The lowest rungs first, at three tolerances, as far as they cost much less: they are soon given up where they do not do.
       subroutine start_below()
-         integer, parameter :: levels(6) = [level_linear, level_kg, level_kg, level_full, level_full, level_full], &
-            & modes(6) = [1, 1, 2, 1, 2, 3]
+         integer, parameter :: levels(7) = [level_linear, level_kg, level_kg, level_full, level_full, level_full, level_full], &
+            & modes(7) = [1, 1, 2, 1, 2, 3, 5]
          real(wp), parameter :: tolerances(3) = [1.0e-2_wp, 1.0e-3_wp, 1.0e-4_wp], much = 0.7_wp
          type(rung_type), allocatable :: present(:)
          integer :: m, l

@@ -132,8 +132,6 @@ contains
          runs = runs + 1
          cpu = cpu + trial%outcome%cpu
          budget = budget - trial%work
-         write (*, '(4a,9es9.2)') 'TRY ', name, ' ', trial%reason, tolerance, trial%work/best%work, &
-            & trial%outcome%cpu, best%outcome%cpu, maxval(allowed/truth%scale) ! DEBUG
          if (trial%reason /= '' .or. trial%work > (1 - saved)*best%work) return
          if (size(truth%values, 2) /= trial%samples%samples) return
          found = error_against(truth, trial%samples%values)

@@ -83,27 +83,32 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(trial_type) :: candidate
       type(truth_type) :: truth
+      real(wp) :: limit
       integer :: round
-      logical :: climbed
+      logical :: climbed, on
       reached%reason = ''
       reached%path = ''
       call make_advice(deck, target, reached%advice, error)
       if (allocated(error)) return
       allocate (reached%of_beam(size(reached%advice%rungs)), reached%before(size(reached%advice%rungs)))
       reached%before = 0.0_wp
+      limit = huge(limit)
       do round = 1, most_rounds
+         climbed = .false.
          call find_floors(reached%advice)
-         call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, huge(1.0_wp), &
-            & .false., quiet, 'run', candidate, error)
+         call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., quiet, 'run', candidate, error)
          if (allocated(error)) return
+         limit = 10 + patience*candidate%outcome%cpu
          reached%runs = reached%runs + 1
          reached%work = reached%work + candidate%work
+         ! Up only if what is there can be run as well
+         on = round < most_rounds .and. (reached%work < patience*candidate%work .or. round < 3)
          if (candidate%reason /= '') then
             reached%reason = candidate%reason
-            call climb_all(deck, reached, climbed)
+            if (on) call climb_all(deck, reached, climbed)
          else
-            call take_seen(deck, target, candidate, reached, climbed)
-            if (climbed .and. round < most_rounds) then
+            if (on) call take_seen(deck, target, candidate, reached, climbed)
+            if (climbed) then
                reached%cpu = reached%cpu + candidate%outcome%cpu
                reached%climbs = reached%climbs + 1
                cycle
@@ -117,10 +122,9 @@ contains
             if (allocated(error)) return
             reached%done = reached%reason == '' .and. reached%error <= target
             if (reached%done) exit
-            call climb(deck, target, reached, climbed)
+            if (on) call climb(deck, target, reached, climbed)
          end if
-         if (.not. climbed .or. round == most_rounds) exit
-         if (reached%work > patience*candidate%work .and. round > 2) exit
+         if (.not. climbed) exit
          reached%cpu = reached%cpu + candidate%outcome%cpu
          reached%climbs = reached%climbs + 1
          reached%reason = ''

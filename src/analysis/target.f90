@@ -96,7 +96,8 @@ contains
       do round = 1, most_rounds
          climbed = .false.
          call find_floors(reached%advice)
-         call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., quiet, 'run', candidate, error)
+         call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., quiet, 'run', &
+            & candidate, error)
          if (allocated(error)) return
          limit = 10 + patience*candidate%outcome%cpu
          reached%runs = reached%runs + 1

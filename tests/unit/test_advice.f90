@@ -3,12 +3,14 @@
 program test_advice
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_advice, only: advice_type, make_advice, expected_error, cost_of
+   use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, floor_of, cost_of
    use limber_analysis_advise, only: read_whole_deck
    use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, next_rung, better_rung, can_climb, rung_name, free_options, &
-      & level_rigid, level_linear, level_kg, level_full
+      & lower_rungs, bound_rung, rest_beyond, level_rigid, level_linear, level_kg, level_full
+   use limber_analysis_scene, only: scene_type, build_scene
    use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes
    use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
    use testing, only: check, check_close, check_no_error, finish
    use limber_deck_parameters, only: override_type
    implicit none
@@ -19,7 +21,11 @@ program test_advice
    call test_following()
    call test_first()
    call test_rungs()
+   call test_lower()
+   call test_rests()
    call test_choices()
+   call test_divided()
+   call test_loaded_end()
    call test_at_rest()
    call finish()
 
@@ -127,6 +133,112 @@ contains
       call find_rungs(deck, rungs)
       call check(size(rungs) == 0, 'nothing is open where the deck gives level and modes')
    end subroutine test_rungs
+
+   !> Rungs below: each leaves out one thing more and costs less, and never what the deck gives.
+   subroutine test_lower()
+      type(rung_type) :: rung, lower(3)
+      integer :: i, count
+      rung = open_rung()
+      rung%bending = 5
+      rung%derivatives = 6
+      call lower_rungs(rung, lower, count)
+      call check(count == 2, 'fewer modes, or less geometry')
+      call check(rung_name(lower(1)) == 'FULL 4 + 8' .and. rung_name(lower(2)) == 'K_G 5 + 2', 'below FULL 5 + 8: '// &
+         & rung_name(lower(1))//', '//rung_name(lower(2)))
+      rung%segments = 4
+      rung%bending = 2
+      call lower_rungs(rung, lower, count)
+      call check(count == 2, 'fewer modes, or fewer pieces')
+      call check(rung_name(lower(1)) == 'FULL 1 + 2, 4 pieces' .and. rung_name(lower(2)) == 'FULL 4 + 8, 2 pieces', &
+         & 'below 4 pieces')
+      do i = 1, count
+         call check(cost_of(lower(i)) < cost_of(rung) .or. lower(i)%segments < 4, 'lower rungs cost less')
+      end do
+      rung%segments = 2
+      call lower_rungs(rung, lower, count)
+      call check(lower(count)%segments == 1 .and. lower(count)%bending == 3, 'below two pieces one frame')
+      rung%open_modes = .false.
+      rung%open_segments = .false.
+      call lower_rungs(rung, lower, count)
+      call check(count == 0, 'what the deck gives stays')
+      rung = open_rung()
+      rung%bending = 2
+      call bound_rung(rung, level_kg, 3)
+      call check(rung_name(rung) == 'K_G 2 + 2', 'a bound on the level alone: '//rung_name(rung))
+      call bound_rung(rung, level_full, 1)
+      call check(rung_name(rung) == 'K_G 1 + 1', 'a bound never raises: '//rung_name(rung))
+   end subroutine test_lower
+
+   !> What the finer of two runs errs, as a part of their difference: of errors c/n^3 that is what is left of the geometric rest.
+   subroutine test_rests()
+      type(rung_type) :: rung, higher
+      rung = open_rung()
+      rung%bending = 4
+      higher = rung
+      higher%bending = 8
+      call check_close(rest_beyond(rung, higher), 1.0_wp/7, 1.0e-12_wp, 'twice the modes: c/8^3 of c/4^3 - c/8^3')
+      higher%bending = 5
+      call check_close(rest_beyond(rung, higher), 64.0_wp/61, 1.0e-12_wp, 'one mode more: the difference tells less than half')
+      higher = rung
+      rung%level = level_kg
+      call check_close(rest_beyond(rung, higher), 0.25_wp, 1.0e-12_wp, 'the next order of the geometry')
+   end subroutine test_rests
+
+   !> A beam whose fidelity is wholly open, as FULL.
+   type(rung_type) function open_rung()
+      open_rung%level = level_full
+      open_rung%derivatives = 3
+      open_rung%pulled = .true.
+      open_rung%spun = .true.
+      open_rung%open_level = .true.
+      open_rung%open_modes = .true.
+      open_rung%open_segments = .true.
+   end function open_rung
+
+   !> Pieces: enough of them for the slopes, with modes and axial functions for the rest, and RADAU for their fast axial vibrations.
+   subroutine test_divided()
+      type(deck_type) :: deck
+      type(advice_type) :: advice
+      type(scene_type) :: scene
+      type(diagnostics_type) :: diagnostics
+      type(error_type), allocatable :: error
+      call read_whole_deck('accuracy/spin_up.inp', none, deck, error)
+      call check_no_error(error, 'spin-up')
+      call make_advice(deck, 1.0e-4_wp, advice, error)
+      call check_no_error(error, 'spin-up')
+      call check(advice%rungs(1)%segments >= 4, 'slopes of 0.08 for four digits: '//rung_name(advice%rungs(1)))
+      call check(advice%expected(1) <= advice%share, 'within the share')
+      call check(floor_of(advice%rungs(1), advice%probe%beams(1)) < 1.0e-4_wp, 'and so is what pieces leave out')
+      scene%deck = deck
+      advice%tolerance = 1.5e-5_wp
+      call apply_advice(advice, scene%deck)
+      associate (rung => advice%rungs(1), block => scene%deck%blocks(advice%rungs(1)%block))
+         call check(block%integer('SEGMENTS') == rung%segments, 'pieces in the deck')
+         call check(block%integer('BENDING MODES') == rung%bending, 'modes of each in the deck')
+         call check(block%integer('GEOMETRIC ELEMENTS') == 2*rung%bending, 'two axial functions for each mode')
+      end associate
+      call build_scene(scene, diagnostics, error)
+      call check_no_error(error, 'the divided beam')
+      call check(scene%system%model%dynamics%integrator == 'RADAU', 'short pieces do not make the motion fast: '// &
+         & scene%system%model%dynamics%integrator)
+   end subroutine test_divided
+
+   !> Clamped-free modes carry no load at the free end: where a joint is, shapes of the end come with them.
+   subroutine test_loaded_end()
+      type(deck_type) :: deck
+      type(advice_type) :: advice
+      type(error_type), allocatable :: error
+      call read_whole_deck('accuracy/two_link_arm.inp', none, deck, error)
+      call check_no_error(error, 'arm')
+      call make_advice(deck, 1.0e-2_wp, advice, error)
+      call check_no_error(error, 'arm')
+      call check(all(advice%rungs%shaped), 'both arms carry something at their ends')
+      call apply_advice(advice, deck)
+      call check(deck%blocks(advice%rungs(1)%block)%yes('END SHAPES'), 'the shapes in the deck')
+      call read_whole_deck('accuracy/spin_up.inp', none, deck, error)
+      call make_advice(deck, 1.0e-2_wp, advice, error)
+      call check(.not. advice%rungs(1)%shaped, 'a free end needs none')
+   end subroutine test_loaded_end
 
    !> What is chosen: the right kind.
    subroutine test_choices()

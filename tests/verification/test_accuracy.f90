@@ -24,6 +24,9 @@ program test_accuracy
    call test_spin_up('1e-2')
    call test_squeezer('1e-3')
    call test_squeezer('1e-5')
+   call test_arm('1e-2')
+   call test_arm('1e-3')
+   call test_four_bar()
    call test_written()
    call test_refusal()
    call test_misled()
@@ -107,6 +110,40 @@ contains
       end do
       call reader%close()
    end subroutine test_squeezer
+
+   !> The two-link arm, whose joints load the free ends of both beams. Truth: three pieces of each, a smaller tolerance.
+   subroutine test_arm(target)
+      character(*), intent(in) :: target
+      type(history_reader_type) :: reader, refined
+      character(*), parameter :: fine = ', GEOMETRIC=FULL, SEGMENTS=3, BENDING MODES=3, GEOMETRIC ELEMENTS=4, ELEMENTS=160'
+      character(100) :: old(4), new(4)
+      character(10) :: names(6)
+      integer :: i
+      call run_for('two_link_arm', target, reader)
+      old = [character(100) :: 'NAME=upper', 'NAME=fore', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=200']
+      new = [character(100) :: 'NAME=upper'//fine, 'NAME=fore'//fine, '** no target', 'OUTPUTS=200, TOLERANCE=1e-5']
+      call run_changed('accuracy/two_link_arm.inp', trim(results)//'_truth', old, new, refined)
+      names = [character(10) :: 'x_payload', 'y_payload', 'x_hub', 'y_hub', 'bend_upper', 'bend_fore']
+      do i = 1, size(names)
+         call compare(reader, trim(names(i)), channel(refined, trim(names(i))), target)
+      end do
+      call reader%close()
+      call refined%close()
+   end subroutine test_arm
+
+   !> A stiff rocker beside a soft coupler: it bends by nothing, but the inertia of its mesh counts at four digits.
+   subroutine test_four_bar()
+      type(history_reader_type) :: reader, refined
+      character(*), parameter :: fine = ', GEOMETRIC=FULL, SEGMENTS=2, BENDING MODES=3, GEOMETRIC ELEMENTS=4, ELEMENTS=200'
+      character(100) :: old(4), new(4)
+      call run_for('four_bar', '1e-4', reader)
+      old = [character(100) :: 'NAME=coupler', 'NAME=rocker', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=400']
+      new = [character(100) :: 'NAME=coupler'//fine, 'NAME=rocker'//fine, '** no target', 'OUTPUTS=400, TOLERANCE=1e-6']
+      call run_changed('accuracy/four_bar.inp', trim(results)//'_truth', old, new, refined)
+      call compare(reader, 'deflection_coupler_middle', channel(refined, 'deflection_coupler_middle'), '1e-4')
+      call reader%close()
+      call refined%close()
+   end subroutine test_four_bar
 
    !> A deck that an advice has written runs without one, with the same integrator and fidelity.
    subroutine test_written()

@@ -39,7 +39,7 @@ module limber_analysis_trial
       type(outcome_type) :: outcome
       !> Why it failed; empty if it did not
       character(:), allocatable :: reason
-      !> Counted work of its time loop, eq. (N5); the same on every machine
+      !> Counted work of its time loop, eq. (N1); the same on every machine
       real(wp) :: work = 0.0_wp
       !> Magnitude that each channel's errors are relative to (channels)
       real(wp), allocatable :: scale(:)
@@ -154,7 +154,7 @@ contains
 
    end subroutine run_trial
 
-   !> What an evaluation costs with so many rates, its part of the factorisation of the Newton matrix included, eq. (N5).
+   !> What an evaluation costs with so many rates, its part of the factorisation of the Newton matrix included, eq. (N1).
    pure real(wp) function work_of(rates) result(work)
       integer, intent(in) :: rates
       work = 1.0_wp + 0.005_wp*real(rates, wp)**2

@@ -32,6 +32,8 @@ module limber_analysis_advice
       !> Tolerance, and whether it is limber's to choose; whether the integrator is
       real(wp) :: tolerance = 0.0_wp
       logical :: open_tolerance = .true., open_integrator = .true.
+      !> RADAU if that has turned out better than what AUTO chooses, or blank
+      character(5) :: integrator = ''
    end type advice_type
 
    !> Parts of the target for the models and for the integration
@@ -375,6 +377,7 @@ contains
          call apply_rung(advice%rungs(i), deck)
       end do
       if (advice%open_tolerance) call deck%set_number(deck%find('DYNAMICS'), 'TOLERANCE', advice%tolerance, given=.true.)
+      if (advice%integrator /= '') call deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', advice%integrator, given=.true.)
    end subroutine apply_advice
 
 end module limber_analysis_advice

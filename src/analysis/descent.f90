@@ -17,7 +17,7 @@ module limber_analysis_descent
    !> Part of the work that a setting must save
    real(wp), parameter :: saved = 0.1_wp
    !> Most runs, and their work in units of the first setting's
-   integer, parameter :: most_runs = 40
+   integer, parameter :: most_runs = 60
    real(wp), parameter :: most_effort = 16.0_wp
 
    !> A setting that has failed: nothing looser of it is tried
@@ -48,6 +48,8 @@ contains
       !> The deck is wrong (status 2)
       type(error_type), allocatable, intent(out) :: error
       type(failed_type) :: failed(most_runs)
+      !> With RADAU
+      type(deck_type) :: implicit_deck
       type(rung_type), allocatable :: rungs(:)
       type(rung_type) :: lower(3)
       real(wp) :: allowed(size(truth%scale)), budget
@@ -56,6 +58,8 @@ contains
       allowed = target*truth%scale - truth%rest
       if (any(allowed <= 0.0_wp)) return
       tries = 0
+      implicit_deck = deck
+      call implicit_deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'RADAU', given=.true.)
       budget = most_effort*best%work
       allocate (rungs, source=advice%rungs)
       down = .false.
@@ -87,11 +91,11 @@ contains
 
    contains
 
-      !> The lowest rungs first, at three tolerances, as far as they cost much less: they are soon given up where they do not do.
+      !> The lowest rungs first, at a few tolerances, as far as they cost much less: they are soon given up where they do not do.
       subroutine start_below()
          integer, parameter :: levels(7) = [level_linear, level_kg, level_kg, level_full, level_full, level_full, level_full], &
             & modes(7) = [1, 1, 2, 1, 2, 3, 5]
-         real(wp), parameter :: tolerances(3) = [1.0e-2_wp, 1.0e-3_wp, 1.0e-4_wp], much = 0.7_wp
+         real(wp), parameter :: tolerances(4) = [1.0e-2_wp, 3.0e-3_wp, 1.0e-3_wp, 1.0e-4_wp], much = 0.7_wp
          type(rung_type), allocatable :: present(:)
          integer :: m, l
          allocate (present, source=advice%rungs)
@@ -111,24 +115,45 @@ contains
          end do
       end subroutine start_below
 
-      !> Runs a setting, and takes it if it keeps the target for less.
+      !> Runs a setting, and takes it if it keeps the target for less; where AUTO chooses ADAMS also with RADAU, which at loose
+      !> tolerances is the better of the two.
       subroutine try(tolerance)
          real(wp), intent(in) :: tolerance
+         character(10) :: integrator
+         if (advice%integrator /= '') then
+            call attempt(implicit_deck, tolerance, integrator)
+            return
+         end if
+         call attempt(deck, tolerance, integrator)
+         if (down .or. allocated(error) .or. integrator /= 'ADAMS' .or. .not. advice%open_integrator) return
+         advice%integrator = 'RADAU'
+         call attempt(implicit_deck, tolerance, integrator)
+         if (.not. down) advice%integrator = ''
+      end subroutine try
+
+      !> Runs a setting of a deck, and takes it if it keeps the target for less.
+      subroutine attempt(deck, tolerance, integrator)
+         type(deck_type), intent(in) :: deck
+         real(wp), intent(in) :: tolerance
+         !> That has run; blank: none
+         character(10), intent(out) :: integrator
          type(trial_type) :: trial
          character(:), allocatable :: name
          real(wp) :: found
          integer :: j
+         integrator = ''
          if (tries == most_runs .or. budget <= 0.0_wp) return
-         name = names()
+         name = trim(advice%integrator)//names()
          do j = 1, tries
             if (failed(j)%name == name .and. failed(j)%tolerance <= tolerance) return
          end do
          tries = tries + 1
          failed(tries)%name = name
          failed(tries)%tolerance = tolerance
-         call run_trial(deck, rungs, tolerance, tolerance/advice%tolerance, 2 + 4*best%outcome%cpu, .false., quiet, &
+         call run_trial(deck, rungs, tolerance, 1.0_wp, 2 + 4*best%outcome%cpu, .false., quiet, &
             & 'less: '//name, trial, error, truth%values, allowed, (1 - saved)*best%work)
          if (allocated(error)) return
+         integrator = trial%integrator
          runs = runs + 1
          cpu = cpu + trial%outcome%cpu
          budget = budget - trial%work
@@ -145,10 +170,10 @@ contains
          end do
          call take_trial(trial, best)
          path = path//newline//'   it keeps the target with less as well: '
-         if (size(rungs) > 0) path = path//name//', '
+         if (size(rungs) > 0) path = path//names()//', '
          path = path//'TOLERANCE='//as_text(tolerance, 2)//', error '//as_text(found, 2)
          down = .true.
-      end subroutine try
+      end subroutine attempt
 
       !> The rungs for people.
       function names() result(text)

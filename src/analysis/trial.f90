@@ -41,6 +41,7 @@ module limber_analysis_trial
       character(:), allocatable :: reason
       !> Counted work of its time loop, eq. (N1); the same on every machine
       real(wp) :: work = 0.0_wp
+      character(10) :: integrator = ''
       !> Magnitude that each channel's errors are relative to (channels)
       real(wp), allocatable :: scale(:)
       !> Largest slope and deflection of each open beam, the latter relative to the length; negative: not seen (rungs)
@@ -130,6 +131,7 @@ contains
          if (.not. quiet) call progress%finish()
          trial%statistics = integrator%statistics
          trial%work = trial%statistics%evaluations*work_of(scene%system%layout%nw)
+         trial%integrator = model%dynamics%integrator
          if (allocated(trial%samples%truth)) deallocate (trial%samples%truth)
          if (allocated(failure)) then
             trial%reason = first_line(failure%message)
@@ -183,6 +185,7 @@ contains
       to%samples%samples = from%samples%samples
       to%statistics = from%statistics
       to%work = from%work
+      to%integrator = from%integrator
       call take_samples(from%samples%memory_type, to%samples%memory_type)
       call take_outcome(from%outcome, to%outcome)
       call move_alloc(from%reason, to%reason)

@@ -59,6 +59,8 @@ module limber_analysis_target
    real(wp), parameter :: stalled = 0.7_wp
    !> Parts of the target that the integration and the models may have
    real(wp), parameter :: part_time = 0.4_wp, part_model = 0.6_wp
+   !> Part of the target that the truth of a scene with beams is taken to err at least: how much it errs is an estimate
+   real(wp), parameter :: doubt = 0.1_wp
    !> Part of the target below which a beam does not matter
    real(wp), parameter :: no_matter = 0.02_wp
    !> Expected error in units of the target beyond which a model is not verified, and error of deflections at the limit of a range
@@ -302,6 +304,7 @@ contains
          do i = 1, size(advice%rungs)
             truth%rest = truth%rest + floor_beyond(i)*truth%scale
          end do
+         if (size(advice%rungs) > 0) truth%rest = max(truth%rest, doubt*target*truth%scale)
          reached%error = error_against(truth, candidate%samples%values) &
             & + sum(merge(reached%of_beam, 0.0_wp, reached%of_beam > 1.0e3_wp))
       end associate

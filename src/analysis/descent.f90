@@ -1,5 +1,5 @@
-!> From a setting that keeps a target to a cheaper one that keeps it as well: looser tolerances and lower rungs are tried against the
-!> run that has verified the first. Floor: analysis. Equations: doc/theory.md, accuracy on request.
+!> From a setting that keeps a target to a cheaper one that keeps it as well: looser tolerances and lower rungs are tried against
+!> the run that has verified the first. Floor: analysis. Equations: doc/theory.md, accuracy on request.
 module limber_analysis_descent
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type

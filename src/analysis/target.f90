@@ -50,9 +50,10 @@ module limber_analysis_target
 
    !> Ratio of the tolerances of a run and its check, and least tolerance
    real(wp), parameter :: ladder = 0.1_wp, least_tolerance = 1.0e-13_wp
-   !> What differences are multiplied by: the check has an error too; and that error for the integration, as a part of the difference
+   !> What differences are multiplied by where a beam or the integration is judged; error of the check of the integration, as a part
+   !> of the difference
    real(wp), parameter :: widening = 1.25_wp, rest_of_time = 0.25_wp
-   !> Part of the target that a floor of one frame may have where runs in one frame verify each other, and error of the truth that is
+   !> Part of the target that a floor of one frame may have where runs in one frame verify each other; error of the truth that is
    !> good enough for another setting
    real(wp), parameter :: unseen = 0.25_wp, sure = 0.3_wp
    !> Part of an error that is left when a richer basis does not help

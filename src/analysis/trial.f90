@@ -59,7 +59,7 @@ module limber_analysis_trial
       !> Its rungs and its tolerance
       type(rung_type), allocatable :: rungs(:)
       real(wp) :: tolerance = 0.0_wp
-      !> Its channels (channels, samples), what their errors are relative to, and the errors that it has itself, estimated (channels)
+      !> Its channels (channels, samples), what their errors are relative to, and its own errors, estimated (channels)
       real(wp), allocatable :: values(:, :), scale(:), rest(:)
    end type truth_type
 

@@ -335,7 +335,11 @@ contains
          less%bending = rung%bending - 1
          if (rung%open_modes .and. rung%bending > 1) call add()
          less = in_pieces(rung, rung%segments/2, min(most_piece_modes, 2*rung%bending))
-         if (rung%open_segments .and. rung%open_modes .and. rung%segments > first_pieces) call add()
+         if (rung%open_segments .and. rung%open_modes .and. rung%segments > first_pieces) then
+            call add()
+            less%bending = min(most_piece_modes, 2*rung%bending + 1)
+            call add()
+         end if
          less%bending = 3
          less%derivatives = enough_derivatives(less%bending)
          less%spun = .true.

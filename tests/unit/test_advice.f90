@@ -148,7 +148,8 @@ contains
       rung%segments = 4
       rung%bending = 2
       call lower_rungs(rung, lower, count)
-      call check(count == 2, 'fewer modes, or fewer pieces')
+      call check(count == 3, 'fewer modes, or fewer pieces with as many modes in all or more')
+      call check(rung_name(lower(3)) == 'FULL 5 + 10, 2 pieces', 'more modes in two pieces: '//rung_name(lower(3)))
       call check(rung_name(lower(1)) == 'FULL 1 + 2, 4 pieces' .and. rung_name(lower(2)) == 'FULL 4 + 8, 2 pieces', &
          & 'below 4 pieces')
       do i = 1, count

@@ -12,7 +12,7 @@ module limber_analysis_target
    use limber_analysis_indicators, only: indicator_names
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_rungs, only: rung_type, next_rung, better_rung, in_pieces, can_climb, rung_name, rest_beyond, level_full, &
-      & first_pieces, most_piece_modes
+      & first_pieces, most_piece_modes, most_elements
    use limber_analysis_trial, only: trial_type, truth_type, run_trial, take_samples, take_outcome, error_against
    use limber_deck_content, only: deck_type
    use limber_integrator_statistics, only: step_statistics_type
@@ -286,6 +286,8 @@ contains
          n = candidate%samples%samples
          call begin_truth()
          higher = deck
+         ! Elements cost nothing in the time loop: those of all beams are twice as many in the truth
+         where (.not. truth%rungs%given_elements) truth%rungs%elements = min(most_elements, 2*truth%rungs%elements)
          do i = 1, size(advice%rungs)
             if (.not. can_climb(advice%rungs(i)) .or. advice%expected(i) < no_matter*target) cycle
             ! With axial vibrations the steps of ADAMS would be bound to them
@@ -353,10 +355,11 @@ contains
          integer, intent(in) :: i
          associate (rung => reached%advice%rungs(i))
             check_rung = next_rung(rung)
+            check_rung%elements = truth%rungs(i)%elements
             if (rung%segments > 1 .or. rung%level < level_full .or. .not. rung%open_segments) return
             if (reached%advice%floor(i) <= unseen*target) return
             check_rung = in_pieces(rung, first_pieces, min(most_piece_modes, max(3, rung%bending/2 + 1)))
-            if (.not. check_rung%given_elements) check_rung%elements = 2*rung%elements
+            check_rung%elements = truth%rungs(i)%elements
          end associate
       end function check_rung
 

@@ -115,10 +115,11 @@ contains
          end do
       end subroutine start_below
 
-      !> Runs a setting, and takes it if it keeps the target for less; where AUTO chooses ADAMS also with RADAU, which at loose
-      !> tolerances is the better of the two.
+      !> Runs a setting, and takes it if it keeps the target for less; where AUTO chooses ADAMS at a loose tolerance also with RADAU,
+      !> which then is often the better of the two.
       subroutine try(tolerance)
          real(wp), intent(in) :: tolerance
+         real(wp), parameter :: loose = 2.0e-3_wp
          character(10) :: integrator
          if (advice%integrator /= '') then
             call attempt(implicit_deck, tolerance, integrator)
@@ -126,6 +127,7 @@ contains
          end if
          call attempt(deck, tolerance, integrator)
          if (down .or. allocated(error) .or. integrator /= 'ADAMS' .or. .not. advice%open_integrator) return
+         if (tolerance < loose) return
          advice%integrator = 'RADAU'
          call attempt(implicit_deck, tolerance, integrator)
          if (.not. down) advice%integrator = ''

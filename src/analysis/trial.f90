@@ -5,11 +5,12 @@ module limber_analysis_trial
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: first_line
-   use limber_analysis_dynamics, only: outcome_type, run_dynamics, new_integrator
+   use limber_analysis_dynamics, only: run_dynamics, new_integrator
    use limber_analysis_errors, only: magnitude
    use limber_analysis_estimate, only: add_quantities, round_off
    use limber_analysis_indicators, only: indicator_value, indicator_slope, indicator_deflection, indicator_rotation, &
       & indicator_compression, indicator_geometric, indicator_shortening
+   use limber_analysis_outcome, only: outcome_type
    use limber_analysis_ranges, only: excess
    use limber_analysis_rungs, only: rung_type, apply_rung
    use limber_analysis_scene, only: scene_type, build_scene

@@ -129,8 +129,8 @@ contains
 
    end subroutine choose_axial
 
-   !> Puts what a run has measured of a beam in place of what the probe expected. A beam that bends far beyond what the probe foresaw
-   !> does as much more to the channels; its error is taken for its share at least, so that it is verified: eq. (183).
+   !> Puts what a run has measured of a beam in place of what the probe expected. A beam that bends far beyond what the probe
+   !> foresaw does as much more to the channels; its error is taken for its share at least, so that it is verified: eq. (183).
    subroutine take_measured(advice, which, slope, deflection, at_rest)
       type(advice_type), intent(inout) :: advice
       integer, intent(in) :: which

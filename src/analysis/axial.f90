@@ -153,8 +153,9 @@ contains
       end if
    end subroutine decide
 
-   !> Frequency of the stretching of each body at the place q, the lowest ones of the scene in which it has a tenth, all else free to move as the joints let it, without stiffness of
-   !> bending: from the accelerations of all axial coordinates under unit forces on them, eq. (146). Zero if joints hold the ends.
+   !> Frequency of the stretching of each body at the place q, the lowest ones of the scene in which it has a tenth, all else free
+   !> to move as the joints let it, without stiffness of bending: from the accelerations of all axial coordinates under unit forces
+   !> on them, eq. (146). Zero if joints hold the ends.
    subroutine find_frequencies(system, work, q, frequency)
       type(system_type), intent(inout) :: system
       type(workspace_type), intent(inout) :: work

@@ -115,8 +115,8 @@ contains
          end do
       end subroutine start_below
 
-      !> Runs a setting, and takes it if it keeps the target for less; where AUTO chooses ADAMS at a loose tolerance also with RADAU,
-      !> which then is often the better of the two.
+      !> Runs a setting, and takes it if it keeps the target for less; where AUTO chooses ADAMS at a loose tolerance also with
+      !> RADAU, which then is often the better of the two.
       subroutine try(tolerance)
          real(wp), intent(in) :: tolerance
          real(wp), parameter :: loose = 2.0e-3_wp

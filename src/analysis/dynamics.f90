@@ -261,8 +261,8 @@ contains
 
    end subroutine advance
 
-   !> Time in which no frame turns by more than a part of a turn, so that turns can be counted; huge if the last step was so short that
-   !> the next one cannot come near that.
+   !> Time in which no frame turns by more than a part of a turn, so that turns can be counted; huge if the last step was so short
+   !> that the next one cannot come near that.
    pure real(wp) function turn_time(system, last, q, v) result(longest)
       type(system_type), intent(in) :: system
       !> Length of the last step; coordinates and velocities (nq)

@@ -55,8 +55,8 @@ module limber_analysis_indicators
       logical :: is_beam = .false.
       !> Whether its model is FULL
       logical :: is_full = .false.
-      !> Which of the sets of constants are its own; its k_G elements, and whether joints hold its ends at a distance from each other
-      !> of which its model knows nothing
+      !> Which of the sets of constants are its own; its k_G elements, and whether joints hold its ends at a distance from each
+      !> other of which its model knows nothing
       integer :: set = 0, elements = 0
       logical :: held = .false.
       !> First frequency, and length or size
@@ -80,8 +80,8 @@ module limber_analysis_indicators
       type(stations_type) :: stations
    end type set_type
 
-   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that does not slide along the beam, and the other
-   !> body of a pin or weld, -1 for others
+   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that does not slide along the beam, and the
+   !> other body of a pin or weld, -1 for others
    type :: contact_type
       integer :: point = 0
       logical :: is_joint = .false.

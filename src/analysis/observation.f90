@@ -292,8 +292,8 @@ contains
       call raise_peak(self, peak_quartic, abs(quartic), t)
    end subroutine observe_forces
 
-   !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about them;
-   !> squares of the change: in energy, of what FULL lacks in deflection, eqs. (160), (161).
+   !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about
+   !> them; squares of the change: in energy, of what FULL lacks in deflection, eqs. (160), (161).
    pure subroutine compare_tension(self, stations, body, eta, lack, coarse)
       type(body_indicators_type), intent(inout) :: self
       type(stations_type), intent(in) :: stations

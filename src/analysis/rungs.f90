@@ -240,8 +240,8 @@ contains
          & .or. (rung%open_segments .and. rung%segments < most_segments)
    end function can_climb
 
-   !> The next rung: higher in fidelity and richer in coordinates, with axial vibrations, so that what both leave out shows; behind the
-   !> richest in one frame the beam is divided.
+   !> The next rung: higher in fidelity and richer in coordinates, with axial vibrations, so that what both leave out shows; behind
+   !> the richest in one frame the beam is divided.
    pure function next_rung(rung) result(next)
       type(rung_type), intent(in) :: rung
       type(rung_type) :: next

@@ -35,11 +35,12 @@ module limber_flex_stations
       !> Tension that the model itself has at each station for unit axial coordinates (axial, count), and of the model full the
       !> matrices E A B_g / 2 (bending, bending, elements); otherwise (0,0,0)
       real(wp), allocatable :: strain(:, :), slopes(:, :, :)
-      !> Euler's load of the chosen functions, as the joints hold the beam, and the weights of the axial force of the stations in its
-      !> ratio to that load (count), eq. (159)
+      !> Euler's load of the chosen functions, as the joints hold the beam, and the weights of the axial force of the stations in
+      !> its ratio to that load (count), eq. (159)
       real(wp) :: euler = 0.0_wp
       real(wp), allocatable :: buckling(:)
-      !> Flexibility across the beam that the chosen functions leave out, for unit amplitudes (2 + 2 places, 2 + 2 places), eq. (161)
+      !> Flexibility across the beam that the chosen functions leave out, for unit amplitudes (2 + 2 places, 2 + 2 places), eq.
+      !> (161)
       real(wp), allocatable :: left_out(:, :)
       !> Relative error of each bending frequency by the lumped masses (bending), and what they lose of the force that a uniform
       !> acceleration, one about the origin of the frame, and those of the coordinates put on each (bending, 2 + bending),

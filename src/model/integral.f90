@@ -76,8 +76,8 @@ contains
       end do
    end subroutine fill
 
-   !> Whether the last terms of a piece's series are round-off, that of the time included. A piece in which the law is a millionth of
-   !> what it is elsewhere need not be known as well as that.
+   !> Whether the last terms of a piece's series are round-off, that of the time included. A piece in which the law is a millionth
+   !> of what it is elsewhere need not be known as well as that.
    logical function resolved(law, left, right, scale)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: left, right

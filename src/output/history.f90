@@ -11,7 +11,8 @@
 !>     /<group>/<name>    of the same shape, with the same scales: more about a channel, whose attribute <group> is the path
 !>     /motion            what `limber_output_motion` describes, if the deck asks for it
 !>     /bodies/<name>/... small datasets and attributes; of flexible bodies indicators: (indicators, 2), attribute names
-!>     /run               texts (deck, ...), statistics, /run/steps/... if there are several analyses; attributes complete (0, then 1) and status
+!>     /run               texts (deck, ...), statistics, /run/steps/... if there are several analyses; attributes complete (0, then
+!> 1) and status
 !>
 !> Samples are gathered in memory and go to the file whenever the buffer is full. The file is written under the name
 !> <name>.running (`limber_output_working_file`), and every few seconds a copy of it takes the name proper: what stands there

@@ -201,7 +201,8 @@ contains
       if (same .and. a%full) same = all(abs(a%quartic - b%quartic) <= 0.0_wp)
    end function same_body
 
-   !> Inverse of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (166), (167).
+   !> Inverse of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (166),
+   !> (167).
    pure subroutine eliminate(order, m, pinned, block, reaction, rows, compliance, singular)
       !> Leading dimension; number of the body's rates
       integer, intent(in) :: order, m

@@ -1,5 +1,5 @@
-!> Equations of motion of a forest of bodies on pins at an instant: what `motion_residual` does for any scene, to round-off, but body
-!> by body in one pass, without kinematics of markers in between; power; and what moves a state onto the pins. No allocation.
+!> Equations of motion of a forest of bodies on pins at an instant: what `motion_residual` does for any scene, to round-off, but
+!> body by body in one pass, without kinematics of markers in between; power; and what moves a state onto the pins. No allocation.
 !> Floor: system. Source: doc/theory, eqs. (12), (34), (35), (39), (166)-(168).
 module limber_system_forest_motion
    use limber_base_kinds, only: wp
@@ -172,8 +172,8 @@ contains
    end subroutine mass_matrix
 
    !> Moves a state that is near the pins onto them, at position and velocity level. No pin closes a loop, so that the place and the
-   !> velocity of each frame follow from its carrier: rotations, deflections and their rates stay as they are. The momentum of a tree
-   !> in flight does not.
+   !> velocity of each frame follow from its carrier: rotations, deflections and their rates stay as they are. The momentum of a
+   !> tree in flight does not.
    pure subroutine forest_settle(forest, q, v)
       type(forest_type), intent(in) :: forest
       !> Coordinates and velocities (nq)

@@ -9,8 +9,8 @@ module limber_system_measures
    private
    public :: measure_type, measure_value, measure_gradient, measure_hessian
 
-   !> axis.(v1 - v2); (v1 - v2).v3; v1 x v2; |v1 - v2|; the angle of v1 - v2, followed over turns; (v1 x v2)(v2.v2 - v1.v1), the cube
-   !> of the slope of a section whose direction is v2 in the frame of direction v1
+   !> axis.(v1 - v2); (v1 - v2).v3; v1 x v2; |v1 - v2|; the angle of v1 - v2, followed over turns; (v1 x v2)(v2.v2 - v1.v1), the
+   !> cube of the slope of a section whose direction is v2 in the frame of direction v1
    integer, parameter, public :: measure_component = 1, measure_along = 2, measure_cross = 3, measure_distance = 4, &
       & measure_angle = 5, measure_slope = 6
 

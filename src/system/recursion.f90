@@ -1,6 +1,6 @@
-!> Accelerations of open chains and trees of rigid bodies on pins, by recursion from the free ends to the roots and back: a body costs
-!> the same in the longest chain, and nothing is factored. The bodies' numbers stand in arrays in the order of the recursion, so
-!> that ten thousand bodies stream through the cache. Gives what the multiplier system gives, to round-off. Floor: system.
+!> Accelerations of open chains and trees of rigid bodies on pins, by recursion from the free ends to the roots and back: a body
+!> costs the same in the longest chain, and nothing is factored. The bodies' numbers stand in arrays in the order of the recursion,
+!> so that ten thousand bodies stream through the cache. Gives what the multiplier system gives, to round-off. Floor: system.
 !> Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7; doc/theory, eqs. (64)-(68).
 module limber_system_recursion
    use limber_base_kinds, only: wp

@@ -1,6 +1,6 @@
 !> Deflections at the start of a free motion: in equilibrium with the loads and the inertia of the motion that the frames then
-!> begin, which is that of held deflections. Newton's method with all that a deflection changes: its own elastic force, springs and other
-!> loads, the frames that close the joints, and with them the accelerations and multipliers. Floor: system.
+!> begin, which is that of held deflections. Newton's method with all that a deflection changes: its own elastic force, springs and
+!> other loads, the frames that close the joints, and with them the accelerations and multipliers. Floor: system.
 !> Source: doc/theory, eqs. (187)-(189); Saad and Schultz 1986 (GMRES).
 module limber_system_relaxation
    use limber_base_kinds, only: wp

@@ -1,5 +1,5 @@
-!> Solutions of the multiplier system with the factors of `limber_system_multiplier`: accelerations, projections onto the constraints,
-!> and the multipliers of what hangs, is driven or held, which are no unknowns. Floor: system.
+!> Solutions of the multiplier system with the factors of `limber_system_multiplier`: accelerations, projections onto the
+!> constraints, and the multipliers of what hangs, is driven or held, which are no unknowns. Floor: system.
 !> Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (14), (15), (32), (33a)-(33c), (74), (154), (155).
 module limber_system_solution
    use limber_base_kinds, only: wp

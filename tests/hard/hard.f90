@@ -296,7 +296,8 @@ contains
 
    end subroutine write_deck
 
-   !> Largest error of a result in units of the scale; infinite if a sample is missing or not a number, negative if nothing is expected.
+   !> Largest error of a result in units of the scale; infinite if a sample is missing or not a number, negative if nothing is
+   !> expected.
    subroutine compare(item, results, other, found)
       type(case_type), intent(in) :: item
       character(*), intent(in) :: results

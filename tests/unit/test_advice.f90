@@ -280,7 +280,8 @@ contains
       end if
    end subroutine check_choice
 
-   !> Axial coordinates at rest: with ADAMS, where the error that they make is within a third of the target; the rung above has them.
+   !> Axial coordinates at rest: with ADAMS, where the error that they make is within a third of the target; the rung above has
+   !> them.
    subroutine test_at_rest()
       call check_axial('spin_up', 'ADAMS', 1.0e-2_wp, .true., 'a smooth spin-up')
       call check_axial('spin_up', 'RADAU', 1.0e-2_wp, .false., 'with RADAU nothing is gained')

@@ -125,7 +125,8 @@ contains
       call check(index(effective_deck(deck), 'AXIAL BASIS=MODES') > 0, 'it is in the effective deck')
    end subroutine test_set_option
 
-   !> Blocks that are repeated, one in the other, with parameters of their own and a file; they stand as written in the effective deck.
+   !> Blocks that are repeated, one in the other, with parameters of their own and a file; they stand as written in the effective
+   !> deck.
    subroutine test_repeat()
       type(deck_type) :: deck, again
       type(diagnostics_type) :: diagnostics

@@ -1,5 +1,5 @@
-!> Stations of beams: Euler's loads and the axial force of rotation in closed form, the flexibility that modes leave out, the error by
-!> the lumped masses against frequencies that are known.
+!> Stations of beams: Euler's loads and the axial force of rotation in closed form, the flexibility that modes leave out, the error
+!> by the lumped masses against frequencies that are known.
 program test_stations
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -90,7 +90,8 @@ contains
       call check_close(maxval(abs(force - 5.0_wp)), 0.0_wp, 1.0e-12_wp, 'forces at the ends')
    end subroutine test_rotation
 
-   !> The tip of a cantilever yields by 1/3 to a force and by 1 to a couple, less what the modes carry: 4/omega^2, (2 beta tan)^2/omega^2.
+   !> The tip of a cantilever yields by 1/3 to a force and by 1 to a couple, less what the modes carry: 4/omega^2, (2 beta
+   !> tan)^2/omega^2.
    subroutine test_left_out()
       type(stations_type) :: stations
       real(wp), allocatable :: omega2(:)

@@ -1,7 +1,7 @@
-!> No silent wrong answers: for each assumption of the models of beams a scene that breaks it, wrong against an independent value and
-!> warned of, and beside it one within range, right and without a warning. Sources: elliptic integrals and shooting for the elastica,
-!> shooting for w'''' = (T w')' + omega^2 w, beam-columns and membranes in closed form (doc/fidelity.md). Usage, in tests/:
-!> test_ranges RESULT_FILE
+!> No silent wrong answers: for each assumption of the models of beams a scene that breaks it, wrong against an independent value
+!> and warned of, and beside it one within range, right and without a warning. Sources: elliptic integrals and shooting for the
+!> elastica, shooting for w'''' = (T w')' + omega^2 w, beam-columns and membranes in closed form (doc/fidelity.md). Usage, in
+!> tests/: test_ranges RESULT_FILE
 program test_ranges
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type

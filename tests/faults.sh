@@ -57,7 +57,8 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   expect 0 "continued at" "$limber" run ../deck.inp -o full.h5 --restart
   same full.h5
 
-  # Interrupted while it is full: it goes on from the last checkpoint that found room
+  # Interrupted while it is full: it goes on from the last checkpoint that found room. A fast machine may have to write samples
+  # before that, which ends the run
   rm -f full*
   mount -o remount,size=400k .
   "$limber" run ../long.inp --quiet -o full.h5 --checkpoint 0.02 > ../messages 2>&1 &
@@ -71,7 +72,8 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   kill -TERM $process
   wait $process
   status=$?
-  if [ $status -ne 4 ] || ! grep -q "with --restart it goes on from t = .*no checkpoint could be written since: " ../messages; then
+  if ! { [ $status -eq 4 ] && grep -q "with --restart it goes on from t = .*no checkpoint could be written since: " ../messages; } &&
+    ! { [ $status -eq 3 ] && grep -q "No space left on device" ../messages; }; then
     echo "interrupted on a full disk: status $status"; cat ../messages; exit 1
   fi
   "$limber" export full.h5 > ../part.txt || exit 1

@@ -16,25 +16,25 @@ function(expect status text command)
 endfunction()
 
 # Waits for the first checkpoint of a run, if that does not end before
-set(later "p=$!; while test ! -e FILE.checkpoint.h5 && kill -0 $p; do sleep 0.02; done; sleep 0.1")
-set(run "${LIMBER} run ${DECK} --set turns=2 --quiet")
+set(later "p=$!; while test ! -e FILE.checkpoint.h5 && kill -0 $p; do sleep 0.02; done; sleep 0.05")
+set(run "${LIMBER} run ${DECK} --set turns=4 --quiet")
 expect(0 "" "${run} -o whole.h5")
 foreach(signal TERM INT USR1)
   string(REPLACE FILE ${signal} wait "${later}")
   expect(4 "interrupted by SIG${signal}" "${run} -o ${signal}.h5 --checkpoint 0.02 & ${wait}; kill -${signal} $p; wait $p")
   expect(2 "samples of a run that did not finish; give --restart to continue it, --force to overwrite it" "${run} -o ${signal}.h5")
   expect(2 "another deck" "${run} -o ${signal}.h5 --set crank=0.14 --restart")
-  expect(0 "continued at t = " "cp ${signal}.checkpoint.h5 kept; ${LIMBER} run ${DECK} --set turns=2 -o ${signal}.h5 --restart")
+  expect(0 "continued at t = " "cp ${signal}.checkpoint.h5 kept; ${LIMBER} run ${DECK} --set turns=4 -o ${signal}.h5 --restart")
   expect(0 "the same" "${LIMBER} diff ${signal}.h5 whole.h5 --rtol 0 --range 0")
   expect(0 "" "test ! -e ${signal}.checkpoint.h5 && test ! -e ${signal}.h5.running")
   # Killed between its end and the removal of its checkpoint
-  expect(0 "nothing left to do" "mv kept ${signal}.checkpoint.h5; ${LIMBER} run ${DECK} --set turns=2 -o ${signal}.h5 --restart")
+  expect(0 "nothing left to do" "mv kept ${signal}.checkpoint.h5; ${LIMBER} run ${DECK} --set turns=4 -o ${signal}.h5 --restart")
   expect(0 "" "test ! -e ${signal}.checkpoint.h5")
 endforeach()
 
 # Killed at some moments: what was written can be read, and the run goes on from its last checkpoint
 string(REPLACE FILE killed wait "${later}")
-expect(0 "" "for s in 0 0.1 0.2; do ${run} -o killed.h5 --checkpoint 0.02 --restart & ${wait}; sleep $s; kill -9 $p; wait $p; \
+expect(0 "" "for s in 0 0.05 0.1; do ${run} -o killed.h5 --checkpoint 0.02 --restart & ${wait}; sleep $s; kill -9 $p; wait $p; \
   ${LIMBER} export killed.h5 > /dev/null || exit 1; test -e killed.checkpoint.h5 || exit 2; done")
 expect(0 "" "${run} -o killed.h5 --restart")
 expect(0 "the same" "${LIMBER} diff killed.h5 whole.h5 --rtol 0 --range 0")

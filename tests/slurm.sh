@@ -93,9 +93,12 @@ sed 's/turns = 2/turns = 16/; s/OUTPUTS=838/OUTPUTS=8380/' "$(dirname "$deck")/s
 "$limber" run long.inp --quiet -o whole.h5
 export LIMBER_OPTIONS="--checkpoint 0.2"
 run=$(sbatch --parsable "$jobs/run_restart.sh" long.inp pieces.h5)
+# Slurm would wait two minutes before it starts a job again, from when its last part has ended
+hurry() { scontrol update JobId="$run" StartTime=now >/dev/null 2>&1 || true; }
 for warning in 1 2; do
   for _ in $(seq 600); do
     [[ -e pieces.h5.running ]] && break
+    hurry
     sleep 0.1
   done
   sleep 0.3
@@ -104,12 +107,13 @@ for warning in 1 2; do
     [[ -e pieces.h5.running ]] || break
     sleep 0.1
   done
-  # Slurm would wait two minutes before it starts it again
-  for _ in $(seq 100); do
-    squeue -h -j "$run" -o %T | grep -q PENDING && scontrol update JobId="$run" StartTime=now && break
-    sleep 0.1
-  done
   [[ ! -e pieces.h5.running ]] || { echo "warning $warning was not heeded"; exit 1; }
+done
+# Between two parts the queue may look empty for a moment
+for _ in $(seq 600); do
+  [[ -e pieces.checkpoint.h5 || -e pieces.h5.running ]] || break
+  hurry
+  sleep 0.1
 done
 await
 cat "limber-run-$run.log"

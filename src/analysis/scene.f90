@@ -257,16 +257,23 @@ contains
       !> Its index among the constraints
       integer, intent(in) :: constraint
       type(origin_type) :: origin
-      integer :: block, beam
+      integer :: block, beam, number
       beam = 0
+      ! A coupler of many bodies has several
+      number = constraint
+      if (scene%system%constraints(constraint)%item%part_of > 0) number = scene%system%constraints(constraint)%item%part_of
       associate (model => scene%system%model)
-         if (constraint <= size(model%joints)) then
-            block = scene%deck%find_named('JOINT|COUPLER', model%joints(constraint)%name)
+         if (number <= size(model%joints)) then
+            block = scene%deck%find_named('JOINT|COUPLER', model%joints(number)%name)
             ! One between the segments of a beam
             if (block == 0) beam = scene%deck%find_named('BEAM', name_in_deck(model, &
-               & model%points(model%joints(constraint)%points(1))%body))
+               & model%points(model%joints(number)%points(1))%body))
          else
-            block = scene%deck%find_named('DRIVER', model%drivers(constraint - size(model%joints))%name)
+            associate (name => model%drivers(number - size(model%joints))%name)
+               block = scene%deck%find_named('DRIVER', name)
+               ! One of the three of a motion: NAME_x, NAME_y, NAME_angle
+               if (block == 0) block = scene%deck%find_named('MOTION', name(:index(name, '_', back=.true.) - 1))
+            end associate
          end if
       end associate
       origin = origin_type(file=1)

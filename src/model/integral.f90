@@ -30,37 +30,44 @@ contains
       real(wp), intent(in) :: breaks(:)
       type(integral_type) :: integral
       real(wp), allocatable :: edges(:), longer(:)
-      real(wp) :: left, right, width, scale
-      integer :: i
-      allocate (edges(1), source=start)
+      real(wp) :: left, right, width, scale, basis(terms - 1, 0:terms - 2)
+      integer :: i, count
+      allocate (edges(64))
+      edges(1) = start
+      count = 1
+      basis = cosines()
       scale = largest(law, start, end, breaks)
       do i = 1, size(breaks) + 1
-         left = edges(size(edges))
+         left = edges(count)
          right = end
          if (i <= size(breaks)) right = min(end, breaks(i))
          width = right - left
-         do while (right - left > 4*epsilon(left)*max(abs(left), abs(right)) .and. size(edges) < most)
+         do while (right - left > 4*epsilon(left)*max(abs(left), abs(right)) .and. count < most)
             width = min(width, right - left)
-            if (.not. resolved(law, left, left + width, scale) .and. width > 1.0e-9_wp*(end - start)) then
+            if (.not. resolved(law, basis, left, left + width, scale) .and. width > 1.0e-9_wp*(end - start)) then
                width = 0.5_wp*width
                cycle
             end if
             left = merge(right, left + width, width >= right - left)
-            allocate (longer(size(edges) + 1))
-            longer(:size(edges)) = edges
-            longer(size(edges) + 1) = left
-            call move_alloc(longer, edges)
+            if (count == size(edges)) then
+               allocate (longer(2*count))
+               longer(:count) = edges
+               call move_alloc(longer, edges)
+            end if
+            count = count + 1
+            edges(count) = left
             width = 2*width
          end do
       end do
-      allocate (integral%edges(0:size(edges) - 1))
-      integral%edges(:) = edges
-      call fill(law, integral)
+      allocate (integral%edges(0:count - 1))
+      integral%edges(:) = edges(:count)
+      call fill(law, basis, integral)
    end function integrate
 
    !> Series of all pieces, each beginning where the last has come to.
-   subroutine fill(law, integral)
+   subroutine fill(law, basis, integral)
       type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: basis(:, 0:)
       type(integral_type), intent(inout) :: integral
       real(wp) :: c(0:terms), first(0:terms), half, value(2)
       integer :: i
@@ -68,7 +75,7 @@ contains
       value = 0.0_wp
       do i = 1, ubound(integral%edges, 1)
          half = 0.5_wp*(integral%edges(i) - integral%edges(i - 1))
-         c = chebyshev(law, integral%edges(i - 1), integral%edges(i))
+         c = chebyshev(law, basis, integral%edges(i - 1), integral%edges(i))
          first = antiderivative(c, half, value(1))
          integral%series(:, 1, i) = first
          integral%series(:, 2, i) = antiderivative(first, half, value(2))
@@ -78,16 +85,19 @@ contains
 
    !> Whether the last terms of a piece's series are round-off, that of the time included. A piece in which the law is a millionth
    !> of what it is elsewhere need not be known as well as that.
-   logical function resolved(law, left, right, scale)
+   logical function resolved(law, basis, left, right, scale)
       type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: left, right
+      real(wp), intent(in) :: basis(:, 0:), left, right
       !> Largest value of the law
       real(wp), intent(in) :: scale
       real(wp), parameter :: little = 1.0e-6_wp
       real(wp) :: c(0:terms), slope
       type(jet_type) :: jet
       integer :: i
-      c = chebyshev(law, left, right)
+      c = chebyshev(law, basis, left, right)
+      ! Where it has no value shorter pieces do not help
+      resolved = .not. all(abs(c) <= huge(c))
+      if (resolved) return
       slope = 0.0_wp
       do i = 0, 4
          jet = law%evaluate_jet(left + 0.25_wp*i*(right - left))
@@ -112,24 +122,30 @@ contains
       end do
    end function largest
 
+   !> Chebyshev polynomials (from 0) at the Chebyshev points.
+   pure function cosines() result(basis)
+      real(wp) :: basis(terms - 1, 0:terms - 2)
+      integer :: j, k
+      do k = 0, terms - 2
+         do j = 1, terms - 1
+            basis(j, k) = cos(k*pi*(j - 0.5_wp)/(terms - 1))
+         end do
+      end do
+   end function cosines
+
    !> Coefficients of the polynomial through a law at the Chebyshev points of a piece, all inside it; the last two are zero, so
    !> that there is room for two integrations.
-   function chebyshev(law, left, right) result(c)
+   function chebyshev(law, basis, left, right) result(c)
       type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: left, right
-      real(wp) :: c(0:terms), value(terms - 1), angle
-      integer :: j, k, n
-      n = terms - 1
-      do j = 1, n
-         angle = pi*(j - 0.5_wp)/n
-         value(j) = law%evaluate([0.5_wp*(left + right) + 0.5_wp*(right - left)*cos(angle)])
+      real(wp), intent(in) :: basis(:, 0:), left, right
+      real(wp) :: c(0:terms), value(terms - 1)
+      integer :: j, k
+      do j = 1, terms - 1
+         value(j) = law%evaluate([0.5_wp*(left + right) + 0.5_wp*(right - left)*basis(j, 1)])
       end do
       c = 0.0_wp
-      do k = 0, n - 1
-         do j = 1, n
-            c(k) = c(k) + value(j)*cos(k*pi*(j - 0.5_wp)/n)
-         end do
-         c(k) = c(k)*merge(1.0_wp, 2.0_wp, k == 0)/n
+      do k = 0, terms - 2
+         c(k) = merge(1.0_wp, 2.0_wp, k == 0)/(terms - 1)*dot_product(value, basis(:, k))
       end do
    end function chebyshev
 

@@ -124,7 +124,9 @@ contains
       call read_checkpoint(path, found, snapshot, error)
       if (.not. allocated(error)) call reader%read_label('/run', 'number', run, error)
       if (allocated(error)) return
-      if (found%run == run) call remove_file(path)
+      if (found%run /= run) return
+      call remove_file(path)
+      call remove_file(path//'.new')
    end subroutine clear_away
 
    !> Says of results that are there what they are, if they are those of a run that did not finish.
@@ -330,7 +332,10 @@ contains
       class(guard_type), intent(inout) :: self
       logical, intent(in) :: done
       call release_signals()
-      if (done) call remove_file(self%path)
+      if (.not. done) return
+      call remove_file(self%path)
+      ! What a kill has left while a checkpoint was written
+      call remove_file(self%path//'.new')
    end subroutine finish
 
    !> A warning if the last checkpoint could not be written; empty if all is well.

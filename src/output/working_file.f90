@@ -112,6 +112,8 @@ contains
       call rename_file(self%working, self%path, ok)
       if (ok) then
          self%published = .true.
+         ! What a kill has left while a copy was made
+         call remove_file(self%path//'.new')
       else
          call raise(error, 'cannot give '//self%working//' the name '//self%path//'; the results are in the former')
       end if

@@ -93,7 +93,7 @@ sed 's/turns = 2/turns = 16/; s/OUTPUTS=838/OUTPUTS=8380/' "$(dirname "$deck")/s
 "$limber" run long.inp --quiet -o whole.h5
 export LIMBER_OPTIONS="--checkpoint 0.2"
 run=$(sbatch --parsable "$jobs/run_restart.sh" long.inp pieces.h5)
-# Slurm would wait two minutes before it starts a job again, from when its last part has ended
+# Slurm would wait two minutes before it starts a job again, since credentials of the second in which it was ended are refused
 hurry() { scontrol update JobId="$run" StartTime=now >/dev/null 2>&1 || true; }
 for warning in 1 2; do
   for _ in $(seq 600); do
@@ -108,6 +108,7 @@ for warning in 1 2; do
     sleep 0.1
   done
   [[ ! -e pieces.h5.running ]] || { echo "warning $warning was not heeded"; exit 1; }
+  sleep 3
 done
 # Between two parts the queue may look empty for a moment
 for _ in $(seq 600); do

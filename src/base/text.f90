@@ -86,6 +86,9 @@ contains
          text = trim(text)
          return
       end if
+      ! Rounded to fewer digits the largest numbers would be beyond all
+      if (abs(value) > 1.79e308_wp) last = 17
+      if (abs(value) > 1.79e308_wp) first = 17
       do count = first, last
          write (form, '("(es40.",i0,"e3)")') count - 1
          write (buffer, form) value

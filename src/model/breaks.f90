@@ -3,6 +3,7 @@
 !> in all the rest, as a narrow pulse does; a step ends there, so that none takes the pulse for nothing. Both are found by bounds
 !> of the law in intervals, which miss nothing between samples. Floor: model. Source: doc/theory, eqs. (190), (191).
 module limber_model_breaks
+   use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: op_constant, op_slot
@@ -277,17 +278,22 @@ contains
    real(wp) function undefined_at(law, start, end) result(found)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
+      type(ieee_status_type) :: status
       type(range_type) :: range
       integer :: part, divided
       found = huge(found)
       if (size(law%slots) == 0) return
       range = law_range(law, start, end)
       if (range%defined) return
+      ! Values that are no numbers are looked for: they must not stop a program that is built to stop at them
+      call ieee_get_status(status)
+      call ieee_set_halting_mode(ieee_all, .false.)
       divided = 0
       do part = 1, parts
          call search_undefined(law, end - start, part_end(start, end, part - 1), part_end(start, end, part), divided, found)
-         if (found <= end) return
+         if (found <= end) exit
       end do
+      call ieee_set_status(status)
    end function undefined_at
 
    !> Divides an interval where the bounds do not say that the law is defined. Where its value is not a number, or gets ten times as

@@ -114,6 +114,7 @@ contains
       allocate (forest%started(bodies), forest%pairs(pairs, 2), forest%slope(pairs, 2), &
          & forest%tangent(n, n))
       forest%block = 0.0_wp
+      forest%started = .false.
       forest%grounded = all(forest%places%carrier >= 0)
       forest%usable = .true.
    end subroutine new_forest

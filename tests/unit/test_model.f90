@@ -8,7 +8,6 @@ program test_model
    implicit none
    integer :: i
    character(*), parameter :: refused(*) = [character(32) :: 'cannot_assemble', 'channels', 'contradiction', 'cost', &
-      & 'coupler_unreachable', 'motion_unreachable', &
       & 'dead_centre', 'driven_against_joint', 'driven_point_mass', 'driven_twice', 'end_before_start', 'frame', &
       & 'joint_to_itself', 'joints', 'loads', 'motion', 'no_body', 'no_branch', 'no_output', 'origin_outside', 'point_names', &
       & 'point_off_beam', 'points', 'section', 'section_missing', 'segments', 'spread_loads', 'too_many_bending_modes', &

@@ -367,12 +367,13 @@ contains
 end module hard_cases
 
 program hard
-   use, intrinsic :: ieee_exceptions, only: ieee_set_halting_mode, ieee_all
+   use, intrinsic :: ieee_exceptions, only: ieee_set_flag, ieee_set_halting_mode, ieee_all
    use hard_cases, only: case_type, read_cases, run_case, integrators
    implicit none
    ! Some cases end where a distance vanishes or a law has no value: they are to be refused, not stopped by a program that traps
    call ieee_set_halting_mode(ieee_all, .false.)
    call run()
+   call ieee_set_flag(ieee_all, .false.)
 
 contains
 

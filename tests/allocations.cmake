@@ -3,13 +3,16 @@
 # pivots; one in fifty steps would be told. No memory error either. Runs the deck with two tolerances: cmake -DLIMBER= -DDECK= -DWORK= -DVALGRIND=
 # -DINTEGRATOR= -DTIGHT= -P allocations.cmake
 file(READ ${DECK} deck)
+get_filename_component(name ${DECK} NAME_WE)
+set(run ${WORK}/allocations_${name}_${INTEGRATOR})
+string(REGEX REPLACE ", *INTEGRATOR=[A-Z]+" "" deck "${deck}")
 set(tolerances 1e-3 ${TIGHT})
 foreach(tolerance IN LISTS tolerances)
   string(REGEX REPLACE "TOLERANCE=[^,]*" "TOLERANCE=${tolerance}, INTEGRATOR=${INTEGRATOR}" text "${deck}")
   # Samples are written after some seconds too: on a busy machine more often, and HDF5 allocates
   string(REGEX REPLACE "OUTPUTS=[0-9]*" "OUTPUTS=1" text "${text}")
-  file(WRITE ${WORK}/allocations_${INTEGRATOR}.inp "${text}")
-  execute_process(COMMAND ${VALGRIND} ${LIMBER} run ${WORK}/allocations_${INTEGRATOR}.inp -o ${WORK}/allocations_${INTEGRATOR}.h5 --force
+  file(WRITE ${run}.inp "${text}")
+  execute_process(COMMAND ${VALGRIND} ${LIMBER} run ${run}.inp -o ${run}.h5 --force
     OUTPUT_VARIABLE report ERROR_VARIABLE counts RESULT_VARIABLE status)
   if(NOT status EQUAL 0 OR NOT counts MATCHES "total heap usage: ([0-9,]+) allocs")
     message(FATAL_ERROR "valgrind or the run failed (${status}): ${counts}")

@@ -139,8 +139,10 @@ contains
       real(wp) :: f(0:2), h, left, right
       h = x(2) - x(1)
       right = (place - x(1))/h
-      left = 1 - right
-      f(0) = left*y(1) + right*y(2) - h**2/6*(left*(1 - left**2)*m(1) + right*(1 - right**2)*m(2))
+      left = (x(2) - place)/h
+      ! From the nearer knot, so that little is left of a zero there
+      f(0) = merge(y(1) + right*(y(2) - y(1)), y(2) - left*(y(2) - y(1)), right < 0.5_wp)
+      f(0) = f(0) - h**2/6*(left*(1 - left**2)*m(1) + right*(1 - right**2)*m(2))
       f(1) = (y(2) - y(1))/h + h/6*((1 - 3*left**2)*m(1) - (1 - 3*right**2)*m(2))
       f(2) = left*m(1) + right*m(2)
    end function spline_segment

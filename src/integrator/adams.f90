@@ -22,11 +22,11 @@ module limber_integrator_adams
 
    !> Highest order
    integer, parameter :: most = 12
-   !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
    !> Components that are updated together, so that all their differences stay at hand
    integer, parameter :: block = 128
    !> Least number of bodies whose accelerations are found by recursion
    integer, parameter :: many = 10
+   !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
    real(wp), parameter :: gamma_star(13) = [0.5_wp, 0.0833_wp, 0.0417_wp, 0.0264_wp, 0.0188_wp, 0.0143_wp, 0.0114_wp, &
       & 0.00936_wp, 0.00789_wp, 0.00679_wp, 0.00592_wp, 0.00524_wp, 0.00468_wp]
 

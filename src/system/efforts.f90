@@ -16,12 +16,12 @@ module limber_system_efforts
 
    !> Most gauges of a load, and most things that its law depends on
    integer, parameter :: max_gauges = most_slots + 1, max_slots = most_slots
-   !> Gauss points and weights on -1..1, and how often an interval is halved at most
+   !> Gauss points and weights on -1..1, how often an interval is halved at most, and how many may be rough
    real(wp), parameter :: gauss(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
       & 0.906179845938663993_wp]
    real(wp), parameter :: gauss_weights(5) = [0.236926885056189088_wp, 0.478628670499366468_wp, 0.568888888888888889_wp, &
       & 0.478628670499366468_wp, 0.236926885056189088_wp]
-   integer, parameter :: deepest = 30
+   integer, parameter :: deepest = 40, most_rough = 64
 
    !> A force  f = -k s - c s' + factor law(s, s', other gauges and rates, t)  along the first gauge s: the generalised forces are f
    !> times its gradient. A follower acts on the first marker only, along the direction.
@@ -252,46 +252,60 @@ contains
    end subroutine effort_add_power
 
    !> Mean of a law of one variable between two values of it: its antiderivative's difference over theirs, by Gauss's formula on
-   !> intervals that are halved until both halves agree with the whole.
-   pure recursive real(wp) function mean_law(law, slots, start, end, whole, depth) result(mean)
+   !> intervals that are halved until both halves agree with the whole. Kinks leave few intervals rough, however deep; where very
+   !> many are, it is the law's own round-off that is seen, and halving ends.
+   pure real(wp) function mean_law(law, slots, start, end) result(mean)
       type(expression_type), intent(in) :: law
       !> Number of slots: all stand for the variable
       integer, intent(in) :: slots
       real(wp), intent(in) :: start, end
-      !> Mean of the whole interval by the formula, and how often it has been halved
-      real(wp), intent(in), optional :: whole
-      integer, intent(in), optional :: depth
-      real(wp) :: middle, left, right, sum, levels(2)
-      integer :: next
-      next = 1
-      if (present(depth)) next = depth + 1
-      middle = start + 0.5_wp*(end - start)
-      if (present(whole)) then
-         sum = whole
-      else
-         call gauss_mean(law, slots, start, end, sum, levels(1))
-      end if
-      call gauss_mean(law, slots, start, middle, left, levels(1))
-      call gauss_mean(law, slots, middle, end, right, levels(2))
-      mean = 0.5_wp*(left + right)
-      if (next > deepest .or. .not. abs(mean - sum) > 1.0e-14_wp*maxval(levels)) return
-      left = mean_law(law, slots, start, middle, left, next)
-      right = mean_law(law, slots, middle, end, right, next)
-      mean = 0.5_wp*(left + right)
+      !> Ends of the intervals that are rough, and means over them
+      real(wp) :: ends(2, most_rough), means(most_rough)
+      real(wp) :: next_ends(2, 2*most_rough), next_means(2*most_rough)
+      real(wp) :: middle, halves(2), level, share
+      integer :: i, rough, found, depth
+      mean = 0.0_wp
+      level = 0.0_wp
+      share = 1.0_wp
+      rough = 1
+      ends(:, 1) = [start, end]
+      call gauss_mean(law, slots, ends(:, 1), means(1), level)
+      do depth = 1, deepest
+         found = 0
+         do i = 1, rough
+            middle = ends(1, i) + 0.5_wp*(ends(2, i) - ends(1, i))
+            call gauss_mean(law, slots, [ends(1, i), middle], halves(1), level)
+            call gauss_mean(law, slots, [middle, ends(2, i)], halves(2), level)
+            if (share*abs(0.5_wp*sum(halves) - means(i)) > 1.0e-15_wp*level) then
+               next_ends(:, found + 1) = [ends(1, i), middle]
+               next_ends(:, found + 2) = [middle, ends(2, i)]
+               next_means(found + 1:found + 2) = halves
+               found = found + 2
+            else
+               mean = mean + 0.5_wp*share*sum(halves)
+            end if
+         end do
+         share = 0.5_wp*share
+         if (found > most_rough .or. depth == deepest) mean = mean + share*sum(next_means(:found))
+         if (found == 0 .or. found > most_rough) return
+         rough = found
+         ends(:, :rough) = next_ends(:, :rough)
+         means(:rough) = next_means(:rough)
+      end do
    end function mean_law
 
-   !> Gauss's formula for the mean over an interval, and the largest value.
-   pure subroutine gauss_mean(law, slots, start, end, mean, level)
+   !> Gauss's formula for the mean over an interval, and the largest value so far.
+   pure subroutine gauss_mean(law, slots, ends, mean, level)
       type(expression_type), intent(in) :: law
       integer, intent(in) :: slots
-      real(wp), intent(in) :: start, end
-      real(wp), intent(out) :: mean, level
+      real(wp), intent(in) :: ends(2)
+      real(wp), intent(out) :: mean
+      real(wp), intent(inout) :: level
       real(wp) :: values(max_slots), f
       integer :: k
       mean = 0.0_wp
-      level = 0.0_wp
       do k = 1, size(gauss)
-         values(:slots) = 0.5_wp*(start + end) + 0.5_wp*(end - start)*gauss(k)
+         values(:slots) = 0.5_wp*(ends(1) + ends(2)) + 0.5_wp*(ends(2) - ends(1))*gauss(k)
          f = law%evaluate(values(:slots))
          mean = mean + 0.5_wp*gauss_weights(k)*f
          level = max(level, abs(f))

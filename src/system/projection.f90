@@ -120,7 +120,11 @@ contains
                do j = 1, count(tree%holders(:, i) > 0)
                   call head_frame(tree%holders(j, i))
                end do
-               if (tree%axes(1, i) > 0) q(first:first + 1) = work%kinematics%drives(tree%axes(:, i))%value
+               if (tree%axes(1, i) > 0) then
+                  do j = 1, 2
+                     q(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%value
+                  end do
+               end if
             end if
          end do
       end associate
@@ -171,8 +175,10 @@ contains
                if (tree%joint(i) > 0) then
                   call follow_carrier(system, system%model%points(system%marker_points(tree%marker(i))), first, q, v)
                else
-                  q(first:first + 1) = work%kinematics%drives(tree%axes(:, i))%value
-                  v(first:first + 1) = work%kinematics%drives(tree%axes(:, i))%rate
+                  do j = 1, 2
+                     q(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%value
+                     v(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%rate
+                  end do
                end if
             end if
             if (.not. tree%given(2, i)) cycle

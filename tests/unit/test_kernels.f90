@@ -4,7 +4,7 @@
 program test_kernels
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_base_spline, only: new_spline, spline_clamped, spline_closed, spline_natural, spline_type
+   use limber_base_spline, only: new_spline, spline_clamped, spline_closed, spline_natural, spline_segment, spline_type
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, reduction_type
    use limber_model_curve, only: curve_type, expression_curve, spline_curve
@@ -66,6 +66,8 @@ contains
       f = spline%evaluate(3.5_wp)
       call check_close(s, f(1), 1.0e-13_wp, 'straight beyond the end')
       call check_close(f(2), 0.0_wp, 1.0e-13_wp, 'without curvature there')
+      f = spline_segment([-2.0_wp, 0.0_wp], [-2.08_wp, 0.0_wp], [0.0_wp, 0.0_wp], -1.0e-12_wp)
+      call check_close(f(0), -1.04e-12_wp, 4*epsilon(1.0_wp)*1.04e-12_wp, 'a zero at a knot is approached without round-off')
    end subroutine test_splines
 
    !> Signed distance from a circle, and its derivatives.

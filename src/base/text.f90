@@ -134,21 +134,35 @@ contains
    end function plain_form
 
    !> Index of the candidate nearest to a misspelt name by edit distance; 0 if none is near enough
-   !> (more than a third of its letters differ). Case and blanks around are ignored.
+   !> (more than a third of its letters differ). A word left out or added counts as a letter. Case and blanks around are ignored.
    pure integer function nearest_name(name, candidates) result(nearest)
       character(*), intent(in) :: name
       character(*), intent(in) :: candidates(:)
+      character(:), allocatable :: wanted, candidate
       integer :: i, distance, best
       nearest = 0
       best = max(1, (len_trim(name) + 2)/3) + 1
+      wanted = lowercase(trim(adjustl(name)))
       do i = 1, size(candidates)
-         distance = edit_distance(lowercase(trim(adjustl(name))), lowercase(trim(adjustl(candidates(i)))))
+         candidate = lowercase(trim(adjustl(candidates(i))))
+         distance = edit_distance(wanted, candidate)
+         if (begins_or_ends(wanted, candidate) .or. begins_or_ends(candidate, wanted)) distance = min(distance, 1)
          if (distance < best) then
             best = distance
             nearest = i
          end if
       end do
    end function nearest_name
+
+   !> Whether a text begins or ends with another one, and a blank is between that and the rest.
+   pure logical function begins_or_ends(part, text)
+      character(*), intent(in) :: part, text
+      integer :: n
+      n = len(part)
+      begins_or_ends = .false.
+      if (n == 0 .or. len(text) <= n) return
+      begins_or_ends = text(:n + 1) == part//' ' .or. text(len(text) - n:) == ' '//part
+   end function begins_or_ends
 
    !> Levenshtein distance of two texts.
    pure integer function edit_distance(a, b) result(distance)

@@ -39,7 +39,7 @@ module limber_analysis_indicators
       & 'part of the energy of bending that the coordinates cannot carry', &
       & 'largest work of the axial force on the bending / energy of bending', &
       & 'relative deflection that the axial force makes which the model lacks in the means of its k_G elements', &
-      & 'the same of the variation of the axial force within the k_G elements', &
+      & 'relative deflection that the variation of the axial force within the k_G elements makes', &
       & 'error of frequencies and deflections by the lumped masses', &
       & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending']
 

@@ -6,7 +6,7 @@ module limber_analysis_ranges
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
-      & indicator_names, indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
+      & indicator_names, indicator_meanings, indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening
    use limber_model_scene, only: model_type, body_type
@@ -189,19 +189,21 @@ contains
    end function fidelity
 
    !> The indicators of all flexible bodies: /bodies/<name>/indicators, to h5py (indicators, 2): value and time, in the order of the
-   !> attribute `names`, which is the same for all.
+   !> attributes `names`, words, and `meanings`, lines, which are the same for all.
    subroutine record_indicators(indicators, model, history, error)
       type(indicators_type), intent(in) :: indicators
       type(model_type), intent(in) :: model
       type(history_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: path, names
+      character(:), allocatable :: path, names, meanings
       real(wp) :: values(2, indicator_count)
       integer :: i, k
       path = ''
       names = trim(indicator_names(1))
+      meanings = trim(indicator_meanings(1))
       do k = 2, indicator_count
          names = names//' '//trim(indicator_names(k))
+         meanings = meanings//newline//trim(indicator_meanings(k))
       end do
       do i = 1, size(indicators%bodies)
          associate (body => indicators%bodies(i))
@@ -212,6 +214,7 @@ contains
             call history%put_real(path, values, '1, '//model%units%time, &
                & 'largest value of each indicator of the range of the model, and its time', error)
             if (.not. allocated(error)) call history%put_attribute(path, 'names', names, error)
+            if (.not. allocated(error)) call history%put_attribute(path, 'meanings', meanings, error)
             if (allocated(error)) return
          end associate
       end do

@@ -10,7 +10,7 @@
 !>     /modes/<name>/...  frequencies and shapes of a modal analysis; scale /modes/<name>/mode
 !>     /<group>/<name>    of the same shape, with the same scales: more about a channel, whose attribute <group> is the path
 !>     /motion            what `limber_output_motion` describes, if the deck asks for it
-!>     /bodies/<name>/... small datasets and attributes; of flexible bodies indicators: (indicators, 2), attribute names
+!>     /bodies/<name>/... small datasets and attributes; of flexible bodies indicators: (indicators, 2), attributes names, meanings
 !>     /run               texts (deck, ...), statistics, /run/steps/... if there are several analyses; attributes complete (0, then
 !> 1) and status
 !>

@@ -5,11 +5,11 @@
 program test_ranges
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_base_text, only: as_text
-   use limber_analysis_indicators, only: indicator_count, indicator_names
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_indicators, only: indicator_count, indicator_meanings, indicator_names
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, channel
-   use testing, only: check, check_no_error, finish
+   use testing, only: check, check_no_error, check_text, finish
    implicit none
    !> The beam on a hinge and a roller, and between two hinges: words that are exchanged
    character(*), parameter :: pins = 'CLAMPED-FREE > PINNED-ROLLER; TYPE=WELD > TYPE=REVOLUTE; *FORCE, NAME=tip > '
@@ -171,6 +171,7 @@ contains
       end if
       call check(abs(pair(1) - value) <= 0.1_wp*value + 1.0e-3_wp, name//': '//indicator//' is '//as_text(pair(1), 4))
       call check_warning(reader, warning, name)
+      call check_labels(reader)
       call reader%close()
    end subroutine judge
 
@@ -192,6 +193,27 @@ contains
          if (from > len(words)) exit
       end do
    end subroutine split
+
+   !> Names and meanings of the indicators stand beside their values, in their order: words and lines.
+   subroutine check_labels(reader)
+      type(history_reader_type), intent(in) :: reader
+      type(error_type), allocatable :: failure
+      character(:), allocatable :: names, meanings
+      integer :: k
+      call reader%read_label('/bodies/beam/indicators', 'names', names, failure)
+      call check_no_error(failure, 'names of the indicators')
+      call reader%read_label('/bodies/beam/indicators', 'meanings', meanings, failure)
+      call check_no_error(failure, 'meanings of the indicators')
+      names = names//' '
+      meanings = meanings//newline
+      do k = 1, indicator_count
+         call check_text(names(:index(names, ' ') - 1), trim(indicator_names(k)), 'name of an indicator')
+         call check_text(meanings(:index(meanings, newline) - 1), trim(indicator_meanings(k)), 'meaning of an indicator')
+         names = names(index(names, ' ') + 1:)
+         meanings = meanings(index(meanings, newline) + 1:)
+      end do
+      call check_text(names//meanings, '', 'no more indicators')
+   end subroutine check_labels
 
    !> Checks that a run has a warning with a text, or none.
    subroutine check_warning(reader, warning, name)

@@ -6,9 +6,7 @@ program test_bases
    use limber_base_error, only: error_type
    use limber_base_text, only: newline
    use limber_analysis_check, only: check_deck
-   use limber_analysis_scene, only: read_scene, scene_type
    use limber_deck_parameters, only: override_type
-   use limber_model_adequacy, only: residuals_at_points
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, change_deck, channel, read_columns
    use testing, only: check, check_close, check_no_error, finish
@@ -29,7 +27,6 @@ program test_bases
    call check_clamped_pinned('VIBRATION, CORRECTIONS=NO, SUPPORT=PINNED-ROLLER', .true., attached)
    call check_clamped_pinned('CRAIG-BAMPTON, CORRECTIONS=NO, SUPPORT=FREE-FREE', .true., attached)
    call check_note()
-   call check_residuals()
    call check_slider_crank()
    call check_portal()
    call finish()
@@ -99,33 +96,6 @@ contains
       call check_no_error(error, 'a note')
       call check(index(report, '3 bending functions depend on others and are left out') > 0, 'what is left out is said')
    end subroutine check_note
-
-   !> What the modes leave out where something acts: the wall's force and couple are held by the pin alone as far as forces go.
-   subroutine check_residuals()
-      type(scene_type) :: scene
-      type(error_type), allocatable :: error
-      integer, allocatable :: points(:), parts(:)
-      real(wp), allocatable :: whole(:), left(:)
-      character(10) :: names(9)
-      integer :: i
-      call read_scene('verification/clamped_pinned.inp', scene, error)
-      call check_no_error(error, 'residuals')
-      call residuals_at_points(scene%system%model, 1, points, parts, whole, left, error)
-      call check_no_error(error, 'residuals')
-      call check(all(parts == [1, 2, 3, 1, 2, 1, 2, 3]), 'wall, guide, force, couple')
-      if (size(points) /= 8) return
-      names = ''
-      do i = 1, 8
-         names(i) = scene%system%model%points(points(i))%name(5:)
-      end do
-      call check(all(names(:8) == [character(10) :: 'start', 'start', 'start', 'end', 'end', 'loaded', 'loaded', 'twisted']), &
-         & 'points that something acts on')
-      call check(all(abs(whole([1, 2, 5])) <= 0.0_wp), 'supports take forces')
-      ! A couple turns a support by L/3EI; modes hold 6/(pi j)^2 of that, with j from 1 to 3
-      call check_close(whole(3), 2.0_wp/3, 1.0e-9_wp, 'a couple at the wall')
-      call check_close(left(3)/whole(3), 1 - 6/acos(-1.0_wp)**2*(1 + 0.25_wp + 1/9.0_wp), 1.0e-3_wp, 'what three modes leave out')
-      call check(all(left(6:8) > 1.0e-3_wp*whole(6:8)), 'something is left out at the loads')
-   end subroutine check_residuals
 
    !> The same motion in one revolution, whatever the basis: errors against the exact solution. Free modes alone have no moment
    !> and no shear force at the pins; what acts there must join them.

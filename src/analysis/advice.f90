@@ -14,8 +14,7 @@ module limber_analysis_advice
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
    private
-   public :: advice_type, make_advice, take_measured, find_floors, apply_advice, expected_error, cost_of, divide_beam, floor_of, &
-      & lumping_elements, wanted_tolerance
+   public :: advice_type, make_advice, take_measured, find_floors, apply_advice, expected_error, cost_of, divide_beam, floor_of
 
    !> What is advised
    type :: advice_type

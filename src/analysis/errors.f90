@@ -10,7 +10,8 @@ module limber_analysis_errors
    !> Ratio that counts as unknown
    real(wp), parameter, public :: unknown_ratio = -1.0_wp
    !> Largest ratio that eq. (59) is used with, and smallest one at which errors count as not shrinking
-   real(wp), parameter, public :: largest_ratio = 0.75_wp, no_shrinkage = 0.9_wp
+   real(wp), parameter :: largest_ratio = 0.75_wp
+   real(wp), parameter, public :: no_shrinkage = 0.9_wp
 
 contains
 

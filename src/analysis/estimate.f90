@@ -19,7 +19,7 @@ module limber_analysis_estimate
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: kept_type, estimate_type, make_estimate, varied, round_off, add_quantities, natural_scale
+   public :: kept_type, estimate_type, make_estimate, varied, round_off, add_quantities
 
    !> Neighbours on each side that the envelope takes in
    integer, parameter :: reach = 2

@@ -22,7 +22,7 @@ module limber_analysis_record
    use limber_output_outline, only: geometry_of
    implicit none
    private
-   public :: open_history, record_bodies, record_provenance, record_outcome, record_steps
+   public :: open_history, record_outcome, record_steps
 
 contains
 

@@ -28,7 +28,7 @@ module limber_analysis_scene
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
-   public :: scene_type, carried_type, read_scene, build_scene, settle_integrator, seconds_since, mobility_line, inner_joints
+   public :: scene_type, read_scene, build_scene, settle_integrator, seconds_since, mobility_line, inner_joints
 
    !> What an analysis leaves to the next
    type :: carried_type

@@ -17,7 +17,7 @@ module limber_analysis_study_runs
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: run_type, fine_setting, make_reference, run_grid, run_family, mark_front, median, slope
+   public :: run_type, fine_setting, make_reference, run_grid, run_family, median, slope
 
    !> A setting and what came of it
    type :: run_type

@@ -11,7 +11,7 @@ module limber_analysis_sweep_rows
    use limber_analysis_sweep_plan, only: sweep_type
    implicit none
    private
-   public :: row_type, journal_type, open_journal, note_begin, note_end, close_journal, read_journals, journal_name, begun_last
+   public :: row_type, journal_type, open_journal, note_begin, note_end, close_journal, read_journals, begun_last
 
    !> How a row has ended: not at all, well, with a deck that cannot be used, with a run that could not finish, with a crash
    integer, parameter, public :: row_missing = 0, row_done = 1, row_refused = 2, row_failed = 3, row_crashed = 4

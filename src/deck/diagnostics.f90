@@ -7,7 +7,7 @@ module limber_deck_diagnostics
    use limber_deck_source, only: source_type
    implicit none
    private
-   public :: diagnostics_type, diagnostic_type, max_shown
+   public :: diagnostics_type
 
    !> So many are shown; the rest is counted
    integer, parameter :: max_shown = 50

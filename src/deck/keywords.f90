@@ -8,8 +8,8 @@ module limber_deck_keywords
       & kind_range, form_none, form_text, form_fields, form_assignments, form_channels, form_lists
    implicit none
    private
-   public :: keyword_table, option_table, field_table, list_table, find_keyword, keyword_options, keyword_fields, &
-      & keyword_lists, split_values, contains_value
+   public :: keyword_table, option_table, find_keyword, keyword_options, keyword_fields, keyword_lists, split_values, &
+      & contains_value
 
    character(*), parameter :: supports = 'PINNED-ROLLER|PINNED-PINNED|CLAMPED-FREE|CLAMPED-ROLLER|CLAMPED-PINNED' &
       & //'|CLAMPED-CLAMPED|FREE-FREE'

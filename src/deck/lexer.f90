@@ -6,8 +6,8 @@ module limber_deck_lexer
    use limber_deck_parameters, only: name_length
    implicit none
    private
-   public :: part_type, trimmed, split_fields, comment_start, find_outside, is_comment, is_keyword_line, collapsed, &
-      & is_name, is_parameter_name, keyword_of, is_point, first_foreign, name_characters, unquoted, blanks
+   public :: part_type, trimmed, split_fields, comment_start, find_outside, is_comment, is_keyword_line, collapsed, is_name, &
+      & is_parameter_name, keyword_of, is_point, first_foreign, unquoted, blanks
 
    !> Blank and tab
    character(2), parameter :: blanks = ' '//achar(9)

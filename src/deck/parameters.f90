@@ -6,7 +6,7 @@ module limber_deck_parameters
    use limber_deck_origin, only: origin_type
    implicit none
    private
-   public :: parameter_type, parameter_list_type, override_type, named_table_type, name_length, max_parameters
+   public :: parameter_type, parameter_list_type, override_type, name_length, max_parameters
 
    !> Longest name of anything in a deck
    integer, parameter :: name_length = 64

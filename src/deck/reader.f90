@@ -16,13 +16,13 @@ module limber_deck_reader
    use limber_deck_parameters, only: parameter_type, override_type
    use limber_deck_schema, only: form_text
    use limber_deck_keywords, only: keyword_table
-   use limber_deck_content, only: deck_type, block_type, repeat_type, resize_blocks
+   use limber_deck_content, only: deck_type, repeat_type, resize_blocks
    use limber_deck_assembly, only: assembly_type, begin_block, add_line, end_block
    use limber_deck_checks, only: check_deck
    use limber_deck_values, only: suggestion
    implicit none
    private
-   public :: read_deck, read_deck_text, beside, deck_type, block_type, diagnostics_type
+   public :: read_deck, read_deck_text, beside
 
    !> Longest line, deepest nesting of *INCLUDE and greatest number of files
    integer, parameter :: max_line = 4096, max_nesting = 20, max_files = 200

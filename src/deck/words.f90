@@ -3,7 +3,7 @@
 module limber_deck_words
    implicit none
    private
-   public :: word_spec_type, word_table, keyword_words
+   public :: word_spec_type, keyword_words
 
    !> Meaning of a word of an option
    type :: word_spec_type

@@ -5,7 +5,7 @@ module limber_flex_elastic
    use limber_flex_reduced, only: reduced_type
    implicit none
    private
-   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power, pair_products
+   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power
 
 contains
 

@@ -15,7 +15,7 @@ module limber_flex_functions
    public :: attachment_type, attachment_loads, static_responses, constraint_functions, add_functions, left_out_note
 
    !> Least part of a function, in the mass norm, that those before it must not have for it to be kept
-   real(wp), parameter, public :: new_part = 1.0e-7_wp
+   real(wp), parameter :: new_part = 1.0e-7_wp
 
    !> A degree of freedom where something acts on a body
    type :: attachment_type

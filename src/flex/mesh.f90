@@ -10,7 +10,7 @@ module limber_flex_mesh
    private
    public :: beam_type, support_type, field_type, new_support, mesh_beam, count_bending_modes, count_axial_modes
    public :: concentrate, bending_modes, axial_modes, nodal_masses, nodal_inertias, deflection_at, slope_at, extension_at
-   public :: element_of, element_length, field_bytes
+   public :: element_length, field_bytes
 
    !> A straight uniform beam along the body's x axis and its division into elements
    type :: beam_type

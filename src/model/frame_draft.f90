@@ -11,7 +11,7 @@ module limber_model_frame_draft
    use limber_model_sections, only: read_section
    implicit none
    private
-   public :: draft_type, set_type, read_draft, member_of
+   public :: draft_type, read_draft, member_of
 
    !> A node or member in a set
    type :: set_type

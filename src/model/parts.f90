@@ -5,7 +5,7 @@ module limber_model_parts
    use limber_deck_keywords, only: contains_value
    implicit none
    private
-   public :: is_part, owner_of, check_parts
+   public :: is_part, check_parts
 
    !> Keywords of blocks that belong to a body
    character(*), parameter :: part_keywords = 'NODE|ELEMENT|NSET|ELSET|BEAM SECTION|BOUNDARY|MASS|ATTACHMENT'

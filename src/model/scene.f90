@@ -15,9 +15,9 @@ module limber_model_scene
    implicit none
    private
    public :: model_type, body_type, whole_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
-   public :: assembly_choice_type, deflection_type
+   public :: deflection_type
    public :: effort_type, spread_type, named_load_type, scalar_type
-   public :: dynamics_type, step_type, accuracy_type, channel_type, quantity_type, units_type
+   public :: dynamics_type, step_type, channel_type, quantity_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3

@@ -19,7 +19,7 @@ module limber_system_assembly
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: assemble, first_guess, assembly_type
+   public :: assemble, first_guess
 
    !> Part of the largest residual above which a constraint that is left open takes part in a contradiction
    real(wp), parameter :: takes_part = 0.1_wp

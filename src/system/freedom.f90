@@ -10,7 +10,7 @@ module limber_system_freedom
    use limber_system_tangent, only: tangent_type, times_stiffness
    implicit none
    private
-   public :: freedom_type, find_freedom, rate_scales, free_stiffness, lowest_stiffness, motion_text
+   public :: freedom_type, find_freedom, rate_scales, lowest_stiffness, motion_text
 
    !> Pivot, relative to the largest, below which a constraint is taken to repeat others
    real(wp), parameter :: no_pivot = 1.0e-10_wp

@@ -13,7 +13,7 @@ module limber_system_holding
    use limber_system_registry, only: registry_type
    implicit none
    private
-   public :: holding_type, new_holding, find_grip, split_motion, moves_in_its_frame
+   public :: holding_type, new_holding, find_grip, split_motion
 
    !> Part of a row that must be independent of the rows before it
    real(wp), parameter :: least = 1.0e-3_wp

@@ -14,9 +14,10 @@ module limber_system_kernel
    public :: kernel_type, linear_type, variables_type
 
    !> Most vectors, measures, deflections and equations of a constraint
-   integer, parameter, public :: most_vectors = 12, most_measures = 6, most_bends = 24, most_rows = 3
+   integer, parameter, public :: most_vectors = 12, most_measures = 6
+   integer, parameter :: most_bends = 24, most_rows = 3
    !> Most variables of f
-   integer, parameter, public :: most_variables = most_measures + most_bends
+   integer, parameter :: most_variables = most_measures + most_bends
    !> Most coordinates of both bodies
    integer, parameter :: most_columns = 2*(3 + most_bends)
 

@@ -10,8 +10,8 @@ module limber_system_kinematics
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
-   public :: layout_type, new_layout, frame_type, marker_type, angle_type, kinematics_type, new_kinematics
-   public :: place_drives, place_frames, place_directions, settle_angles, move_frames, move_directions, place_marker, move_marker
+   public :: layout_type, new_layout, marker_type, angle_type, kinematics_type, new_kinematics
+   public :: place_drives, place_frames, settle_angles, move_frames
    public :: rates_of, velocities_of, advance
    public :: point_position, point_velocity, point_acceleration
 

@@ -9,7 +9,7 @@ module limber_system_markers
    implicit none
    private
    public :: add_marker, marker_drift, marker_stiffness, marker_column, drift_column
-   public :: angle_vector, angle_gradient, angle_hessian, angle_change, vector_angle_gradient, vector_angle_hessian
+   public :: angle_gradient, angle_hessian, angle_change, vector_angle_gradient, vector_angle_hessian
 
 contains
 

@@ -8,7 +8,7 @@ module limber_system_redundancy
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: redundancy_type, find_null_space, find_redundancy, group_names, constraint_names
+   public :: redundancy_type, find_redundancy, group_names, constraint_names
 
    !> Share in a combination below which an equation is no part of it
    real(wp), parameter :: no_share = 1.0e-5_wp

@@ -5,7 +5,9 @@ program test_efforts
    use limber_base_kinds, only: wp
    use limber_base_text, only: newline
    use limber_deck_effective, only: effective_deck
-   use limber_deck_reader, only: read_deck_text, deck_type, diagnostics_type
+   use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_reader, only: read_deck_text
    use limber_model_build, only: build_model
    use limber_model_scene, only: ground, model_type
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, sum_forces

@@ -15,7 +15,9 @@ program test_kernels
       & joint_coupler, joint_curve, joint_gear, joint_point_on_line, joint_rack, joint_revolute, joint_rod, joint_sliding, &
       & joint_translational, joint_weld, model_type, term_type
    use limber_deck_operations, only: jet_type
-   use limber_deck_reader, only: deck_type, diagnostics_type, read_deck_text
+   use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_reader, only: read_deck_text
    use limber_base_text, only: newline
    use limber_model_breaks, only: law_breaks
    use limber_system_discrete, only: begin_step, new_step, step_residual, step_type

@@ -12,8 +12,10 @@ module limber_analysis_choice
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, accelerate
    use limber_system_kinematics, only: rates_of
+   use limber_system_motion, only: motion_residual, linearise_motion
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, motion_residual, linearise_motion, times_stiffness
+   use limber_system_tangent, only: tangent_type, new_tangent
+   use limber_system_tangent_products, only: times_stiffness
    implicit none
    private
    public :: choose_integrator, frame_rate

@@ -17,8 +17,8 @@ module limber_analysis_probe
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, follow_angles, sample_width
    use limber_system_dynamics, only: linearise, accelerations, accelerate
    use limber_system_kinematics, only: rates_of
+   use limber_system_motion, only: motion_residual
    use limber_system_projection, only: settle
-   use limber_system_tangent, only: motion_residual
    implicit none
    private
    public :: probe_type, prospect_type, make_probe

@@ -20,10 +20,11 @@ module limber_integrator_alpha
    use limber_system_forest_factors, only: forest_factor
    use limber_system_forest_motion, only: forest_residual, forest_settle, forest_times_mass, forest_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
+   use limber_system_motion, only: linearise_motion, motion_residual, place_motion
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, &
-      & times_mass, give_way
+   use limber_system_tangent, only: tangent_type, new_tangent, combine, give_way
+   use limber_system_tangent_products, only: times_mass
    implicit none
    private
    public :: alpha_type

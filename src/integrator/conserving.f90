@@ -18,7 +18,8 @@ module limber_integrator_conserving
    use limber_system_forest_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
    use limber_system_kinematics, only: layout_type, place_frames, rates_of, velocities_of
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, times_mass, give_way
+   use limber_system_tangent, only: tangent_type, new_tangent, give_way
+   use limber_system_tangent_products, only: times_mass
    implicit none
    private
    public :: conserving_type

@@ -17,10 +17,11 @@ module limber_integrator_radau
       & condense_right_side
    use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
+   use limber_system_motion, only: linearise_motion, motion_residual, place_motion
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, linearise_motion, combine, motion_residual, place_motion, &
-      & times_mass, times_stiffness, give_way
+   use limber_system_tangent, only: tangent_type, new_tangent, combine, give_way
+   use limber_system_tangent_products, only: times_mass, times_stiffness
    implicit none
    private
    public :: radau_type

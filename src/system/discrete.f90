@@ -18,9 +18,10 @@ module limber_system_discrete
    use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames, settle_angles
    use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
+   use limber_system_motion, only: copy_rows, add_reaction_stiffness
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, gather, combine, copy_rows, add_reaction_stiffness
+   use limber_system_tangent, only: tangent_type, gather, combine
    implicit none
    private
    public :: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, linearise_step, step_work

@@ -8,9 +8,9 @@ module limber_system_equilibrium
    use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness, rate_scales
    use limber_system_kinematics, only: advance
    use limber_system_krylov, only: nearest_eigenvalues, is_large, by_scales
+   use limber_system_motion, only: motion_residual, linearise_motion
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, motion_residual, linearise_motion, combine, gather, &
-      & static_softness, solve_refined
+   use limber_system_tangent, only: tangent_type, new_tangent, combine, gather, static_softness, solve_refined
    implicit none
    private
    public :: equilibrium_type, new_equilibrium, find_equilibrium, linearise_balance, judge, descend, steady_motion

@@ -7,7 +7,8 @@ module limber_system_freedom
    use limber_base_lapack, only: dgeqp3, dorgqr
    use limber_model_scene, only: ground
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, times_stiffness
+   use limber_system_tangent, only: tangent_type
+   use limber_system_tangent_products, only: times_stiffness
    implicit none
    private
    public :: freedom_type, find_freedom, rate_scales, lowest_stiffness, motion_text

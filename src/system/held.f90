@@ -7,9 +7,9 @@ module limber_system_held
    use limber_system_dynamics, only: position_residual
    use limber_system_freedom, only: rate_scales
    use limber_system_kinematics, only: advance, velocities_of
+   use limber_system_motion, only: motion_residual, linearise_motion
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, motion_residual, linearise_motion, combine, static_softness, &
-      & solve_refined
+   use limber_system_tangent, only: tangent_type, new_tangent, combine, static_softness, solve_refined
    implicit none
    private
    public :: held_type, new_held, factor_held, gather_gamma, held_position, held_motion, balance_deflections, rest_multipliers

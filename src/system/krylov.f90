@@ -10,7 +10,8 @@ module limber_system_krylov
    use limber_base_lapack, only: dsaupd, dseupd
    use limber_system_freedom, only: rate_scales
    use limber_system_system, only: system_type
-   use limber_system_tangent, only: tangent_type, times_mass, combine, static_softness
+   use limber_system_tangent, only: tangent_type, combine, static_softness
+   use limber_system_tangent_products, only: times_mass
    implicit none
    private
    public :: nearest_eigenvalues, sort, is_large, by_mass, by_scales

@@ -8,8 +8,10 @@ module limber_system_relaxation
    use limber_model_scene, only: ground
    use limber_system_held, only: held_type, factor_held, gather_gamma, held_position
    use limber_system_kinematics, only: move_frames, rates_of, velocities_of
+   use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: linearise_motion, motion_residual, solve_refined, times_mass, times_stiffness
+   use limber_system_tangent, only: solve_refined
+   use limber_system_tangent_products, only: times_mass, times_stiffness
    implicit none
    private
    public :: balance_start

@@ -9,7 +9,8 @@ module limber_system_vibrations
    use limber_system_freedom, only: freedom_type, rate_scales
    use limber_system_krylov, only: nearest_eigenvalues, sort, by_mass
    use limber_system_system, only: system_type
-   use limber_system_tangent, only: tangent_type, times_mass, times_damping, times_stiffness
+   use limber_system_tangent, only: tangent_type
+   use limber_system_tangent_products, only: times_mass, times_damping, times_stiffness
    implicit none
    private
    public :: vibrations_type, find_vibrations, find_large_vibrations, add_rotation_damping, quadratic_modes, symmetric_modes

@@ -14,8 +14,9 @@ program test_condensation
    use limber_system_condensed_motion, only: condensed_rows_type, condense_residual, condense_tangent, new_condensed_rows
    use limber_system_dynamics, only: accelerations, linearise
    use limber_system_kinematics, only: advance, rates_of, velocities_of
+   use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, tangent_type
+   use limber_system_tangent, only: combine, new_tangent, tangent_type
    use scenes, only: add_beam, add_beam_place, add_driver, add_joint, add_place, add_point_mass, derivative, empty_model, random, &
       & wavy_law
    use testing, only: check, check_close, check_no_error, finish

@@ -12,8 +12,10 @@ program test_efforts
    use limber_model_scene, only: ground, model_type
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, sum_forces
    use limber_system_kinematics, only: advance, move_frames, place_frames, settle_angles, velocities_of
+   use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, tangent_type, times_stiffness
+   use limber_system_tangent, only: combine, new_tangent, tangent_type
+   use limber_system_tangent_products, only: times_stiffness
    use scenes, only: derivative, random
    use testing, only: check, check_close, check_no_error, finish
    implicit none

@@ -15,7 +15,7 @@ program test_equilibrium
    use limber_system_krylov, only: nearest_eigenvalues, by_mass, by_scales
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: times_stiffness
+   use limber_system_tangent_products, only: times_stiffness
    use limber_system_vibrations, only: quadratic_modes, symmetric_modes
    use scenes, only: add_beam, add_driver, constant_law, derivative, empty_model, join, random, slider_crank
    use testing, only: check, check_close, check_no_error, finish

@@ -15,9 +15,11 @@ program test_forest
    use limber_system_forest_motion, only: forest_power, forest_residual, forest_settle, forest_times_mass
    use limber_system_forest_step, only: begin_forest_step, forest_step_factor, forest_step_mass, forest_step_residual
    use limber_system_kinematics, only: rates_of, velocities_of
+   use limber_system_motion, only: linearise_motion, motion_residual, place_motion
    use limber_system_projection, only: settle
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, place_motion, tangent_type, times_mass
+   use limber_system_tangent, only: combine, new_tangent, tangent_type
+   use limber_system_tangent_products, only: times_mass
    use scenes, only: add_beam, add_beam_place, add_joint, add_place, add_point_mass, add_rigid, add_torque, constant_law, &
       & empty_model, random
    use testing, only: check, check_close, check_no_error, finish

@@ -8,8 +8,10 @@ program test_loads
    use limber_model_scene, only: ground, model_type
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy
    use limber_system_kinematics, only: advance, move_frames, place_frames, velocities_of
+   use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, tangent_type, times_stiffness
+   use limber_system_tangent, only: combine, new_tangent, tangent_type
+   use limber_system_tangent_products, only: times_stiffness
    use scenes, only: add_beam, add_beam_place, add_force, add_place, add_point_mass, add_rigid, add_spring, add_torque, &
       & derivative, empty_model, random, wavy_law
    use testing, only: check, check_close, check_no_error, finish

@@ -12,9 +12,10 @@ program test_tangent
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
    use limber_system_kinematics, only: advance, place_frames, rates_of, velocities_of
+   use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, linearise_motion, motion_residual, new_tangent, tangent_type, times_mass, &
-      & times_stiffness
+   use limber_system_tangent, only: combine, new_tangent, tangent_type
+   use limber_system_tangent_products, only: times_mass, times_stiffness
    use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_frame, add_frame_place, add_joint, add_place, &
       & add_point_mass, add_rigid, derivative, empty_model, l_frame, random, slider_crank, wavy_law
    use testing, only: check, check_close, check_no_error, finish

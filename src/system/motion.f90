@@ -1,0 +1,210 @@
+!> The equations of motion at an instant, in the independent rates w = [r'; omega; eta'] of the bodies: their residual, and its
+!> exact derivatives into the blocks of the tangent. Increments of the coordinates are those of `advance`, in the layout of w.
+!> Floor: system. Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (39)-(41).
+module limber_system_motion
+   use limber_base_kinds, only: wp
+   use limber_flex_elastic, only: elastic_tangent
+   use limber_model_scene, only: ground
+   use limber_system_body, only: body_tangent
+   use limber_system_dynamics, only: sum_forces
+   use limber_system_kinematics, only: kinematics_type, place_frames, move_frames
+   use limber_system_multiplier, only: update_jacobians, update_masses
+   use limber_system_system, only: system_type, workspace_type
+   use limber_system_tangent, only: tangent_type, body_tangent_type, gather
+   implicit none
+   private
+   public :: place_motion, motion_residual, linearise_motion, add_reaction_stiffness, copy_rows
+
+contains
+
+   !> Places kinematics, Jacobians and masses at a state: what `linearise_motion` needs.
+   subroutine place_motion(system, work, t, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates and velocities (nq)
+      real(wp), intent(in) :: t, q(:), v(:)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call move_frames(system%model, system%layout, q, v, work%kinematics)
+      call update_jacobians(system, work)
+      call update_masses(system, work, q)
+   end subroutine place_motion
+
+   !> Residual of the equations of motion, M a - forces + G^T lambda (nw), and of the velocity equations, G w - rate (nc), at a
+   !> state. Leaves the kinematics and Jacobians there.
+   subroutine motion_residual(system, work, t, q, v, a, lambda, motion, rates)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates and velocities (nq); accelerations in the layout of the rates (nw); multipliers (nc)
+      real(wp), intent(in) :: t, q(:), v(:), a(:), lambda(:)
+      real(wp), intent(inout) :: motion(:), rates(:)
+      integer :: i, first, last, n, j, k, m, row
+      call place_motion(system, work, t, q, v)
+      call sum_forces(system, work, q, v)
+      work%evaluations = work%evaluations + 1
+      do i = 1, size(work%bodies)
+         associate (body => work%bodies(i))
+            first = system%layout%w(i)
+            m = system%layout%rates(i)
+            n = system%layout%n(i)
+            last = first + m + n - 1
+            do j = 1, m
+               motion(first + j - 1) = -body%force(j)
+               do k = 1, m
+                  motion(first + j - 1) = motion(first + j - 1) + body%mass(j, k)*a(first + k - 1)
+               end do
+               do k = 1, n
+                  motion(first + j - 1) = motion(first + j - 1) + body%coupling(k, j)*a(first + m + k - 1)
+               end do
+            end do
+            do k = 1, n
+               motion(first + m + k - 1) = a(first + m + k - 1) - body%eta_force(k)
+               do j = 1, m
+                  motion(first + m + k - 1) = motion(first + m + k - 1) + body%coupling(k, j)*a(first + j - 1)
+               end do
+            end do
+         end associate
+      end do
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            if (item%part_of == 0) then
+               call item%rate(work%kinematics, rates(item%first:item%first + item%rows - 1))
+               rates(item%first:item%first + item%rows - 1) = -rates(item%first:item%first + item%rows - 1)
+            end if
+            do j = 1, 2
+               if (item%bodies(j) == ground) cycle
+               first = system%layout%w(item%bodies(j))
+               m = system%layout%rates(item%bodies(j))
+               associate (jacobian => work%jacobians(j, i), frame => work%kinematics%frames(item%bodies(j)))
+                  do row = 1, item%rows
+                     do k = 1, m
+                        motion(first + k - 1) = motion(first + k - 1) + jacobian%z(row, k)*lambda(item%first + row - 1)
+                     end do
+                     do k = 1, size(jacobian%eta, 2)
+                        motion(first + m + k - 1) = motion(first + m + k - 1) + jacobian%eta(row, k)*lambda(item%first + row - 1)
+                     end do
+                     rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%z(row, 1)*frame%velocity(1) &
+                        & + jacobian%z(row, 2)*frame%velocity(2)
+                     if (m == 3) rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%z(row, 3)*frame%omega
+                     do k = 1, size(jacobian%eta, 2)
+                        rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%eta(row, k) &
+                           & *v(system%layout%q(item%bodies(j)) + 3 + k)
+                     end do
+                  end do
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine motion_residual
+
+   !> Derivatives at the state of the last `place_motion` or `motion_residual`.
+   subroutine linearise_motion(system, work, tangent, q, v, a, lambda)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(tangent_type), intent(inout) :: tangent
+      !> As in `motion_residual`
+      real(wp), intent(in) :: q(:), v(:), a(:), lambda(:)
+      integer :: i
+      do i = 1, size(tangent%bodies)
+         call linearise_body(system, work, i, q, v, a, tangent%bodies(i))
+      end do
+      do i = 1, size(tangent%constraints)
+         call linearise_constraint(system, work, i, lambda, tangent)
+      end do
+      do i = 1, size(tangent%loads)
+         tangent%loads(i)%stiffness = 0.0_wp
+         tangent%loads(i)%damping = 0.0_wp
+         call system%loads(i)%item%add_tangent(work%kinematics, tangent%loads(i)%stiffness, tangent%loads(i)%damping)
+         if (.not. system%loads(i)%item%is_scaled) cycle
+         tangent%loads(i)%stiffness = system%loads(i)%item%share*tangent%loads(i)%stiffness
+         tangent%loads(i)%damping = system%loads(i)%item%share*tangent%loads(i)%damping
+      end do
+      call gather(tangent)
+   end subroutine linearise_motion
+
+   subroutine linearise_body(system, work, i, q, v, a, body)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: i
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      type(body_tangent_type), intent(inout) :: body
+      integer :: m, n, k, first, last, at
+      m = system%layout%rates(i)
+      n = system%layout%n(i)
+      body%mass = 0.0_wp
+      body%damping = 0.0_wp
+      body%stiffness = 0.0_wp
+      body%mass(:m, :m) = work%bodies(i)%mass(:m, :m)
+      if (.not. system%layout%framed(i)) return
+      do k = 1, n
+         body%mass(3 + k, :3) = work%bodies(i)%coupling(k, :)
+         body%mass(:3, 3 + k) = work%bodies(i)%coupling(k, :)
+         body%mass(3 + k, 3 + k) = 1.0_wp
+      end do
+      first = system%layout%q(i) + 4
+      last = first + n - 1
+      at = system%layout%w(i)
+      associate (frame => work%kinematics%frames(i), reduced => system%model%bodies(i)%reduced)
+         call body_tangent(reduced, system%model%gravity, frame%u, frame%omega, q(first:last), v(first:last), a(at:at + 1), &
+            & a(at + 2), a(at + 3:at + 2 + n), body%stiffness(:, 3:), body%damping(:, 3:))
+         if (n > 0) call elastic_tangent(reduced, q(first:last), body%stiffness(4:, 4:), work%bodies(i)%z, work%bodies(i)%s, &
+            & body%slope)
+         if (.not. reduced%damped) return
+         do k = 1, n
+            body%damping(3 + k, 3 + k) = body%damping(3 + k, 3 + k) + reduced%damping(k)
+         end do
+      end associate
+   end subroutine linearise_body
+
+   subroutine linearise_constraint(system, work, i, lambda, tangent)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: i
+      real(wp), intent(in) :: lambda(:)
+      type(tangent_type), intent(inout) :: tangent
+      associate (item => system%constraints(i)%item, c => tangent%constraints(i))
+         call copy_rows(work%jacobians(1, i)%z, work%jacobians(1, i)%eta, c%first)
+         call copy_rows(work%jacobians(2, i)%z, work%jacobians(2, i)%eta, c%second)
+         c%first_drift = 0.0_wp
+         c%second_drift = 0.0_wp
+         call item%drift(work%kinematics, c%first_drift, c%second_drift)
+         call add_reaction_stiffness(system, work%kinematics, i, lambda, tangent)
+      end associate
+   end subroutine linearise_constraint
+
+   !> Adds the derivatives of the forces of a constraint to the stiffness of its bodies, and sets those across them.
+   subroutine add_reaction_stiffness(system, kinematics, i, lambda, tangent)
+      type(system_type), intent(in) :: system
+      !> Where the derivatives are taken
+      type(kinematics_type), intent(in) :: kinematics
+      !> Index of the constraint
+      integer, intent(in) :: i
+      !> Multipliers of all (nc)
+      real(wp), intent(in) :: lambda(:)
+      type(tangent_type), intent(inout) :: tangent
+      real(wp) :: none(0, 0)
+      associate (item => system%constraints(i)%item, across => tangent%constraints(i)%across)
+         across = 0.0_wp
+         associate (force => lambda(item%first:item%first + item%rows - 1))
+            if (item%bodies(1) == ground) then
+               call item%stiffness(kinematics, force, none, tangent%bodies(item%bodies(2))%stiffness, across)
+            else if (item%bodies(2) == ground) then
+               call item%stiffness(kinematics, force, tangent%bodies(item%bodies(1))%stiffness, none, across)
+            else
+               call item%stiffness(kinematics, force, tangent%bodies(item%bodies(1))%stiffness, &
+                  & tangent%bodies(item%bodies(2))%stiffness, across)
+            end if
+         end associate
+      end associate
+   end subroutine add_reaction_stiffness
+
+   !> Rows of a Jacobian, frame and eta side by side.
+   pure subroutine copy_rows(z, eta, rows)
+      real(wp), intent(in) :: z(:, :), eta(:, :)
+      real(wp), intent(inout) :: rows(:, :)
+      integer :: m
+      m = size(rows, 2) - size(eta, 2)
+      rows(:, :m) = z(:, :m)
+      rows(:, m + 1:) = eta
+   end subroutine copy_rows
+
+end module limber_system_motion

@@ -11,12 +11,12 @@ module limber_integrator_conserving
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_algebra, only: turn, along
-   use limber_system_discrete, only: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, &
-      & linearise_step, step_work
+   use limber_system_discrete, only: step_residual, linearise_step, step_work
    use limber_system_dynamics, only: linearise, accelerations
    use limber_system_forest, only: forest_type, new_forest, forest_solve
    use limber_system_forest_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
    use limber_system_kinematics, only: layout_type, place_frames, rates_of, velocities_of
+   use limber_system_step, only: step_type, new_step, begin_step, frame_rates, fixed_rates
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, give_way
    use limber_system_tangent_products, only: times_mass

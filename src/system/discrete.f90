@@ -1,236 +1,30 @@
 !> The equations of motion over a step from one state to another, such that energy and momenta balance whatever the step: the
-!> change of the momenta equals the mean forces, which are discrete gradients of the energies. Unknowns are the increments
-!> y = [dr; alpha; deta] of all bodies, in the layout of the rates, and the multipliers. The rates that go with them are those of
-!> the frame's axes, [S^T r'; omega; eta']; those of a point mass stay in the fixed axes.
+!> change of the momenta equals the mean forces, which are discrete gradients of the energies. Unknowns are the increments of a
+!> `step_type` and the multipliers.
 !>
 !> Joints and loads come in by the kinematics of the mean: with positions, levers and u averaged over both ends, shapes by eq.
 !> (53) and increments over the step for velocities, their Jacobians and forces are discrete gradients.
-!> No allocation but in `new_step`. Floor: system. Source: doc/theory, eqs. (49)-(56).
+!> No allocation. Floor: system. Source: doc/theory, eqs. (49)-(56).
 module limber_system_discrete
    use limber_base_kinds, only: wp
-   use limber_base_snapshot, only: snapshot_type
    use limber_flex_elastic, only: elastic_force, elastic_tangent
    use limber_model_scene, only: ground
    use limber_system_algebra, only: turn, along, cross
    use limber_system_body, only: body_mass, centre_moment
    use limber_system_constraint, only: jacobian_type
    use limber_system_dynamics, only: position_residual
-   use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames, settle_angles
-   use limber_system_markers, only: angle_change
-   use limber_system_momentum, only: body_momentum, inertia_pull, momentum_tangent, pull_tangent
+   use limber_system_kinematics, only: layout_type, place_frames
+   use limber_system_momentum, only: inertia_pull, momentum_tangent, pull_tangent
    use limber_system_motion, only: copy_rows, add_reaction_stiffness
    use limber_system_multiplier, only: update_jacobians
+   use limber_system_step, only: step_type, find_end, find_mean, find_momenta, into_frame, gauss
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, gather, combine
    implicit none
    private
-   public :: step_type, new_step, begin_step, frame_rates, fixed_rates, step_residual, linearise_step, step_work
-   public :: gauss, find_end, into_frame
-
-   !> Gauss points of a step: to degree three, that of the elastic force
-   real(wp), parameter :: gauss(2) = [0.5_wp - sqrt(3.0_wp)/6, 0.5_wp + sqrt(3.0_wp)/6]
-
-   !> Scratch of a body
-   type :: step_body_type
-      !> Coordinates between the ends (n), elastic tangent (n,n)
-      real(wp), allocatable :: eta(:), tangent(:, :)
-   end type step_body_type
-
-   !> A step from a state
-   type :: step_type
-      !> Time at its start, its length, time at its end: their sum but for rounding
-      real(wp) :: t = 0.0_wp, h = 0.0_wp, final = 0.0_wp
-      !> State at its start: coordinates (nq), rates and momenta in the axes of the frames (nw)
-      real(wp), allocatable :: q(:), b(:), p(:)
-      !> The end that is tried: coordinates, rates, momenta
-      real(wp), allocatable :: new_q(:), new_b(:), new_p(:)
-      !> Kinematics at the start, and of the mean; allocatable, since gfortran 12 gives back the parts of the first only otherwise
-      type(kinematics_type), allocatable :: start, mean
-      !> Jacobians of the mean (2, constraints)
-      type(jacobian_type), allocatable :: jacobians(:, :)
-      type(step_body_type), allocatable :: bodies(:)
-   contains
-      procedure :: exchange => exchange_step
-   end type step_type
+   public :: step_residual, linearise_step, step_work
 
 contains
-
-   !> Room.
-   subroutine new_step(system, work, step)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      type(step_type), intent(inout) :: step
-      integer :: i
-      associate (nq => system%layout%nq, nw => system%layout%nw)
-         allocate (step%q(nq), step%new_q(nq), step%b(nw), step%new_b(nw), step%p(nw), step%new_p(nw))
-      end associate
-      allocate (step%start, step%mean)
-      step%start = new_kinematics(system%model, system%marker_points, system%angles, system%bends)
-      step%mean = step%start
-      allocate (step%jacobians(2, size(system%constraints)), step%bodies(size(system%layout%q)))
-      step%jacobians = work%jacobians
-      do i = 1, size(step%bodies)
-         associate (n => system%layout%n(i))
-            allocate (step%bodies(i)%eta(n), step%bodies(i)%tangent(n, n))
-         end associate
-      end do
-   end subroutine new_step
-
-   !> Places the start at (t, q), rates b.
-   subroutine begin_step(system, step, t, h, final, q, b)
-      type(system_type), intent(in) :: system
-      type(step_type), intent(inout) :: step
-      !> Time, length, time at the end; coordinates (nq), rates in the axes of the frames (nw)
-      real(wp), intent(in) :: t, h, final, q(:), b(:)
-      step%t = t
-      step%h = h
-      step%final = final
-      step%q = q
-      step%b = b
-      call place_frames(system%model, system%layout, t, q, step%start)
-      call settle_angles(step%start)
-      call place_drives(system%model, t + 0.5_wp*h, step%mean)
-      step%mean%span = h
-      call find_momenta(system, q, b, step%p)
-   end subroutine begin_step
-
-   pure subroutine find_momenta(system, q, b, p)
-      type(system_type), intent(in) :: system
-      real(wp), intent(in) :: q(:), b(:)
-      real(wp), intent(inout) :: p(:)
-      integer :: i, first, last, at
-      do i = 1, size(system%layout%q)
-         at = system%layout%w(i)
-         associate (body => system%model%bodies(i)%reduced)
-            if (system%layout%framed(i)) then
-               first = system%layout%q(i) + 4
-               last = at + 2 + body%n
-               call body_momentum(body, q(first:first + body%n - 1), b(at:last), p(at:last))
-            else
-               p(at:at + 1) = body%mass*b(at:at + 1)
-            end if
-         end associate
-      end do
-   end subroutine find_momenta
-
-   !> Rates in the axes of the frames from those in the fixed axes.
-   pure subroutine frame_rates(layout, q, w, b)
-      type(layout_type), intent(in) :: layout
-      !> Coordinates (nq), rates (nw)
-      real(wp), intent(in) :: q(:), w(:)
-      real(wp), intent(inout) :: b(:)
-      real(wp) :: part(2)
-      integer :: i, at
-      b = w
-      do i = 1, size(layout%q)
-         if (.not. layout%framed(i)) cycle
-         at = layout%w(i)
-         part = into_frame(w(at:at + 1), q(layout%q(i) + 2:layout%q(i) + 3))
-         b(at:at + 1) = part
-      end do
-   end subroutine frame_rates
-
-   !> And back.
-   pure subroutine fixed_rates(layout, q, b, w)
-      type(layout_type), intent(in) :: layout
-      real(wp), intent(in) :: q(:), b(:)
-      real(wp), intent(inout) :: w(:)
-      real(wp) :: part(2)
-      integer :: i, at
-      w = b
-      do i = 1, size(layout%q)
-         if (.not. layout%framed(i)) cycle
-         at = layout%w(i)
-         part = along(b(at:at + 1), q(layout%q(i) + 2:layout%q(i) + 3))
-         w(at:at + 1) = part
-      end do
-   end subroutine fixed_rates
-
-   !> Components of a vector in the frame of u.
-   pure function into_frame(a, u) result(p)
-      real(wp), intent(in) :: a(2), u(2)
-      real(wp) :: p(2)
-      p(1) = u(1)*a(1) + u(2)*a(2)
-      p(2) = cross(u, a)
-   end function into_frame
-
-   !> Coordinates and rates at the end of a step: eq. (49).
-   pure subroutine find_end(layout, step, y)
-      type(layout_type), intent(in) :: layout
-      type(step_type), intent(inout) :: step
-      real(wp), intent(in) :: y(:)
-      real(wp) :: mean(2), alpha, along_u, across_u, size_of
-      integer :: i, from, at
-      do i = 1, size(layout%q)
-         from = layout%q(i)
-         at = layout%w(i)
-         step%new_q(from:from + 1) = step%q(from:from + 1) + y(at:at + 1)
-         if (.not. layout%framed(i)) then
-            step%new_b(at:at + 1) = 2*y(at:at + 1)/step%h - step%b(at:at + 1)
-            cycle
-         end if
-         alpha = y(at + 2)
-         mean = into_frame(y(at:at + 1), step%q(from + 2:from + 3))
-         mean = (mean - 0.5_wp*alpha*turn(mean))/step%h
-         step%new_b(at:at + 1) = 2*mean - step%b(at:at + 1)
-         step%new_b(at + 2:at + 2 + layout%n(i)) = 2*y(at + 2:at + 2 + layout%n(i))/step%h - step%b(at + 2:at + 2 + layout%n(i))
-         along_u = 1 - 0.25_wp*alpha**2
-         across_u = alpha
-         associate (u => step%new_q(from + 2:from + 3), u0 => step%q(from + 2:from + 3))
-            u(1) = along_u*u0(1) - across_u*u0(2)
-            u(2) = along_u*u0(2) + across_u*u0(1)
-            size_of = sqrt(u(1)**2 + u(2)**2)
-            u = u/size_of
-         end associate
-         step%new_q(from + 4:from + 3 + layout%n(i)) = step%q(from + 4:from + 3 + layout%n(i)) + y(at + 3:at + 2 + layout%n(i))
-      end do
-   end subroutine find_end
-
-   !> Kinematics of the mean, eq. (53).
-   pure subroutine find_mean(layout, step, final, y)
-      type(layout_type), intent(in) :: layout
-      type(step_type), intent(inout) :: step
-      !> Kinematics at the end
-      type(kinematics_type), intent(in) :: final
-      real(wp), intent(in) :: y(:)
-      integer :: i, k, m, at
-      do i = 1, size(layout%q)
-         at = layout%w(i)
-         associate (frame => step%mean%frames(i), a => step%start%frames(i), b => final%frames(i))
-            frame%position = 0.5_wp*(a%position + b%position)
-            frame%velocity = y(at:at + 1)/step%h
-            if (.not. layout%framed(i)) cycle
-            frame%u = 0.5_wp*(a%u + b%u)
-            frame%omega = y(at + 2)/step%h
-            frame%rate = frame%omega*turn(frame%u)
-         end associate
-      end do
-      do m = 1, size(step%mean%markers)
-         associate (marker => step%mean%markers(m), a => step%start%markers(m), b => final%markers(m))
-            if (marker%body == ground) cycle
-            associate (frame => step%mean%frames(marker%body))
-               marker%position = 0.5_wp*(a%position + b%position)
-               marker%lever = 0.5_wp*(a%lever + b%lever)
-               marker%velocity = frame%omega*marker%lever
-               if (.not. marker%direction) marker%velocity = frame%velocity + marker%velocity
-               do k = 1, size(marker%shape, 2)
-                  marker%shape(:, k) = 0.5_wp*(1 + 0.25_wp*(frame%omega*step%h)**2)*(a%shape(:, k) + b%shape(:, k))
-                  marker%velocity = marker%velocity + marker%shape(:, k)*(y(layout%w(marker%body) + 2 + k)/step%h)
-               end do
-            end associate
-         end associate
-      end do
-      do m = 1, size(step%mean%angles)
-         step%mean%angles(m)%value = final%angles(m)%value - 0.5_wp*angle_change(step%mean, m)
-      end do
-      do m = 1, size(step%mean%bends)
-         associate (bend => step%mean%bends(m))
-            bend%eta = 0.5_wp*(step%start%bends(m)%eta + final%bends(m)%eta)
-            at = layout%w(bend%body) + 3
-            bend%rate = y(at:at + size(bend%rate) - 1)/step%h
-         end associate
-      end do
-   end subroutine find_mean
 
    !> Residuals of the equations of motion, eq. (51), and of the position constraints at the end. Leaves the end and the mean in
    !> the step, the kinematics of the end in the workspace.
@@ -562,32 +356,5 @@ contains
          end associate
       end do
    end function driver_work
-
-   !> Saves or restores its memory.
-   subroutine exchange_step(self, snapshot)
-      class(step_type), intent(inout) :: self
-      type(snapshot_type), intent(inout) :: snapshot
-      integer :: i, j
-      call snapshot%exchange('t', self%t)
-      call snapshot%exchange('h', self%h)
-      call snapshot%exchange('final', self%final)
-      call snapshot%keep('q', self%q)
-      call snapshot%keep('b', self%b)
-      call snapshot%keep('p', self%p)
-      call snapshot%keep('new_q', self%new_q)
-      call snapshot%keep('new_b', self%new_b)
-      call snapshot%keep('new_p', self%new_p)
-      call self%start%exchange(snapshot)
-      call self%mean%exchange(snapshot)
-      do i = 1, size(self%jacobians, 2)
-         do j = 1, 2
-            call self%jacobians(j, i)%exchange(snapshot)
-         end do
-      end do
-      do i = 1, size(self%bodies)
-         call snapshot%keep('eta', self%bodies(i)%eta)
-         call snapshot%keep('tangent', self%bodies(i)%tangent)
-      end do
-   end subroutine exchange_step
 
 end module limber_system_discrete

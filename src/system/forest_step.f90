@@ -8,10 +8,10 @@ module limber_system_forest_step
    use limber_model_scene, only: model_type
    use limber_system_algebra, only: turn, along, cross
    use limber_system_body, only: body_mass
-   use limber_system_discrete, only: step_type, gauss, find_end, into_frame
    use limber_system_forest, only: forest_type, most_order, eliminate, hand_on
    use limber_system_kinematics, only: layout_type
    use limber_system_momentum, only: body_momentum, momentum_tangent, pull_tangent
+   use limber_system_step, only: step_type, gauss, find_end, into_frame
    implicit none
    private
    public :: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass

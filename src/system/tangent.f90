@@ -4,7 +4,7 @@
 !>    [ m M + d D + k K    G^T ]
 !>    [ G + g dG           0   ]
 !>
-!> with any real or complex factors. `limber_system_motion` fills the blocks, of an instant, and `limber_system_discrete`, of a step.
+!> with any real or complex factors. `limber_system_motion` fills the blocks at an instant, `limber_system_discrete` over a step.
 !> Floor: system. Source: doc/theory, eqs. (39)-(41), (74), (75).
 module limber_system_tangent
    use limber_base_kinds, only: wp

@@ -8,7 +8,7 @@ program test_forest
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_assembly, only: assemble
-   use limber_system_discrete, only: begin_step, frame_rates, linearise_step, new_step, step_residual, step_type
+   use limber_system_discrete, only: linearise_step, step_residual
    use limber_system_dynamics, only: accelerations, input_power, linearise
    use limber_system_forest, only: forest_type, forest_solve, new_forest
    use limber_system_forest_factors, only: forest_factor
@@ -17,6 +17,7 @@ program test_forest
    use limber_system_kinematics, only: rates_of, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual, place_motion
    use limber_system_projection, only: settle
+   use limber_system_step, only: begin_step, frame_rates, new_step, step_type
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, new_tangent, tangent_type
    use limber_system_tangent_products, only: times_mass

@@ -20,12 +20,13 @@ program test_kernels
    use limber_deck_reader, only: read_deck_text
    use limber_base_text, only: newline
    use limber_model_breaks, only: law_breaks
-   use limber_system_discrete, only: begin_step, new_step, step_residual, step_type
+   use limber_system_discrete, only: step_residual
    use limber_system_drivers, only: driven_origin_type
    use limber_system_dynamics, only: position_residual
    use limber_system_kinematics, only: advance, move_frames, place_frames, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_multiplier, only: update_jacobians
+   use limber_system_step, only: begin_step, new_step, step_type
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: new_tangent, tangent_type
    use scenes, only: add_beam, add_beam_place, add_driver, add_joint, add_place, add_point_mass, add_rigid, derivative, &

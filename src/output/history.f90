@@ -19,17 +19,16 @@
 !> is whole at any moment, with `complete` 0, and can be looked at while the run goes on; a killed run leaves it. An existing
 !> file is replaced, if that is allowed, by the first such copy.
 module limber_output_history
-   use hdf5, only: hid_t, h5fflush_f, h5f_scope_global_f, h5dopen_f, h5dclose_f
-   use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
+   use hdf5, only: hid_t, h5fflush_f, h5f_scope_global_f, h5dclose_f
    use limber_base_error, only: error_type, raise
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text
-   use limber_output_hdf5, only: create_file, check_unused, reopen_file, close_file, create_group, object_exists, &
-      & write_attribute, write_dataset
+   use limber_output_hdf5, only: create_file, check_unused, reopen_file, close_file, create_group, object_exists, write_attribute
    use limber_output_hdf5_error, only: hdf5_error, no_id
    use limber_output_hdf5_read, only: longest_name
+   use limber_output_hdf5_scales, only: make_scale, open_components, attach_scale, attach_open_scale
    use limber_output_hdf5_series, only: series_type, create_series, reopen_series, append_rows, close_series
-   use limber_output_sink, only: sink_type
+   use limber_output_results, only: results_type
    use limber_output_working_file, only: working_file_type, working_name
    implicit none
    private
@@ -43,7 +42,7 @@ module limber_output_history
    character(*), parameter :: reserved_name = 'time'
 
    !> A results file that is being written: create, define_time, define_channel ..., append ..., finish
-   type, extends(sink_type) :: history_type
+   type, extends(results_type) :: history_type
       !> Name of the file
       character(:), allocatable :: path
       !> Numbers in a sample: the widths of all channels, and of what else is sampled, added up
@@ -55,7 +54,6 @@ module limber_output_history
       real(wp) :: flush_interval = 2.0_wp
       !> Why they could not the last time, such as a full disk; empty if they could
       character(:), allocatable :: trouble
-      integer(hid_t), private :: file = no_id
       type(series_type), private :: time
       type(series_type), allocatable, private :: channels(:)
       !> Times not yet written (capacity), and the samples, channel by channel as the file has them (width*capacity); allocated
@@ -75,15 +73,8 @@ module limber_output_history
    contains
       procedure :: create, resume, define_time, define_channel, define_series, append, write_samples, finish
       procedure :: flush => flush_samples, secure => secure_samples, note_checkpoint
-      procedure :: put_group, put_beside, put_text, put_axis, put_steps
-      !> `put_real(path, value, units, long_name, error)`: value (:) or (:, :), which h5py sees transposed
-      generic :: put_real => put_reals, put_table
-      !> `put_attribute(path, name, value, error)`: value a text, integer, long, real or real (:)
-      generic :: put_attribute => put_attribute_text, put_attribute_integer, put_attribute_long, &
-         & put_attribute_real, put_attribute_reals
-      procedure :: put_integer
-      procedure, private :: put_reals, put_table, put_attribute_text, put_attribute_integer, put_attribute_long, &
-         & put_attribute_real, put_attribute_reals, attach_scales, component_scale
+      procedure :: put_beside, put_steps
+      procedure, private :: attach_scales
    end type history_type
 
 contains
@@ -175,15 +166,12 @@ contains
       character(*), intent(in) :: units
       !> Allocated if it cannot be written or is there already
       type(error_type), allocatable, intent(out) :: error
-      integer :: status
       if (self%resumed) then
          call reopen_series(self%file, '/time', 1, int(self%samples), self%time, error)
          return
       end if
       call create_series(self%file, '/time', 1, chunk_rows(1), self%time, error)
-      if (allocated(error)) return
-      call h5dsset_scale_f(self%time%id, status, 'time')
-      if (status < 0) call hdf5_error(error, self%file, 'cannot make /time a dimension scale')
+      if (.not. allocated(error)) call make_scale(self%file, '/time', self%time%id, error)
       if (.not. allocated(error)) call write_attribute(self%file, '/time', 'units', units, error)
       if (.not. allocated(error)) call write_attribute(self%file, '/time', 'long_name', 'time', error)
    end subroutine define_time
@@ -240,16 +228,13 @@ contains
       !> For the error
       character(*), intent(in) :: path
       type(error_type), allocatable, intent(out) :: error
-      integer(hid_t) :: scale
-      integer :: status, ignored
-      call h5dsattach_scale_f(series%id, self%time%id, 1, status)
-      if (status >= 0 .and. series%width > 1) then
-         call self%component_scale(series%width, scale, error)
-         if (allocated(error)) return
-         call h5dsattach_scale_f(series%id, scale, 2, status)
-         call h5dclose_f(scale, ignored)
-      end if
-      if (status < 0) call hdf5_error(error, self%file, 'cannot attach a dimension scale to '//path)
+      integer(hid_t) :: components
+      integer :: ignored
+      call attach_open_scale(self%file, path, series%id, self%time%id, 1, error)
+      if (allocated(error) .or. series%width == 1) return
+      call open_components(self%file, series%width, components, error)
+      if (.not. allocated(error)) call attach_open_scale(self%file, path, series%id, components, 2, error)
+      call h5dclose_f(components, ignored)
    end subroutine attach_scales
 
    !> Whether a channel can be defined.
@@ -269,24 +254,6 @@ contains
          call raise(error, "channel '"//name//"': defined twice")
       end if
    end subroutine check_definition
-
-   !> Opens the scale of the second dimension of channels of one width; makes it at its first use.
-   subroutine component_scale(self, width, scale, error)
-      class(history_type), intent(in) :: self
-      integer, intent(in) :: width
-      integer(hid_t), intent(out) :: scale
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: name
-      logical :: is_new
-      integer :: i, status
-      name = 'component_'//as_text(width)
-      is_new = .not. object_exists(self%file, '/'//name)
-      if (is_new) call write_dataset(self%file, '/'//name, [(i, i=1, width)], error)
-      if (allocated(error)) return
-      call h5dopen_f(self%file, '/'//name, scale, status)
-      if (status >= 0 .and. is_new) call h5dsset_scale_f(scale, status, name)
-      if (status < 0) call hdf5_error(error, self%file, 'cannot make /'//name//' a dimension scale')
-   end subroutine component_scale
 
    !> Takes a sample; it reaches the file at once or some seconds later.
    subroutine append(self, t, values, error)
@@ -436,17 +403,6 @@ contains
       self%resumed = .false.
    end subroutine finish
 
-   !> Makes a group, such as one for `put_beside`; its attributes are those of all its datasets.
-   subroutine put_group(self, path, error)
-      !> Open history
-      class(history_type), intent(in) :: self
-      !> Absolute path, such as '/error_estimate'
-      character(*), intent(in) :: path
-      !> Allocated if it cannot be written
-      type(error_type), allocatable, intent(out) :: error
-      call create_group(self%file, path, error)
-   end subroutine put_group
-
    !> Writes the dataset /<group>/<name> beside the channel of that name, whose attribute <group> becomes its path.
    subroutine put_beside(self, group, name, values, units, long_name, error)
       !> Open history; its samples should all be there
@@ -474,36 +430,6 @@ contains
       call close_series(series)
    end subroutine put_beside
 
-   !> Writes the numbers 1..n as a dimension scale, and makes it that of the slowest dimension of datasets beside it.
-   subroutine put_axis(self, path, n, long_name, names, error)
-      !> Open history
-      class(history_type), intent(in) :: self
-      !> Absolute path of the scale
-      character(*), intent(in) :: path
-      integer, intent(in) :: n
-      !> One line for people
-      character(*), intent(in) :: long_name
-      !> Datasets of the same group
-      character(*), intent(in) :: names(:)
-      !> Allocated if it cannot be written
-      type(error_type), allocatable, intent(out) :: error
-      integer(hid_t) :: scale, dataset
-      integer :: i, status, ignored
-      call self%put_integer(path, [(i, i=1, n)], long_name, error)
-      if (allocated(error)) return
-      call h5dopen_f(self%file, path, scale, status)
-      if (status >= 0) call h5dsset_scale_f(scale, status, path(index(path, '/', back=.true.) + 1:))
-      do i = 1, size(names)
-         if (status < 0) exit
-         call h5dopen_f(self%file, path(:index(path, '/', back=.true.))//trim(names(i)), dataset, status)
-         if (status < 0) exit
-         call h5dsattach_scale_f(dataset, scale, 1, status)
-         call h5dclose_f(dataset, ignored)
-      end do
-      if (status < 0) call hdf5_error(error, self%file, 'cannot make '//path//' a dimension scale')
-      call h5dclose_f(scale, ignored)
-   end subroutine put_axis
-
    !> Writes the number of the analysis that each sample belongs to, as /step beside the time.
    subroutine put_steps(self, steps, error)
       !> Open history; its samples should all be there
@@ -512,104 +438,9 @@ contains
       integer, intent(in) :: steps(:)
       !> Allocated if it cannot be written
       type(error_type), allocatable, intent(out) :: error
-      integer(hid_t) :: dataset
-      integer :: status, ignored
       call self%put_integer('/step', steps, 'number of the analysis', error)
-      if (allocated(error)) return
-      call h5dopen_f(self%file, '/step', dataset, status)
-      if (status >= 0) call h5dsattach_scale_f(dataset, self%time%id, 1, status)
-      if (status < 0) call hdf5_error(error, self%file, 'cannot attach the time to /step')
-      call h5dclose_f(dataset, ignored)
+      if (.not. allocated(error)) call attach_scale(self%file, '/step', self%time%id, error)
    end subroutine put_steps
-
-   !> Writes a text as a dataset, replacing an older one.
-   subroutine put_text(self, path, text, error)
-      !> Open history
-      class(history_type), intent(in) :: self
-      !> Absolute path, such as '/run/deck'
-      character(*), intent(in) :: path
-      !> Text of any length, UTF-8
-      character(*), intent(in) :: text
-      !> Allocated if it cannot be written
-      type(error_type), allocatable, intent(out) :: error
-      call write_dataset(self%file, path, text, error)
-   end subroutine put_text
-
-   !> Writes integers as a dataset, replacing an older one.
-   subroutine put_integer(self, path, value, long_name, error)
-      !> Open history
-      class(history_type), intent(in) :: self
-      !> Absolute path, such as '/bodies/rod/nodes'
-      character(*), intent(in) :: path
-      !> Numbers
-      integer, intent(in) :: value(:)
-      !> One line for people
-      character(*), intent(in) :: long_name
-      !> Allocated if it cannot be written
-      type(error_type), allocatable, intent(out) :: error
-      call write_dataset(self%file, path, value, error)
-      if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
-   end subroutine put_integer
-
-   subroutine put_reals(self, path, value, units, long_name, error)
-      class(history_type), intent(in) :: self
-      character(*), intent(in) :: path, units, long_name
-      real(wp), intent(in) :: value(:)
-      type(error_type), allocatable, intent(out) :: error
-      call write_dataset(self%file, path, value, error)
-      if (.not. allocated(error)) call write_attribute(self%file, path, 'units', units, error)
-      if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
-   end subroutine put_reals
-
-   subroutine put_table(self, path, value, units, long_name, error)
-      class(history_type), intent(in) :: self
-      character(*), intent(in) :: path, units, long_name
-      real(wp), intent(in) :: value(:, :)
-      type(error_type), allocatable, intent(out) :: error
-      call write_dataset(self%file, path, value, error)
-      if (.not. allocated(error)) call write_attribute(self%file, path, 'units', units, error)
-      if (.not. allocated(error)) call write_attribute(self%file, path, 'long_name', long_name, error)
-   end subroutine put_table
-
-   subroutine put_attribute_text(self, path, name, value, error)
-      class(history_type), intent(in) :: self
-      character(*), intent(in) :: path, name
-      character(*), intent(in) :: value
-      type(error_type), allocatable, intent(out) :: error
-      call write_attribute(self%file, path, name, value, error)
-   end subroutine put_attribute_text
-
-   subroutine put_attribute_integer(self, path, name, value, error)
-      class(history_type), intent(in) :: self
-      character(*), intent(in) :: path, name
-      integer, intent(in) :: value
-      type(error_type), allocatable, intent(out) :: error
-      call write_attribute(self%file, path, name, value, error)
-   end subroutine put_attribute_integer
-
-   subroutine put_attribute_long(self, path, name, value, error)
-      class(history_type), intent(in) :: self
-      character(*), intent(in) :: path, name
-      integer(long), intent(in) :: value
-      type(error_type), allocatable, intent(out) :: error
-      call write_attribute(self%file, path, name, value, error)
-   end subroutine put_attribute_long
-
-   subroutine put_attribute_real(self, path, name, value, error)
-      class(history_type), intent(in) :: self
-      character(*), intent(in) :: path, name
-      real(wp), intent(in) :: value
-      type(error_type), allocatable, intent(out) :: error
-      call write_attribute(self%file, path, name, value, error)
-   end subroutine put_attribute_real
-
-   subroutine put_attribute_reals(self, path, name, value, error)
-      class(history_type), intent(in) :: self
-      character(*), intent(in) :: path, name
-      real(wp), intent(in) :: value(:)
-      type(error_type), allocatable, intent(out) :: error
-      call write_attribute(self%file, path, name, value, error)
-   end subroutine put_attribute_reals
 
    !> Rows in a chunk of the file and in the buffer: 256, fewer if a row is long, at least 64.
    pure integer function chunk_rows(width) result(rows)

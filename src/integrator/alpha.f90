@@ -6,24 +6,20 @@
 module limber_integrator_alpha
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
-   use limber_base_error, only: error_type, raise
-   use limber_base_text, only: as_text
+   use limber_base_error, only: error_type
    use limber_integrator_cubic, only: cubic_state
-   use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, &
-      & across_allowed
-   use limber_integrator_integrator, only: integrator_type, constraint_limit
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
-   use limber_system_condensed_motion, only: condensed_rows_type, new_condensed_rows, condense_residual, condense_tangent, &
-      & condense_right_side
-   use limber_system_dynamics, only: linearise, accelerations, input_power
+   use limber_integrator_implicit, only: implicit_type
+   use limber_integrator_integrator, only: constraint_limit
+   use limber_system_condensed_motion, only: condense_residual, condense_right_side
+   use limber_system_dynamics, only: accelerations, input_power
    use limber_system_forest, only: forest_type, new_forest, forest_solve
    use limber_system_forest_factors, only: forest_factor
    use limber_system_forest_motion, only: forest_residual, forest_settle, forest_times_mass, forest_power
-   use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
-   use limber_system_motion, only: linearise_motion, motion_residual, place_motion
+   use limber_system_kinematics, only: rates_of, velocities_of, advance
+   use limber_system_motion, only: motion_residual, place_motion
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, combine, give_way
+   use limber_system_tangent, only: combine, give_way
    use limber_system_tangent_products, only: times_mass
    implicit none
    private
@@ -32,37 +28,19 @@ module limber_integrator_alpha
    integer, parameter :: most_iterations = 8
 
    !> Memory of the method
-   type, extends(integrator_type) :: alpha_type
+   type, extends(implicit_type) :: alpha_type
       !> Spectral radius at infinity: 1 damps nothing, 0 all that is not resolved
       real(wp) :: radius = 0.8_wp
       !> Coefficients that follow from it
       real(wp) :: alpha_m = 0.0_wp, alpha_f = 0.0_wp, beta = 0.0_wp, gamma = 0.0_wp
-      !> Coordinates and velocities at t (nq); rates, accelerations, those of the algorithm, and the slope of the accelerations
-      !> over the last step (nw); multipliers (nc)
-      real(wp), allocatable :: q(:), v(:), w(:), a(:), algorithmic(:), jerk(:), lambda(:)
-      !> The same at the beginning of the last step; its increment of the coordinates
-      real(wp), allocatable :: q_before(:), w_before(:), increment(:)
-      !> Work put in and power, at the beginning and the end of the last step
-      real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp, power_before = 0.0_wp, power = 0.0_wp
+      !> Accelerations of the algorithm, and the slope of the accelerations over the last step (nw)
+      real(wp), allocatable :: algorithmic(:), jerk(:)
       !> The step that is tried
       real(wp), allocatable :: new_q(:), new_v(:), new_w(:), new_a(:), new_algorithmic(:), new_lambda(:), x(:)
       !> Scratch
-      real(wp), allocatable :: motion(:), rate(:), change(:), unknown(:), e(:)
-      type(tangent_type) :: tangent
-      type(condensed_rows_type) :: condensed_rows
-      type(crossing_type) :: crossing
+      real(wp), allocatable :: motion(:), rate(:), unknown(:), e(:)
       !> Where bodies on pins close no loop and stand on the ground: takes the place of the tangent and of the multiplier system
       type(forest_type) :: forest
-      type(layout_type) :: layout
-      type(scales_type) :: scales
-      !> Scales of coordinates and rates in the layout of the rates (nw)
-      real(wp), allocatable :: scale_x(:), scale_w(:)
-      !> Next step, last step
-      real(wp) :: h = 0.0_wp, h_last = 0.0_wp
-      !> Factors of the matrix: its step, and whether its derivatives are those of the present state
-      real(wp) :: h_factors = 0.0_wp
-      logical :: fresh = .false.
-      integer :: iterations = 0
    contains
       procedure :: start => alpha_start
       procedure :: step => alpha_step
@@ -79,53 +57,26 @@ contains
       real(wp), intent(in) :: t, duration
       real(wp), intent(in) :: q(:), v(:)
       type(error_type), allocatable, intent(out) :: error
-      integer :: nq, nw, nc
-      real(wp) :: slope
-      nq = system%layout%nq
-      nw = system%layout%nw
-      nc = system%nc
       self%alpha_m = (2*self%radius - 1)/(self%radius + 1)
       self%alpha_f = self%radius/(self%radius + 1)
       self%gamma = 0.5_wp + self%alpha_f - self%alpha_m
       self%beta = 0.25_wp*(self%gamma + 0.5_wp)**2
-      if (.not. allocated(self%q)) then
-         allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%algorithmic(nw), self%jerk(nw), self%lambda(nc), &
-            & self%q_before(nq), self%w_before(nw), self%increment(nw), self%new_q(nq), self%new_v(nq), self%new_w(nw), &
-            & self%new_a(nw), self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), &
-            & self%change(nq), self%unknown(nw + nc), self%e(nw), self%scale_x(nw), self%scale_w(nw))
+      if (.not. allocated(self%new_q)) then
+         associate (nq => system%layout%nq, nw => system%layout%nw, nc => system%nc)
+            allocate (self%algorithmic(nw), self%jerk(nw), self%new_q(nq), self%new_v(nq), self%new_w(nw), self%new_a(nw), &
+               & self%new_algorithmic(nw), self%new_lambda(nc), self%x(nw), self%motion(nw), self%rate(nc), self%unknown(nw + nc), &
+               & self%e(nw))
+         end associate
          call new_forest(system, self%forest)
-         if (.not. (self%forest%usable .and. self%forest%grounded)) call use_sparse(self, system)
-         self%scales = new_scales(system, duration, .true.)
+         if (.not. (self%forest%usable .and. self%forest%grounded)) call leave_forest(self, system)
       end if
-      self%work_done = self%work_at_start
-      self%work_before = self%work_at_start
-      self%h_last = 0.0_wp
-      self%fresh = .false.
-      self%q = q
-      self%v = v
-      self%t = t
-      self%t_before = t
-      self%layout = system%layout
-      call update_scales(system, q, v, self%scales)
-      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
-      call linearise(system, work, t, q, error)
+      call self%begin(system, work, t, duration, q, v, error)
       if (allocated(error)) return
-      call accelerations(system, work, q, v, self%change)
-      self%lambda = work%lambda
-      call rates_of(system%layout, q, v, self%w)
-      call rates_of(system%layout, q, self%change, self%a)
-      if (system%powered) self%power = input_power(system, work, q, v)
       self%algorithmic = self%a
       self%jerk = 0.0_wp
-      self%q_before = q
-      self%w_before = self%w
-      self%increment = 0.0_wp
-      slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%a/self%scale_w)**2))
-      self%h = duration
-      if (slope*self%h > 0.1_wp*self%tolerance**(1.0_wp/3)) self%h = 0.1_wp*self%tolerance**(1.0_wp/3)/slope
+      call self%begin_step_size(duration, 0.1_wp*self%tolerance**(1.0_wp/3))
       ! At rest where a load is about to begin nothing says how soon
       if (system%powered) self%h = min(self%h, 1.0e-3_wp*duration)
-      if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
    end subroutine alpha_start
 
    subroutine alpha_step(self, system, work, stop, error)
@@ -153,7 +104,7 @@ contains
          if (allocated(error)) return
          call iterate(self, system, work, min(self%t + self%h, stop), good)
          if (.not. good .and. .not. self%forest%usable) then
-            call pass_fold(self, system, work, stop, good)
+            call cross_fold(self, system, work, stop, good)
             if (good) then
                self%statistics%rejected = self%statistics%rejected + 1
                repeated = .true.
@@ -184,19 +135,16 @@ contains
       if (factor < 0.95_wp .or. factor > 1.2_wp) self%h = self%h*factor
       if (self%t >= stop .and. .not. repeated) self%h = max(self%h, wanted)
       self%fresh = .false.
-      call update_scales(system, self%q, self%v, self%scales)
-      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+      call self%renew_scales(system)
    end subroutine alpha_step
 
-   !> Room for sparse matrices.
-   subroutine use_sparse(self, system)
+   !> Sparse matrices in the place of the trees.
+   subroutine leave_forest(self, system)
       class(alpha_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       self%forest%usable = .false.
-      call new_tangent(system, self%tangent)
-      if (system%condensed) call new_condensed_rows(system, self%tangent, self%condensed_rows)
-      call new_crossing(system, self%crossing)
-   end subroutine use_sparse
+      call self%use_sparse(system)
+   end subroutine leave_forest
 
    !> Factors of the Newton matrix at the present state and for the present step.
    subroutine prepare(self, system, work, error)
@@ -213,25 +161,12 @@ contains
          self%fresh = .not. singular
          self%h_factors = self%h
          ! Where the trees lose a pivot, sparse factors look for others
-         if (singular) call use_sparse(self, system)
+         if (singular) call leave_forest(self, system)
       end if
       if (self%forest%usable) return
-      if (.not. self%fresh) call refresh(self, system, work)
+      if (.not. self%fresh) call self%refresh(system, work)
       if (abs(self%h - self%h_factors) > 0.0_wp) call factor_matrix(self, error)
    end subroutine prepare
-
-   !> Derivatives at the present state.
-   subroutine refresh(self, system, work)
-      class(alpha_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      call place_motion(system, work, self%t, self%q, self%v)
-      call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
-      if (system%condensed) call condense_tangent(system, work, self%condensed_rows, self%q, self%v, self%tangent)
-      self%statistics%jacobians = self%statistics%jacobians + 1
-      self%fresh = .true.
-      self%h_factors = 0.0_wp
-   end subroutine refresh
 
    !> Factors of the Newton matrix for the present step.
    subroutine factor_matrix(self, error)
@@ -244,8 +179,7 @@ contains
       call self%tangent%matrix%factor(singular)
       self%statistics%factorisations = self%statistics%factorisations + 1
       self%h_factors = self%h
-      if (singular) call raise(error, 'the Newton matrix of ALPHA is singular at t = '//as_text(self%t, 8)// &
-         & ': a constraint is redundant there, or a body without mass is free to move')
+      if (singular) call self%singular_matrix('ALPHA', error)
    end subroutine factor_matrix
 
    !> Change of the accelerations for a unit change of the rates.
@@ -406,42 +340,19 @@ contains
    end subroutine accept
 
    !> After Newton's method has failed: passes a fold if there is one ahead.
-   subroutine pass_fold(self, system, work, stop, passed)
+   subroutine cross_fold(self, system, work, stop, passed)
       class(alpha_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: stop
       logical, intent(out) :: passed
-      real(wp) :: away, err, residual, h
-      integer :: nq
-      nq = size(self%q)
-      call find_fold(self%crossing, system, work, self%t, self%h, self%q, self%w, self%a, away)
-      passed = away > 0.0_wp
+      real(wp) :: away
+      self%new_a = self%a
+      call self%pass_fold(system, work, stop, away, passed)
       if (.not. passed) return
-      h = min(2*away, stop - self%t)
-      call step_across(self%crossing, system, work, self%t, h, self%q, self%v, self%work_done, self%scales%value, err, residual)
-      passed = err <= across_allowed*self%tolerance .and. residual <= constraint_limit
-      if (.not. passed) return
-      self%h = h
-      call increments_between(system, self%q, self%crossing%y(:nq), self%increment)
-      self%q_before = self%q
-      self%w_before = self%w
-      self%q = self%crossing%y(:nq)
-      self%v = self%crossing%y(nq + 1:2*nq)
-      self%t_before = self%t
-      self%t = merge(stop, self%t + h, h >= stop - self%t)
-      call accelerations(system, work, self%q, self%v, self%change)
-      self%lambda = work%lambda
-      call rates_of(system%layout, self%q, self%v, self%w)
-      call rates_of(system%layout, self%q, self%change, self%new_a)
-      self%jerk = (self%new_a - self%a)/h
-      self%a = self%new_a
-      self%algorithmic = self%a + (self%alpha_m - self%alpha_f)*h*self%jerk
-      self%power_before = self%power
-      self%work_before = self%work_done
-      if (system%powered) self%power = input_power(system, work, self%q, self%v)
-      if (system%powered) self%work_done = self%crossing%y(2*nq + 1)
-   end subroutine pass_fold
+      self%jerk = (self%a - self%new_a)/self%h
+      self%algorithmic = self%a + (self%alpha_m - self%alpha_f)*self%h*self%jerk
+   end subroutine cross_fold
 
    !> Cubic through coordinates and rates at both ends of the step; its derivative for the rates.
    subroutine alpha_interpolate(self, t, q, v, w)
@@ -458,8 +369,7 @@ contains
       end if
       s = (t - self%t_before)/h
       call cubic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%e, q, v)
-      w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
-         & - s*self%power)
+      w = self%work_within(s, h)
    end subroutine alpha_interpolate
 
    !> Saves or restores its memory.
@@ -468,24 +378,13 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       type(system_type), intent(in) :: system
       logical :: usable
-      call self%exchange_common(snapshot, system)
       usable = self%forest%usable
       call snapshot%exchange('usable', usable)
-      if (self%forest%usable .and. .not. usable) call use_sparse(self, system)
-      call snapshot%keep('q', self%q)
-      call snapshot%keep('v', self%v)
-      call snapshot%keep('w', self%w)
-      call snapshot%keep('a', self%a)
+      if (self%forest%usable .and. .not. usable) call leave_forest(self, system)
+      call self%exchange_implicit(snapshot, system, .not. self%forest%usable)
+      call self%forest%exchange(snapshot)
       call snapshot%keep('algorithmic', self%algorithmic)
       call snapshot%keep('jerk', self%jerk)
-      call snapshot%keep('lambda', self%lambda)
-      call snapshot%keep('q_before', self%q_before)
-      call snapshot%keep('w_before', self%w_before)
-      call snapshot%keep('increment', self%increment)
-      call snapshot%exchange('work_before', self%work_before)
-      call snapshot%exchange('work_done', self%work_done)
-      call snapshot%exchange('power_before', self%power_before)
-      call snapshot%exchange('power', self%power)
       call snapshot%keep('new_q', self%new_q)
       call snapshot%keep('new_v', self%new_v)
       call snapshot%keep('new_w', self%new_w)
@@ -495,21 +394,8 @@ contains
       call snapshot%keep('x', self%x)
       call snapshot%keep('motion', self%motion)
       call snapshot%keep('rate', self%rate)
-      call snapshot%keep('change', self%change)
       call snapshot%keep('unknown', self%unknown)
       call snapshot%keep('e', self%e)
-      if (.not. self%forest%usable) call self%tangent%exchange(snapshot)
-      call self%condensed_rows%exchange(snapshot)
-      call self%crossing%exchange(snapshot)
-      call self%forest%exchange(snapshot)
-      call self%scales%exchange(snapshot)
-      call snapshot%keep('scale_x', self%scale_x)
-      call snapshot%keep('scale_w', self%scale_w)
-      call snapshot%exchange('h', self%h)
-      call snapshot%exchange('h_last', self%h_last)
-      call snapshot%exchange('h_factors', self%h_factors)
-      call snapshot%exchange('fresh', self%fresh)
-      call snapshot%exchange('iterations', self%iterations)
    end subroutine exchange_alpha
 
 end module limber_integrator_alpha

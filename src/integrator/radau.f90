@@ -6,83 +6,39 @@
 module limber_integrator_radau
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
-   use limber_base_error, only: error_type, raise
-   use limber_base_text, only: as_text
-   use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, &
-      & across_allowed
-   use limber_integrator_integrator, only: integrator_type, constraint_limit
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
+   use limber_base_error, only: error_type
+   use limber_integrator_implicit, only: implicit_type
+   use limber_integrator_integrator, only: constraint_limit
+   use limber_integrator_quintic, only: quintic_state
+   use limber_integrator_radau_method, only: radau_a, radau_c, radau_t, radau_ti, radau_inverse, radau_weights, &
+      & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
    use limber_system_algebra, only: cross
-   use limber_system_condensed_motion, only: condensed_rows_type, new_condensed_rows, condense_residual, condense_tangent, &
-      & condense_right_side
-   use limber_system_dynamics, only: linearise, accelerations, input_power
-   use limber_system_kinematics, only: layout_type, rates_of, velocities_of, advance
-   use limber_system_motion, only: linearise_motion, motion_residual, place_motion
+   use limber_system_condensed_motion, only: condense_residual, condense_right_side
+   use limber_system_dynamics, only: input_power
+   use limber_system_kinematics, only: velocities_of, advance
+   use limber_system_motion, only: motion_residual
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, combine, give_way
+   use limber_system_tangent, only: combine, give_way
    use limber_system_tangent_products, only: times_mass, times_stiffness
    implicit none
    private
    public :: radau_type
 
-   real(wp), parameter :: root6 = sqrt(6.0_wp)
-   !> Coefficients of the method; its nodes are the row sums
-   real(wp), parameter, public :: radau_a(3, 3) = reshape([ &
-      & (88 - 7*root6)/360, (296 + 169*root6)/1800, (16 - root6)/36, &
-      & (296 - 169*root6)/1800, (88 + 7*root6)/360, (16 + root6)/36, &
-      & (-2 + 3*root6)/225, (-2 - 3*root6)/225, 1.0_wp/9], [3, 3])
-   real(wp), parameter, public :: radau_c(3) = [(4 - root6)/10, (4 + root6)/10, 1.0_wp]
-   !> Real eigenvalue and the pair of complex ones, alpha +- i beta, of the inverse of A
-   real(wp), parameter :: third = 9.0_wp**(1.0_wp/3.0_wp)
-   real(wp), parameter :: gamma = 30/(6 + third*(third - 1))
-   real(wp), parameter :: a0 = (12 - third*(third - 1))/60, b0 = third*(third + 1)*sqrt(3.0_wp)/60
-   real(wp), parameter :: alpha = a0/(a0**2 + b0**2), beta = b0/(a0**2 + b0**2)
-   !> Transformation that makes the inverse of A block diagonal, and its inverse
-   real(wp), parameter, public :: radau_t(3, 3) = reshape([ &
-      & 9.1232394870892942792e-2_wp, 0.24171793270710701896_wp, 0.96604818261509293619_wp, &
-      & -0.14125529502095420843_wp, 0.20412935229379993199_wp, 1.0_wp, &
-      & -3.0029194105147424492e-2_wp, 0.38294211275726193779_wp, 0.0_wp], [3, 3])
-   real(wp), parameter, public :: radau_ti(3, 3) = reshape([ &
-      & 4.3255798900631553510_wp, -4.1787185915519047273_wp, -0.50287263494578687595_wp, &
-      & 0.33919925181580986954_wp, -0.32768282076106238708_wp, 2.5719269498556054292_wp, &
-      & 0.54177053993587487119_wp, 0.47662355450055045196_wp, -0.59603920482822492497_wp], [3, 3])
-   real(wp), parameter, public :: radau_lambda(3, 3) = reshape([ &
-      & gamma, 0.0_wp, 0.0_wp, 0.0_wp, alpha, beta, 0.0_wp, -beta, alpha], [3, 3])
-   !> Inverse of A
-   real(wp), parameter :: inverse_a(3, 3) = matmul(radau_t, matmul(radau_lambda, radau_ti))
-   !> Weights of the stages in the error estimate
-   real(wp), parameter :: e_weights(3) = [-(13 + 7*root6)/3, (-13 + 7*root6)/3, -1.0_wp/3]
-
    integer, parameter :: most_iterations = 10
 
    !> Memory of the method
-   type, extends(integrator_type) :: radau_type
-      !> Coordinates and velocities at t (nq); rates and accelerations (nw); multipliers (nc)
-      real(wp), allocatable :: q(:), v(:), w(:), a(:), lambda(:)
-      !> The same at the beginning of the last step, its increment of the coordinates, its rates and accelerations at the end
-      real(wp), allocatable :: q_before(:), w_before(:), a_before(:), increment(:), a_end(:)
-      !> Work put in and power, at the beginning and the end of the last step
-      real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp, power_before = 0.0_wp, power = 0.0_wp
+   type, extends(implicit_type) :: radau_type
+      !> Accelerations at the beginning and the end of the last step (nw)
+      real(wp), allocatable :: a_before(:), a_end(:)
       !> Stages: increments of rates and coordinates (nw,3), multipliers (nc,3), power (3)
       real(wp), allocatable :: z(:, :), x(:, :), multipliers(:, :)
       real(wp) :: stage_power(3) = 0.0_wp
       !> Scratch
-      real(wp), allocatable :: motion(:, :), rate(:, :), stage_q(:), stage_v(:), stage_a(:), change(:), real_part(:), e(:), &
-         & q_stage_end(:)
+      real(wp), allocatable :: motion(:, :), rate(:, :), stage_q(:), stage_v(:), stage_a(:), real_part(:), e(:), q_stage_end(:)
       complex(wp), allocatable :: complex_part(:)
-      type(tangent_type) :: tangent
-      type(condensed_rows_type) :: condensed_rows
-      type(crossing_type) :: crossing
-      type(layout_type) :: layout
-      type(scales_type) :: scales
-      !> Scales of coordinates and rates in the layout of the rates (nw)
-      real(wp), allocatable :: scale_x(:), scale_w(:)
-      !> Next step, last step, step of the factors; error and step of the last accepted step, for the prediction
-      real(wp) :: h = 0.0_wp, h_last = 0.0_wp, h_factors = 0.0_wp, error_last = 0.0_wp, h_accepted = 0.0_wp
-      !> Whether the derivatives are those of the present state; rounds of the last Newton iteration
-      logical :: fresh = .false.
-      integer :: iterations = 0
+      !> Error and step of the last accepted step, for the prediction
+      real(wp) :: error_last = 0.0_wp, h_accepted = 0.0_wp
    contains
       procedure :: start => radau_start
       procedure :: step => radau_step
@@ -99,47 +55,20 @@ contains
       real(wp), intent(in) :: t, duration
       real(wp), intent(in) :: q(:), v(:)
       type(error_type), allocatable, intent(out) :: error
-      integer :: nw, nc, nq
-      real(wp) :: slope
-      nq = system%layout%nq
-      nw = system%layout%nw
-      nc = system%nc
-      if (.not. allocated(self%q)) then
-         allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
-            & self%a_before(nw), self%a_end(nw), self%increment(nw), self%z(nw, 3), self%x(nw, 3), &
-            & self%multipliers(nc, 3), self%motion(nw, 3), &
-            & self%rate(nc, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), self%stage_a(nw), self%change(nq), &
-            & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc), self%scale_x(nw), self%scale_w(nw))
-         call new_tangent(system, self%tangent)
-         if (system%condensed) call new_condensed_rows(system, self%tangent, self%condensed_rows)
-         call new_crossing(system, self%crossing)
-         self%scales = new_scales(system, duration, .true.)
+      if (.not. allocated(self%z)) then
+         associate (nq => system%layout%nq, nw => system%layout%nw, nc => system%nc)
+            allocate (self%a_before(nw), self%a_end(nw), self%z(nw, 3), self%x(nw, 3), self%multipliers(nc, 3), &
+               & self%motion(nw, 3), self%rate(nc, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), self%stage_a(nw), &
+               & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc))
+         end associate
+         call self%use_sparse(system)
       end if
-      self%work_done = self%work_at_start
-      self%work_before = self%work_at_start
-      self%h_last = 0.0_wp
-      self%h_accepted = 0.0_wp
-      self%fresh = .false.
-      self%q = q
-      self%v = v
-      self%t = t
-      self%t_before = t
-      self%layout = system%layout
-      call update_scales(system, q, v, self%scales)
-      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
-      call linearise(system, work, t, q, error)
+      call self%begin(system, work, t, duration, q, v, error)
       if (allocated(error)) return
-      call take_over(self, system, work)
-      if (system%powered) self%power = input_power(system, work, q, v)
-      self%q_before = self%q
-      self%w_before = self%w
+      self%h_accepted = 0.0_wp
       self%a_before = self%a
-      self%increment = 0.0_wp
       self%a_end = self%a
-      slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%a/self%scale_w)**2))
-      self%h = duration
-      if (slope*self%h > 0.1_wp*bound(self)**0.25_wp) self%h = 0.1_wp*bound(self)**0.25_wp/slope
-      if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
+      call self%begin_step_size(duration, 0.1_wp*bound(self)**0.25_wp)
    end subroutine radau_start
 
    subroutine radau_step(self, system, work, stop, error)
@@ -162,18 +91,17 @@ contains
             call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return
          end if
-         if (.not. self%fresh) call refresh(self, system, work)
+         if (.not. self%fresh) call self%refresh(system, work)
          if (abs(self%h - self%h_factors) > 0.0_wp) call factor_both(self, converged)
          if (abs(self%h - self%h_factors) > 0.0_wp) then
-            call raise(error, 'the Newton matrix of RADAU is singular at t = '//as_text(self%t, 8)// &
-               & ': a constraint is redundant there, or a body without mass is free to move')
+            call self%singular_matrix('RADAU', error)
             return
          end if
          call guess_stages(self)
          call iterate(self, system, work, converged)
          if (.not. converged) then
             self%statistics%rejected = self%statistics%rejected + 1
-            call pass_fold(self, system, work, stop, accepted)
+            call cross_fold(self, system, work, stop, accepted)
             repeated = .true.
             if (.not. accepted) cycle
             err = bound(self)
@@ -203,8 +131,7 @@ contains
       self%h = self%h*factor
       if (self%t >= stop .and. .not. repeated) self%h = max(self%h, wanted)
       self%fresh = .false.
-      call update_scales(system, self%q, self%v, self%scales)
-      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+      call self%renew_scales(system)
    end subroutine radau_step
 
    !> Error estimate that a step may have. It is of order 4 in the step while the error that adds up is of order 5: so the result
@@ -213,19 +140,6 @@ contains
       class(radau_type), intent(in) :: self
       bound = 0.1_wp*self%tolerance**0.8_wp
    end function bound
-
-   !> Derivatives at the present state.
-   subroutine refresh(self, system, work)
-      class(radau_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      call place_motion(system, work, self%t, self%q, self%v)
-      call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
-      if (system%condensed) call condense_tangent(system, work, self%condensed_rows, self%q, self%v, self%tangent)
-      self%statistics%jacobians = self%statistics%jacobians + 1
-      self%fresh = .true.
-      self%h_factors = 0.0_wp
-   end subroutine refresh
 
    !> Factors of the real and the complex matrix for the present step.
    subroutine factor_both(self, done)
@@ -332,7 +246,7 @@ contains
       self%stage_a = 0.0_wp
       do j = 1, 3
          self%x(:, i) = self%x(:, i) + self%h*radau_a(i, j)*self%z(:, j)
-         self%stage_a = self%stage_a + inverse_a(i, j)/self%h*self%z(:, j)
+         self%stage_a = self%stage_a + radau_inverse(i, j)/self%h*self%z(:, j)
       end do
       call advance(system%layout, self%q, self%x(:, i), self%stage_q)
       self%e = self%w + self%z(:, i)
@@ -390,8 +304,8 @@ contains
       self%stage_a = self%w
       self%e = self%a
       do i = 1, 3
-         self%stage_a = self%stage_a + e_weights(i)/self%h*self%x(:, i)
-         self%e = self%e + e_weights(i)/self%h*self%z(:, i)
+         self%stage_a = self%stage_a + radau_weights(i)/self%h*self%x(:, i)
+         self%e = self%e + radau_weights(i)/self%h*self%z(:, i)
       end do
       self%real_part = 0.0_wp
       call times_mass(system, self%tangent, 1.0_wp, self%e, self%real_part(:nw))
@@ -443,7 +357,7 @@ contains
       self%q_before = self%q
       self%w_before = self%w
       self%a_before = self%a_end
-      self%a_end = (inverse_a(3, 1)*self%z(:, 1) + inverse_a(3, 2)*self%z(:, 2) + inverse_a(3, 3)*self%z(:, 3))/self%h
+      self%a_end = (radau_inverse(3, 1)*self%z(:, 1) + radau_inverse(3, 2)*self%z(:, 2) + radau_inverse(3, 3)*self%z(:, 3))/self%h
       self%power_before = self%power
       self%power = self%stage_power(3)
       self%work_before = self%work_done
@@ -452,68 +366,35 @@ contains
       self%t = t
       self%q = self%stage_q
       self%v = self%stage_v
-      call take_over(self, system, work)
+      call self%take_over(system, work)
       allowed = bound(self)/self%h**2
       do i = 1, size(self%a)
          if (abs(self%a(i) - self%a_end(i)) <= allowed*self%scale_x(i)) self%a_end(i) = self%a(i)
       end do
    end subroutine accept
 
-   !> After Newton's method has failed: passes a fold if there is one ahead, else halves the step.
-   subroutine pass_fold(self, system, work, stop, passed)
+   !> After Newton's method has failed: passes a fold if there is one ahead, else shortens the step.
+   subroutine cross_fold(self, system, work, stop, passed)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: stop
       logical, intent(out) :: passed
-      real(wp) :: away, err, residual
-      integer :: nq
-      nq = size(self%q)
-      call find_fold(self%crossing, system, work, self%t, self%h, self%q, self%w, self%a, away)
-      passed = away > 0.0_wp
-      if (passed) then
+      real(wp) :: away
+      call self%pass_fold(system, work, stop, away, passed)
+      if (away > 0.0_wp) then
          self%h_factors = 0.0_wp
          self%fresh = .false.
-         associate (h => min(2*away, stop - self%t))
-            call step_across(self%crossing, system, work, self%t, h, self%q, self%v, self%work_done, self%scales%value, err, &
-               & residual)
-            passed = err <= across_allowed*self%tolerance .and. residual <= constraint_limit
-            if (passed) then
-               self%h = h
-            else
-               self%h = min(0.5_wp*self%h, 0.4_wp*away)
-            end if
-         end associate
+      end if
+      if (passed) then
+         self%a_before = self%a_end
+         self%a_end = self%a
+      else if (away > 0.0_wp) then
+         self%h = min(0.5_wp*self%h, 0.4_wp*away)
       else
          self%h = 0.5_wp*self%h
       end if
-      if (.not. passed) return
-      call increments_between(system, self%q, self%crossing%y(:nq), self%increment)
-      self%q_before = self%q
-      self%w_before = self%w
-      self%a_before = self%a_end
-      self%q = self%crossing%y(:nq)
-      self%v = self%crossing%y(nq + 1:2*nq)
-      self%t_before = self%t
-      self%t = merge(stop, self%t + self%h, self%h >= stop - self%t)
-      call take_over(self, system, work)
-      self%a_end = self%a
-      self%power_before = self%power
-      self%work_before = self%work_done
-      if (system%powered) self%power = input_power(system, work, self%q, self%v)
-      if (system%powered) self%work_done = self%crossing%y(2*nq + 1)
-   end subroutine pass_fold
-
-   !> Rates, accelerations and multipliers where the system is linearised already.
-   subroutine take_over(self, system, work)
-      class(radau_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      call accelerations(system, work, self%q, self%v, self%change)
-      self%lambda = work%lambda
-      call rates_of(system%layout, self%q, self%v, self%w)
-      call rates_of(system%layout, self%q, self%change, self%a)
-   end subroutine take_over
+   end subroutine cross_fold
 
    !> Increment of the coordinates over the step, the projection included.
    subroutine keep_increment(self, system)
@@ -538,7 +419,7 @@ contains
       class(radau_type), intent(inout) :: self
       real(wp), intent(in) :: t
       real(wp), intent(out) :: q(:), v(:), w
-      real(wp) :: h, s, b(5), d(5)
+      real(wp) :: h, s
       h = self%t - self%t_before
       if (.not. h > 0.0_wp) then
          q = self%q
@@ -547,17 +428,9 @@ contains
          return
       end if
       s = (t - self%t_before)/h
-      ! Factors of [increment, h w0, h^2 a0, h w1, h^2 a1]
-      b = [s**3*(10 - 15*s + 6*s**2), s - 6*s**3 + 8*s**4 - 3*s**5, 0.5_wp*s**2*(1 - s)**3, -4*s**3 + 7*s**4 - 3*s**5, &
-         & 0.5_wp*s**3*(1 - s)**2]
-      d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
-         & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]/h
-      self%stage_a = b(1)*self%increment + h*(b(2)*self%w_before + b(4)*self%w) + h**2*(b(3)*self%a_before + b(5)*self%a_end)
-      self%e = d(1)*self%increment + h*(d(2)*self%w_before + d(4)*self%w) + h**2*(d(3)*self%a_before + d(5)*self%a_end)
-      call advance(self%layout, self%q_before, self%stage_a, q)
-      call velocities_of(self%layout, q, self%e, v)
-      w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
-         & - s*self%power)
+      call quintic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%a_before, self%a_end, &
+         & self%stage_a, self%e, q, v)
+      w = self%work_within(s, h)
    end subroutine radau_interpolate
 
    !> Saves or restores its memory.
@@ -565,21 +438,9 @@ contains
       class(radau_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       type(system_type), intent(in) :: system
-      call self%exchange_common(snapshot, system)
-      call snapshot%keep('q', self%q)
-      call snapshot%keep('v', self%v)
-      call snapshot%keep('w', self%w)
-      call snapshot%keep('a', self%a)
-      call snapshot%keep('lambda', self%lambda)
-      call snapshot%keep('q_before', self%q_before)
-      call snapshot%keep('w_before', self%w_before)
+      call self%exchange_implicit(snapshot, system, .true.)
       call snapshot%keep('a_before', self%a_before)
-      call snapshot%keep('increment', self%increment)
       call snapshot%keep('a_end', self%a_end)
-      call snapshot%exchange('work_before', self%work_before)
-      call snapshot%exchange('work_done', self%work_done)
-      call snapshot%exchange('power_before', self%power_before)
-      call snapshot%exchange('power', self%power)
       call snapshot%keep('z', self%z)
       call snapshot%keep('x', self%x)
       call snapshot%keep('multipliers', self%multipliers)
@@ -589,24 +450,12 @@ contains
       call snapshot%keep('stage_q', self%stage_q)
       call snapshot%keep('stage_v', self%stage_v)
       call snapshot%keep('stage_a', self%stage_a)
-      call snapshot%keep('change', self%change)
       call snapshot%keep('real_part', self%real_part)
       call snapshot%keep('e', self%e)
       call snapshot%keep('q_stage_end', self%q_stage_end)
       call snapshot%exchange('complex_part', self%complex_part)
-      call self%tangent%exchange(snapshot)
-      call self%condensed_rows%exchange(snapshot)
-      call self%crossing%exchange(snapshot)
-      call self%scales%exchange(snapshot)
-      call snapshot%keep('scale_x', self%scale_x)
-      call snapshot%keep('scale_w', self%scale_w)
-      call snapshot%exchange('h', self%h)
-      call snapshot%exchange('h_last', self%h_last)
-      call snapshot%exchange('h_factors', self%h_factors)
       call snapshot%exchange('error_last', self%error_last)
       call snapshot%exchange('h_accepted', self%h_accepted)
-      call snapshot%exchange('fresh', self%fresh)
-      call snapshot%exchange('iterations', self%iterations)
    end subroutine exchange_radau
 
 end module limber_integrator_radau

@@ -9,7 +9,8 @@ program test_radau
    use limber_flex_reduction, only: axial_by_elements, axial_static, fidelity_full, fidelity_kg, reduction_type
    use limber_integrator_adams, only: adams_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_integrator_radau, only: radau_a, radau_c, radau_lambda, radau_t, radau_ti, radau_type
+   use limber_integrator_radau, only: radau_type
+   use limber_integrator_radau_method, only: radau_a, radau_c, radau_lambda, radau_t, radau_ti
    use limber_model_scene, only: driver_type, ground, joint_revolute, model_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: mechanical_energy, position_residual, velocity_residual

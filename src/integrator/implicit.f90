@@ -1,0 +1,224 @@
+!> What ALPHA and RADAU share: the state and the last step, the Newton matrix of the equations of motion and its derivatives, the
+!> way past a fold. Floor: integrator. Source: doc/theory, eqs. (39)-(41), (76), (77).
+module limber_integrator_implicit
+   use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
+   use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, across_allowed
+   use limber_integrator_integrator, only: integrator_type, constraint_limit
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
+   use limber_system_condensed_motion, only: condensed_rows_type, new_condensed_rows, condense_tangent
+   use limber_system_dynamics, only: linearise, accelerations, input_power
+   use limber_system_kinematics, only: layout_type, rates_of
+   use limber_system_motion, only: linearise_motion, place_motion
+   use limber_system_system, only: system_type, workspace_type
+   use limber_system_tangent, only: tangent_type, new_tangent
+   implicit none
+   private
+   public :: implicit_type
+
+   !> Memory of such a method
+   type, abstract, extends(integrator_type) :: implicit_type
+      !> Coordinates and velocities at t (nq); rates and accelerations (nw); multipliers (nc)
+      real(wp), allocatable :: q(:), v(:), w(:), a(:), lambda(:)
+      !> Coordinates and rates at the beginning of the last step, its increment of the coordinates (nw)
+      real(wp), allocatable :: q_before(:), w_before(:), increment(:)
+      !> Work put in and power, at the beginning and the end of the last step
+      real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp, power_before = 0.0_wp, power = 0.0_wp
+      !> Scratch (nq)
+      real(wp), allocatable :: change(:)
+      type(tangent_type) :: tangent
+      type(condensed_rows_type) :: condensed_rows
+      type(crossing_type) :: crossing
+      type(layout_type) :: layout
+      type(scales_type) :: scales
+      !> Scales of coordinates and rates in the layout of the rates (nw)
+      real(wp), allocatable :: scale_x(:), scale_w(:)
+      !> Next step, last step, step of the factors
+      real(wp) :: h = 0.0_wp, h_last = 0.0_wp, h_factors = 0.0_wp
+      !> Whether the derivatives are those of the present state; rounds of the last Newton iteration
+      logical :: fresh = .false.
+      integer :: iterations = 0
+   contains
+      procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, pass_fold, work_within, singular_matrix, &
+         & exchange_implicit
+   end type implicit_type
+
+contains
+
+   !> Room, at the first time, and the state at the start; no step lies behind it.
+   subroutine begin(self, system, work, t, duration, q, v, error)
+      class(implicit_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> As in `start`
+      real(wp), intent(in) :: t, duration, q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      if (.not. allocated(self%q)) then
+         associate (nq => system%layout%nq, nw => system%layout%nw)
+            allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(system%nc), self%q_before(nq), &
+               & self%w_before(nw), self%increment(nw), self%change(nq), self%scale_x(nw), self%scale_w(nw))
+         end associate
+         self%scales = new_scales(system, duration, .true.)
+      end if
+      self%work_done = self%work_at_start
+      self%work_before = self%work_at_start
+      self%h_last = 0.0_wp
+      self%fresh = .false.
+      self%q = q
+      self%v = v
+      self%t = t
+      self%t_before = t
+      self%layout = system%layout
+      call self%renew_scales(system)
+      call linearise(system, work, t, q, error)
+      if (allocated(error)) return
+      call self%take_over(system, work)
+      if (system%powered) self%power = input_power(system, work, q, v)
+      self%q_before = self%q
+      self%w_before = self%w
+      self%increment = 0.0_wp
+   end subroutine begin
+
+   !> First step: such that rates and accelerations change coordinates and rates by a part of their scales.
+   subroutine begin_step_size(self, duration, part)
+      class(implicit_type), intent(inout) :: self
+      !> Length of the whole analysis
+      real(wp), intent(in) :: duration, part
+      real(wp) :: slope
+      slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%a/self%scale_w)**2))
+      self%h = duration
+      if (slope*self%h > part) self%h = part/slope
+      if (self%initial_step > 0.0_wp) self%h = min(self%h, self%initial_step)
+   end subroutine begin_step_size
+
+   !> Room for sparse matrices.
+   subroutine use_sparse(self, system)
+      class(implicit_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      call new_tangent(system, self%tangent)
+      if (system%condensed) call new_condensed_rows(system, self%tangent, self%condensed_rows)
+      call new_crossing(system, self%crossing)
+   end subroutine use_sparse
+
+   !> Derivatives at the present state.
+   subroutine refresh(self, system, work)
+      class(implicit_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      call place_motion(system, work, self%t, self%q, self%v)
+      call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
+      if (system%condensed) call condense_tangent(system, work, self%condensed_rows, self%q, self%v, self%tangent)
+      self%statistics%jacobians = self%statistics%jacobians + 1
+      self%fresh = .true.
+      self%h_factors = 0.0_wp
+   end subroutine refresh
+
+   !> Rates, accelerations and multipliers where the system is linearised already.
+   subroutine take_over(self, system, work)
+      class(implicit_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      call accelerations(system, work, self%q, self%v, self%change)
+      self%lambda = work%lambda
+      call rates_of(system%layout, self%q, self%v, self%w)
+      call rates_of(system%layout, self%q, self%change, self%a)
+   end subroutine take_over
+
+   !> Scales at the present state.
+   subroutine renew_scales(self, system)
+      class(implicit_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      call update_scales(system, self%q, self%v, self%scales)
+      call rate_scales(system, self%scales, self%scale_x, self%scale_w)
+   end subroutine renew_scales
+
+   !> After Newton's method has failed: passes a fold if there is one ahead, and takes over the state behind it.
+   subroutine pass_fold(self, system, work, stop, away, passed)
+      class(implicit_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: stop
+      !> Time to the fold; not positive: there is none
+      real(wp), intent(out) :: away
+      logical, intent(out) :: passed
+      real(wp) :: err, residual, h
+      integer :: nq
+      nq = size(self%q)
+      call find_fold(self%crossing, system, work, self%t, self%h, self%q, self%w, self%a, away)
+      passed = away > 0.0_wp
+      if (.not. passed) return
+      h = min(2*away, stop - self%t)
+      call step_across(self%crossing, system, work, self%t, h, self%q, self%v, self%work_done, self%scales%value, err, residual)
+      passed = err <= across_allowed*self%tolerance .and. residual <= constraint_limit
+      if (.not. passed) return
+      self%h = h
+      call increments_between(system, self%q, self%crossing%y(:nq), self%increment)
+      self%q_before = self%q
+      self%w_before = self%w
+      self%q = self%crossing%y(:nq)
+      self%v = self%crossing%y(nq + 1:2*nq)
+      self%t_before = self%t
+      self%t = merge(stop, self%t + h, h >= stop - self%t)
+      call self%take_over(system, work)
+      self%power_before = self%power
+      self%work_before = self%work_done
+      if (system%powered) self%power = input_power(system, work, self%q, self%v)
+      if (system%powered) self%work_done = self%crossing%y(2*nq + 1)
+   end subroutine pass_fold
+
+   !> Work put in at a part of the last step, whose length is h: the cubic through work and power at both ends.
+   pure real(wp) function work_within(self, part, h) result(w)
+      class(implicit_type), intent(in) :: self
+      real(wp), intent(in) :: part, h
+      associate (s => part)
+         w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
+            & - s*self%power)
+      end associate
+   end function work_within
+
+   !> Error of a matrix without factors.
+   subroutine singular_matrix(self, name, error)
+      class(implicit_type), intent(in) :: self
+      !> Of the method
+      character(*), intent(in) :: name
+      type(error_type), allocatable, intent(out) :: error
+      call raise(error, 'the Newton matrix of '//name//' is singular at t = '//as_text(self%t, 8)// &
+         & ': a constraint is redundant there, or a body without mass is free to move')
+   end subroutine singular_matrix
+
+   !> Saves or restores what they share, the matrices only if they are in use.
+   subroutine exchange_implicit(self, snapshot, system, sparse)
+      class(implicit_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      type(system_type), intent(in) :: system
+      logical, intent(in) :: sparse
+      call self%exchange_common(snapshot, system)
+      call snapshot%keep('q', self%q)
+      call snapshot%keep('v', self%v)
+      call snapshot%keep('w', self%w)
+      call snapshot%keep('a', self%a)
+      call snapshot%keep('lambda', self%lambda)
+      call snapshot%keep('q_before', self%q_before)
+      call snapshot%keep('w_before', self%w_before)
+      call snapshot%keep('increment', self%increment)
+      call snapshot%exchange('work_before', self%work_before)
+      call snapshot%exchange('work_done', self%work_done)
+      call snapshot%exchange('power_before', self%power_before)
+      call snapshot%exchange('power', self%power)
+      call snapshot%keep('change', self%change)
+      if (sparse) call self%tangent%exchange(snapshot)
+      call self%condensed_rows%exchange(snapshot)
+      call self%crossing%exchange(snapshot)
+      call self%scales%exchange(snapshot)
+      call snapshot%keep('scale_x', self%scale_x)
+      call snapshot%keep('scale_w', self%scale_w)
+      call snapshot%exchange('h', self%h)
+      call snapshot%exchange('h_last', self%h_last)
+      call snapshot%exchange('h_factors', self%h_factors)
+      call snapshot%exchange('fresh', self%fresh)
+      call snapshot%exchange('iterations', self%iterations)
+   end subroutine exchange_implicit
+
+end module limber_integrator_implicit

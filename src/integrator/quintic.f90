@@ -1,0 +1,37 @@
+!> Dense output of order 5: the quintic through coordinates, rates and accelerations at both ends of a step, its derivative for the
+!> rates. Floor: integrator. Source: Hermite interpolation; rotations by `advance`; doc/theory, eq. (45).
+module limber_integrator_quintic
+   use limber_base_kinds, only: wp
+   use limber_system_kinematics, only: layout_type, velocities_of, advance
+   implicit none
+   private
+   public :: quintic_state
+
+contains
+
+   !> Coordinates and velocities at a part of a step.
+   pure subroutine quintic_state(layout, part, h, q_before, increment, w_before, w, a_before, a, change, rates, q, v)
+      type(layout_type), intent(in) :: layout
+      !> Part of the step that has gone, 0 to 1, and its length
+      real(wp), intent(in) :: part, h
+      !> Coordinates at its beginning (nq), its increment (nw); rates and accelerations at its beginning and its end (nw)
+      real(wp), intent(in) :: q_before(:), increment(:), w_before(:), w(:), a_before(:), a(:)
+      !> Scratch (nw)
+      real(wp), intent(inout) :: change(:), rates(:)
+      !> Coordinates and velocities (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      real(wp) :: b(5), d(5)
+      associate (s => part)
+         ! Factors of [increment, h w0, h^2 a0, h w1, h^2 a1]
+         b = [s**3*(10 - 15*s + 6*s**2), s - 6*s**3 + 8*s**4 - 3*s**5, 0.5_wp*s**2*(1 - s)**3, -4*s**3 + 7*s**4 - 3*s**5, &
+            & 0.5_wp*s**3*(1 - s)**2]
+         d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
+            & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]/h
+      end associate
+      change = b(1)*increment + h*(b(2)*w_before + b(4)*w) + h**2*(b(3)*a_before + b(5)*a)
+      rates = d(1)*increment + h*(d(2)*w_before + d(4)*w) + h**2*(d(3)*a_before + d(5)*a)
+      call advance(layout, q_before, change, q)
+      call velocities_of(layout, q, rates, v)
+   end subroutine quintic_state
+
+end module limber_integrator_quintic

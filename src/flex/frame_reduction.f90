@@ -8,7 +8,7 @@ module limber_flex_frame_reduction
    use limber_flex_beam, only: bending_slope
    use limber_flex_frame, only: frame_type, member_field, member_length
    use limber_flex_frame_solver, only: solver_type, new_solver, frame_band, rigid_motions, on_equations, &
-      & from_equations, project
+      & from_equations, remove_motion
    use limber_flex_functions, only: attachment_type, attachment_loads, constraint_functions, static_responses, add_functions, &
       & left_out_note
    use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature
@@ -132,7 +132,7 @@ contains
       real(wp), parameter :: equal = 1.0e-7_wp
       real(wp), allocatable :: omega2(:), functions(:, :, :), load(:, :, :)
       real(wp) :: next
-      integer :: i, k, left_out
+      integer :: i, left_out
       left_out = 0
       if (present(cut)) cut = .false.
       call vibration_modes(frame, choice, shape, omega2, next, error)
@@ -143,9 +143,7 @@ contains
          call new_solver(frame, solver, error)
          if (allocated(error)) return
          do i = 1, size(shape, 3)
-            do k = 1, size(solver%motion, 3)
-               call project(frame%mass, solver%motion(:, :, k), shape(:, :, i))
-            end do
+            call remove_motion(frame, solver, shape(:, :, i))
          end do
          call constraint_functions(frame, solver, load, functions)
          call add_functions(frame, functions, .true., shape, omega2, left_out, error)

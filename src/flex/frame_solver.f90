@@ -9,7 +9,8 @@ module limber_flex_frame_solver
    use limber_flex_frame, only: frame_type, element_stiffness
    implicit none
    private
-   public :: solver_type, new_solver, solve_static, frame_band, rigid_motions, on_equations, from_equations, project
+   public :: solver_type, new_solver, solve_static, frame_band, rigid_motions, on_equations, from_equations, project, &
+      & remove_motion
    public :: connected_nodes
 
    !> The factored stiffness of the degrees of freedom that are free
@@ -258,10 +259,20 @@ contains
       end do
       call dpbtrs('L', solver%n, solver%width, 1, solver%factor, solver%width + 1, vector, solver%n, info)
       u = from_equations(max(0, solver%number), vector)
-      do k = 1, size(solver%motion, 3)
-         call project(frame%mass, solver%motion(:, :, k), u)
-      end do
+      call remove_motion(frame, solver, u)
    end subroutine solve_static
+
+   !> Takes the rigid motions that the supports leave out of a field.
+   pure subroutine remove_motion(frame, solver, field)
+      type(frame_type), intent(in) :: frame
+      type(solver_type), intent(in) :: solver
+      !> (3, nodes)
+      real(wp), intent(inout) :: field(:, :)
+      integer :: k
+      do k = 1, size(solver%motion, 3)
+         call project(frame%mass, solver%motion(:, :, k), field)
+      end do
+   end subroutine remove_motion
 
    !> Takes the part along a direction of unit mass out of a field.
    pure subroutine project(mass, direction, field)

@@ -8,7 +8,7 @@ module limber_flex_reduction
    use limber_flex_beam, only: bending_slope
    use limber_flex_axial, only: element_functions, static_functions, axial_basis
    use limber_flex_frame, only: frame_type, beam_frame, beam_nodes
-   use limber_flex_frame_solver, only: solver_type, new_solver, project
+   use limber_flex_frame_solver, only: solver_type, new_solver, remove_motion
    use limber_flex_functions, only: attachment_type, attachment_loads, static_responses, constraint_functions, add_functions, &
       & left_out_note
    use limber_flex_folding, only: start_folding
@@ -303,16 +303,14 @@ contains
       type(frame_type) :: frame
       type(solver_type) :: solver
       real(wp), allocatable :: shape(:, :, :), part(:, :, :), omega2(:)
-      integer :: node(0:beam%elements), i, k, modes
+      integer :: node(0:beam%elements), i, modes
       call split(choice, own, other)
       if (size(own) + size(other) == 0 .and. .not. choice%end_shapes) return
       call beam_frame(beam, choice%support, choice%origin, field, frame, shape)
       call new_solver(frame, solver, error)
       if (allocated(error)) return
       do i = 1, size(shape, 3)
-         do k = 1, size(solver%motion, 3)
-            call project(frame%mass, solver%motion(:, :, k), shape(:, :, i))
-         end do
+         call remove_motion(frame, solver, shape(:, :, i))
       end do
       node = beam_nodes(frame)
       modes = size(field%w, 2)

@@ -12,7 +12,7 @@ module limber_system_held
    use limber_system_tangent, only: tangent_type, new_tangent, combine, static_softness, solve_refined
    implicit none
    private
-   public :: held_type, new_held, factor_held, gather_gamma, held_position, held_motion, balance_deflections, rest_multipliers
+   public :: held_type, new_held, factor_held, correct_motion, held_position, held_motion, balance_deflections, rest_multipliers
 
    !> Stiffness that holds a coordinate, relative to its mass of one
    real(wp), parameter :: rigid = 1.0e30_wp
@@ -128,11 +128,27 @@ contains
       call factor_held(system, work, held, t, q, v, singular)
       done = .not. singular
       if (singular) return
+      held%w = 0.0_wp
+      call correct_motion(system, work, held, t, q, v)
+      work%lambda = held%lambda
+      done = all(abs(held%a) <= huge(1.0_wp)) .and. all(abs(held%lambda) <= huge(1.0_wp))
+      call accelerations_of(system, work, held%a, a)
+   end subroutine held_motion
+
+   !> Brings the rates `w` onto the velocity equations, deflections held, with the velocities, and finds the accelerations and
+   !> multipliers that go with them; behind `factor_held` at the same state.
+   subroutine correct_motion(system, work, held, t, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(held_type), intent(inout) :: held
+      real(wp), intent(in) :: t, q(:)
+      !> Velocities (nq)
+      real(wp), intent(inout) :: v(:)
       associate (nw => system%layout%nw, solution => held%solution)
          solution(:nw) = 0.0_wp
          solution(nw + 1:) = -held%rates
-         call solve_refined(held%tangent, system%layout%nw, held%solution, held%correction)
-         held%w = solution(:nw)
+         call solve_refined(held%tangent, nw, held%solution, held%correction)
+         held%w = held%w + solution(:nw)
          held%w(held%deflections) = 0.0_wp
          call velocities_of(system%layout, q, held%w, v)
          call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
@@ -140,15 +156,12 @@ contains
          solution(:nw) = -held%motion
          solution(held%deflections) = 0.0_wp
          solution(nw + 1:) = work%gamma
-         call solve_refined(held%tangent, system%layout%nw, held%solution, held%correction)
+         call solve_refined(held%tangent, nw, held%solution, held%correction)
          held%a = solution(:nw)
          held%a(held%deflections) = 0.0_wp
          held%lambda = solution(nw + 1:)
-         work%lambda = held%lambda
       end associate
-      done = all(abs(held%a) <= huge(1.0_wp)) .and. all(abs(held%lambda) <= huge(1.0_wp))
-      call accelerations_of(system, work, held%a, a)
-   end subroutine held_motion
+   end subroutine correct_motion
 
    !> Right-hand sides of the acceleration equations at the placed and moved kinematics.
    subroutine gather_gamma(system, work)

@@ -6,7 +6,7 @@ module limber_system_relaxation
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs
    use limber_model_scene, only: ground
-   use limber_system_held, only: held_type, factor_held, gather_gamma, held_position
+   use limber_system_held, only: held_type, factor_held, correct_motion, held_position
    use limber_system_kinematics, only: move_frames, rates_of, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: system_type, workspace_type
@@ -72,24 +72,7 @@ contains
       held%w(held%deflections) = 0.0_wp
       call velocities_of(system%layout, q, held%w, v)
       call factor_held(system, work, held, t, q, v, singular)
-      if (singular) return
-      associate (nw => system%layout%nw, solution => held%solution)
-         solution(:nw) = 0.0_wp
-         solution(nw + 1:) = -held%rates
-         call solve_refined(held%tangent, nw, held%solution, held%correction)
-         held%w = held%w + solution(:nw)
-         held%w(held%deflections) = 0.0_wp
-         call velocities_of(system%layout, q, held%w, v)
-         call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-         call gather_gamma(system, work)
-         solution(:nw) = -held%motion
-         solution(held%deflections) = 0.0_wp
-         solution(nw + 1:) = work%gamma
-         call solve_refined(held%tangent, nw, held%solution, held%correction)
-         held%a = solution(:nw)
-         held%a(held%deflections) = 0.0_wp
-         held%lambda = solution(nw + 1:)
-      end associate
+      if (.not. singular) call correct_motion(system, work, held, t, q, v)
    end subroutine start_motion
 
    !> One Newton step of all deflections, eq. (189), by GMRES.

@@ -8,19 +8,17 @@ program test_adams
    use limber_integrator_adams, only: adams_type
    use limber_integrator_scales, only: new_scales, scales_type, update_scales
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
-   use limber_system_assembly, only: assemble, first_guess
+   use limber_system_assembly, only: first_guess
    use limber_system_dynamics, only: mechanical_energy, position_residual, velocity_residual
    use limber_system_kinematics, only: move_frames, place_frames
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_driver, add_force, add_point_mass, add_place, add_rigid, empty_model, gauss_point, &
       & gauss_weight, join, ramp_law, wavy_law
+   use swings, only: begin, g, pendulum, period, place, swing_of
    use testing, only: check, check_close, check_no_error, finish
    implicit none
-   real(wp), parameter :: g = 9.81_wp, nil(2) = [0.0_wp, 0.0_wp]
-   !> Period of the pendulum of length 1 from rest at the horizontal, 4 K(sin 45 degrees)/sqrt(g), and its place at t = 10
-   real(wp), parameter :: period = 2.36784194757623745_wp
-   real(wp), parameter :: place(2) = [0.27508746257611686_wp, -0.961419205099125_wp]
+   real(wp), parameter :: nil(2) = [0.0_wp, 0.0_wp]
 
    call test_reference()
    call test_formulas()
@@ -40,37 +38,6 @@ program test_adams
 
 contains
 
-   !> A mass of 1 without moment of inertia at (1, 0) of a body whose origin is pinned to the ground.
-   function pendulum() result(model)
-      type(model_type) :: model
-      integer :: bob
-      model = empty_model(1.0_wp)
-      model%gravity = [0.0_wp, -g]
-      bob = add_rigid(model, 'bob', 1.0_wp, 0.0_wp, [1.0_wp, 0.0_wp], nil, 0.0_wp)
-      call join(model, 'pin', joint_revolute, bob, nil, ground, nil)
-   end function pendulum
-
-   !> Assembles a model and starts the integrator on it.
-   subroutine begin(model, tolerance, duration, system, work, integrator, q, v)
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: tolerance, duration
-      type(system_type), intent(out) :: system
-      type(workspace_type), intent(out) :: work
-      type(adams_type), intent(inout) :: integrator
-      real(wp), allocatable, intent(out) :: q(:), v(:)
-      type(error_type), allocatable :: error
-      integer :: culprit
-      system = new_system(model)
-      call new_workspace(system, work)
-      allocate (q(system%layout%nq), v(system%layout%nq))
-      call first_guess(system, 0.0_wp, q, v)
-      call assemble(system, work, 0.0_wp, q, v, error, culprit)
-      call check_no_error(error, 'assembly')
-      integrator%tolerance = tolerance
-      call integrator%start(system, work, 0.0_wp, duration, q, v, error)
-      call check_no_error(error, 'start')
-   end subroutine begin
-
    !> Steps to a time and gives the state there.
    subroutine advance(integrator, system, work, stop, q, v)
       type(adams_type), intent(inout) :: integrator
@@ -88,29 +55,6 @@ contains
       call integrator%interpolate(integrator%t, q, v, w)
    end subroutine advance
 
-   !> Angle of the pendulum, theta'' = -g cos(theta) from rest at theta = 0, by Runge and Kutta's fourth-order method with steps
-   !> so small that its error is round-off: 1e-13.
-   subroutine reference(from, to, theta, omega)
-      real(wp), intent(in) :: from, to
-      real(wp), intent(inout) :: theta, omega
-      real(wp) :: h, a(4), b(4)
-      integer :: i, steps
-      steps = 1 + int((to - from)/2.0e-4_wp)
-      h = (to - from)/steps
-      do i = 1, steps
-         a(1) = omega
-         b(1) = -g*cos(theta)
-         a(2) = omega + h*b(1)/2
-         b(2) = -g*cos(theta + h*a(1)/2)
-         a(3) = omega + h*b(2)/2
-         b(3) = -g*cos(theta + h*a(2)/2)
-         a(4) = omega + h*b(3)
-         b(4) = -g*cos(theta + h*a(3))
-         theta = theta + h*(a(1) + 2*a(2) + 2*a(3) + a(4))/6
-         omega = omega + h*(b(1) + 2*b(2) + 2*b(3) + b(4))/6
-      end do
-   end subroutine reference
-
    !> The references agree with each other: period by the arithmetic-geometric mean, place at 10, and the equation itself.
    subroutine test_reference()
       real(wp) :: theta, omega, a, b, c
@@ -125,7 +69,7 @@ contains
       call check_close(2*acos(-1.0_wp)/a/sqrt(g), period, 1.0e-14_wp, 'period by the mean')
       theta = 0.0_wp
       omega = 0.0_wp
-      call reference(0.0_wp, 10.0_wp, theta, omega)
+      call swing_of(0.0_wp, 10.0_wp, theta, omega)
       call check(maxval(abs([cos(theta), sin(theta)] - place)) <= 1.0e-11_wp, 'place at 10 by the equation')
    end subroutine test_reference
 
@@ -377,7 +321,7 @@ contains
          do i = 1, 10
             t = integrator%t_before + (integrator%t - integrator%t_before)*0.1_wp*i
             if (i == 10) t = integrator%t
-            call reference(last, t, theta, omega)
+            call swing_of(last, t, theta, omega)
             last = t
             call integrator%interpolate(t, q, v, w)
             found(1) = norm2(q(3:4) - [cos(theta), sin(theta)])

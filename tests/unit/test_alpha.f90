@@ -5,16 +5,13 @@ program test_alpha
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_integrator_alpha, only: alpha_type
-   use limber_model_scene, only: model_type, ground, joint_revolute
+   use limber_model_scene, only: model_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use scenes, only: add_rigid, empty_model, join
+   use swings, only: g, pendulum, place
    use testing, only: check, check_close, check_no_error, finish
    implicit none
-   real(wp), parameter :: g = 9.81_wp, nil(2) = [0.0_wp, 0.0_wp]
-   !> Place of the pendulum of length 1 from rest at the horizontal, at t = 10
-   real(wp), parameter :: place(2) = [0.27508746257611686_wp, -0.961419205099125_wp]
 
    call test_order()
    call test_tolerance()
@@ -22,16 +19,6 @@ program test_alpha
    call finish()
 
 contains
-
-   !> Point mass of 1 at the end of a massless rod of length 1, as one rigid body about its pivot.
-   function pendulum() result(model)
-      type(model_type) :: model
-      integer :: body
-      model = empty_model(1.0_wp)
-      model%gravity = [0.0_wp, -g]
-      body = add_rigid(model, 'bob', 1.0_wp, 0.0_wp, [1.0_wp, 0.0_wp], nil, 0.0_wp)
-      call join(model, 'pivot', joint_revolute, body, nil, ground, nil)
-   end function pendulum
 
    !> Swings until t = 10.
    subroutine swing(integrator, error_of_place, imbalance)

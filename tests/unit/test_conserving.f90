@@ -20,11 +20,10 @@ program test_conserving
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_frame, add_place, add_point_mass, add_rigid, &
       & add_spring, add_torque, empty_model, join, l_frame, slider_crank, wavy_law
+   use swings, only: g, pendulum, place
    use testing, only: check, check_close, check_no_error, finish
    implicit none
-   real(wp), parameter :: g = 9.81_wp, nil(2) = [0.0_wp, 0.0_wp]
-   !> Place of the pendulum of length 1 from rest at the horizontal, at t = 10
-   real(wp), parameter :: place(2) = [0.27508746257611686_wp, -0.961419205099125_wp]
+   real(wp), parameter :: nil(2) = [0.0_wp, 0.0_wp]
 
    !> A run: state at its end and what went by at steps
    type :: run_type
@@ -70,16 +69,6 @@ contains
       read (word, *, iostat=status) many
       if (status /= 0) many = 20000
    end subroutine read_many
-
-   !> A mass of 1 without moment of inertia at (1, 0) of a body whose origin is pinned to the ground.
-   function pendulum() result(model)
-      type(model_type) :: model
-      integer :: bob
-      model = empty_model(1.0_wp)
-      model%gravity = [0.0_wp, -g]
-      bob = add_rigid(model, 'bob', 1.0_wp, 0.0_wp, [1.0_wp, 0.0_wp], nil, 0.0_wp)
-      call join(model, 'pin', joint_revolute, bob, nil, ground, nil)
-   end function pendulum
 
    !> Two bars; frames at their centres, not at the joints, one centre of mass beside its frame.
    function double_pendulum() result(model)

@@ -20,11 +20,11 @@ program test_estimate
    use limber_output_history, only: history_type
    use limber_output_history_reader, only: history_reader_type
    use limber_output_sink, only: memory_type
-   use testing, only: check, check_close, check_text, check_no_error, finish
+   use testing, only: check, check_close, check_no_error, check_text, finish, make_folder
    implicit none
    character(:), allocatable :: folder
 
-   call make_folder()
+   call make_folder('estimate', folder)
    call test_arithmetic()
    call test_varied()
    call test_round_off()
@@ -37,18 +37,6 @@ program test_estimate
    call finish()
 
 contains
-
-   subroutine make_folder()
-      character(512) :: base
-      character(16) :: number
-      integer :: length, clock
-      call get_environment_variable('TMPDIR', base, length)
-      if (length == 0) base = '/tmp'
-      call system_clock(clock)
-      write (number, '(i0)') clock
-      folder = trim(base)//'/limber-test-estimate-'//trim(number)
-      call execute_command_line('mkdir -p '//folder)
-   end subroutine make_folder
 
    !> Writes a pendulum with three channels, the last of which is constant but for errors.
    subroutine write_deck(name, dynamics, accuracy)

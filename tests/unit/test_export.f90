@@ -6,13 +6,13 @@ program test_export
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_output_history, only: history_type
-   use testing, only: check, check_close, check_text, check_no_error, finish
+   use testing, only: check, check_close, check_no_error, check_text, finish, make_folder
    implicit none
    character(:), allocatable :: folder
    character(*), parameter :: nl = new_line('a')
    real(wp), parameter :: ramp(4) = [0.0_wp, 1.0_wp, 2.0_wp, 4.0_wp]
 
-   call make_folder()
+   call make_folder('export', folder)
    call test_columns()
    call test_export_errors()
    call test_kernel()
@@ -26,18 +26,6 @@ program test_export
    call finish()
 
 contains
-
-   subroutine make_folder()
-      character(512) :: base
-      character(16) :: number
-      integer :: length, clock
-      call get_environment_variable('TMPDIR', base, length)
-      if (length == 0) base = '/tmp'
-      call system_clock(clock)
-      write (number, '(i0)') clock
-      folder = trim(base)//'/limber-test-export-'//trim(number)
-      call execute_command_line('mkdir -p '//folder)
-   end subroutine make_folder
 
    !> A history with one channel of width 1 and perhaps a second of width 2.
    subroutine make(name, time, first_name, first, second, complete, units)

@@ -10,7 +10,7 @@ program test_history
    use limber_output_history, only: history_type
    use limber_output_history_reader, only: history_reader_type
    use limber_output_progress, only: progress_type, progress_line
-   use testing, only: check, check_close, check_text, check_no_error, finish
+   use testing, only: check, check_close, check_no_error, check_text, finish, make_folder
    implicit none
    character(:), allocatable :: folder
    character(512) :: argument
@@ -46,7 +46,7 @@ program test_history
       if (argument == 'in-use') call disturb()
       stop
    end if
-   call make_folder()
+   call make_folder('history', folder)
    call test_round_trip()
    call test_many_samples()
    call test_flush_without_close()
@@ -67,18 +67,6 @@ program test_history
    call finish()
 
 contains
-
-   subroutine make_folder()
-      character(512) :: base
-      character(16) :: number
-      integer :: length, clock
-      call get_environment_variable('TMPDIR', base, length)
-      if (length == 0) base = '/tmp'
-      call system_clock(clock)
-      write (number, '(i0)') clock
-      folder = trim(base)//'/limber-test-history-'//trim(number)
-      call execute_command_line('mkdir -p '//folder)
-   end subroutine make_folder
 
    !> No identifier of HDF5 may stay open.
    subroutine check_closed(name)

@@ -12,17 +12,16 @@ program test_radau
    use limber_integrator_radau, only: radau_type
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_lambda, radau_t, radau_ti
    use limber_model_scene, only: driver_type, ground, joint_revolute, model_type
-   use limber_system_assembly, only: assemble, first_guess
+   use limber_system_assembly, only: first_guess
    use limber_system_dynamics, only: mechanical_energy, position_residual, velocity_residual
    use limber_system_kinematics, only: move_frames, place_frames
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_rigid, empty_model, join, slider_crank
+   use swings, only: begin, g, pendulum, place, swing_of
    use testing, only: check, check_close, check_no_error, finish
    implicit none
-   real(wp), parameter :: g = 9.81_wp, nil(2) = [0.0_wp, 0.0_wp]
-   !> Place of the pendulum of length 1 from rest at the horizontal, at t = 10
-   real(wp), parameter :: place(2) = [0.27508746257611686_wp, -0.961419205099125_wp]
+   real(wp), parameter :: nil(2) = [0.0_wp, 0.0_wp]
    !> Axial rigidity of a rod whose axial vibration matters
    real(wp), parameter :: soft = 5.0e4_wp
 
@@ -78,16 +77,6 @@ contains
       call check(maxval(abs(((10*radau_c - 18)*radau_c + 9)*radau_c - 1)) <= 1.0e-14_wp, 'nodes of Radau')
    end subroutine test_coefficients
 
-   !> A mass of 1 without moment of inertia at (1, 0) of a body whose origin is pinned to the ground.
-   function pendulum() result(model)
-      type(model_type) :: model
-      integer :: bob
-      model = empty_model(1.0_wp)
-      model%gravity = [0.0_wp, -g]
-      bob = add_rigid(model, 'bob', 1.0_wp, 0.0_wp, [1.0_wp, 0.0_wp], nil, 0.0_wp)
-      call join(model, 'pin', joint_revolute, bob, nil, ground, nil)
-   end function pendulum
-
    !> The shared slider-crank; without its motor, if so wanted.
    function crank_with(fidelity, ea, is_driven) result(model)
       integer, intent(in) :: fidelity
@@ -101,29 +90,6 @@ contains
       allocate (none(0))
       if (.not. is_driven) call move_alloc(none, model%drivers)
    end function crank_with
-
-   !> Assembles a model and starts the integrator on it.
-   subroutine begin(model, tolerance, duration, system, work, integrator, q, v)
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: tolerance, duration
-      type(system_type), intent(out) :: system
-      type(workspace_type), intent(out) :: work
-      class(integrator_type), intent(inout) :: integrator
-      real(wp), allocatable, intent(out) :: q(:), v(:)
-      type(error_type), allocatable :: error
-      integer :: culprit
-      system = new_system(model)
-      call new_workspace(system, work)
-      allocate (q(system%layout%nq), v(system%layout%nq))
-      q = 0.0_wp
-      v = 0.0_wp
-      call first_guess(system, 0.0_wp, q, v)
-      call assemble(system, work, 0.0_wp, q, v, error, culprit)
-      call check_no_error(error, 'assembly')
-      integrator%tolerance = tolerance
-      call integrator%start(system, work, 0.0_wp, duration, q, v, error)
-      call check_no_error(error, 'start')
-   end subroutine begin
 
    !> Runs a model and looks at every step; the steps may be given.
    subroutine run(model, integrator, tolerance, duration, outcome, h)
@@ -330,29 +296,6 @@ contains
       call check(all(error(2:) < 0.2_wp*error(:3)), 'deflections: the error falls with the tolerance')
    end subroutine test_tolerance_of_crank
 
-   !> Angle of the pendulum, theta'' = -g cos(theta), by Runge and Kutta's fourth-order method with steps so small that its error
-   !> is round-off: 1e-13.
-   subroutine reference_angle(from, to, theta, omega)
-      real(wp), intent(in) :: from, to
-      real(wp), intent(inout) :: theta, omega
-      real(wp) :: h, a(4), b(4)
-      integer :: i, steps
-      steps = 1 + int((to - from)/2.0e-4_wp)
-      h = (to - from)/steps
-      do i = 1, steps
-         a(1) = omega
-         b(1) = -g*cos(theta)
-         a(2) = omega + h*b(1)/2
-         b(2) = -g*cos(theta + h*a(1)/2)
-         a(3) = omega + h*b(2)/2
-         b(3) = -g*cos(theta + h*a(2)/2)
-         a(4) = omega + h*b(3)
-         b(4) = -g*cos(theta + h*a(3))
-         theta = theta + h*(a(1) + 2*a(2) + 2*a(3) + a(4))/6
-         omega = omega + h*(b(1) + 2*b(2) + 2*b(3) + b(4))/6
-      end do
-   end subroutine reference_angle
-
    !> Between steps of one length, at nine places of each, the error is of the same order, and hardly larger.
    subroutine test_between()
       type(radau_type), allocatable :: integrator
@@ -380,7 +323,7 @@ contains
             do i = 1, 10
                t = integrator%t_before + (integrator%t - integrator%t_before)*0.1_wp*i
                if (i == 10) t = integrator%t
-               call reference_angle(last, t, theta, omega)
+               call swing_of(last, t, theta, omega)
                last = t
                call integrator%interpolate(t, q, v, w)
                found(1) = norm2(q(3:4) - [cos(theta), sin(theta)])

@@ -5,7 +5,7 @@ module testing
    use limber_base_text, only: as_text
    implicit none
    private
-   public :: check, check_close, check_text, check_no_error, finish
+   public :: check, check_close, check_text, check_no_error, make_folder, finish
 
    integer :: passed = 0, failed = 0
 
@@ -48,6 +48,22 @@ contains
          call check(.true., name)
       end if
    end subroutine check_no_error
+
+   !> Makes a folder for files, of its own, in the one that the environment variable TMPDIR names, or in /tmp.
+   subroutine make_folder(name, folder)
+      !> Of the test
+      character(*), intent(in) :: name
+      character(:), allocatable, intent(out) :: folder
+      character(512) :: base
+      character(16) :: number
+      integer :: length, clock
+      call get_environment_variable('TMPDIR', base, length)
+      if (length == 0) base = '/tmp'
+      call system_clock(clock)
+      write (number, '(i0)') clock
+      folder = trim(base)//'/limber-test-'//name//'-'//trim(number)
+      call execute_command_line('mkdir -p '//folder)
+   end subroutine make_folder
 
    !> Prints the counts; a failure, or no check at all, ends with a non-zero status.
    subroutine finish()

@@ -22,26 +22,31 @@ module pieces
 
 contains
 
-   !> Runs a deck with texts exchanged whole, and in pieces of some steps.
-   subroutine compare_pieces(name, results, old, new, count)
+   !> Runs a deck with two texts exchanged whole, and in pieces of some steps.
+   subroutine compare_pieces(name, results, parts, old_1, new_1, old_2, new_2)
       !> Name of a deck in input; the file for the results
       character(*), intent(in) :: name, results
-      !> Texts that occur in the deck, and what stands for them (of equal numbers)
-      character(*), intent(in) :: old(:), new(:)
-      !> Pieces, at the least
-      integer, intent(in) :: count
+      !> How many, at the least
+      integer, intent(in) :: parts
+      !> Texts that occur in the deck, and what stands for them
+      character(*), intent(in) :: old_1, new_1, old_2, new_2
+      character(120) :: old(2), new(2)
       type(request_type) :: request
       type(error_type), allocatable :: error
       character(:), allocatable :: report, deck, other, title
       integer :: i
+      old(1) = old_1
+      old(2) = old_2
+      new(1) = new_1
+      new(2) = new_2
       deck = results//'.inp'
       other = results//'.pieces.h5'
-      title = name//', '//trim(new(size(new)))
+      title = name//', '//trim(new_2)
       call change_deck('../input/'//name//'.inp', deck, old, new)
       call run_deck(deck, results, .true., .true., report, error)
       call check_no_error(error, title)
       if (allocated(error)) return
-      request%stop_after = 1 + steps_of(results)/count
+      request%stop_after = 1 + steps_of(results)/parts
       call run_deck(deck, other, .true., .true., report, error, request=request)
       request%restart = .true.
       do i = 1, 1000
@@ -51,7 +56,7 @@ contains
          call run_deck(deck, other, .false., .true., report, error, request=request)
       end do
       call check_no_error(error, title//': in pieces')
-      call check(i >= count, title//': goes on '//as_text(i - 1)//' times')
+      call check(i >= parts, title//': goes on '//as_text(i - 1)//' times')
       if (.not. allocated(error)) call compare_files(results, other, title)
    end subroutine compare_pieces
 

@@ -25,36 +25,20 @@ contains
 
    subroutine test_all(results)
       character(*), intent(in) :: results
-      character(80) :: old(2), new(2)
       character(21) :: chosen
       integer :: i
       do i = 1, size(integrators)
          chosen = 'INTEGRATOR='//integrators(i)
-         old(1) = 'turns = 2'
-         new(1) = 'turns = 0.2'
-         old(2) = 'TOLERANCE=1e-8, OUTPUTS=838'
-         new(2) = 'TOLERANCE=1e-5, OUTPUTS=83, '//chosen
-         call compare_pieces('slider_crank_full', results, old, new, 7)
-         old(1) = 'END=0.03, TOLERANCE=1e-8'
-         new(1) = 'END=0.03, TOLERANCE=1e-5'
-         old(2) = 'OUTPUTS=300, INTEGRATOR=ADAMS'
-         new(2) = 'OUTPUTS=60, '//chosen
-         call compare_pieces('andrews_squeezer', results, old, new, 7)
-         old(1) = 'N = 40'
-         new(1) = 'N = 4'
-         old(2) = 'END=20, OUTPUTS=1000, TOLERANCE=1e-7'
-         new(2) = 'END=2, OUTPUTS=100, TOLERANCE=1e-5, '//chosen
-         call compare_pieces('four_bar_chain', results, old, new, 7)
-         old(1) = 'N = 100'
-         new(1) = 'N = 12'
-         old(2) = 'OUTPUTS=100, FIXED STEP=1e-3, INTEGRATOR=ADAMS'
-         new(2) = 'OUTPUTS=50, TOLERANCE=1e-4, '//chosen
-         call compare_pieces('chain_rigid', results, old, new, 7)
-         old(1) = 'N = 100'
-         new(1) = 'N = 6'
-         old(2) = 'END=1, OUTPUTS=100, FIXED STEP=1e-3, INTEGRATOR=ALPHA'
-         new(2) = 'END=0.05, OUTPUTS=50, TOLERANCE=1e-4, '//chosen
-         call compare_pieces('chain_flexible', results, old, new, 7)
+         call compare_pieces('slider_crank_full', results, 7, 'turns = 2', 'turns = 0.2', 'TOLERANCE=1e-8, OUTPUTS=838', &
+            & 'TOLERANCE=1e-5, OUTPUTS=83, '//chosen)
+         call compare_pieces('andrews_squeezer', results, 7, 'END=0.03, TOLERANCE=1e-8', 'END=0.03, TOLERANCE=1e-5', &
+            & 'OUTPUTS=300, INTEGRATOR=ADAMS', 'OUTPUTS=60, '//chosen)
+         call compare_pieces('four_bar_chain', results, 7, 'N = 40', 'N = 4', 'END=20, OUTPUTS=1000, TOLERANCE=1e-7', &
+            & 'END=2, OUTPUTS=100, TOLERANCE=1e-5, '//chosen)
+         call compare_pieces('chain_rigid', results, 7, 'N = 100', 'N = 12', 'OUTPUTS=100, FIXED STEP=1e-3, INTEGRATOR=ADAMS', &
+            & 'OUTPUTS=50, TOLERANCE=1e-4, '//chosen)
+         call compare_pieces('chain_flexible', results, 7, 'N = 100', 'N = 6', &
+            & 'END=1, OUTPUTS=100, FIXED STEP=1e-3, INTEGRATOR=ALPHA', 'END=0.05, OUTPUTS=50, TOLERANCE=1e-4, '//chosen)
       end do
    end subroutine test_all
 

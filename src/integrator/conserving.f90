@@ -9,8 +9,8 @@ module limber_integrator_conserving
    use limber_base_error, only: error_type
    use limber_integrator_cubic, only: cubic_state
    use limber_integrator_integrator, only: integrator_type
+   use limber_integrator_means, only: means_type, new_means, begin_means, predict, find_curvature, note_mean
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
-   use limber_system_algebra, only: turn, along
    use limber_system_discrete, only: step_residual, linearise_step, step_work
    use limber_system_dynamics, only: linearise, accelerations
    use limber_system_forest, only: forest_type, new_forest, forest_solve
@@ -39,12 +39,8 @@ module limber_integrator_conserving
       !> Coordinates (nq) and rates (nw) at the beginning of the last step, its increment (nw), and rates at its end (nw), all in
       !> the fixed axes
       real(wp), allocatable :: q_before(:), w_before(:), increment(:), w(:)
-      !> Mean rates in the axes of the frames and multipliers of the last two steps, the latest first, their times and lengths
-      real(wp), allocatable :: mean(:, :), mean_lambda(:, :)
-      real(wp) :: mean_time(2) = 0.0_wp, mean_step(2) = 0.0_wp
-      !> Second derivatives of the rates at the last two steps, and whether there are two (nw)
-      real(wp), allocatable :: curvature_before(:), curvature(:)
-      logical :: has_curvature = .false.
+      !> Of the last two steps
+      type(means_type) :: means
       !> Work put in at the beginning and the end of the last step
       real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp
       !> Scratch
@@ -80,15 +76,15 @@ contains
       real(wp), intent(in) :: q(:), v(:)
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: slope
-      integer :: nq, nw, nc, i, at
+      integer :: nq, nw, nc
       nq = system%layout%nq
       nw = system%layout%nw
       nc = system%nc
       if (.not. allocated(self%q)) then
          allocate (self%q(nq), self%v(nq), self%b(nw), self%y(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
-            & self%increment(nw), self%w(nw), self%mean(nw, 2), self%mean_lambda(nc, 2), self%curvature_before(nw), &
-            & self%curvature(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
+            & self%increment(nw), self%w(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
             & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc))
+         call new_means(nw, nc, self%means)
          call new_forest(system, self%forest)
          if (.not. self%forest%usable) call new_tangent(system, self%tangent)
          if (self%forest%usable .and. .not. self%fixed_step > 0.0_wp) allocate (self%forest%masses, source=self%forest%block)
@@ -97,7 +93,6 @@ contains
       end if
       self%work_done = self%work_at_start
       self%work_before = self%work_at_start
-      self%has_curvature = .false.
       self%h_factors = 0.0_wp
       self%rounding = 0.0_wp
       self%q = q
@@ -116,24 +111,13 @@ contains
       self%w_before = self%w
       self%increment = 0.0_wp
       self%unknown = 0.0_wp
-      self%curvature = 0.0_wp
-      self%curvature_before = 0.0_wp
       slope = sqrt(sum((self%w/self%scale_x)**2) + sum((self%e/self%scale_w)**2))
       self%h = duration
       if (slope*self%h > 0.1_wp*self%tolerance**(1.0_wp/3)) self%h = 0.1_wp*self%tolerance**(1.0_wp/3)/slope
       if (self%initial_step > 0.0_wp) self%h = self%initial_step
-      ! A past that the first prediction follows from
       call frame_rates(system%layout, q, self%w, self%b)
       call frame_rates(system%layout, q, self%e, self%motion)
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         at = system%layout%w(i)
-         self%motion(at:at + 1) = self%motion(at:at + 1) - self%b(at + 2)*turn(self%b(at:at + 1))
-      end do
-      self%mean_time = [t, t - self%h]
-      self%mean(:, 1) = self%b
-      self%mean(:, 2) = self%b - self%h*self%motion
-      self%mean_lambda = spread(work%lambda, 2, 2)
+      call begin_means(self%means, system%layout, t, self%h, self%b, self%motion, work%lambda)
    end subroutine conserving_start
 
    subroutine conserving_step(self, system, work, stop, error)
@@ -157,11 +141,11 @@ contains
             return
          end if
          call begin(self, system, h, merge(stop, self%t + (h - self%rounding), h >= stop - self%t))
-         call predict(self, system, .true.)
+         call predict(self%means, system%layout, self%t, h, self%q, .true., self%y, self%lambda)
          call iterate(self, system, work, good)
          if (.not. good) then
             self%h_factors = 0.0_wp
-            call predict(self, system, .false.)
+            call predict(self%means, system%layout, self%t, h, self%q, .false., self%y, self%lambda)
             call iterate(self, system, work, good)
          end if
          if (good) then
@@ -235,30 +219,6 @@ contains
       h = way/max(1, ceiling(way/wanted - slack))
       if (way > 1.5_wp*wanted .and. abs(h - wanted) <= slack*wanted) h = wanted
    end function even_step
-
-   !> Increments and multipliers from the mean rates of the last two steps; or from the last step, with deflections that rest,
-   !> which is the better guess where vibrations are not resolved.
-   subroutine predict(self, system, smooth)
-      class(conserving_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      logical, intent(in) :: smooth
-      real(wp) :: part, h, alpha, v(2)
-      integer :: i, at
-      h = self%trial%h
-      part = 0.0_wp
-      if (smooth) part = (self%t + 0.5_wp*h - self%mean_time(1))/(self%mean_time(1) - self%mean_time(2))
-      self%y = h*(self%mean(:, 1) + part*(self%mean(:, 1) - self%mean(:, 2)))
-      self%lambda = self%mean_lambda(:, 1) + part*(self%mean_lambda(:, 1) - self%mean_lambda(:, 2))
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         at = system%layout%w(i)
-         if (.not. smooth) self%y(at + 3:at + 2 + system%layout%n(i)) = 0.0_wp
-         alpha = self%y(at + 2)
-         v = along(self%y(at:at + 1), self%q(system%layout%q(i) + 2:system%layout%q(i) + 3))
-         v = (v + 0.5_wp*alpha*turn(v))/(1 + 0.25_wp*alpha**2)
-         self%y(at:at + 1) = v
-      end do
-   end subroutine predict
 
    !> Newton iteration, down to round-off. The factors at hand serve as long as it is quick.
    subroutine iterate(self, system, work, converged)
@@ -367,17 +327,12 @@ contains
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(wp), intent(out) :: err
-      real(wp) :: first, last, both, widths
-      first = self%t + 0.5_wp*self%trial%h - self%mean_time(1)
-      last = self%mean_time(1) - self%mean_time(2)
-      both = first + last
-      widths = ((self%trial%h**2 - self%mean_step(1)**2)/first - (self%mean_step(1)**2 - self%mean_step(2)**2)/last)/both
-      self%e = 0.5_wp*(self%b + self%trial%new_b) - self%mean(:, 1)
-      self%curvature = (self%e/first - (self%mean(:, 1) - self%mean(:, 2))/last)/both/(0.5_wp + 0.125_wp*widths)
-      err = part_of_error(self, system, self%curvature, self%scale_x)
+      real(wp) :: since
+      call find_curvature(self%means, self%t, self%trial%h, self%b, self%trial%new_b, since, self%e)
+      err = part_of_error(self, system, self%means%curvature, self%scale_x)
       err = err + turning_error(self, system)
-      self%motion = (self%curvature - self%curvature_before)/first
-      if (self%has_curvature) err = err + part_of_error(self, system, self%motion, self%scale_w)
+      self%motion = (self%means%curvature - self%means%curvature_before)/since
+      if (self%means%has_curvature) err = err + part_of_error(self, system, self%motion, self%scale_w)
       err = sqrt(err)
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error
@@ -442,14 +397,7 @@ contains
             at = system%layout%w(i)
             if (system%layout%framed(i)) self%increment(at + 2) = 2*atan(0.5_wp*self%y(at + 2))
          end do
-         self%mean(:, 2) = self%mean(:, 1)
-         self%mean(:, 1) = 0.5_wp*(self%b + trial%new_b)
-         self%mean_lambda(:, 2) = self%mean_lambda(:, 1)
-         self%mean_lambda(:, 1) = self%lambda
-         self%mean_time = [self%t + 0.5_wp*trial%h, self%mean_time(1)]
-         self%mean_step = [trial%h, self%mean_step(1)]
-         self%curvature_before = self%curvature
-         self%has_curvature = statistics%steps > 0
+         call note_mean(self%means, self%t, trial%h, self%b, trial%new_b, self%lambda, statistics%steps > 0)
          self%q_before = self%q
          self%w_before = self%w
          self%t_before = self%t
@@ -501,13 +449,7 @@ contains
       call snapshot%keep('w_before', self%w_before)
       call snapshot%keep('increment', self%increment)
       call snapshot%keep('w', self%w)
-      call snapshot%keep('mean', self%mean)
-      call snapshot%keep('mean_lambda', self%mean_lambda)
-      call snapshot%exchange('mean_time', self%mean_time)
-      call snapshot%exchange('mean_step', self%mean_step)
-      call snapshot%keep('curvature_before', self%curvature_before)
-      call snapshot%keep('curvature', self%curvature)
-      call snapshot%exchange('has_curvature', self%has_curvature)
+      call self%means%exchange(snapshot)
       call snapshot%exchange('work_before', self%work_before)
       call snapshot%exchange('work_done', self%work_done)
       call snapshot%keep('motion', self%motion)

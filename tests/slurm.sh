@@ -77,11 +77,11 @@ await() {  # until no job is left
   echo "jobs do not end"; squeue; exit 1
 }
 
-# A wire of minus a millimetre is refused, one of 0.2 mm deflects by more than its length
+# A wire of minus a millimetre is refused, one of 0.05 mm deflects by more than its length
 awk -v rows="$rows" 'BEGIN {
   print "speed, diameter"
   for (i = 1; i <= rows; i++)
-    print 10 + 95*(i - 1)/rows ", " (i%20 == 7 ? "-1e-3" : i%20 == 14 ? "2e-4" : 6 + 2*(i%4) "e-3")
+    print 10 + 95*(i - 1)/rows ", " (i%20 == 7 ? "-1e-3" : i%20 == 14 ? "5e-5" : 6 + 2*(i%4) "e-3")
 }' > cases.csv
 sed '/^\*SWEEP/,$d' "$deck" > deck.inp
 echo '*SWEEP, FILE="cases.csv", KEEP=YES' >> deck.inp

@@ -20,7 +20,7 @@
 !> file is replaced, if that is allowed, by the first such copy.
 module limber_output_history
    use hdf5, only: hid_t, h5fflush_f, h5f_scope_global_f, h5dopen_f, h5dclose_f
-   use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
+   use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f, h5dsdetach_scale_f
    use limber_base_error, only: error_type, raise
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text
@@ -140,7 +140,7 @@ contains
       self%samples = samples
       self%safe = samples
       self%failed = .false.
-      self%resumed = samples > 0
+      self%resumed = .false.
       self%has_checkpoint = .false.
       self%trouble = ''
       allocate (self%channels(0))
@@ -163,6 +163,7 @@ contains
       if (.not. allocated(error)) call reopen_file(self%names%working, self%file, error)
       if (allocated(error)) return
       call begin_samples(self, path, samples)
+      self%resumed = .true.
       call write_attribute(self%file, '/run', 'status', 'running', error)
       if (.not. allocated(error)) call self%note_checkpoint(error)
    end subroutine resume
@@ -514,6 +515,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(hid_t) :: dataset
       integer :: status, ignored
+      ! Of a run that goes on: the time must not point to what is replaced
+      if (object_exists(self%file, '/step')) then
+         call h5dopen_f(self%file, '/step', dataset, status)
+         if (status >= 0) call h5dsdetach_scale_f(dataset, self%time%id, 1, status)
+         call h5dclose_f(dataset, ignored)
+      end if
       call self%put_integer('/step', steps, 'number of the analysis', error)
       if (allocated(error)) return
       call h5dopen_f(self%file, '/step', dataset, status)

@@ -28,8 +28,8 @@ while [[ -n $warned ]]; do
   wait $run
   status=$?
 done
-# 4: interrupted, and can go on
-if [[ $status -eq 4 ]]; then
+# 4: interrupted; with a checkpoint it can go on, but the search for a TARGET would begin anew each time
+if [[ $status -eq 4 && -e ${results%.h5}.checkpoint.h5 ]]; then
   scontrol requeue "$SLURM_JOB_ID"
   exit 0
 fi

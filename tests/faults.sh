@@ -42,6 +42,28 @@ sed 's/turns = 20/turns = 2000/; s/OUTPUTS=20000/OUTPUTS=200000/' deck.inp > lon
 "$limber" export whole.h5 > whole.txt
 size=$(wc -c < whole.h5)
 
+# A sweep whose journals, histories, summary or table find no room: what is done stays done, nothing that is cut off takes a name, and
+# once there is room the sweep goes on
+sed '/^\*SWEEP/,$d; s/END=2\*2\*pi/END=0.2/; s/TOLERANCE=1e-6, OUTPUTS=400/TOLERANCE=1e-4, OUTPUTS=20/' "$input/sweep_speed.inp" > sweep.inp
+printf '*SWEEP\n speed, 10:105:100\n diameter, 8e-3\n' >> sweep.inp
+table() { cut -d , -f 1-5,7-9,11- "$1"; }
+expect 0 "100 rows: 100 ok" "$limber" sweep sweep.inp --jobs 2 --keep -o sweep.h5
+table sweep.csv > wanted.csv
+sweep() { "$limber" sweep "$work/sweep.inp" --jobs 2 --quiet -o swept.h5 "$@"; }
+swept() {
+  expect 0 "the same" "$limber" diff swept.h5 "$work/sweep.h5" --rtol 0 --range 0
+  table swept.csv | cmp - "$work/wanted.csv" || exit 1
+}
+# As many rows are done as were said to be
+goes_on() {
+  done=$(sed -n 's/^ *\([0-9]*\) of 100 rows are done and are kept in swept.rows; called again, .*/\1/p' "$work/messages")
+  [ "${done:-0}" -gt 0 ] || { echo "no row is done"; exit 1; }
+  [ "$(echo swept*)" = swept.rows ] || { echo "there are $(echo swept*)"; exit 1; }
+  [ -z "$1" ] || mount -o remount,size=20m .
+  expect 0 "^$done rows were done already" "$limber" sweep "$work/sweep.inp" --jobs 2 -o swept.h5
+  swept
+}
+
 # A disk that fills up while the run goes on: what was safe stays, and once there is room the run goes on
 full() {
   expect 3 "full.h5 has the first [0-9]* samples, marked incomplete; more could not be written" "$@"
@@ -94,6 +116,49 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   rm -f tight*
   mount -o remount,size=20m .
 
+  for size in 4 8 20 48; do
+    mount -o remount,size=${size}k .
+    expect 3 "takes no more rows: is the disk full?\|the summary could not be written: .*: No space left on device" sweep
+    goes_on room
+    rm -rf swept*
+  done
+  # Room for the results file, but not for the table; never a part of either
+  sweep || exit 1
+  cp -r swept.rows ..
+  found=0
+  for size in 48 52 56 60 64 68 72 76 80 84 88 92; do
+    rm -rf swept*
+    mount -o remount,size=${size}k .
+    cp -r ../swept.rows .
+    sweep > ../messages 2>&1
+    status=$?
+    if [ $status -eq 0 ]; then
+      swept
+    elif [ $status -ne 3 ] || [ "$(echo swept*)" != swept.rows ]; then
+      echo "$size kB: status $status, $(echo swept*)"; cat ../messages; exit 1
+    elif grep -q "the summary could not be written: cannot write swept.csv.new: is the disk full?" ../messages; then
+      found=1
+    fi
+  done
+  [ $found -eq 1 ] && [ $status -eq 0 ] || { echo "no table was too long, or all were"; exit 1; }
+  # A summary that is there stays as it is when another one finds no room
+  cp swept.h5 swept.csv ..
+  head -c 1000000 /dev/zero > rest 2> /dev/null
+  expect 3 "is the disk full?" sweep --set speed=10:105:200
+  cmp swept.h5 ../swept.h5 && cmp swept.csv ../swept.csv || exit 1
+  rm -rf swept* rest
+  # Histories that find no room make their rows fail, until there is some
+  mount -o remount,size=400k .
+  expect 3 "No space left on device" sweep --keep
+  mount -o remount,size=20m .
+  expect 0 "rows were done already" "$limber" sweep "$work/sweep.inp" --jobs 2 --keep -o swept.h5
+  swept
+  for history in swept.rows/*.h5; do
+    expect 0 "the same" "$limber" diff $history ../sweep.rows/${history##*/} --rtol 0 --range 0
+  done
+  [ "$(ls swept.rows/*.h5 | wc -l)" -eq 100 ] || { echo "not all histories are there"; exit 1; }
+  rm -rf swept*
+
   # A folder that is read-only: nothing can be made, and what is there is left as it is
   "$limber" run ../deck.inp --quiet -o fixed.h5 --checkpoint 0.02 > ../messages 2>&1 &
   process=$!
@@ -118,6 +183,8 @@ else
   full sh -c "ulimit -f 200; exec '$limber' run deck.inp --quiet -o full.h5 --checkpoint 0.02"
   expect 0 "continued at" "$limber" run deck.inp -o full.h5 --restart
   same full.h5
+  expect 3 "takes no more rows: is the disk full?" sh -c "ulimit -f 8; exec '$limber' sweep sweep.inp --jobs 2 --quiet -o swept.h5"
+  goes_on
 fi
 
 # A folder without the right to write, for those whom that stops

@@ -80,12 +80,3 @@ expect(4 "SIGTERM while the errors of the run were estimated; with --restart" "$
   while kill -0 $p; do ${LIMBER} export estimate.h5 2> /dev/null | wc -l | grep -q 840 && break; sleep 0.01; done; kill -TERM $p; wait $p")
 expect(0 "continued at t = 0.08" "${LIMBER} run estimate.inp --restart")
 expect(0 "the same" "${LIMBER} diff estimate.h5 whole-estimate.h5 --rtol 0 --range 0")
-
-# A deck with several analyses ends cleanly and keeps its samples, but does not go on
-file(READ ${INPUT}/rotating_cantilever.inp deck)
-string(REPLACE "TOLERANCE=1e-7" "TOLERANCE=1e-7\n*DYNAMICS, END=4800, OUTPUTS=240000, TOLERANCE=1e-7" deck "${deck}")
-file(WRITE ${WORK}/several.inp "${deck}")
-expect(3 "interrupted by SIGTERM at t = .* only be run anew.*What was computed up to there is in several.h5, marked incomplete"
-  "${LIMBER} run several.inp --quiet --restart & p=$!; while test ! -e several.h5; do sleep 0.05; done; kill -TERM $p; wait $p")
-expect(2 "only a single .DYNAMICS without TARGET can go on" "${LIMBER} run several.inp --quiet --restart")
-expect(0 "" "${LIMBER} export several.h5 > /dev/null")

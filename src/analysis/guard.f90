@@ -32,8 +32,10 @@ module limber_analysis_guard
    !> The guard of one run
    type :: guard_type
       type(request_type) :: request
-      !> False if the run can be interrupted, but not go on: it is not a single motion in time
+      !> False if the run can be interrupted, but not go on: it is a search
       logical :: continuable = .true.
+      !> Samples of the analyses before the one that is under way
+      integer :: before = 0
       !> Whether the errors of the run are estimated behind its last step
       logical :: estimates = .false.
       !> Name of the checkpoint; not allocated while nothing is guarded
@@ -54,7 +56,7 @@ module limber_analysis_guard
       !> Whether there is a checkpoint of this run
       logical, private :: has_checkpoint = .false.
    contains
-      procedure :: find, start, asks, asks_at_end, write, interrupt, finish, warning, note_line
+      procedure :: find, start, asks, asks_between, asks_at_end, write, interrupt, finish, warning, note_line
    end type guard_type
 
    !> Wall time that is lost without a checkpoint before the errors are estimated [s]
@@ -161,8 +163,7 @@ contains
       self%samples = reader%samples
       samples = results//' has '//as_text(reader%samples)//' samples of a run that did not finish'
       if (.not. self%continuable) then
-         call raise(error, samples//'; only a single *DYNAMICS without TARGET can go on, this deck can be run anew with --force', &
-            & status_deck)
+         call raise(error, samples//'; the search for a TARGET cannot go on, it can be run anew with --force', status_deck)
          return
       end if
       run = ''
@@ -261,6 +262,15 @@ contains
       if (.not. save .and. self%request%interval > 0.0_wp) save = seconds_since_last(self) > self%request%interval
    end subroutine asks
 
+   !> The same before the next analysis of a deck.
+   subroutine asks_between(self, save, stop)
+      class(guard_type), intent(in) :: self
+      logical, intent(out) :: save, stop
+      stop = signal_came()
+      save = stop
+      if (.not. save .and. self%request%interval > 0.0_wp) save = seconds_since_last(self) > self%request%interval
+   end subroutine asks_between
+
    !> Whether a checkpoint is to be written behind the last step, before the errors of the run are estimated.
    logical function asks_at_end(self) result(save)
       class(guard_type), intent(in) :: self
@@ -281,7 +291,7 @@ contains
    subroutine write(self, history, samples, t, error)
       class(guard_type), intent(inout) :: self
       class(sink_type), intent(inout) :: history
-      !> Samples taken, and time reached
+      !> Samples taken in this analysis, and time reached
       integer, intent(in) :: samples
       real(wp), intent(in) :: t
       !> Allocated if no more samples can be taken: the run is to end
@@ -292,7 +302,7 @@ contains
       if (allocated(error)) return
       if (self%trouble == '') then
          checkpoint = self%checkpoint
-         checkpoint%samples = samples
+         checkpoint%samples = self%before + samples
          checkpoint%time = t
          call write_checkpoint(self%path, checkpoint, self%snapshot, write_error)
          if (allocated(write_error)) then
@@ -307,18 +317,25 @@ contains
    end subroutine write
 
    !> Ends a run behind its checkpoint.
-   subroutine interrupt(self, t, error)
+   subroutine interrupt(self, t, error, is_earlier)
       class(guard_type), intent(in) :: self
       !> Time reached
       real(wp), intent(in) :: t
       !> Allocated on return
       type(error_type), allocatable, intent(out) :: error
+      !> Whether the checkpoint stands at an earlier time, the start of this analysis; false if absent
+      logical, intent(in), optional :: is_earlier
       character(:), allocatable :: text
+      logical :: there
+      there = .true.
+      if (present(is_earlier)) there = .not. is_earlier
       text = signal_name()
       if (text == '') text = 'request after '//as_text(self%steps)//' steps'
       text = 'interrupted by '//text//' at t = '//as_text(t, 8)
-      if (self%trouble == '') then
+      if (self%trouble == '' .and. there) then
          call raise(error, text//'; it goes on from there with --restart', status_interrupted)
+      else if (self%trouble == '') then
+         call raise(error, text//'; with --restart it goes on from the start of this analysis', status_interrupted)
       else if (self%has_checkpoint) then
          call raise(error, text//'; with --restart it goes on from t = '//as_text(self%checkpoint%time, 8)// &
             & ', for no checkpoint could be written since: '//self%trouble, status_interrupted)

@@ -45,6 +45,8 @@ contains
          if (t > model%dynamics%end) return
          origin = origin_type(file=1)
          block = deck%find_named(keywords, name)
+         ! The drivers of a motion are <motion>_x, _y and _angle
+         if (block == 0 .and. index(name, '_') > 0) block = deck%find_named('MOTION', name(:index(name, '_', back=.true.) - 1))
          if (block > 0) origin = deck%blocks(block)%origin_of('NAME')
          call diagnostics%add(origin, "the law of '"//name//"' has no value, or grows without bound, at t = "//as_text(t, 8), &
             & 'let END= come before that, or write a law that is finite throughout')

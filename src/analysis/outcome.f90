@@ -60,7 +60,7 @@ contains
       call snapshot%exchange('imbalance', self%imbalance)
       call snapshot%exchange('largest_energy', self%largest_energy)
       call snapshot%keep('warnings', self%warnings)
-      call self%indicators%exchange(snapshot)
+      if (allocated(self%indicators)) call self%indicators%exchange(snapshot)
    end subroutine exchange_outcome
 
    !> Adds a line to the warnings of a run.

@@ -2,7 +2,7 @@
 module limber_analysis_run
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck, status_interrupted
-   use limber_base_signals, only: catch_signals, release_signals, signal_came, signal_name
+   use limber_base_signals, only: signal_came, signal_name
    use limber_base_text, only: as_text, newline
    use limber_analysis_advise, only: target_of
    use limber_analysis_batch, only: batch_type
@@ -103,14 +103,14 @@ contains
       if (batch%usual_scalars) call add_usual_scalars(scene%system%model)
       if (size(scene%system%model%scalars) > 0) call history%summarise(size(scene%system%model%channels))
       call history%watch_limit(batch%limit)
-      call begin_guard(path, results, force, single_dynamics(scene%system%model), batch, scene, guard, done, report, error)
+      call begin_guard(path, results, force, .true., batch, scene, guard, done, report, error)
       if (done .or. allocated(error)) return
       call open_results(results, force .or. guard%anew, batch, scene, guard, history, error)
       if (allocated(error)) return
       if (single_dynamics(scene%system%model)) then
          call run_motion(path, results, quiet, batch, scene, guard, history, report, error)
       else
-         call run_analyses(path, results, quiet, batch, scene, history, report, error)
+         call run_analyses(path, results, quiet, batch, scene, guard, history, report, error)
       end if
       call fill_batch()
 
@@ -143,7 +143,7 @@ contains
       done = .false.
       if (.not. batch%guarded) return
       guard%continuable = continuable
-      if (continuable) guard%estimates = scene%system%model%accuracy%estimate
+      if (continuable) guard%estimates = scene%system%model%accuracy%estimate .and. single_dynamics(scene%system%model)
       call guard%find(results, effective_deck(scene%deck), batch%request, force, done, error)
       if (done) report = path//': '//results//' is complete; there is nothing left to do'
    end subroutine begin_guard
@@ -214,12 +214,13 @@ contains
    end subroutine run_motion
 
    !> Runs a deck with several analyses, or another one than the motion in time.
-   subroutine run_analyses(path, results, quiet, batch, scene, history, report, error)
+   subroutine run_analyses(path, results, quiet, batch, scene, guard, history, report, error)
       !> The deck, and the result file
       character(*), intent(in) :: path, results
       logical, intent(in) :: quiet
       type(batch_type), intent(in) :: batch
       type(scene_type), intent(inout) :: scene
+      type(guard_type), intent(inout) :: guard
       !> Open
       type(kept_type), intent(inout) :: history
       character(:), allocatable, intent(inout) :: report
@@ -229,15 +230,18 @@ contains
       type(step_statistics_type) :: statistics
       type(error_type), allocatable :: write_error
       character(:), allocatable :: lines
-      history%heeds_signals = batch%guarded
-      if (batch%guarded) call catch_signals()
-      call run_steps(scene, path, quiet, history, passed, outcome, statistics, lines, error)
-      if (batch%guarded) call release_signals()
+      if (batch%guarded) then
+         call guard%start()
+         call run_steps(scene, path, quiet, history, passed, outcome, statistics, lines, error, guard)
+         scene%warnings = scene%warnings//guard%warning()
+      else
+         call run_steps(scene, path, quiet, history, passed, outcome, statistics, lines, error)
+      end if
       if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
       call record_steps(scene, passed, history%history_type, write_error)
-      report = scene%warnings//path//': '//scene%system%model%heading//lines//newline//'   '//as_text(outcome%cpu, 3)// &
-         & ' s CPU; '//as_text(scene%reading + scene%building + scene%assembling, 3)//' s before it'//newline//'   '// &
-         & as_text(outcome%samples)//' samples in '//results//scalar_lines(scene%system%model, history)
+      report = scene%warnings//guard%note_line(path)//path//': '//scene%system%model%heading//lines//newline//'   '// &
+         & as_text(outcome%cpu, 3)//' s CPU; '//as_text(scene%reading + scene%building + scene%assembling, 3)//' s before it'// &
+         & newline//'   '//as_text(outcome%samples)//' samples in '//results//scalar_lines(scene%system%model, history)
       if (allocated(error)) then
          call record_outcome(scene, outcome, statistics, error%message, history%history_type, write_error)
          error%message = path//': '//error%message//what_is_left(results, batch%in_memory, history%history_type, write_error)
@@ -246,6 +250,7 @@ contains
       else
          call record_outcome(scene, outcome, statistics, '', history%history_type, error)
       end if
+      if (batch%guarded) call guard%finish(.not. allocated(error))
    end subroutine run_analyses
 
    !> Lets the history keep its samples in memory if errors are to be estimated from them.

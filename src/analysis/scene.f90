@@ -2,6 +2,7 @@
 !> as text that points into the deck. Floor: analysis.
 module limber_analysis_scene
    use limber_base_kinds, only: wp, long
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
    use limber_analysis_laws, only: check_laws
@@ -38,6 +39,8 @@ module limber_analysis_scene
       logical :: balanced = .false.
       real(wp), allocatable :: lambda(:)
       real(wp) :: rotation = 0.0_wp, centre(2) = 0.0_wp
+   contains
+      procedure :: exchange => exchange_carried
    end type carried_type
 
    !> A scene ready to be analysed
@@ -430,5 +433,18 @@ contains
       call system_clock(now, rate)
       seconds = real(now - tick, wp)/real(rate, wp)
    end function seconds_since
+
+   !> Saves or restores it.
+   subroutine exchange_carried(self, snapshot)
+      class(carried_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%keep('q', self%q)
+      call snapshot%keep('v', self%v)
+      call snapshot%keep('angle', self%angle)
+      call snapshot%exchange('balanced', self%balanced)
+      call snapshot%keep('lambda', self%lambda)
+      call snapshot%exchange('rotation', self%rotation)
+      call snapshot%exchange('centre', self%centre)
+   end subroutine exchange_carried
 
 end module limber_analysis_scene

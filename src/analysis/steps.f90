@@ -1,11 +1,13 @@
 !> The analyses of a deck one after another, each from the end of the one before, into one results file. Floor: analysis.
 module limber_analysis_steps
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type, raise
+   use limber_base_error, only: error_type, raise, status_deck, status_interrupted
+   use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
+   use limber_analysis_guard, only: guard_type
    use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_indicators, only: join_indicators
+   use limber_analysis_indicators, only: join_indicators, start_indicators
    use limber_analysis_kinematics, only: run_kinematics
    use limber_analysis_modes, only: run_modes
    use limber_analysis_scene, only: scene_type, settle_integrator
@@ -15,6 +17,7 @@ module limber_analysis_steps
    use limber_model_analyses, only: kind_names
    use limber_model_scene, only: step_type, step_kinematics, step_inverse, step_statics, step_modes, step_dynamics, stop_unstable, &
       & velocities_none, velocities_of_deck
+   use limber_output_channels, only: recorder_type, new_recorder
    use limber_output_history, only: history_type
    use limber_output_internal_forces, only: join_envelopes
    use limber_output_progress, only: progress_type
@@ -32,12 +35,14 @@ module limber_analysis_steps
       real(wp), allocatable :: start(:), end(:)
       !> Number of them
       integer :: count = 0
+   contains
+      procedure :: exchange => exchange_passed
    end type passed_type
 
 contains
 
    !> Runs all analyses of a deck.
-   subroutine run_steps(scene, path, quiet, history, passed, outcome, statistics, report, error)
+   subroutine run_steps(scene, path, quiet, history, passed, outcome, statistics, report, error, guard)
       type(scene_type), intent(inout) :: scene
       !> Of the deck, for the progress
       character(*), intent(in) :: path
@@ -51,20 +56,31 @@ contains
       character(:), allocatable, intent(out) :: report
       !> Which analysis could not finish, and why
       type(error_type), allocatable, intent(out) :: error
+      !> Lets the run be interrupted and go on
+      type(guard_type), intent(inout), optional :: guard
       type(outcome_type) :: part
       type(progress_type) :: progress
       character(:), allocatable :: lines
-      integer :: i, steps
+      integer :: i, steps, first
       steps = size(scene%system%model%steps)
       allocate (passed%samples(steps), passed%start(steps), passed%end(steps))
       passed%samples = 0
+      passed%start = 0.0_wp
+      passed%end = 0.0_wp
       report = ''
-      do i = 1, steps
+      i = 1
+      if (present(guard)) call begin_guarded(i)
+      if (allocated(error)) return
+      first = i
+      do i = first, steps
          associate (step => scene%system%model%steps(i))
-            call enter_step(scene, i, error)
+            if (present(guard) .and. i > first) call look_at_guard(i)
+            if (.not. allocated(error)) call enter_step(scene, i, error)
             if (allocated(error)) exit
             if (.not. quiet) call progress%start(step%dynamics%start, step%dynamics%end, path)
-            call run_step(scene, i, history, progress, part, statistics, lines, error)
+            history%heeds_signals = present(guard) .and. step%kind /= step_dynamics
+            call run_step(scene, i, history, progress, part, statistics, lines, error, guard)
+            if (present(guard) .and. allocated(error)) call interrupt_step(step%kind)
             if (.not. quiet) call progress%finish()
             passed%count = i
             passed%samples(i) = int(part%samples)
@@ -81,7 +97,104 @@ contains
          end associate
       end do
       if (allocated(error)) error%message = title(scene%system%model%steps(i))//': '//error%message
+
+   contains
+
+      !> Begins with the first analysis, or with the one that was interrupted.
+      subroutine begin_guarded(i)
+         !> Index of that analysis
+         integer, intent(out) :: i
+         i = 1
+         call guard%snapshot%begin(guard%restarting)
+         call exchange(guard%snapshot)
+         call guard%snapshot%mark()
+         if (allocated(guard%snapshot%missing)) then
+            call raise(error, guard%path//" does not fit the run: '"//guard%snapshot%missing//"' is not what it should be", &
+               & status_deck)
+            return
+         end if
+         i = passed%count + 1
+         guard%before = sum(passed%samples)
+         ! Within an analysis there is more behind the mark
+         if (guard%restarting) guard%restarting = size(guard%snapshot%integers) > guard%snapshot%integer_count
+      end subroutine begin_guarded
+
+      !> Keeps all that is known before an analysis, writes it to a checkpoint if it is time, and ends the run if that is asked for.
+      subroutine look_at_guard(i)
+         integer, intent(in) :: i
+         logical :: save, ends
+         guard%restarting = .false.
+         guard%before = sum(passed%samples)
+         call guard%snapshot%mark(forget=.true.)
+         call guard%snapshot%begin(.false.)
+         call exchange(guard%snapshot)
+         call guard%snapshot%mark()
+         call guard%asks_between(save, ends)
+         if (save) call guard%write(history, 0, scene%system%model%steps(i)%dynamics%start, error)
+         if (ends .and. .not. allocated(error)) call guard%interrupt(scene%system%model%steps(i)%dynamics%start, error)
+      end subroutine look_at_guard
+
+      !> Of an analysis that has no checkpoints of its own and was interrupted: writes that of its start.
+      subroutine interrupt_step(kind)
+         integer, intent(in) :: kind
+         if (error%status /= status_interrupted .or. kind == step_dynamics) return
+         deallocate (error)
+         call guard%write(history, 0, scene%system%model%steps(i)%dynamics%start, error)
+         if (.not. allocated(error)) call guard%interrupt(part%reached, error, is_earlier=.true.)
+      end subroutine interrupt_step
+
+      !> Saves or restores all that the next analysis begins with, and what is reported of those before it.
+      subroutine exchange(snapshot)
+         type(snapshot_type), intent(inout) :: snapshot
+         call passed%exchange(snapshot)
+         call scene%last%exchange(snapshot)
+         call scene%work%exchange(snapshot)
+         call history%exchange(snapshot)
+         call exchange_outcomes(scene, outcome, snapshot)
+         call statistics%exchange(snapshot)
+         call snapshot%keep('warnings', scene%warnings)
+         call snapshot%keep('report', report)
+      end subroutine exchange
+
    end subroutine run_steps
+
+   !> Saves or restores which analyses have run.
+   subroutine exchange_passed(self, snapshot)
+      class(passed_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%exchange('samples', self%samples)
+      call snapshot%exchange('start', self%start)
+      call snapshot%exchange('end', self%end)
+      call snapshot%exchange('count', self%count)
+   end subroutine exchange_passed
+
+   !> Saves or restores the outcome of the analyses that have run.
+   subroutine exchange_outcomes(scene, outcome, snapshot)
+      type(scene_type), intent(in) :: scene
+      type(outcome_type), intent(inout) :: outcome
+      type(snapshot_type), intent(inout) :: snapshot
+      type(recorder_type) :: recorder
+      logical :: has(2)
+      integer :: i
+      has = [allocated(outcome%indicators), allocated(outcome%efforts)]
+      do i = 1, 2
+         call snapshot%exchange('has', has(i))
+      end do
+      if (snapshot%restoring .and. has(1)) then
+         allocate (outcome%indicators)
+         call start_indicators(outcome%indicators, scene%system)
+      end if
+      if (snapshot%restoring .and. has(2)) then
+         recorder = new_recorder(scene%system, scene%q)
+         call move_alloc(recorder%efforts, outcome%efforts)
+      end if
+      call snapshot%exchange('reached', outcome%reached)
+      call outcome%exchange(snapshot)
+      if (.not. has(2)) return
+      do i = 1, size(outcome%efforts)
+         call snapshot%keep('extremes', outcome%efforts(i)%extremes)
+      end do
+   end subroutine exchange_outcomes
 
    !> Keyword and name of an analysis.
    pure function title(step) result(text)
@@ -91,7 +204,7 @@ contains
    end function title
 
    !> Runs one analysis.
-   subroutine run_step(scene, i, history, progress, part, statistics, lines, error)
+   subroutine run_step(scene, i, history, progress, part, statistics, lines, error, guard)
       type(scene_type), intent(inout) :: scene
       integer, intent(in) :: i
       class(history_type), intent(inout) :: history
@@ -100,6 +213,7 @@ contains
       type(step_statistics_type), intent(inout) :: statistics
       character(:), allocatable, intent(out) :: lines
       type(error_type), allocatable, intent(out) :: error
+      type(guard_type), intent(inout), optional :: guard
       class(integrator_type), allocatable :: integrator
       type(step_type) :: step
       step = scene%system%model%steps(i)
@@ -113,7 +227,7 @@ contains
          call run_modes(scene, step, history, part, lines, error)
       case (step_dynamics)
          call new_integrator(scene%system%model%dynamics, integrator)
-         call run_dynamics(scene, integrator, history, progress, part, error)
+         call run_dynamics(scene, integrator, history, progress, part, error, guard)
          lines = newline//'      '//scene%system%model%dynamics%integrator//', '//as_text(integrator%statistics%steps)// &
             & ' steps ('//as_text(integrator%statistics%rejected)//' rejected), energy balance '//as_text(part%imbalance, 2)// &
             & ' of at most '//as_text(part%largest_energy, 3)

@@ -66,18 +66,33 @@ contains
          if (size(waiting) < size(rows) .and. request%parts == 0) report = as_text(size(rows) - size(waiting))// &
             & ' rows were done already'//newline
          call run_rows(sweep, folder, waiting, request%jobs, quiet, error)
-         if (allocated(error)) return
          call read_journals(folder, sweep, rows)
+         if (allocated(error)) then
+            call say_what_stays(error)
+            return
+         end if
       end if
       report = report//summary_report(sweep, rows)
       if (request%parts == 0 .or. request%collect) then
          call write_summary(sweep, rows, folder, results, base//'.csv', error)
-         if (allocated(error)) return
+         if (allocated(error)) then
+            error%message = 'the summary could not be written: '//error%message
+            call say_what_stays(error)
+            return
+         end if
          report = report//newline//'   The summary is in '//results//' and '//base//'.csv'
       end if
       call judge()
 
    contains
+
+      !> Adds to an error which rows need not be run again.
+      subroutine say_what_stays(error)
+         type(error_type), allocatable, intent(inout) :: error
+         error%message = path//': '//error%message//newline//'   '//as_text(count(rows%state == row_done))//' of '// &
+            & as_text(size(rows))//' rows are done and are kept in '//folder//'; called again, the sweep goes on from there'
+         error%status = status_run
+      end subroutine say_what_stays
 
       !> Rows that have not ended well make the status of the command.
       subroutine judge()

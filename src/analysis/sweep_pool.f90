@@ -1,7 +1,7 @@
 !> Runs rows of a sweep in several processes, which take the next row whenever they have ended one. A crash takes one row with it
 !> and no more. Floor: analysis.
 module limber_analysis_sweep_pool
-   use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_error, only: error_type, raise, status_deck, status_run
    use limber_base_kinds, only: wp
    use limber_base_process, only: queue_type, new_queue, next_in_queue, taken_of_queue, start_copy, end_copy, wait_for_copy, &
       & pause_shortly, parent_number
@@ -9,12 +9,15 @@ module limber_analysis_sweep_pool
    use limber_analysis_batch, only: batch_type
    use limber_analysis_run, only: run_one
    use limber_analysis_sweep_plan, only: sweep_type, row_overrides
-   use limber_analysis_sweep_rows, only: row_type, journal_type, open_journal, note_begin, note_end, close_journal, begun_last, &
+   use limber_analysis_sweep_rows, only: row_type, journal_type, open_journal, note_begin, note_end, begun_last, &
       & row_done, row_refused, row_failed, row_crashed
    use limber_output_progress, only: progress_type
    implicit none
    private
    public :: run_rows, history_name
+
+   !> Status of a process that could not note how its row has ended
+   integer, parameter :: status_unnoted = 5
 
 contains
 
@@ -27,14 +30,14 @@ contains
       integer, intent(in) :: waiting(:), jobs
       !> Whether the progress is not shown
       logical, intent(in) :: quiet
-      !> No row could be run
+      !> No row could be run (status 2), or not all of them could be noted (status 3)
       type(error_type), allocatable, intent(out) :: error
       type(queue_type) :: queue
       type(journal_type) :: journal
       type(progress_type) :: progress
       integer :: workers(min(jobs, size(waiting)))
       integer :: i, number, signal
-      logical :: ok
+      logical :: ok, unnoted
       if (size(waiting) == 0) return
       call open_journal(folder, journal, error)
       if (allocated(error)) return
@@ -44,6 +47,7 @@ contains
          return
       end if
       if (.not. quiet) call progress%start(0.0_wp, real(size(waiting), wp), sweep%path)
+      unnoted = .false.
       do i = 1, size(workers)
          call start_worker(sweep, folder, queue, workers(i))
       end do
@@ -58,13 +62,17 @@ contains
             if (workers(i) /= number) cycle
             workers(i) = 0
             if (signal == 0) cycle
+            if (signal == -status_unnoted) then
+               unnoted = .true.
+               cycle
+            end if
             call note_crash(journal, folder, number, signal)
             if (taken_of_queue(queue) < queue%length) call start_worker(sweep, folder, queue, workers(i))
          end do
       end do
       if (.not. quiet) call progress%finish()
-      call close_journal(journal)
       if (all(workers < 0)) call raise(error, 'no process could be started for the rows')
+      if (unnoted) call raise(error, 'the folder '//folder//' takes no more rows: is the disk full?', status_run)
    end subroutine run_rows
 
    subroutine start_worker(sweep, folder, queue, number)
@@ -73,27 +81,29 @@ contains
       type(queue_type), intent(in) :: queue
       !> Of the process; -1 if there is none
       integer, intent(out) :: number
-      logical :: is_copy
+      logical :: is_copy, is_noted
       call start_copy(number, is_copy)
       if (.not. is_copy) return
-      call work_off(sweep, folder, queue)
-      call end_copy(0)
+      call work_off(sweep, folder, queue, is_noted)
+      call end_copy(merge(0, status_unnoted, is_noted))
    end subroutine start_worker
 
    !> What a process does.
-   subroutine work_off(sweep, folder, queue)
+   subroutine work_off(sweep, folder, queue, is_noted)
       type(sweep_type), intent(in) :: sweep
       character(*), intent(in) :: folder
       type(queue_type), intent(in) :: queue
+      !> False if it could not be noted how a row has ended
+      logical, intent(out) :: is_noted
       type(journal_type) :: journal
       type(batch_type) :: batch
       type(row_type) :: row
       type(error_type), allocatable :: error
       integer :: i, parent
-      logical :: ok
       parent = parent_number()
       call open_journal(folder, journal, error)
-      if (allocated(error)) return
+      is_noted = .not. allocated(error)
+      if (.not. is_noted) return
       batch%in_memory = .not. sweep%keep
       batch%usual_scalars = .true.
       batch%limit = sweep%limit
@@ -102,11 +112,10 @@ contains
          if (i == 0) exit
          call note_begin(journal, sweep%keys(i))
          call run_row(sweep, folder, i, batch, row)
-         call note_end(journal, sweep%keys(i), row, ok)
+         call note_end(journal, sweep%keys(i), row, is_noted)
          if (parent_number() /= parent) exit
-         if (.not. ok) exit
+         if (.not. is_noted) exit
       end do
-      call close_journal(journal)
    end subroutine work_off
 
    !> Runs one row.

@@ -3,7 +3,7 @@
 !> Floor: analysis.
 module limber_analysis_sweep_rows
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_files, only: files_like, longest_path
+   use limber_base_files, only: append_text, files_like, longest_path
    use limber_base_kinds, only: wp
    use limber_base_names, only: name_index_type
    use limber_base_process, only: host_name, own_number
@@ -11,7 +11,7 @@ module limber_analysis_sweep_rows
    use limber_analysis_sweep_plan, only: sweep_type
    implicit none
    private
-   public :: row_type, journal_type, open_journal, note_begin, note_end, close_journal, read_journals, begun_last
+   public :: row_type, journal_type, open_journal, note_begin, note_end, read_journals, begun_last
 
    !> How a row has ended: not at all, well, with a deck that cannot be used, with a run that could not finish, with a crash
    integer, parameter, public :: row_missing = 0, row_done = 1, row_refused = 2, row_failed = 3, row_crashed = 4
@@ -31,7 +31,7 @@ module limber_analysis_sweep_rows
 
    !> A journal that is being written
    type :: journal_type
-      integer, private :: unit = 0
+      character(:), allocatable, private :: path
    end type journal_type
 
    character(1), parameter :: tab = achar(9)
@@ -54,21 +54,17 @@ contains
       character(*), intent(in) :: folder
       type(journal_type), intent(out) :: journal
       type(error_type), allocatable, intent(out) :: error
-      integer :: status
-      open (newunit=journal%unit, file=journal_name(folder, own_number()), position='append', action='write', recl=longest, &
-         & iostat=status)
-      if (status /= 0) then
-         journal%unit = 0
-         call raise(error, 'cannot write into the folder '//folder, status_deck)
-      end if
+      logical :: ok
+      journal%path = journal_name(folder, own_number())
+      call append_text(journal%path, '', ok)
+      if (.not. ok) call raise(error, 'cannot write into the folder '//folder, status_deck)
    end subroutine open_journal
 
    subroutine note_begin(journal, key)
       type(journal_type), intent(in) :: journal
       character(*), intent(in) :: key
-      integer :: ignored
-      write (journal%unit, '(a)', iostat=ignored) key//tab//'begun'
-      flush (journal%unit, iostat=ignored)
+      logical :: ignored
+      call append_text(journal%path, key//tab//'begun'//newline, ignored)
    end subroutine note_begin
 
    !> Notes how a row has ended.
@@ -79,16 +75,14 @@ contains
       !> False if it cannot be written
       logical, intent(out) :: ok
       character(:), allocatable :: scalars
-      integer :: i, status(2)
+      integer :: i
       scalars = ''
       do i = 1, size(row%scalars)
          scalars = scalars//' '//as_text(row%scalars(i))
       end do
-      write (journal%unit, '(a)', iostat=status(1)) key//tab//trim(row_states(row%state))//tab//as_text(row%seconds, 6)//tab// &
+      call append_text(journal%path, key//tab//trim(row_states(row%state))//tab//as_text(row%seconds, 6)//tab// &
          & as_text(row%error)//tab//as_text(row%warnings)//tab//as_text(size(row%scalars))//scalars//tab// &
-         & plain(row%message)//tab//'.'
-      flush (journal%unit, iostat=status(2))
-      ok = all(status == 0)
+         & plain(row%message)//tab//'.'//newline, ok)
    end subroutine note_end
 
    !> A message as one line without tabs, of a length that fits; between its lines stands ' / '.
@@ -105,13 +99,6 @@ contains
          end if
       end do
    end function plain
-
-   subroutine close_journal(journal)
-      type(journal_type), intent(inout) :: journal
-      integer :: ignored
-      if (journal%unit /= 0) close (journal%unit, iostat=ignored)
-      journal%unit = 0
-   end subroutine close_journal
 
    !> All rows as far as they are done.
    subroutine read_journals(folder, sweep, rows)

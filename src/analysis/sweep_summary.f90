@@ -2,7 +2,7 @@
 !> commas. Floor: analysis.
 module limber_analysis_sweep_summary
    use limber_base_error, only: error_type, raise
-   use limber_base_files, only: rename_file, remove_file
+   use limber_base_files, only: append_text, rename_file, remove_file
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
    use limber_base_version, only: version, commit
@@ -28,7 +28,11 @@ contains
       logical :: ok
       call write_results(sweep, rows, folder, path//'.new', error)
       if (.not. allocated(error)) call write_text(sweep, rows, folder, csv//'.new', error)
-      if (allocated(error)) return
+      if (allocated(error)) then
+         call remove_file(path//'.new')
+         call remove_file(csv//'.new')
+         return
+      end if
       call rename_file(path//'.new', path, ok)
       if (ok) call rename_file(csv//'.new', csv, ok)
       if (.not. ok) call raise(error, 'cannot give '//path//'.new its name')
@@ -105,40 +109,41 @@ contains
       type(row_type), intent(in) :: rows(:)
       character(*), intent(in) :: folder, path
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: line
-      integer :: unit, i, k, status
-      open (newunit=unit, file=path, action='write', status='replace', recl=1048576, iostat=status)
-      if (status /= 0) then
-         call raise(error, 'cannot write '//path)
-         return
-      end if
-      line = 'row'
+      !> Lines are written in pieces of this length
+      integer, parameter :: enough = 65536
+      character(:), allocatable :: lines
+      integer :: i, k
+      logical :: ok
+      call remove_file(path)
+      lines = 'row'
       do k = 1, size(sweep%names)
-         line = line//','//trim(sweep%names(k))
+         lines = lines//','//trim(sweep%names(k))
       end do
-      line = line//',state,error_estimate,seconds,warnings'
+      lines = lines//',state,error_estimate,seconds,warnings'
       do k = 1, size(sweep%scalars)
-         line = line//','//trim(sweep%scalars(k))
+         lines = lines//','//trim(sweep%scalars(k))
       end do
-      write (unit, '(a)', iostat=status) line//',history,message'
+      lines = lines//',history,message'//newline
+      ok = .true.
       do i = 1, size(rows)
-         line = as_text(i)
+         lines = lines//as_text(i)
          do k = 1, size(sweep%names)
-            line = line//','//as_text(sweep%values(k, i))
+            lines = lines//','//as_text(sweep%values(k, i))
          end do
-         line = line//','//trim(row_states(rows(i)%state))//','
-         if (rows(i)%error >= 0.0_wp) line = line//as_text(rows(i)%error, 3)
-         line = line//','//as_text(rows(i)%seconds, 4)//','//as_text(rows(i)%warnings)
+         lines = lines//','//trim(row_states(rows(i)%state))//','
+         if (rows(i)%error >= 0.0_wp) lines = lines//as_text(rows(i)%error, 3)
+         lines = lines//','//as_text(rows(i)%seconds, 4)//','//as_text(rows(i)%warnings)
          do k = 1, size(sweep%scalars)
-            line = line//','
-            if (rows(i)%state == row_done) line = line//as_text(rows(i)%scalars(k))
+            lines = lines//','
+            if (rows(i)%state == row_done) lines = lines//as_text(rows(i)%scalars(k))
          end do
-         if (status == 0) write (unit, '(a)', iostat=status) line//','//kept(sweep, rows, folder, i)//',"'// &
-            & doubled(rows(i)%message)//'"'
+         lines = lines//','//kept(sweep, rows, folder, i)//',"'//doubled(rows(i)%message)//'"'//newline
+         if (len(lines) < enough .or. .not. ok) cycle
+         call append_text(path, lines, ok)
+         lines = ''
       end do
-      if (status /= 0) call raise(error, 'cannot write '//path//': is the disk full?')
-      close (unit, iostat=status)
-      if (status /= 0 .and. .not. allocated(error)) call raise(error, 'cannot write '//path//': is the disk full?')
+      if (ok) call append_text(path, lines, ok)
+      if (.not. ok) call raise(error, 'cannot write '//path//': is the disk full?')
    end subroutine write_text
 
    !> A text whose quotes stand twice.

@@ -3,7 +3,7 @@
 !> Equations: doc/theory.md, accuracy on request.
 module limber_analysis_target
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
+   use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: advice_type, make_advice, find_floors, floor_of, expected_error, take_measured, divide_beam
    use limber_analysis_descent, only: descend
@@ -28,6 +28,9 @@ module limber_analysis_target
       !> Whether the verified error is within the target; if not, why
       logical :: done = .false.
       character(:), allocatable :: reason
+      !> Where a signal has ended the search; not allocated if none came. If the target is kept all else is as it should be, only
+      !> less might do; if not there are neither samples nor an outcome
+      character(:), allocatable :: interruption
       !> Samples of the run that was verified, what it counted, and how it ended
       type(memory_type) :: samples
       type(step_statistics_type) :: statistics
@@ -86,6 +89,31 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(trial_type) :: candidate
       type(truth_type) :: truth
+      call search(deck, target, quiet, reached, candidate, truth, error)
+      if (allocated(error)) then
+         if (error%status /= status_interrupted) return
+         call move_alloc(error%message, reached%interruption)
+         deallocate (error)
+         if (.not. reached%done) return
+      end if
+      if (reached%done .or. truth%known) call record_errors(truth, candidate, reached)
+      if (.not. reached%done) call say_why(target, reached)
+      reached%statistics = candidate%statistics
+      call take_outcome(candidate%outcome, reached%outcome)
+      call take_samples(candidate%samples%memory_type, reached%samples)
+   end subroutine reach_target
+
+   !> The search itself.
+   subroutine search(deck, target, quiet, reached, candidate, truth, error)
+      type(deck_type), intent(in) :: deck
+      real(wp), intent(in) :: target
+      logical, intent(in) :: quiet
+      type(reached_type), intent(inout) :: reached
+      !> The run that was verified, and the finest
+      type(trial_type), intent(inout) :: candidate
+      type(truth_type), intent(inout) :: truth
+      !> The deck is wrong (status 2), or a signal asks for the end (status 4)
+      type(error_type), allocatable, intent(out) :: error
       real(wp) :: limit
       integer :: round
       logical :: climbed, on
@@ -135,13 +163,7 @@ contains
       end do
       if (reached%done) call descend(deck, target, quiet, truth, reached%advice, candidate, reached%error, reached%runs, &
          & reached%cpu, reached%path, error)
-      if (allocated(error)) return
-      if (reached%done .or. truth%known) call record_errors(truth, candidate, reached)
-      if (.not. reached%done) call say_why(target, reached)
-      reached%statistics = candidate%statistics
-      call take_outcome(candidate%outcome, reached%outcome)
-      call take_samples(candidate%samples%memory_type, reached%samples)
-   end subroutine reach_target
+   end subroutine search
 
    !> Why a target is not kept.
    subroutine say_why(target, reached)

@@ -1,8 +1,9 @@
 !> `limber run` of a deck with a TARGET: with the model and the tolerance that keep it. Floor: analysis.
 module limber_analysis_target_run
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_text, only: newline
+   use limber_base_error, only: error_type, raise, status_deck, status_interrupted
+   use limber_base_signals, only: catch_signals, release_signals
+   use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: apply_advice
    use limber_analysis_advise, only: advice_table, target_of
    use limber_analysis_batch, only: batch_type
@@ -33,7 +34,7 @@ contains
       type(scene_type), intent(inout) :: scene
       type(kept_type), intent(inout) :: history
       character(:), allocatable, intent(out) :: report
-      !> A deck that cannot be used (status 2), or a target that no rung keeps (status 3)
+      !> A deck that cannot be used (status 2), a target that no rung keeps (status 3), or a signal during the search (status 4)
       type(error_type), allocatable, intent(out) :: error
       type(reached_type) :: reached
       type(error_type), allocatable :: write_error
@@ -44,12 +45,19 @@ contains
       report = ''
       reading = scene%reading
       call check_target(path, scene, force, results, error)
+      if (batch%guarded) call catch_signals()
       if (.not. allocated(error)) call reach_target(scene%deck, target_of(scene%deck), quiet, reached, error)
+      if (batch%guarded) call release_signals()
       if (.not. allocated(error)) call build_reached(reached, scene, error)
       if (allocated(error)) return
       scene%reading = reading
       if (batch%usual_scalars) call add_usual_scalars(scene%system%model)
       if (size(scene%system%model%scalars) > 0) call history%summarise(size(scene%system%model%channels))
+      if (allocated(reached%interruption) .and. .not. reached%done) then
+         call raise(error, path//': '//interruption_text(reached, scene)//newline// &
+            & '   No results were written.', status_interrupted)
+         return
+      end if
       call open_history(scene, results, force, history%history_type, error, batch%in_memory)
       do k = 1, reached%samples%samples
          if (allocated(error)) return
@@ -70,11 +78,36 @@ contains
             & history%history_type, write_error))
          return
       end if
+      if (allocated(reached%interruption)) then
+         call record_outcome(scene, reached%outcome, reached%statistics, interruption_text(reached, scene), history%history_type, &
+            & write_error)
+         call raise(error, path//': '//interruption_text(reached, scene)//what_is_left(results, batch%in_memory, &
+            & history%history_type, write_error), status_interrupted)
+         return
+      end if
       call record_outcome(scene, reached%outcome, reached%statistics, '', history%history_type, error)
       table = estimate_table(reached%estimate, scene%system%model%channels, reached%samples)
       report = scene%warnings//closing_report(path, scene, reached%outcome, integrator, results)// &
          & scalar_lines(scene%system%model, history)//newline//advice_table(reached%advice, scene)//reached%path//newline//table
    end subroutine run_to_target
+
+   !> What a search had found when a signal ended it, and what can be done with that.
+   function interruption_text(reached, scene) result(text)
+      type(reached_type), intent(in) :: reached
+      !> With the model of the setting that it was at
+      type(scene_type), intent(in) :: scene
+      character(:), allocatable :: text
+      text = 'the search for TARGET='//as_text(reached%advice%target, 2)//' was '//reached%interruption//', after '// &
+         & as_text(reached%runs)//' runs; it has no checkpoints and begins anew'//newline
+      if (reached%done) then
+         text = text//'   The target is kept, with an error of '//as_text(reached%error, 2)// &
+            & ', by this setting; whether less would do was still being tried.'
+      else
+         text = text//'   This setting was being tried; none was found so far that keeps the target.'
+      end if
+      text = text//' Written into the deck in place of TARGET it runs without a search, and can then go on after a signal.'// &
+         & newline//advice_table(reached%advice, scene)//reached%path
+   end function interruption_text
 
    !> What speaks against a target before anything runs: a deck that is wrong, and a result that is there already.
    subroutine check_target(path, scene, force, results, error)

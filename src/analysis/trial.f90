@@ -3,8 +3,9 @@
 module limber_analysis_trial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type, raise
-   use limber_base_text, only: first_line
+   use limber_base_error, only: error_type, raise, status_interrupted
+   use limber_base_signals, only: signal_came, signal_name
+   use limber_base_text, only: as_text, first_line
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
    use limber_analysis_errors, only: magnitude
    use limber_analysis_estimate, only: add_quantities, round_off
@@ -91,7 +92,7 @@ contains
       !> For the progress
       character(*), intent(in) :: label
       type(trial_type), intent(out) :: trial
-      !> The deck is wrong (status 2)
+      !> The deck is wrong (status 2), or a signal asks for the end (status 4); the run is of no use then
       type(error_type), allocatable, intent(out) :: error
       !> Samples that it may leave only by so much, in each channel, or it is given up; and after so much work
       real(wp), intent(in), optional :: truth(:, :), allowed(:), most
@@ -124,12 +125,18 @@ contains
          model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step
          call new_integrator(model%dynamics, integrator)
          call trial%samples%start(width, model%dynamics%outputs + 1, limit)
+         trial%samples%heeds_signals = .true.
          if (present(truth)) allocate (trial%samples%truth, source=truth)
          if (present(allowed)) allocate (trial%samples%allowed, source=allowed)
          if (present(most)) model%dynamics%maximum_steps = min(model%dynamics%maximum_steps, most_steps(most))
          if (.not. quiet) call progress%start(model%dynamics%start, model%dynamics%end, label)
          call run_dynamics(scene, integrator, trial%samples, progress, trial%outcome, failure)
          if (.not. quiet) call progress%finish()
+         if (signal_came()) then
+            call raise(error, 'interrupted by '//signal_name()//" in the run '"//label//"' at t = "// &
+               & as_text(trial%outcome%reached, 4), status_interrupted)
+            return
+         end if
          trial%statistics = integrator%statistics
          trial%work = trial%statistics%evaluations*work_of(scene%system%layout%nw)
          trial%integrator = model%dynamics%integrator

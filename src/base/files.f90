@@ -4,7 +4,7 @@ module limber_base_files
       & c_funptr, c_ptr, c_size_t
    implicit none
    private
-   public :: rename_file, copy_file, make_folder, files_like, remove_file, is_folder, may_write, is_locked
+   public :: rename_file, copy_file, append_text, make_folder, files_like, remove_file, is_folder, may_write, is_locked
 
    !> Longest path
    integer, parameter, public :: longest_path = 4096
@@ -172,6 +172,29 @@ contains
       is_locked = c_flock(c_fileno(stream), shared_without_waiting) /= 0
       ignored = c_fclose(stream)
    end function is_locked
+
+   !> Adds a text to the end of a file, which is made if it is not there; the text is in the file, not in a buffer, when it returns.
+   subroutine append_text(path, text, ok)
+      character(*), intent(in) :: path, text
+      !> False if not all of it could be written
+      logical, intent(out) :: ok
+      character(kind=c_char), allocatable, target :: buffer(:)
+      type(c_ptr) :: file
+      integer(c_size_t) :: length, written
+      integer :: i
+      file = c_fopen(path//c_null_char, 'a'//c_null_char)
+      ok = c_associated(file)
+      if (.not. ok) return
+      length = len(text, c_size_t)
+      allocate (buffer(max(1, len(text))))
+      do i = 1, len(text)
+         buffer(i) = text(i:i)
+      end do
+      written = c_fwrite(c_loc(buffer), 1_c_size_t, length, file)
+      ok = written == length
+      ! What a full disk does not take shows here
+      ok = c_fclose(file) == 0 .and. ok
+   end subroutine append_text
 
    !> Removes a file, if it is there.
    subroutine remove_file(path)

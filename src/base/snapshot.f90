@@ -6,6 +6,7 @@
 !>     call snapshot%begin(.false.)              ! or .true. to restore what `reals` and `integers` hold
 !>     call snapshot%exchange('step', self%h)    ! numbers and arrays of fixed size
 !>     call snapshot%keep('rates', self%v)       ! allocatable arrays and texts, whether they are allocated or not
+!>     call snapshot%mark()                      ! what went through so far stays: `begin` now goes to here
 module limber_base_snapshot
    use limber_base_kinds, only: wp, long
    implicit none
@@ -20,10 +21,12 @@ module limber_base_snapshot
       real(wp), allocatable :: reals(:)
       integer, allocatable :: integers(:)
       integer :: real_count = 0, integer_count = 0
+      !> Numbers before the mark
+      integer, private :: marked_reals = 0, marked_integers = 0
       !> Name of the first item that was not found where it was looked for; not allocated while all is well
       character(:), allocatable :: missing
    contains
-      procedure :: begin
+      procedure :: begin, mark
       generic :: exchange => exchange_real, exchange_reals, exchange_table, exchange_integer, exchange_integers, exchange_long, &
          & exchange_logical, exchange_complex
       generic :: keep => keep_reals, keep_table, keep_block, keep_logicals, keep_text
@@ -35,17 +38,30 @@ module limber_base_snapshot
 
 contains
 
-   !> Goes to the start of a snapshot, to save into it or to restore from it.
+   !> Goes to the start of a snapshot, or to its mark, to save into it or to restore from it.
    subroutine begin(self, restoring)
       class(snapshot_type), intent(inout) :: self
       logical, intent(in) :: restoring
       self%restoring = restoring
-      self%real_count = 0
-      self%integer_count = 0
+      self%real_count = self%marked_reals
+      self%integer_count = self%marked_integers
       if (allocated(self%missing)) deallocate (self%missing)
       if (.not. allocated(self%reals)) allocate (self%reals(0))
       if (.not. allocated(self%integers)) allocate (self%integers(0))
    end subroutine begin
+
+   !> Lets what has gone through stand before all that is saved or restored from now on; or forgets an earlier mark.
+   subroutine mark(self, forget)
+      class(snapshot_type), intent(inout) :: self
+      !> False if absent
+      logical, intent(in), optional :: forget
+      self%marked_reals = self%real_count
+      self%marked_integers = self%integer_count
+      if (.not. present(forget)) return
+      if (.not. forget) return
+      self%marked_reals = 0
+      self%marked_integers = 0
+   end subroutine mark
 
    !> Takes note of an item, or looks whether it is the next one.
    subroutine announce(self, name, count)

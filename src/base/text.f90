@@ -145,7 +145,9 @@ contains
       wanted = lowercase(trim(adjustl(name)))
       do i = 1, size(candidates)
          candidate = lowercase(trim(adjustl(candidates(i))))
-         distance = edit_distance(wanted, candidate)
+         ! So many letters are missing at least
+         distance = abs(len(candidate) - len(wanted))
+         if (distance < best) distance = edit_distance(wanted, candidate)
          if (begins_or_ends(wanted, candidate) .or. begins_or_ends(candidate, wanted)) distance = min(distance, 1)
          if (distance < best) then
             best = distance

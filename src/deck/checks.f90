@@ -4,7 +4,7 @@ module limber_deck_checks
    use limber_base_names, only: name_index_type
    use limber_base_text, only: nearest_name
    use limber_deck_origin, only: origin_type
-   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_diagnostics, only: diagnostics_type, max_shown
    use limber_deck_parameters, only: name_length
    use limber_deck_schema, only: option_spec_type, field_spec_type, kind_name, kind_reference, form_channels
    use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value
@@ -113,6 +113,12 @@ contains
       integer :: i, count, other
       if (deck%find_named(trim(spec%values), name) > 0) return
       kinds = alternatives(trim(spec%values))
+      label = 'define it with '//kinds
+      ! What is not shown need not be searched for
+      if (diagnostics%count >= max_shown) then
+         call diagnostics%add(origin, 'there is no '//kinds//" named '"//name//"'", label)
+         return
+      end if
       allocate (names(size(deck%blocks)))
       count = 0
       other = 0
@@ -124,7 +130,6 @@ contains
             other = i
          end if
       end do
-      label = 'define it with '//kinds
       i = nearest_name(name, names(:count))
       if (i > 0) label = "did you mean '"//trim(names(i))//"'?"
       if (other > 0 .and. i == 0) then

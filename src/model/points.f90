@@ -2,7 +2,7 @@
 module limber_model_points
    use limber_base_kinds, only: wp
    use limber_base_text, only: nearest_name, lowercase
-   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_diagnostics, only: diagnostics_type, max_shown
    use limber_deck_origin, only: origin_type
    use limber_model_lists, only: append
    use limber_model_scene, only: model_type, point_type
@@ -85,6 +85,12 @@ contains
       character(:), allocatable :: valid, hint
       character(64), allocatable :: all(:)
       integer :: i, near
+      hint = 'no body or ground point of this name is defined'
+      ! What is not shown need not be searched for
+      if (diagnostics%count >= max_shown) then
+         call diagnostics%add(origin, "there is no point '"//name//"'", hint)
+         return
+      end if
       allocate (all(model%counts%points))
       valid = ''
       do i = 1, size(all)
@@ -93,7 +99,6 @@ contains
          if (valid /= '') valid = valid//', '
          valid = valid//model%points(i)%name
       end do
-      hint = 'no body or ground point of this name is defined'
       if (valid /= '') then
          hint = 'valid: '//valid
       else

@@ -2,14 +2,14 @@
 !> Source: HDF5 1.10, Dimension Scales (H5DS), and the netCDF-4 conventions built on them.
 module limber_output_hdf5_scales
    use hdf5, only: hid_t, h5dopen_f, h5dclose_f
-   use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
+   use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f, h5dsdetach_scale_f
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_output_hdf5, only: object_exists, write_dataset
    use limber_output_hdf5_error, only: hdf5_error, no_id
    implicit none
    private
-   public :: make_scale, open_scale, open_components, attach_scale, attach_open_scale
+   public :: make_scale, open_scale, open_components, attach_scale, attach_open_scale, detach_scale
 
 contains
 
@@ -98,5 +98,19 @@ contains
       call h5dsattach_scale_f(dataset, scale, dimension, status)
       if (status < 0) call hdf5_error(error, file, 'cannot attach a dimension scale to '//path)
    end subroutine attach_open_scale
+
+   !> Takes an open scale from the slowest dimension of a dataset, which may have none.
+   subroutine detach_scale(file, path, scale)
+      !> Open file and scale
+      integer(hid_t), intent(in) :: file, scale
+      !> Absolute path of the dataset, which is there
+      character(*), intent(in) :: path
+      integer(hid_t) :: dataset
+      integer :: status
+      call h5dopen_f(file, path, dataset, status)
+      if (status < 0) return
+      call h5dsdetach_scale_f(dataset, scale, 1, status)
+      call h5dclose_f(dataset, status)
+   end subroutine detach_scale
 
 end module limber_output_hdf5_scales

@@ -26,7 +26,7 @@ module limber_output_history
    use limber_output_hdf5, only: create_file, check_unused, reopen_file, close_file, create_group, object_exists, write_attribute
    use limber_output_hdf5_error, only: hdf5_error, no_id
    use limber_output_hdf5_read, only: longest_name
-   use limber_output_hdf5_scales, only: make_scale, open_components, attach_scale, attach_open_scale
+   use limber_output_hdf5_scales, only: make_scale, open_components, attach_scale, attach_open_scale, detach_scale
    use limber_output_hdf5_series, only: series_type, create_series, reopen_series, append_rows, close_series
    use limber_output_results, only: results_type
    use limber_output_working_file, only: working_file_type, working_name
@@ -131,7 +131,7 @@ contains
       self%samples = samples
       self%safe = samples
       self%failed = .false.
-      self%resumed = samples > 0
+      self%resumed = .false.
       self%has_checkpoint = .false.
       self%trouble = ''
       allocate (self%channels(0))
@@ -154,6 +154,7 @@ contains
       if (.not. allocated(error)) call reopen_file(self%names%working, self%file, error)
       if (allocated(error)) return
       call begin_samples(self, path, samples)
+      self%resumed = .true.
       call write_attribute(self%file, '/run', 'status', 'running', error)
       if (.not. allocated(error)) call self%note_checkpoint(error)
    end subroutine resume
@@ -438,6 +439,8 @@ contains
       integer, intent(in) :: steps(:)
       !> Allocated if it cannot be written
       type(error_type), allocatable, intent(out) :: error
+      ! Of a run that goes on: the time must not point to what is replaced
+      if (object_exists(self%file, '/step')) call detach_scale(self%file, '/step', self%time%id)
       call self%put_integer('/step', steps, 'number of the analysis', error)
       if (.not. allocated(error)) call attach_scale(self%file, '/step', self%time%id, error)
    end subroutine put_steps

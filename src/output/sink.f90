@@ -1,6 +1,6 @@
 !> Where an analysis puts its samples: a results file, or memory. Floor: output.
 module limber_output_sink
-   use limber_base_error, only: error_type, raise
+   use limber_base_error, only: error_type, raise, status_interrupted
    use limber_base_kinds, only: wp
    use limber_base_signals, only: signal_came, signal_name
    use limber_base_snapshot, only: snapshot_type
@@ -13,7 +13,7 @@ module limber_output_sink
    type, abstract :: sink_type
       !> CPU time after which the run is given up at its next step or sample, and CPU clock at its start [s]
       real(wp) :: limit = huge(1.0_wp), started = 0.0_wp
-      !> Whether the run ends at its next sample when a signal asks for that: one that could not go on from there
+      !> Whether the run ends at its next step, increment or sample when a signal asks for that: one that could not go on from there
       logical :: heeds_signals = .false.
       !> What channels were over the samples: sums, in the units of the channel and its square, where they are asked for
       integer :: taken = 0
@@ -80,14 +80,20 @@ contains
       call cpu_time(self%started)
    end subroutine watch_limit
 
-   !> Gives up the run if its time is over: asked at each step or increment.
+   !> Gives up the run if its time is over, or a signal asks for that: asked at each step or increment.
    subroutine check_limit(self, t, error)
       class(sink_type), intent(in) :: self
       !> Time reached
       real(wp), intent(in) :: t
-      !> The time is over
+      !> The time is over, or a signal came
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: now
+      if (self%heeds_signals) then
+         if (signal_came()) then
+            call raise(error, 'interrupted by '//signal_name()//' at t = '//as_text(t, 8), status_interrupted)
+            return
+         end if
+      end if
       if (.not. self%limit < huge(now)) return
       call cpu_time(now)
       if (now - self%started > self%limit) call raise(error, 'given up after '//as_text(self%limit, 3)//' s at t = '// &
@@ -111,12 +117,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       call self%check_limit(t, error)
       if (allocated(error)) return
-      if (self%heeds_signals) then
-         if (signal_came()) then
-            call raise(error, 'interrupted by '//signal_name()//' at t = '//as_text(t, 8)//'; it can only be run anew')
-            return
-         end if
-      end if
       call self%append(t, values, error)
       if (allocated(error) .or. .not. allocated(self%first)) return
       associate (now => values(:size(self%first)))

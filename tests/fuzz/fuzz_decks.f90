@@ -15,6 +15,7 @@ module fuzzing
    use limber_analysis_batch, only: batch_type
    use limber_analysis_run, only: run_one
    use limber_analysis_scene, only: scene_type, build_scene
+   use limber_deck_source, only: longest_file => max_file_bytes
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_keywords, only: keyword_table, option_table
    use limber_deck_reader, only: read_deck_text
@@ -100,6 +101,8 @@ contains
          if (len(text) == 0 .or. len(text) > longest) exit
          if (chance(2) == 1) exit
       end do
+      ! Longer files are not read
+      if (len(text) > longest_file) text = text(:min(len(text), longest_file))
       if (len(text) <= longest .and. index(text, '*REPEAT') > 0) call shorten_repeats(text)
    end function mutant
 
@@ -120,7 +123,7 @@ contains
                last = last + 1
             end do
             if (first > 1 .and. last > first .and. last < first + 6) &
-               & kept(first + 1:last) = index(' =,', text(first - 1:first - 1)) == 0
+               & kept(first + 1:last) = index(' =,+-*/(', text(first - 1:first - 1)) == 0
          end if
          first = last + 1
       end do

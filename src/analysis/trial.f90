@@ -225,6 +225,7 @@ contains
          do i = 1, size(rungs)
             if (rungs(i)%segments > 1) cycle
             do k = 1, size(seen)
+               if (seen(k)%is_rigid) cycle
                if (model%bodies(seen(k)%body)%name /= scene%deck%blocks(rungs(i)%block)%name()) cycle
                trial%slope(i) = indicator_value(seen(k), indicator_slope)
                trial%deflection(i) = indicator_value(seen(k), indicator_deflection)

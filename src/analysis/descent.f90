@@ -5,7 +5,8 @@ module limber_analysis_descent
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: advice_type, expected_error, cost_of
-   use limber_analysis_rungs, only: rung_type, lower_rungs, bound_rung, rung_name, level_linear, level_kg, level_full
+   use limber_analysis_rungs, only: rung_type, lower_rungs, bound_rung, better_rung, can_climb, rung_name, level_linear, &
+      & level_kg, level_full
    use limber_analysis_trial, only: trial_type, truth_type, run_trial, take_trial, error_against
    use limber_deck_content, only: deck_type
    implicit none
@@ -53,6 +54,8 @@ contains
       type(rung_type), allocatable :: rungs(:)
       type(rung_type) :: lower(3)
       real(wp) :: allowed(size(truth%scale)), budget
+      !> Tolerance that has been too loose; part of the duration that the last setting reached before it was given up
+      real(wp) :: too_loose, given_up
       integer :: i, j, k, count, tries
       logical :: down
       allowed = target*truth%scale - truth%rest
@@ -61,7 +64,10 @@ contains
       implicit_deck = deck
       call implicit_deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'RADAU', given=.true.)
       budget = most_effort*best%work
+      ! Elements cost nothing in the time loop, and what the lumped masses do is left to the rungs
+      where (.not. advice%rungs%given_elements) advice%rungs%elements = max(advice%rungs%elements, truth%rungs%elements)
       allocate (rungs, source=advice%rungs)
+      too_loose = huge(too_loose)
       down = .false.
       call start_below()
       if (allocated(error)) return
@@ -83,7 +89,7 @@ contains
                if (down) exit
             end do
             if (down) exit
-            if (k == 1 .and. advice%open_tolerance .and. advice%tolerance < loosest) call try(min(loosest, looser*advice%tolerance))
+            if (k == 1 .and. advice%open_tolerance .and. advice%tolerance < loosest) call try_looser()
             if (down .or. allocated(error)) exit
          end do
          if (allocated(error)) return
@@ -91,11 +97,25 @@ contains
 
    contains
 
+      !> A looser tolerance, unless one has been too loose for a rung above already.
+      subroutine try_looser()
+         real(wp) :: tolerance
+         tolerance = min(loosest, looser*advice%tolerance)
+         if (tolerance > 0.99_wp*too_loose) return
+         call try(tolerance)
+         if (.not. down) too_loose = tolerance
+      end subroutine try_looser
+
       !> The lowest rungs first, at a few tolerances, as far as they cost much less: they are soon given up where they do not do.
+      !> One that is given up early and at the same place with a smaller tolerance errs by itself.
       subroutine start_below()
          integer, parameter :: levels(7) = [level_linear, level_kg, level_kg, level_full, level_full, level_full, level_full], &
             & modes(7) = [1, 1, 2, 1, 2, 3, 5]
-         real(wp), parameter :: tolerances(4) = [1.0e-2_wp, 3.0e-3_wp, 1.0e-3_wp, 1.0e-4_wp], much = 0.7_wp
+         real(wp), parameter :: tolerances(4) = [1.0e-2_wp, 3.0e-3_wp, 1.0e-3_wp, 1.0e-4_wp], much = 0.9_wp
+         !> How much looser tolerances of the same and of richer rungs are
+         real(wp), parameter :: worth(2) = [looser, 2.0_wp]
+         real(wp), parameter :: early = 0.3_wp, same = 1.2_wp
+         real(wp) :: before
          type(rung_type), allocatable :: present(:)
          integer :: m, l
          allocate (present, source=advice%rungs)
@@ -104,15 +124,36 @@ contains
                call bound_rung(rungs(l), levels(m), modes(m))
             end do
             if (sum(cost_of(rungs)) <= much*sum(cost_of(present))) then
+               given_up = 0.0_wp
                do l = 1, size(tolerances)
+                  before = given_up
                   if (advice%open_tolerance) call try(tolerances(l))
                   if (.not. advice%open_tolerance .and. l == 1) call try(advice%tolerance)
                   if (allocated(error) .or. down) exit
+                  if (given_up < min(early, same*before)) exit
                end do
             end if
             if (.not. allocated(error)) rungs = advice%rungs
             if (allocated(error) .or. down) return
          end do
+         ! The same rungs: between two tolerances that do may be one that does not, of an explicit integrator at its limit. Then
+         ! richer ones: where the tolerance binds, more modes are cheap
+         if (.not. advice%open_tolerance) return
+         do m = 1, 2
+            do l = 1, size(tolerances)
+               if (tolerances(l) <= worth(m)*advice%tolerance) exit
+               call try(tolerances(l))
+               if (allocated(error) .or. down) return
+               if (m == 1) too_loose = tolerances(l)
+            end do
+            if (any(advice%rungs%segments > 1)) exit
+            do l = 1, size(rungs)
+               if (rungs(l)%level == level_full .and. can_climb(rungs(l))) rungs(l) = better_rung(rungs(l), .false.)
+            end do
+            if (any(rungs%segments > 1)) exit
+            if (m == 1) too_loose = huge(too_loose)
+         end do
+         rungs = advice%rungs
       end subroutine start_below
 
       !> Runs a setting, and takes it if it keeps the target for less; where AUTO chooses ADAMS at a loose tolerance also with
@@ -155,6 +196,8 @@ contains
          call run_trial(deck, rungs, tolerance, 1.0_wp, 2 + 4*best%outcome%cpu, .false., quiet, &
             & 'less: '//name, trial, error, truth%values, allowed, (1 - saved)*best%work)
          if (allocated(error)) return
+         given_up = 1.0_wp
+         if (trial%leaves) given_up = (trial%outcome%reached - best%samples%times(1))/advice%probe%duration
          integrator = trial%integrator
          runs = runs + 1
          cpu = cpu + trial%outcome%cpu

@@ -1,4 +1,5 @@
-!> How far each flexible body is within the range of its model: running maxima of dimensionless indicators, each with its time.
+!> How far each flexible body and each rigid beam is within the range of its model: running maxima of dimensionless indicators,
+!> each with its time.
 !> An analysis lets a state be observed now and then; nothing is allocated there. `limber_analysis_ranges` judges them.
 !>
 !>     call start_indicators(indicators, system)                    ! before the first step; makes the constants of the beams
@@ -6,14 +7,15 @@
 !>     value = indicator_value(indicators%bodies(i), indicator_slope)
 !>     t = indicator_time(indicators%bodies(i), indicator_slope)
 !>
-!> Floor: analysis. Source: doc/theory, eqs. (156)-(165).
+!> Floor: analysis. Source: doc/theory, eqs. (156)-(165), (I1)-(I5).
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
+   use limber_flex_quasistatic, only: quasistatic_type, new_quasistatic
    use limber_flex_stations, only: stations_type, new_stations
-   use limber_model_scene, only: ground, joint_point_on_line, joint_translational, joint_curve, joint_sliding, joint_revolute, &
-      & joint_weld
+   use limber_model_scene, only: ground, body_rigid, body_type, joint_point_on_line, joint_translational, joint_curve, &
+      & joint_sliding, joint_revolute, joint_weld
    use limber_system_system, only: system_type
    implicit none
    private
@@ -23,11 +25,13 @@ module limber_analysis_indicators
    !> Kinds of indicators, those of a body in this order
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
-      & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, indicator_count = 13
+      & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
+      & indicator_drift = 14, indicator_count = 14
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
-      & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', 'shortening']
+      & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
+      & 'shortening', 'drift']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -41,20 +45,32 @@ module limber_analysis_indicators
       & 'relative deflection that the axial force makes which the model lacks in the means of its k_G elements', &
       & 'relative deflection that the variation of the axial force within the k_G elements makes', &
       & 'error of frequencies and deflections by the lumped masses', &
-      & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending']
+      & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending', &
+      & 'shift of the vibrations / largest deflection, by the inertia of the shortening that the model lacks']
 
    !> Maxima that the indicators are made of
    integer, parameter, public :: peak_deflection = 1, peak_slope = 2, peak_rotation = 3, peak_compression = 4, peak_tension = 5, &
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
       & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peaks = 15
 
-   !> One flexible body
+   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations
+   integer, parameter, public :: sum_kinetic = 1, sum_elastic = 2, sum_shortening = 3, sum_acceleration = 4, sums = 4
+
+   !> One flexible body, or one rigid beam
    type :: body_indicators_type
       !> Index of the body in the model, and whether it is a straight beam: a frame has no indicators of axial forces and loads
       integer :: body = 0
       logical :: is_beam = .false.
       !> Whether its model is FULL
       logical :: is_full = .false.
+      !> Whether it is a rigid beam, which has its own constants, and a few of the indicators; deflections at three places when it
+      !> was last observed [length], and when that was; forces at its places (3, places)
+      logical :: is_rigid = .false.
+      !> Deflection relative to the length that a rigid beam may have left out
+      real(wp) :: allowed = 1.0e-2_wp
+      type(quasistatic_type) :: quasistatic
+      real(wp) :: seen(3) = 0.0_wp, seen_at = 0.0_wp
+      real(wp), allocatable :: pressed(:, :)
       !> Which of the sets of constants are its own; its k_G elements, and whether joints hold its ends at a distance from each
       !> other of which its model knows nothing
       integer :: set = 0, elements = 0
@@ -64,6 +80,12 @@ module limber_analysis_indicators
       !> Maxima and their times; largest energy of each bending coordinate, and its time
       real(wp) :: peak(peaks) = 0.0_wp, time(peaks) = 0.0_wp
       real(wp), allocatable :: modal(:), modal_time(:)
+      !> Sums, the first and the last time that they are of, and how many states
+      real(wp) :: total(sums) = 0.0_wp, span(2) = [huge(1.0_wp), -huge(1.0_wp)]
+      integer :: looks = 0
+      !> Masses that other bodies hang on its places, and which place does not follow the shortening; zero: the start (places)
+      real(wp), allocatable :: carried(:)
+      integer :: anchor = 0
       !> Relative error of each bending frequency by the lumped masses (bending)
       real(wp), allocatable :: lumping(:)
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
@@ -80,11 +102,11 @@ module limber_analysis_indicators
       type(stations_type) :: stations
    end type set_type
 
-   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that does not slide along the beam, and the
-   !> other body of a pin or weld, -1 for others
+   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that does not slide along the beam, whether it
+   !> keeps it from turning, and the other body of a pin or weld, -1 for others
    type :: contact_type
       integer :: point = 0
-      logical :: is_joint = .false.
+      logical :: is_joint = .false., is_weld = .false.
       integer :: partner = -1
    end type contact_type
 
@@ -124,7 +146,7 @@ contains
       self%fixed = .true.
       count = 0
       do i = 1, size(self%of)
-         if (system%layout%n(i) == 0) cycle
+         if (system%layout%n(i) == 0 .and. .not. is_rigid_beam(system%model%bodies(i))) cycle
          count = count + 1
          self%of(i) = count
       end do
@@ -147,6 +169,59 @@ contains
       end do
    end subroutine start_indicators
 
+   !> Whether a body is a straight beam that is taken for rigid.
+   pure logical function is_rigid_beam(body)
+      type(body_type), intent(in) :: body
+      is_rigid_beam = body%kind == body_rigid .and. body%beam%length > 0.0_wp .and. body%beam%ei > 0.0_wp .and. &
+         & body%beam%rho_a > 0.0_wp .and. .not. allocated(body%beam%mass)
+   end function is_rigid_beam
+
+   !> The constants of a rigid beam.
+   subroutine start_rigid(self, system, index, contacts, body)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: index
+      type(contact_type), intent(in) :: contacts(:)
+      type(body_indicators_type), intent(inout) :: body
+      real(wp), allocatable :: place(:)
+      logical, allocatable :: jointed(:)
+      logical :: held, clamped
+      integer :: i, side
+      body%is_rigid = .true.
+      call find_places(self, system, index, contacts, place, jointed, held)
+      clamped = any(contacts%is_weld)
+      do i = 1, size(system%constraints)
+         do side = 1, 2
+            associate (item => system%constraints(i)%item)
+               if (item%bodies(side) == index .and. item%points(side) == 0) clamped = .true.
+            end associate
+         end do
+      end do
+      associate (beam => system%model%bodies(index)%beam, choice => system%model%bodies(index)%choice)
+         body%quasistatic = new_quasistatic(beam%ei, beam%rho_a, beam%length, choice%origin, place, jointed, clamped)
+      end associate
+      body%first_frequency = body%quasistatic%frequency
+      body%length = system%model%bodies(index)%beam%length
+      allocate (body%modal(0), body%modal_time(0), body%pressed(3, size(place)))
+   end subroutine start_rigid
+
+   !> The masses that hang on a beam, and the place that stays where it is: one on the ground, or else the start.
+   subroutine find_carried(self, system, contacts, body)
+      type(indicators_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(contact_type), intent(in) :: contacts(:)
+      type(body_indicators_type), intent(inout) :: body
+      integer :: i, at
+      allocate (body%carried(self%sets(body%set)%stations%places))
+      body%carried = 0.0_wp
+      do i = 1, size(contacts)
+         at = self%place(contacts(i)%point)
+         if (contacts(i)%partner == ground) body%anchor = at
+         if (contacts(i)%partner > ground) body%carried(at) = body%carried(at) &
+            & + system%model%bodies(contacts(i)%partner)%reduced%mass
+      end do
+   end subroutine find_carried
+
    !> The constants of one body.
    subroutine start_body(self, system, index, contacts, body)
       type(indicators_type), intent(inout) :: self
@@ -158,6 +233,10 @@ contains
       logical, allocatable :: jointed(:)
       logical :: held
       body%body = index
+      if (system%layout%n(index) == 0) then
+         call start_rigid(self, system, index, contacts, body)
+         return
+      end if
       associate (flexible => system%model%bodies(index))
          body%is_beam = .not. flexible%is_frame .and. flexible%reduced%bending > 0
          body%first_frequency = sqrt(minval(flexible%reduced%omega2))
@@ -174,6 +253,7 @@ contains
          associate (stations => self%sets(body%set)%stations)
             body%elements = stations%elements
             body%held = stations%membrane > 0.0_wp
+            call find_carried(self, system, contacts, body)
             allocate (body%lumping, source=stations%lumping)
             allocate (body%slope(stations%count), body%force(stations%count))
             allocate (body%along(size(stations%pull, 1)), body%across(2 + 2*size(place)), body%own(stations%bending), &
@@ -247,24 +327,27 @@ contains
       integer, intent(out) :: first(:)
       type(contact_type), allocatable, intent(out) :: contacts(:)
       integer :: pass, i, side, fill(size(first)), partner
+      logical :: is_weld
       first = 0
       do pass = 1, 2
          do i = 1, size(system%constraints)
             associate (item => system%constraints(i)%item)
                do side = 1, 2
                   partner = -1
+                  is_weld = .false.
                   if (i <= size(system%model%joints)) then
+                     is_weld = system%model%joints(i)%kind == joint_weld
                      if (any(system%model%joints(i)%kind == [joint_revolute, joint_weld])) partner = item%bodies(3 - side)
                   end if
                   call enter(item%bodies(side), item%points(side), i <= size(system%model%joints) .and. self%fixed(side, i), &
-                     & partner)
+                     & is_weld, partner)
                end do
             end associate
          end do
          do i = 1, size(system%loads)
             associate (item => system%loads(i)%item)
                do side = 1, size(item%points)
-                  call enter(item%bodies(side), item%points(side), .false., -1)
+                  call enter(item%bodies(side), item%points(side), .false., .false., -1)
                end do
             end associate
          end do
@@ -280,9 +363,9 @@ contains
    contains
 
       !> First counts, then enters.
-      subroutine enter(body, point, is_joint, partner)
+      subroutine enter(body, point, is_joint, is_weld, partner)
          integer, intent(in) :: body, point, partner
-         logical, intent(in) :: is_joint
+         logical, intent(in) :: is_joint, is_weld
          if (body == ground .or. point == 0) return
          if (self%of(body) == 0) return
          if (pass == 1) then
@@ -290,6 +373,7 @@ contains
          else
             contacts(fill(body))%point = point
             contacts(fill(body))%is_joint = is_joint
+            contacts(fill(body))%is_weld = is_weld
             contacts(fill(body))%partner = partner
             fill(body) = fill(body) + 1
          end if
@@ -366,6 +450,10 @@ contains
          do k = 1, peaks
             call raise_peak(whole%bodies(i), k, part%bodies(i)%peak(k), part%bodies(i)%time(k))
          end do
+         whole%bodies(i)%total = whole%bodies(i)%total + part%bodies(i)%total
+         whole%bodies(i)%looks = whole%bodies(i)%looks + part%bodies(i)%looks
+         whole%bodies(i)%span = [min(whole%bodies(i)%span(1), part%bodies(i)%span(1)), &
+            & max(whole%bodies(i)%span(2), part%bodies(i)%span(2))]
          do k = 1, size(part%bodies(i)%modal)
             if (.not. part%bodies(i)%modal(k) > whole%bodies(i)%modal(k)) cycle
             whole%bodies(i)%modal(k) = part%bodies(i)%modal(k)
@@ -394,10 +482,30 @@ contains
             if (self%is_beam) value = max(ratio(maxval(self%modal*self%lumping), peak(peak_energy)), &
                & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
          case (indicator_shortening); value = ratio(peak(peak_quartic), peak(peak_stiffness))
+         case (indicator_drift); value = drift(self)
          case default; value = peak(kind)
          end select
       end associate
    end function indicator_value
+
+   !> Phase by which the vibrations of a model without the inertia of the shortening are ahead, as a part of the largest deflection,
+   !> eq. (I5); zero where the model has that inertia.
+   pure real(wp) function drift(self)
+      type(body_indicators_type), intent(in) :: self
+      real(wp) :: frequency, vibrating, count
+      drift = 0.0_wp
+      if (.not. self%is_beam .or. self%is_full .or. self%held) return
+      associate (total => self%total)
+         if (.not. (total(sum_kinetic) > 0.0_wp .and. self%peak(peak_bent) > 0.0_wp .and. total(sum_elastic) > 0.0_wp)) return
+         frequency = sqrt(total(sum_acceleration)/total(sum_kinetic))
+         count = self%span(2) - self%span(1)
+         if (.not. (frequency > 0.0_wp .and. count > 0.0_wp)) return
+         ! Sums and the largest are of the same states: their quotient needs the number of these
+         vibrating = min(1.0_wp, sqrt(2*total(sum_kinetic)/self%looks)/(frequency*sqrt(self%peak(peak_bent))))
+         drift = vibrating*frequency*count*total(sum_shortening)/total(sum_kinetic) &
+            & *min(1.0_wp, total(sum_kinetic)/total(sum_elastic))
+      end associate
+   end function drift
 
    !> Time of that value: of a quotient that of its numerator.
    pure real(wp) function indicator_time(self, kind) result(t)
@@ -416,6 +524,7 @@ contains
          t = 0.0_wp
          if (self%is_beam) t = self%time(peak_lost)
       case (indicator_shortening); t = self%time(peak_quartic)
+      case (indicator_drift); t = max(0.0_wp, self%span(2))
       case default; t = self%time(kind)
       end select
    end function indicator_time
@@ -434,6 +543,11 @@ contains
       do i = 1, size(self%bodies)
          call snapshot%exchange('peak', self%bodies(i)%peak)
          call snapshot%exchange('time', self%bodies(i)%time)
+         call snapshot%exchange('total', self%bodies(i)%total)
+         call snapshot%exchange('span', self%bodies(i)%span)
+         call snapshot%exchange('looks', self%bodies(i)%looks)
+         call snapshot%exchange('seen', self%bodies(i)%seen)
+         call snapshot%exchange('seen_at', self%bodies(i)%seen_at)
          call snapshot%keep('modal', self%bodies(i)%modal)
          call snapshot%keep('modal_time', self%bodies(i)%modal_time)
       end do

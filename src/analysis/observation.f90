@@ -2,9 +2,11 @@
 !> Source: doc/theory, eqs. (156)-(165).
 module limber_analysis_observation
    use limber_base_kinds, only: wp
+   use limber_flex_quasistatic, only: find_deflection
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
-      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent
+      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, sum_kinetic, sum_elastic, sum_shortening, &
+      & sum_acceleration
    use limber_flex_stations, only: stations_type
    use limber_model_scene, only: body_type, ground
    use limber_system_algebra, only: cross
@@ -32,17 +34,25 @@ contains
          associate (u => q(first + 2:first + 3), eta => q(first + 4:last), rate => v(first + 4:last))
             call observe_motion(self%bodies(i), system%model%bodies(self%bodies(i)%body), t, &
                & cross(u, v(first + 2:first + 3)), eta, rate)
+            if (self%bodies(i)%is_rigid) self%bodies(i)%pressed = 0.0_wp
             if (.not. self%bodies(i)%is_beam) cycle
             associate (stations => self%sets(self%bodies(i)%set)%stations)
                call bend(self%bodies(i), stations, t, eta)
                call start_amplitudes(self%bodies(i), stations, a(first:first + 1) - system%model%gravity, u, &
                   & cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last))
+               if (.not. (self%bodies(i)%is_full .or. self%bodies(i)%held)) call add_shortening(self%bodies(i), stations, &
+                  & system%model%bodies(self%bodies(i)%body), t, eta, rate, a(first + 4:last))
             end associate
          end associate
       end do
       call add_reactions(self, system, work, q)
       call add_loads(self, system, work, q)
       do i = 1, size(self%bodies)
+         if (self%bodies(i)%is_rigid) then
+            first = system%layout%q(self%bodies(i)%body)
+            call observe_rigid(self%bodies(i), t, q(first + 2:first + 3), v(first + 2:first + 3), &
+               & a(first:first + 1) - system%model%gravity, a(first + 2:first + 3))
+         end if
          if (.not. self%bodies(i)%is_beam) cycle
          first = system%layout%q(self%bodies(i)%body) + 4
          last = first + system%layout%n(self%bodies(i)%body) - 1
@@ -82,6 +92,80 @@ contains
       call raise_peak(self, peak_kinetic, kinetic, t)
       call raise_peak(self, peak_bent, bent, t)
    end subroutine observe_motion
+
+   !> What a rigid beam would do if it were elastic: eqs. (I1) to (I4).
+   subroutine observe_rigid(self, t, u, turning, heavy, turned)
+      type(body_indicators_type), intent(inout) :: self
+      !> Time; unit vector of the frame, its rate and acceleration (2); acceleration of the origin less that of gravity (2)
+      real(wp), intent(in) :: t, u(2), turning(2), heavy(2), turned(2)
+      real(wp) :: deflection, seen(3), axial
+      call find_deflection(self%quasistatic, dot_product(u, heavy), cross(u, heavy), cross(u, turning), cross(u, turned), &
+         & self%pressed, deflection, seen, axial)
+      call raise_peak(self, peak_deflection, deflection/self%length, t)
+      call raise_peak(self, peak_compression, -axial/self%quasistatic%euler, t)
+      call raise_peak(self, peak_tension, axial/self%quasistatic%euler, t)
+      call raise_peak(self, peak_energy, (self%first_frequency*maxval(abs(seen)))**2, t)
+      if (self%looks > 0 .and. t > self%seen_at) call raise_peak(self, peak_kinetic, &
+         & (maxval(abs(seen - self%seen))/(t - self%seen_at))**2, t)
+      self%seen = seen
+      self%seen_at = t
+      self%looks = self%looks + 1
+   end subroutine observe_rigid
+
+   !> Energies of the vibration and of the shortening that it makes: what hangs on the beam, and its own mass, move along it by
+   !> half of the squared slopes, eq. (I5).
+   pure subroutine add_shortening(self, stations, body, t, eta, rate, acceleration)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      type(body_type), intent(in) :: body
+      !> Time; coordinates, their rates and accelerations (n)
+      real(wp), intent(in) :: t, eta(:), rate(:), acceleration(:)
+      real(wp) :: fixed, part, energy
+      integer :: s, k, b
+      b = stations%bending
+      ! Scratch: the speed along the beam at each station
+      fixed = 0.0_wp
+      do s = 1, stations%count
+         part = 0.0_wp
+         do k = 1, b
+            part = part + stations%slope(k, s)*rate(k)
+         end do
+         part = 0.5_wp*stations%weight(s)*part*self%slope(s)
+         self%force(s) = fixed + part
+         fixed = self%force(s) + part
+      end do
+      fixed = 0.0_wp
+      if (self%anchor > 0) fixed = speed_at(self%anchor)
+      energy = 0.0_wp
+      do s = 1, stations%count
+         energy = energy + stations%weight(s)*body%beam%rho_a*(self%force(s) - fixed)**2
+      end do
+      do k = 1, size(self%carried)
+         energy = energy + self%carried(k)*(speed_at(k) - fixed)**2
+      end do
+      self%total(sum_shortening) = self%total(sum_shortening) + energy
+      self%total(sum_kinetic) = self%total(sum_kinetic) + dot_product(rate(:b), rate(:b))
+      self%total(sum_acceleration) = self%total(sum_acceleration) + dot_product(acceleration(:b), acceleration(:b))
+      do k = 1, b
+         self%total(sum_elastic) = self%total(sum_elastic) + body%reduced%omega2(k)*eta(k)**2
+      end do
+      self%looks = self%looks + 1
+      self%span = [min(self%span(1), t), max(self%span(2), t)]
+
+   contains
+
+      !> The speed at a place.
+      pure real(wp) function speed_at(at)
+         integer, intent(in) :: at
+         integer :: j
+         do j = 2, stations%count - 1
+            if (stations%x(j) > stations%place(at)) exit
+         end do
+         speed_at = self%force(j) + (self%force(j) - self%force(j - 1))*(stations%place(at) - stations%x(j))/(stations%x(j) &
+            & - stations%x(j - 1))
+      end function speed_at
+
+   end subroutine add_shortening
 
    !> Deflection and slope of a beam at its stations.
    pure subroutine bend(self, stations, t, eta)
@@ -225,6 +309,13 @@ contains
       u = q(first + 2:first + 3)
       at = self%place(point)
       associate (own => self%bodies(self%of(body)))
+         if (own%is_rigid) then
+            own%pressed(1, at) = own%pressed(1, at) + dot_product(u, force(1:2))
+            if (.not. is_fixed) return
+            arm = point_position(system%layout, system%model%points(point), q) - q(first:first + 1)
+            own%pressed(2, at) = own%pressed(2, at) + cross(u, force(1:2))
+            own%pressed(3, at) = own%pressed(3, at) + force(3) - cross(arm, force(1:2))
+         end if
          if (.not. own%is_beam) return
          associate (k => 2 + self%sets(own%set)%stations%axial + self%sets(own%set)%stations%bending + at)
             own%along(k) = own%along(k) + dot_product(u, force(1:2))

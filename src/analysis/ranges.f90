@@ -1,6 +1,6 @@
 !> The ranges of the models of flexible bodies: judges the indicators of a run, warns where a model was used outside its range, and
 !> writes them to the result file. What error a model makes at the limits is measured in doc/fidelity.md. Floor: analysis.
-!> Source: doc/theory, eqs. (156)-(165).
+!> Source: doc/theory, eqs. (156)-(165), (I1)-(I5).
 module limber_analysis_ranges
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -8,7 +8,7 @@ module limber_analysis_ranges
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
       & indicator_names, indicator_meanings, indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
-      & indicator_lumping, indicator_shortening
+      & indicator_lumping, indicator_shortening, indicator_drift
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -19,6 +19,9 @@ module limber_analysis_ranges
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter :: slow = 0.3_wp
+   !> Of a rigid beam: frequency of loads, relative to the first one, from which its deflection is more than at rest, and how much
+   !> more at most
+   real(wp), parameter :: quick = 0.5_wp, resonant = 10.0_wp
 
 contains
 
@@ -31,6 +34,10 @@ contains
       integer, intent(in) :: kind
       logical :: linear
       real(wp) :: limit
+      if (indicators%is_rigid) then
+         excess = rigid_excess(indicators, kind)
+         return
+      end if
       linear = .not. body%reduced%geometric
       limit = huge(1.0_wp)
       select case (kind)
@@ -56,23 +63,51 @@ contains
          limit = 0.05_wp
       case (indicator_shortening)
          limit = 0.03_wp
+      case (indicator_drift)
+         limit = 0.05_wp
       end select
       excess = indicator_value(indicators, kind)/limit
       if (any(kind == [indicator_rotation, indicator_compression])) return
       if (.not. indicator_value(indicators, indicator_deflection) > nothing) excess = 0.0_wp
    end function excess
 
+   !> The same of a rigid beam: the deflection that it would have, its Euler load, and loads that change too quickly for the
+   !> deflection to be that at rest, if that matters.
+   pure real(wp) function rigid_excess(indicators, kind) result(excess)
+      type(body_indicators_type), intent(in) :: indicators
+      integer, intent(in) :: kind
+      real(wp) :: deflection, pace
+      deflection = indicator_value(indicators, indicator_deflection)/indicators%allowed
+      excess = 0.0_wp
+      select case (kind)
+      case (indicator_deflection); excess = deflection
+      case (indicator_compression); excess = indicator_value(indicators, kind)/0.5_wp
+      case (indicator_pace)
+         pace = indicator_value(indicators, kind)
+         if (pace <= quick .or. deflection > 1.0_wp) return
+         ! Up to the first frequency as of a forced vibration, beyond as of a load that is there at once
+         excess = 2*deflection
+         if (pace < 1.0_wp) excess = deflection*max(2.0_wp*pace, min(resonant, 1/(1 - pace**2)))
+      end select
+   end function rigid_excess
+
    !> Warnings of a run, one line after another, for each kind of indicator one, of the body that is worst; empty if all is within
    !> range.
-   function range_warnings(indicators, model) result(text)
+   function range_warnings(indicators, model, rigid_only) result(text)
       type(indicators_type), intent(in) :: indicators
       type(model_type), intent(in) :: model
+      !> Whether rigid beams only count
+      logical, intent(in), optional :: rigid_only
       character(:), allocatable :: text
+      logical :: counts(size(indicators%bodies))
       real(wp) :: most, value, largest
       integer :: kind, i, worst, others
       text = ''
       largest = 0.0_wp
+      counts = .true.
+      if (present(rigid_only)) counts = indicators%bodies%is_rigid .or. .not. rigid_only
       do i = 1, size(indicators%bodies)
+         if (indicators%bodies(i)%is_rigid) cycle
          largest = max(largest, indicator_value(indicators%bodies(i), indicator_deflection)*indicators%bodies(i)%length)
       end do
       do kind = 1, indicator_count
@@ -81,7 +116,7 @@ contains
          others = -1
          do i = 1, size(indicators%bodies)
             value = excess(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind)
-            if (.not. value > 1.0_wp) cycle
+            if (.not. (value > 1.0_wp .and. counts(i))) cycle
             if (all(kind /= [indicator_rotation, indicator_compression]) .and. indicators%bodies(i)%length &
                & *indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
             others = others + 1
@@ -108,6 +143,18 @@ contains
       value = as_text(indicator_value(indicators, kind), 2)
       percent = as_text(100*indicator_value(indicators, kind), 2)//' %'
       when = ' at t = '//as_text(indicator_time(indicators, kind), 4)
+      if (indicators%is_rigid) then
+         select case (kind)
+         case (indicator_deflection)
+            text = 'is RIGID, but under its loads and inertia it would deflect by '//percent//' of its length'//when
+         case (indicator_compression)
+            text = 'is compressed by '//value//" times its Euler load"//when//', and a RIGID beam does not buckle'
+         case default
+            text = 'is RIGID, but its loads change at '//value//' times its first bending frequency'//when//', and at rest it'// &
+               & ' would deflect by '//as_text(100*indicator_value(indicators, indicator_deflection), 2)//' % of its length'
+         end select
+         return
+      end if
       select case (kind)
       case (indicator_deflection)
          text = 'deflects by '//percent//' of its length in its frame'//when//', beyond the 10 % that '//fidelity(body)// &
@@ -142,6 +189,9 @@ contains
             & as_text(body%reduced%bending)//' bending coordinates cannot'//when
       case (indicator_lumping)
          text = 'has too few elements: with the mass in the nodes its deflection errs by about '//percent//when
+      case (indicator_drift)
+         text = 'vibrates long enough for the inertia of its shortening, which '//fidelity(body)//' leaves out, to shift the'// &
+            & ' vibrations by about '//percent//' of the largest deflection'//when
       case default
          text = 'has large slopes under an axial force'//when//': the shortening that one frame leaves out does work of '// &
             & percent//' of the energy of bending'
@@ -156,7 +206,12 @@ contains
       !> How many times above its limit
       real(wp), intent(in) :: over
       character(:), allocatable :: text
+      if (indicators%is_rigid) then
+         text = 'let it be flexible: GEOMETRIC=K_G or FULL'
+         return
+      end if
       select case (kind)
+      case (indicator_drift); text = 'use GEOMETRIC=FULL'
       case (indicator_deflection); text = 'use GEOMETRIC=FULL, or divide the beam into SEGMENTS'
       case (indicator_rotation); text = 'use GEOMETRIC=K_G or FULL'
       case (indicator_compression)

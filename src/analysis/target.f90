@@ -5,14 +5,15 @@ module limber_analysis_target
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: advice_type, make_advice, find_floors, floor_of, expected_error, take_measured, divide_beam
+   use limber_analysis_advice, only: advice_type, make_advice, find_floors, floor_of, expected_error, cost_of, &
+      & take_measured, divide_beam
    use limber_analysis_descent, only: descend
    use limber_analysis_errors, only: envelope, unknown_ratio
    use limber_analysis_estimate, only: estimate_type
    use limber_analysis_indicators, only: indicator_names
    use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_rungs, only: rung_type, next_rung, better_rung, in_pieces, can_climb, rung_name, rest_beyond, level_full, &
-      & first_pieces, most_piece_modes, most_elements
+   use limber_analysis_rungs, only: rung_type, next_rung, better_rung, in_pieces, can_climb, rung_name, &
+      & rest_beyond, level_full, first_pieces, most_piece_modes, most_elements
    use limber_analysis_trial, only: trial_type, truth_type, run_trial, take_samples, take_outcome, error_against
    use limber_deck_content, only: deck_type
    use limber_integrator_statistics, only: step_statistics_type
@@ -54,8 +55,8 @@ module limber_analysis_target
    !> Ratio of the tolerances of a run and its check, and least tolerance
    real(wp), parameter :: ladder = 0.1_wp, least_tolerance = 1.0e-13_wp
    !> What differences are multiplied by where a beam or the integration is judged; error of the check of the integration, as a part
-   !> of the difference
-   real(wp), parameter :: widening = 1.25_wp, rest_of_time = 0.25_wp
+   !> of the difference, and the power of the tolerance that errors of the integration are taken to fall with
+   real(wp), parameter :: widening = 1.25_wp, rest_of_time = 0.25_wp, falling = 0.6_wp
    !> Part of the target that a floor of one frame may have where runs in one frame verify each other; error of the truth that is
    !> good enough for another setting
    real(wp), parameter :: unseen = 0.25_wp, sure = 0.3_wp
@@ -150,11 +151,11 @@ contains
                reached%done = reached%error <= target
             end if
             if (reached%done) exit
-            call verify(deck, target, quiet, candidate, reached, truth, error)
+            call verify(deck, target, quiet, on, candidate, reached, truth, error)
             if (allocated(error)) return
             reached%done = reached%reason == '' .and. reached%error <= target
             if (reached%done) exit
-            if (on) call climb(deck, target, reached, climbed)
+            if (on) call climb(deck, target, truth, reached, climbed)
          end if
          if (.not. climbed) exit
          reached%cpu = reached%cpu + candidate%outcome%cpu
@@ -190,7 +191,7 @@ contains
       integer :: i
       does_for = .false.
       if (.not. truth%known) return
-      does_for = truth%tolerance <= 0.4_wp*advice%tolerance .and. all(truth%rest <= sure*target*truth%scale)
+      does_for = truth%tolerance <= advice%tolerance .and. all(truth%rest <= sure*target*truth%scale)
       do i = 1, size(advice%rungs)
          associate (high => truth%rungs(i), low => advice%rungs(i))
             if (high%segments > low%segments .or. advice%expected(i) < no_matter*target) cycle
@@ -278,11 +279,13 @@ contains
    end subroutine take_seen
 
    !> Runs the checks of a run and estimates its errors from the differences, eqs. (180), (181): with a smaller tolerance, and then
-   !> with one beam after another on its next rung; the last of them is the truth that the run is compared with.
-   subroutine verify(deck, target, quiet, candidate, reached, truth, error)
+   !> with one beam after another on its next rung; the last of them is the truth that the run is compared with. Where the
+   !> integration alone errs by too much, and there is another round, the beams wait.
+   subroutine verify(deck, target, quiet, on, candidate, reached, truth, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
-      logical, intent(in) :: quiet
+      !> Whether there is another round if this one fails
+      logical, intent(in) :: quiet, on
       type(trial_type), intent(in) :: candidate
       type(reached_type), intent(inout) :: reached
       type(truth_type), intent(inout) :: truth
@@ -290,6 +293,9 @@ contains
       type(trial_type) :: check
       type(deck_type) :: higher
       type(rung_type) :: rung
+      !> What a look ahead has shown (channels, samples)
+      real(wp), allocatable :: ahead(:, :)
+      real(wp) :: part
       integer :: i, c, n, channels
       reached%of_beam = 0.0_wp
       reached%of_time = 0.0_wp
@@ -297,7 +303,7 @@ contains
          estimate%companion = max(least_tolerance, ladder*advice%tolerance)
          estimate%reason = ''
          estimate%of_model = .true.
-         call run_check(deck, advice%rungs, .true., 'check of the integration')
+         call run_check(deck, advice%rungs, ladder, .true., 'check of the integration')
          if (allocated(error)) return
          if (check%reason /= '') then
             reached%reason = 'the check at TOLERANCE='//as_text(estimate%companion, 2)//' failed: '//check%reason
@@ -307,6 +313,12 @@ contains
          channels = size(check%scale)
          n = candidate%samples%samples
          call begin_truth()
+         if (on .and. advice%open_tolerance .and. size(advice%rungs) > 0 .and. widening*reached%of_time > target) then
+            truth%known = .false.
+            reached%error = widening*reached%of_time
+            return
+         end if
+         part = part_of_check()
          higher = deck
          ! Elements cost nothing in the time loop: those of all beams are twice as many in the truth
          where (.not. truth%rungs%given_elements) truth%rungs%elements = min(most_elements, 2*truth%rungs%elements)
@@ -316,13 +328,18 @@ contains
             if (advice%rungs(i)%at_rest) call higher%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'AUTO')
             rung = truth%rungs(i)
             truth%rungs(i) = check_rung(i)
-            call run_check(higher, truth%rungs, .false., 'check of '//rung_name(truth%rungs(i)))
+            if (on .and. truth%rungs(i)%segments > rung%segments .and. rung%segments == 1) then
+               call look_ahead(i)
+               if (allocated(error) .or. .not. truth%known) return
+            end if
+            call run_check(higher, truth%rungs, part, .false., 'check of '//rung_name(truth%rungs(i)))
             if (allocated(error)) return
             if (check%reason /= '') then
                reached%of_beam(i) = huge(1.0_wp)
                truth%rungs(i) = rung
                cycle
             end if
+            call begin_models()
             reached%of_beam(i) = relative(truth%values)
             call refine_truth(rest_beyond(rung, truth%rungs(i)))
          end do
@@ -336,14 +353,16 @@ contains
 
    contains
 
-      !> One run at the smaller tolerance.
-      subroutine run_check(changed, rungs, wide, label)
+      !> One run at a smaller tolerance.
+      subroutine run_check(changed, rungs, part, wide, label)
          type(deck_type), intent(in) :: changed
          type(rung_type), intent(in) :: rungs(:)
+         !> Its tolerance, in units of that of the run
+         real(wp), intent(in) :: part
          logical, intent(in) :: wide
          character(*), intent(in) :: label
-         call run_trial(changed, rungs, reached%estimate%companion, ladder, 2 + 60*candidate%outcome%cpu, wide, quiet, label, &
-            & check, error)
+         call run_trial(changed, rungs, max(least_tolerance, part*reached%advice%tolerance), part, &
+            & 2 + 60*candidate%outcome%cpu, wide, quiet, label, check, error)
          reached%runs = reached%runs + 1
          reached%cpu = reached%cpu + check%outcome%cpu
          reached%work = reached%work + check%work
@@ -351,7 +370,7 @@ contains
 
       !> The run with the smaller tolerance is the first truth.
       subroutine begin_truth()
-         if (truth%known) deallocate (truth%rungs, truth%values, truth%scale, truth%rest)
+         if (allocated(truth%rungs)) deallocate (truth%rungs, truth%values, truth%scale, truth%rest)
          allocate (truth%rungs, source=reached%advice%rungs)
          allocate (truth%values(channels, n), truth%scale(channels), truth%rest(channels))
          truth%known = .true.
@@ -363,12 +382,49 @@ contains
          call refine_truth(rest_of_time)
       end subroutine begin_truth
 
-      !> Takes the last check for the truth; its error is taken for a part of the difference from the one before.
+      !> Before the dear check of a beam in pieces: there is no use in it if a richer basis in one frame shows that the run fails.
+      subroutine look_ahead(i)
+         integer, intent(in) :: i
+         type(rung_type) :: rungs(size(truth%rungs))
+         rungs = reached%advice%rungs
+         rungs(i) = next_rung(rungs(i))
+         if (rungs(i)%segments > 1) return
+         call run_check(higher, rungs, 1.0_wp, .false., 'look at '//rung_name(rungs(i)))
+         if (allocated(error) .or. check%reason /= '') return
+         reached%of_beam(i) = relative(candidate%samples%values)
+         allocate (ahead, source=check%samples%values(:channels, :n))
+         if (widening*reached%of_beam(i) <= target) return
+         reached%error = widening*reached%of_beam(i)
+         truth%known = .false.
+         truth%rungs = reached%advice%rungs
+      end subroutine look_ahead
+
+      !> Tolerance of the checks of the beams, in units of that of the run: no smaller than it takes for the integration to err by
+      !> less than half of the doubt about the truth, eq. (180).
+      pure real(wp) function part_of_check()
+         part_of_check = 1.0_wp
+         if (reached%of_time > 0.5_wp*doubt*target) part_of_check = max(ladder, (0.5_wp*doubt*target/reached%of_time)**(1/falling))
+      end function part_of_check
+
+      !> Before the first check of a beam: it is compared with the run whose tolerance is nearer to its own, and errs in time as it.
+      subroutine begin_models()
+         if (truth%tolerance > 0.99_wp*part*reached%advice%tolerance) return
+         truth%tolerance = part*reached%advice%tolerance
+         truth%rest = part**falling/rest_of_time*truth%rest
+         if (part**2 > ladder) truth%values = candidate%samples%values(:channels, :n)
+      end subroutine begin_models
+
+      !> Takes the last check for the truth; its error is taken for a part of the difference from the one before, or from the look
+      !> ahead if that was nearer.
       subroutine refine_truth(part)
          real(wp), intent(in) :: part
+         real(wp) :: away
          do c = 1, channels
-            truth%rest(c) = truth%rest(c) + part*maxval(abs(check%samples%values(c, :n) - truth%values(c, :)))
+            away = maxval(abs(check%samples%values(c, :n) - truth%values(c, :)))
+            if (allocated(ahead)) away = min(away, maxval(abs(check%samples%values(c, :n) - ahead(c, :))))
+            truth%rest(c) = truth%rest(c) + part*away
          end do
+         if (allocated(ahead)) deallocate (ahead)
          truth%values = check%samples%values(:channels, :n)
       end subroutine refine_truth
 
@@ -405,9 +461,11 @@ contains
    end subroutine verify
 
    !> Goes up where the verification shows too large a part.
-   subroutine climb(deck, target, reached, climbed)
+   subroutine climb(deck, target, truth, reached, climbed)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
+      !> What the run was compared with
+      type(truth_type), intent(in) :: truth
       type(reached_type), intent(inout) :: reached
       logical, intent(out) :: climbed
       real(wp) :: share, worst
@@ -462,7 +520,7 @@ contains
          end if
          associate (rung => reached%advice%rungs(i))
             if (rung%segments == 1 .and. rung%open_segments .and. (one_frame_is_not_enough(i) .or. stalls(i))) then
-               call divide_beam(reached%advice, i)
+               call divide(i)
             else if (rung%segments > 1 .and. one_frame_is_not_enough(i)) then
                rung = better_rung(rung, .true.)
             else
@@ -482,6 +540,22 @@ contains
          end associate
          climbed = .true.
       end subroutine raise_beam
+
+      !> Divides a beam: into the pieces of the check if these are known to do and cost not much more than those that are
+      !> expected to.
+      subroutine divide(i)
+         integer, intent(in) :: i
+         real(wp), parameter :: dearer = 3.0_wp
+         type(rung_type) :: rung
+         rung = reached%advice%rungs(i)
+         call divide_beam(reached%advice, i)
+         if (truth%rungs(i)%segments == 1 .or. reached%of_beam(i) > 1.0e3_wp) return
+         if (cost_of(truth%rungs(i)) > dearer*cost_of(reached%advice%rungs(i))) return
+         if (floor_of(truth%rungs(i), reached%advice%probe%beams(i)) > unseen*target) return
+         if (rest_beyond(rung, truth%rungs(i))*reached%of_beam(i) > share) return
+         rung%elements = reached%advice%rungs(i)%elements
+         reached%advice%rungs(i) = in_pieces(rung, truth%rungs(i)%segments, truth%rungs(i)%bending)
+      end subroutine divide
 
       !> Whether a richer basis has not helped the last time.
       pure logical function stalls(i)

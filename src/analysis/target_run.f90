@@ -11,6 +11,7 @@ module limber_analysis_target_run
    use limber_analysis_dynamics, only: new_integrator
    use limber_analysis_estimate, only: kept_type
    use limber_analysis_estimate_report, only: record_estimate, estimate_table
+   use limber_analysis_ranges, only: range_warnings
    use limber_analysis_record, only: open_history, record_outcome
    use limber_analysis_scalars, only: scalar_lines
    use limber_analysis_scene, only: scene_type, build_scene
@@ -66,6 +67,9 @@ contains
       if (allocated(error)) return
       batch%error = reached%error
       if (allocated(reached%outcome%warnings)) scene%warnings = scene%warnings//reached%outcome%warnings
+      call bound_rigid(reached, scene)
+      if (allocated(reached%outcome%indicators)) scene%warnings = scene%warnings// &
+         & range_warnings(reached%outcome%indicators, scene%system%model, rigid_only=.true.)
       scene%warnings = scene%warnings//energy_warning(reached%outcome)
       call new_integrator(scene%system%model%dynamics, integrator)
       integrator%statistics = reached%statistics
@@ -129,6 +133,24 @@ contains
       if (exists .and. .not. (force .or. allocated(error))) call raise(error, results// &
          & ' is there already; use --force to replace it', status_deck)
    end subroutine check_target
+
+   !> Beams that the deck makes rigid may leave out no more than the target; those that limber has made so are verified.
+   subroutine bound_rigid(reached, scene)
+      type(reached_type), intent(inout) :: reached
+      type(scene_type), intent(in) :: scene
+      integer :: i, k
+      if (.not. allocated(reached%outcome%indicators)) return
+      associate (seen => reached%outcome%indicators%bodies)
+         do i = 1, size(seen)
+            if (.not. seen(i)%is_rigid) cycle
+            seen(i)%allowed = min(seen(i)%allowed, reached%advice%target)
+            do k = 1, size(reached%advice%rungs)
+               if (scene%deck%blocks(reached%advice%rungs(k)%block)%name() == scene%system%model%bodies(seen(i)%body)%name) &
+                  & seen(i)%allowed = huge(1.0_wp)
+            end do
+         end do
+      end associate
+   end subroutine bound_rigid
 
    !> The scene as it was run at last.
    subroutine build_reached(reached, scene, error)

@@ -30,6 +30,7 @@ module limber_analysis_trial
    type, extends(memory_type) :: watched_type
       !> Channels of the other run (channels, samples), and the largest differences; not allocated: nothing is watched
       real(wp), allocatable :: truth(:, :), allowed(:)
+      logical :: leaves = .false.
    contains
       procedure :: append => append_watched
    end type watched_type
@@ -41,6 +42,8 @@ module limber_analysis_trial
       type(outcome_type) :: outcome
       !> Why it failed; empty if it did not
       character(:), allocatable :: reason
+      !> Whether it was given up as it left the samples of another by too much
+      logical :: leaves = .false.
       !> Counted work of its time loop, eq. (182); the same on every machine
       real(wp) :: work = 0.0_wp
       character(10) :: integrator = ''
@@ -143,6 +146,7 @@ contains
          if (allocated(trial%samples%truth)) deallocate (trial%samples%truth)
          if (allocated(failure)) then
             trial%reason = first_line(failure%message)
+            trial%leaves = trial%samples%leaves
          else if (.not. all(ieee_is_finite(trial%samples%values))) then
             trial%reason = 'a channel is not finite'
          end if
@@ -182,6 +186,7 @@ contains
       do i = 1, size(self%allowed)
          if (abs(values(i) - self%truth(i, self%samples)) > self%allowed(i)) then
             call raise(error, 'it errs by more than it may')
+            self%leaves = .true.
             return
          end if
       end do
@@ -227,6 +232,7 @@ contains
          do i = 1, size(rungs)
             if (rungs(i)%segments > 1) cycle
             do k = 1, size(seen)
+               if (seen(k)%is_rigid) cycle
                if (model%bodies(seen(k)%body)%name /= scene%deck%blocks(rungs(i)%block)%name()) cycle
                trial%slope(i) = indicator_value(seen(k), indicator_slope)
                trial%deflection(i) = indicator_value(seen(k), indicator_deflection)

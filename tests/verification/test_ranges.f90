@@ -17,9 +17,11 @@ program test_ranges
       & ' beam.end, ground.origin'//achar(10)//'*FORCE, NAME=tip; '
    character(*), parameter :: on_hinges = pins//'*JOINT, NAME=second, TYPE=REVOLUTE'//achar(10)//' beam.end, ground.far'// &
       & achar(10)//'*GROUND'//achar(10)//' far, 1, 0'//achar(10)//'*FORCE, NAME=tip; '
-   character(*), parameter :: linear = 'GEOMETRIC=K_G > GEOMETRIC=LINEAR; ', full = 'GEOMETRIC=K_G > GEOMETRIC=FULL; '
+   character(*), parameter :: linear = 'GEOMETRIC=K_G > GEOMETRIC=LINEAR; ', full = 'GEOMETRIC=K_G > GEOMETRIC=FULL; ', &
+      & rigid = 'GEOMETRIC=K_G > GEOMETRIC=RIGID; '
    character(*), parameter :: one_mode = 'AXIAL BASIS=STATIC > AXIAL BASIS=MODES, AXIAL MODES=1; '
    character(*), parameter :: pushed = 'across = 0 > across = '
+   real(wp), parameter :: pi = acos(-1.0_wp)
    character(256) :: results
 
    call get_command_argument(1, results)
@@ -29,6 +31,9 @@ program test_ranges
    call check_axial()
    call check_loads()
    call check_motion()
+   call check_drift()
+   call check_rigid()
+   call check_quick()
    call finish()
 
 contains
@@ -134,6 +139,90 @@ contains
       call check(abs(wrong) > 3*right, 'the linear blade runs away')
    end subroutine check_motion
 
+   !> K_G leaves out the inertia of the shortening: with the mode sin(pi x) and the mass at the end, (1/2 + c a^2) a'' + c a a'^2 +
+   !> pi^4/2 a = 0, c = mass pi^4/4 + int (int_0^x pi^2 cos^2)^2. Without it 16/pi and 5/pi are 8 and 2.5 vibrations.
+   subroutine check_drift()
+      character(*), parameter :: long = 'end = 5 > end = 16/pi', &
+         & short = 'amplitude = 0.008 > amplitude = 0.004; end = 5 > end = 5/pi'
+      real(wp), parameter :: eight = 16/pi, few = 5/pi
+      call drifts('K_G for eight vibrations', long, 0.008_wp, eight, 0.168_wp, 0.155_wp, 'the inertia of its shortening')
+      call drifts('FULL for eight vibrations', long//'; '//full, 0.008_wp, eight, 0.01_wp, 0.0_wp, '')
+      call drifts('K_G for few small ones', short, 0.004_wp, few, 0.015_wp, 0.012_wp, '')
+   end subroutine check_drift
+
+   !> Runs the beam with a mass at its end, and compares its middle at the end with the solution, relative to the amplitude.
+   subroutine drifts(name, words, amplitude, end, error, value, warning)
+      !> As in `judge`
+      character(*), intent(in) :: name, words, warning
+      real(wp), intent(in) :: amplitude, end, error, value
+      integer, parameter :: steps = 20000
+      real(wp) :: c, x, a(2), k1(2), k2(2), h
+      integer :: i
+      c = 4*pi**4/4
+      do i = 1, 1000
+         x = (i - 0.5_wp)/1000
+         c = c + (pi**2*(x/2 + sin(2*pi*x)/(4*pi)))**2/1000
+      end do
+      a = [0.0_wp, pi**2*amplitude]
+      h = end/steps
+      do i = 1, steps
+         k1 = rate(c, a)
+         k2 = rate(c, a + h/2*k1)
+         a = a + h*k2
+      end do
+      call judge_run('verification/range_drift.inp', name, words, 'middle', a(1), error, amplitude, 'drift', value, warning)
+   end subroutine drifts
+
+   !> Speed and acceleration of the middle.
+   pure function rate(c, y)
+      real(wp), intent(in) :: c, y(2)
+      real(wp) :: rate(2)
+      rate = [y(2), -(pi**4/2*y(1) + c*y(1)*y(2)**2)/(0.5_wp + c*y(1)**2)]
+   end function rate
+
+   !> A beam that the deck makes rigid deflects as elastic ones do, F L^3/(3 E I), C L^2/(2 E I), q L^4/(8 E I), 5 q L^4/(384 E I),
+   !> or buckles; what is left out is all of it, in range up to a hundredth of the length.
+   subroutine check_rigid()
+      character(*), parameter :: bends = 'it would deflect by'
+      call judge('RIGID under a force', rigid//pushed//'0.05', 'tip', 1/60.0_wp, 1.0_wp, 'deflection', 0.01667_wp, bends)
+      call judge('RIGID under a small force', rigid//pushed//'0.02', 'tip', 1/150.0_wp, 1.001_wp, 'deflection', 0.00667_wp, '')
+      call judge('RIGID under a couple', rigid//'couple = 0 > couple = 0.03', 'tip', 0.015_wp, 1.0_wp, 'deflection', &
+         & 0.015_wp, bends)
+      call judge('RIGID under its weight', rigid//'weight = 0 > weight = 0.1', 'tip', -0.0125_wp, 1.0_wp, 'deflection', &
+         & 0.0125_wp, bends)
+      call judge('RIGID on a roller', on_roller//rigid//'weight = 0 > weight = 1', 'middle', -5/384.0_wp, 1.0_wp, 'deflection', &
+         & 0.01302_wp, bends)
+      call judge('RIGID strut', on_roller//rigid//'along = 0 > along = -11', 'middle', 0.2679176218_wp, 1.0_wp, 'compression', &
+         & 1.115_wp, 'a RIGID beam does not buckle')
+      call judge_run('verification/range_beam.inp', 'RIGID strut at 0.41 of it', on_roller//rigid//'along = 0 > along = -4', &
+         & 'middle', 0.0_wp, 1.0e-9_wp, 1.0_wp, 'compression', 0.405_wp, '')
+   end subroutine check_rigid
+
+   !> A force at 0.85 of the first frequency, which at rest would bend the rigid bar by 0.4 % of its length, bends an elastic one by
+   !> the factor of a forced vibration; one at 0.14 of it does not. A target is less than a hundredth.
+   subroutine check_quick()
+      real(wp), parameter :: first = 3.51602_wp, rest = 0.012_wp/3
+      type(history_reader_type) :: reader
+      real(wp) :: bent
+      integer :: i
+      bent = 0.0_wp
+      do i = 1, 600
+         bent = max(bent, abs(rest/(1 - (3/first)**2)*(sin(0.03_wp*i) - 3/first*sin(first*0.01_wp*i))))
+      end do
+      call check(bent > 0.0195_wp, 'an elastic bar deflects by two per cent: '//as_text(bent, 3))
+      call run_changed('verification/range_rigid.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      call check_warning(reader, "beam 'beam' is RIGID, but its loads change at 0.8", 'RIGID under a quick force')
+      call reader%close()
+      call run_changed('verification/range_rigid.inp', trim(results), [character(8) :: 'pace = 3'], &
+         & [character(10) :: 'pace = 0.5'], reader)
+      call check_warning(reader, '', 'RIGID under a slow force')
+      call reader%close()
+      call run_changed('verification/range_rigid.inp', trim(results), [character(8) :: 'pace = 3', '*OUTPUT'], &
+         & [character(40) :: 'pace = 0.5', '*ACCURACY, TARGET=1e-3'//achar(10)//'*OUTPUT'], reader)
+      call check_warning(reader, "beam 'beam' is RIGID, but under its loads", 'RIGID and a target')
+      call reader%close()
+   end subroutine check_quick
+
    !> Runs the beam with words exchanged and compares the last sample of a channel with its true value, an indicator with a value
    !> to a tenth, and the warnings of the run.
    subroutine judge(name, words, of, truth, error, indicator, value, warning)
@@ -146,6 +235,13 @@ contains
       real(wp), intent(in) :: value
       !> Part of the warning; empty: there is none
       character(*), intent(in) :: warning
+      call judge_run('verification/range_beam.inp', name, words, of, truth, error, abs(truth), indicator, value, warning)
+   end subroutine judge
+
+   !> The same of any deck, with an error relative to what is given.
+   subroutine judge_run(deck, name, words, of, truth, error, scale, indicator, value, warning)
+      character(*), intent(in) :: deck, name, words, of, indicator, warning
+      real(wp), intent(in) :: truth, error, scale, value
       type(history_reader_type) :: reader
       type(error_type), allocatable :: failure
       real(wp), allocatable :: samples(:), table(:, :)
@@ -154,9 +250,9 @@ contains
       real(wp) :: off
       integer :: count, at
       call split(words, old, new, count)
-      call run_changed('verification/range_beam.inp', trim(results), old(:count), new(:count), reader)
+      call run_changed(deck, trim(results), old(:count), new(:count), reader)
       allocate (samples, source=channel(reader, of))
-      off = abs(abs(samples(size(samples))/truth) - 1)
+      off = abs(abs(samples(size(samples))) - abs(truth))/scale
       call reader%read_table('/bodies/beam/indicators', table, failure)
       call check_no_error(failure, name//': indicators')
       do at = 1, indicator_count
@@ -173,7 +269,7 @@ contains
       call check_warning(reader, warning, name)
       call check_labels(reader)
       call reader%close()
-   end subroutine judge
+   end subroutine judge_run
 
    pure subroutine split(words, old, new, count)
       character(*), intent(in) :: words

@@ -7,7 +7,7 @@ module limber_deck_diagnostics
    use limber_deck_source, only: source_type
    implicit none
    private
-   public :: diagnostics_type
+   public :: diagnostics_type, max_shown
 
    !> So many are shown; the rest is counted
    integer, parameter :: max_shown = 50

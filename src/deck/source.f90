@@ -7,7 +7,7 @@ module limber_deck_source
    use limber_deck_origin, only: origin_type
    implicit none
    private
-   public :: source_type, source_file_type, beside
+   public :: source_type, source_file_type, beside, max_file_bytes
 
    !> A file longer than this is no deck
    integer, parameter :: max_file_bytes = 32*1024*1024

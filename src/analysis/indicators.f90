@@ -124,6 +124,8 @@ module limber_analysis_indicators
       integer, allocatable :: place(:)
       !> Whether the force of a side of a constraint acts at its point across the beam: not if something slides along it
       logical, allocatable :: fixed(:, :)
+      !> Whether a driver holds the rotation of a body (bodies)
+      logical, allocatable :: turned(:)
       !> Of the forces of a load
       real(wp), allocatable :: scratch(:)
    contains
@@ -138,9 +140,10 @@ contains
       type(system_type), intent(in) :: system
       type(contact_type), allocatable :: contacts(:)
       integer :: first(size(system%model%bodies) + 1)
-      integer :: i, count, most
+      integer :: i, k, count, most
       allocate (self%of(size(system%model%bodies)), self%place(size(system%model%points)))
-      allocate (self%fixed(2, size(system%constraints)))
+      allocate (self%fixed(2, size(system%constraints)), self%turned(size(system%model%bodies)))
+      self%turned = .false.
       self%of = 0
       self%place = 0
       self%fixed = .true.
@@ -162,6 +165,13 @@ contains
          case (joint_point_on_line, joint_translational, joint_curve, joint_sliding)
             self%fixed(2, i) = .false.
          end select
+      end do
+      do i = 1, size(system%constraints)
+         do k = 1, 2
+            associate (item => system%constraints(i)%item)
+               if (item%bodies(k) /= ground .and. item%points(k) == 0) self%turned(item%bodies(k)) = .true.
+            end associate
+         end do
       end do
       call list_contacts(self, system, first, contacts)
       do i = 1, size(self%of)
@@ -186,17 +196,9 @@ contains
       real(wp), allocatable :: place(:)
       logical, allocatable :: jointed(:)
       logical :: held, clamped
-      integer :: i, side
       body%is_rigid = .true.
       call find_places(self, system, index, contacts, place, jointed, held)
-      clamped = any(contacts%is_weld)
-      do i = 1, size(system%constraints)
-         do side = 1, 2
-            associate (item => system%constraints(i)%item)
-               if (item%bodies(side) == index .and. item%points(side) == 0) clamped = .true.
-            end associate
-         end do
-      end do
+      clamped = self%turned(index) .or. any(contacts%is_weld)
       associate (beam => system%model%bodies(index)%beam, choice => system%model%bodies(index)%choice)
          body%quasistatic = new_quasistatic(beam%ei, beam%rho_a, beam%length, choice%origin, place, jointed, clamped)
       end associate

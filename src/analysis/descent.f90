@@ -13,8 +13,8 @@ module limber_analysis_descent
    private
    public :: descend
 
-   !> Tolerance that is the loosest, and ratio of two that are tried one after another
-   real(wp), parameter :: loosest = 1.0e-2_wp, looser = 3.0_wp
+   !> Tolerance that is the loosest, and ratios of two that are tried one after another
+   real(wp), parameter :: loosest = 1.0e-2_wp, looser(2) = [3.0_wp, 1.75_wp]
    !> Part of the work that a setting must save
    real(wp), parameter :: saved = 0.1_wp
    !> Most runs, and their work in units of the first setting's
@@ -100,10 +100,14 @@ contains
       !> A looser tolerance, unless one has been too loose for a rung above already.
       subroutine try_looser()
          real(wp) :: tolerance
-         tolerance = min(loosest, looser*advice%tolerance)
-         if (tolerance > 0.99_wp*too_loose) return
-         call try(tolerance)
-         if (.not. down) too_loose = tolerance
+         integer :: l
+         do l = 1, size(looser)
+            tolerance = min(loosest, looser(l)*advice%tolerance)
+            if (tolerance > 0.99_wp*too_loose) cycle
+            call try(tolerance)
+            if (down .or. allocated(error)) return
+            too_loose = tolerance
+         end do
       end subroutine try_looser
 
       !> The lowest rungs first, at a few tolerances, as far as they cost much less: they are soon given up where they do not do.
@@ -113,7 +117,7 @@ contains
             & modes(7) = [1, 1, 2, 1, 2, 3, 5]
          real(wp), parameter :: tolerances(4) = [1.0e-2_wp, 3.0e-3_wp, 1.0e-3_wp, 1.0e-4_wp], much = 0.9_wp
          !> How much looser tolerances of the same and of richer rungs are
-         real(wp), parameter :: worth(2) = [looser, 2.0_wp]
+         real(wp), parameter :: worth(2) = [looser(1), 2.0_wp]
          real(wp), parameter :: early = 0.3_wp, same = 1.2_wp
          real(wp) :: before
          type(rung_type), allocatable :: present(:)
@@ -160,7 +164,7 @@ contains
       !> RADAU, which then is often the better of the two.
       subroutine try(tolerance)
          real(wp), intent(in) :: tolerance
-         real(wp), parameter :: loose = 2.0e-3_wp
+         real(wp), parameter :: loose = 0.9e-3_wp
          character(10) :: integrator
          if (advice%integrator /= '') then
             call attempt(implicit_deck, tolerance, integrator)

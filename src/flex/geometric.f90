@@ -44,7 +44,8 @@ contains
       logical, intent(in) :: nodal
       real(wp) :: b(size(field%w, 2), size(field%w, 2), size(x) - 1)
       real(wp) :: ends(4, size(field%w, 2)), l
-      real(wp), allocatable :: place(:), weight(:), slope(:)
+      real(wp), allocatable :: place(:), weight(:)
+      real(wp) :: slope(size(field%w, 2))
       integer :: g, k, j
       do g = 1, size(x) - 1
          l = x(g) - x(g - 1)
@@ -75,7 +76,8 @@ contains
       !> Ends of the k_G elements (0:elements) [length]
       real(wp), intent(in) :: x(0:)
       real(wp) :: b(size(field%w, 2), size(field%w, 2), size(x) - 1), l, xi
-      real(wp), allocatable :: place(:), weight(:), slope(:)
+      real(wp), allocatable :: place(:), weight(:)
+      real(wp) :: slope(size(field%w, 2))
       integer :: g, k, j
       b = 0.0_wp
       do g = 1, size(x) - 1

@@ -7,7 +7,7 @@
 !>     value = indicator_value(indicators%bodies(i), indicator_slope)
 !>     t = indicator_time(indicators%bodies(i), indicator_slope)
 !>
-!> Floor: analysis. Source: doc/theory, eqs. (156)-(165), (I1)-(I5).
+!> Floor: analysis. Source: doc/theory, eqs. (156)-(165), (195)-(199).
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -491,7 +491,7 @@ contains
    end function indicator_value
 
    !> Phase by which the vibrations of a model without the inertia of the shortening are ahead, as a part of the largest deflection,
-   !> eq. (I5); zero where the model has that inertia.
+   !> eq. (199); zero where the model has that inertia.
    pure real(wp) function drift(self)
       type(body_indicators_type), intent(in) :: self
       real(wp) :: frequency, vibrating, count

@@ -93,7 +93,7 @@ contains
       call raise_peak(self, peak_bent, bent, t)
    end subroutine observe_motion
 
-   !> What a rigid beam would do if it were elastic: eqs. (I1) to (I4).
+   !> What a rigid beam would do if it were elastic: eqs. (195) to (198).
    subroutine observe_rigid(self, t, u, turning, heavy, turned)
       type(body_indicators_type), intent(inout) :: self
       !> Time; unit vector of the frame, its rate and acceleration (2); acceleration of the origin less that of gravity (2)
@@ -113,7 +113,7 @@ contains
    end subroutine observe_rigid
 
    !> Energies of the vibration and of the shortening that it makes: what hangs on the beam, and its own mass, move along it by
-   !> half of the squared slopes, eq. (I5).
+   !> half of the squared slopes, eq. (199).
    pure subroutine add_shortening(self, stations, body, t, eta, rate, acceleration)
       type(body_indicators_type), intent(inout) :: self
       type(stations_type), intent(in) :: stations

@@ -1,6 +1,6 @@
 !> The ranges of the models of flexible bodies: judges the indicators of a run, warns where a model was used outside its range, and
 !> writes them to the result file. What error a model makes at the limits is measured in doc/fidelity.md. Floor: analysis.
-!> Source: doc/theory, eqs. (156)-(165), (I1)-(I5).
+!> Source: doc/theory, eqs. (156)-(165), (195)-(199).
 module limber_analysis_ranges
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type

@@ -1,6 +1,6 @@
 !> What a straight beam that the model takes for rigid would do if it were elastic, at rest under what acts on it: deflection,
 !> Euler's load and first frequency in closed form, from its rigidity and mass alone. Floor: flex.
-!> Source: doc/theory, eqs. (I1)-(I4).
+!> Source: doc/theory, eqs. (195)-(198).
 !>
 !>     beam = new_quasistatic(ei, rho_a, length, origin, place, jointed, clamped)
 !>     call find_deflection(beam, along, across, omega, alpha, force, deflection, seen, axial)
@@ -30,7 +30,7 @@ module limber_flex_quasistatic
 
 contains
 
-   !> Constants of a beam: how its joints hold it decides from where deflections count, eqs. (I3), (I4).
+   !> Constants of a beam: how its joints hold it decides from where deflections count, eqs. (197), (198).
    pure function new_quasistatic(ei, rho_a, length, origin, place, jointed, clamped) result(self)
       !> As in the type
       real(wp), intent(in) :: ei, rho_a, length, origin
@@ -69,7 +69,7 @@ contains
       end if
    end function new_quasistatic
 
-   !> Deflection and axial force under what acts on the beam, its inertia included, eqs. (I1), (I2).
+   !> Deflection and axial force under what acts on the beam, its inertia included, eqs. (195), (196).
    subroutine find_deflection(self, along, across, omega, alpha, force, deflection, seen, axial)
       type(quasistatic_type), intent(in) :: self
       !> Acceleration of the frame's origin less that of gravity, along and across the beam; angular velocity and acceleration

@@ -187,6 +187,11 @@ else
   goes_on
 fi
 
+# A deck with the choices of an advice that finds no room: what has its name stays
+echo before > advised.inp
+expect 2 "advised.inp: cannot be written" sh -c "ulimit -f 1; exec '$limber' advise deck.inp --write advised.inp --force"
+[ "$(cat advised.inp*)" = before ] || { echo "advised.inp is not as it was"; exit 1; }
+
 # A folder without the right to write, for those whom that stops
 mkdir locked
 chmod 500 locked

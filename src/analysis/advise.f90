@@ -3,6 +3,7 @@
 module limber_analysis_advise
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_files, only: append_text, remove_file, rename_file
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, cost_of
    use limber_analysis_probe, only: prospect_type
@@ -106,8 +107,8 @@ contains
       logical, intent(in) :: force
       type(error_type), allocatable, intent(out) :: error
       type(deck_type) :: deck
-      integer :: unit, status, block
-      logical :: exists
+      integer :: block
+      logical :: exists, ok
       inquire (file=path, exist=exists)
       if (exists .and. .not. force) then
          call raise(error, path//': exists already; use --force to replace it', status_deck)
@@ -118,13 +119,13 @@ contains
       block = deck%find('ACCURACY')
       if (block > 0) where (deck%blocks(block)%options%name == 'TARGET') deck%blocks(block)%options%has_value = .false.
       call deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', scene%system%model%dynamics%integrator)
-      open (newunit=unit, file=path, access='stream', action='write', status='replace', iostat=status)
-      if (status == 0) write (unit, iostat=status) effective_deck(deck)
-      if (status /= 0) then
-         call raise(error, path//': cannot be written', status_deck)
-         return
-      end if
-      close (unit)
+      ! Beside what has the name already, until it is whole
+      call remove_file(path//'.new')
+      call append_text(path//'.new', effective_deck(deck), ok)
+      if (ok) call rename_file(path//'.new', path, ok)
+      if (ok) return
+      call remove_file(path//'.new')
+      call raise(error, path//': cannot be written: is there room, and may you write there?', status_deck)
    end subroutine write_deck
 
    !> The choices, each with what decided it.

@@ -138,23 +138,24 @@ contains
    pure integer function nearest_name(name, candidates) result(nearest)
       character(*), intent(in) :: name
       character(*), intent(in) :: candidates(:)
-      character(:), allocatable :: wanted, candidate
       integer :: i, distance, best
       nearest = 0
       best = max(1, (len_trim(name) + 2)/3) + 1
-      wanted = lowercase(trim(adjustl(name)))
       do i = 1, size(candidates)
-         candidate = lowercase(trim(adjustl(candidates(i))))
-         ! So many letters are missing at least
-         distance = abs(len(candidate) - len(wanted))
-         if (distance < best) distance = edit_distance(wanted, candidate)
-         if (begins_or_ends(wanted, candidate) .or. begins_or_ends(candidate, wanted)) distance = min(distance, 1)
+         distance = name_distance(lowercase(trim(adjustl(name))), lowercase(trim(adjustl(candidates(i)))))
          if (distance < best) then
             best = distance
             nearest = i
          end if
       end do
    end function nearest_name
+
+   !> How far two names are from each other, in letters.
+   pure integer function name_distance(a, b) result(distance)
+      character(*), intent(in) :: a, b
+      distance = edit_distance(a, b)
+      if (begins_or_ends(a, b) .or. begins_or_ends(b, a)) distance = min(distance, 1)
+   end function name_distance
 
    !> Whether a text begins or ends with another one, and a blank is between that and the rest.
    pure logical function begins_or_ends(part, text)

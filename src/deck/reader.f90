@@ -243,7 +243,7 @@ contains
       integer :: depth
       depth = 1
       do end = line + 1, last
-         if (.not. is_keyword_line(file%lines(end)%text)) cycle
+         if (len(file%lines(end)%text) > max_line .or. .not. is_keyword_line(file%lines(end)%text)) cycle
          if (is_comment(file%lines(end)%text)) cycle
          select case (keyword_of(file%lines(end)%text))
          case ('REPEAT'); depth = depth + 1

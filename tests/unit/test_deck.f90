@@ -29,6 +29,7 @@ program test_deck
    call test_bad_decks()
    call test_bad_paths()
    call test_nested_includes()
+   call test_long_line()
    call test_second_file()
    call test_mutations()
    call finish()
@@ -214,6 +215,20 @@ contains
       call check(index(diagnostics%items(1)%label, 'deck.inp -> decks/endless.inc -> decks/../decks/endless.inc') == 1, &
          & 'the chain is shown')
    end subroutine test_nested_includes
+
+   !> A line of 20 MB where the end of a *REPEAT is looked for: no words are taken from it, which the stack could not hold.
+   subroutine test_long_line()
+      type(deck_type) :: deck
+      type(diagnostics_type) :: diagnostics
+      character(:), allocatable :: text
+      integer, parameter :: length = 20000000
+      allocate (character(length) :: text)
+      text(:) = '*REPEAT, COUNT=2'//newline//'*'//repeat('END', length/3)
+      call read_deck_text('deck.inp', text, deck, diagnostics)
+      call check(diagnostics%count > 0, 'a line that is too long is refused')
+      call check(any(diagnostics%items(:diagnostics%count)%message == "there is no *END REPEAT that ends this *REPEAT"), &
+         & 'and ends no *REPEAT: '//diagnostics%items(1)%message)
+   end subroutine test_long_line
 
    !> Errors and warnings that a later module adds.
    subroutine test_second_file()

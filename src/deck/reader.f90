@@ -26,8 +26,8 @@ module limber_deck_reader
 
    !> Longest line, deepest nesting of *INCLUDE and greatest number of files
    integer, parameter :: max_line = 4096, max_nesting = 20, max_files = 200
-   !> Most turns of all *REPEAT together
-   integer, parameter :: max_turns = 200000
+   !> Most turns of all *REPEAT together, and errors that end the reading: fifty are shown
+   integer, parameter :: max_turns = 200000, max_errors = 10000
 
 contains
 
@@ -126,7 +126,7 @@ contains
       integer :: i, head
       logical :: ok, broken
       i = first - 1
-      do while (i < last .and. .not. assembly%full)
+      do while (i < last .and. .not. assembly%full .and. diagnostics%count < max_errors)
          i = i + 1
          call clean_line(file, i, is_free_text(assembly), assembly%turn, deck, content, ok, broken, diagnostics)
          if (broken) call skip_broken(is_keyword_line(deck%source%files(file)%lines(i)%text), assembly, deck, diagnostics)

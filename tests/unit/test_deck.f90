@@ -222,8 +222,8 @@ contains
       type(diagnostics_type) :: diagnostics
       character(:), allocatable :: text
       integer, parameter :: words = 6000000
-      allocate (character(20 + 3*words) :: text)
-      text(:) = '*REPEAT, COUNT=2'//newline//'*'//repeat('END', words)
+      allocate (character(30 + 3*words) :: text)
+      text(:) = '*REPEAT, COUNT=2, INDEX=i'//newline//'*'//repeat('END', words)
       call read_deck_text('deck.inp', text, deck, diagnostics)
       call check(diagnostics%count > 0, 'a line that is too long ends no *REPEAT')
       call check(diagnostics%items(1)%message == 'this *REPEAT has no *END REPEAT', diagnostics%items(1)%message)

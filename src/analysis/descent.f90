@@ -4,10 +4,13 @@ module limber_analysis_descent
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: advice_type, expected_error, cost_of
+   use limber_analysis_advice, only: expected_error, cost_of
+   use limber_analysis_reached, only: reached_type
    use limber_analysis_rungs, only: rung_type, lower_rungs, bound_rung, better_rung, can_climb, rung_name, level_linear, &
       & level_kg, level_full
-   use limber_analysis_trial, only: trial_type, truth_type, run_trial, take_trial, error_against
+   use limber_analysis_trial, only: trial_type, run_trial, take_trial
+   use limber_analysis_truth, only: truth_type, error_against
+   use limber_analysis_verification, only: sharpen, rest_after_looks
    use limber_deck_content, only: deck_type
    implicit none
    private
@@ -21,88 +24,198 @@ module limber_analysis_descent
    integer, parameter :: most_runs = 60
    real(wp), parameter :: most_effort = 16.0_wp
 
-   !> A setting that has failed: nothing looser of it is tried
-   type :: failed_type
+   !> What a setting that keeps the target must cost, in units of the cheapest, to be worth a second look at a truth that errs by too
+   !> much to tell
+   real(wp), parameter :: worth_a_look = 0.6_wp
+   !> Most looks
+   integer, parameter :: most_looks = 2
+
+   !> A setting that was tried. If it has failed nothing looser of it is
+   type :: tried_type
       character(:), allocatable :: name
       real(wp) :: tolerance = 0.0_wp
-   end type failed_type
+      !> Whether it has failed; whether it may keep the target, within the error of the truth; its error, and its work
+      logical :: counts = .false., in_doubt = .false.
+      real(wp) :: error = 0.0_wp, work = 0.0_wp
+   end type tried_type
+
+   !> A setting that keeps the target
+   type :: kept_type
+      type(rung_type), allocatable :: rungs(:)
+      real(wp) :: tolerance = 0.0_wp
+      character(5) :: integrator = ''
+   end type kept_type
 
 contains
 
    !> Descends as long as something can be left out.
-   subroutine descend(deck, target, quiet, truth, advice, best, worst, runs, cpu, path, error)
+   subroutine descend(deck, target, quiet, truth, reached, best, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
       !> Whether the progress is not shown
       logical, intent(in) :: quiet
-      type(truth_type), intent(in) :: truth
-      !> Rungs and tolerance of the setting that keeps the target, on return of the cheapest
-      type(advice_type), intent(inout) :: advice
-      !> Its run, and its verified error
+      type(truth_type), intent(inout) :: truth
+      !> With the setting that keeps the target, on return the cheapest. If a second look at the truth shows that it does not keep it,
+      !> it is not done
+      type(reached_type), intent(inout) :: reached
+      !> Its run
       type(trial_type), intent(inout) :: best
-      real(wp), intent(inout) :: worst
-      !> Number of runs and CPU seconds so far
-      integer, intent(inout) :: runs
-      real(wp), intent(inout) :: cpu
-      !> Receives a line for each step down
-      character(:), allocatable, intent(inout) :: path
-      !> The deck is wrong (status 2)
+      !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
-      type(failed_type) :: failed(most_runs)
+      type(tried_type) :: tried(most_runs)
+      type(kept_type) :: kept(0:most_runs)
       !> With RADAU
       type(deck_type) :: implicit_deck
       type(rung_type), allocatable :: rungs(:)
       type(rung_type) :: lower(3)
-      real(wp) :: allowed(size(truth%scale)), budget
+      real(wp) :: budget, before
       !> Tolerance that has been too loose; part of the duration that the last setting reached before it was given up
       real(wp) :: too_loose, given_up
-      integer :: i, j, k, count, tries
-      logical :: down
-      allowed = target*truth%scale - truth%rest
-      if (any(allowed <= 0.0_wp)) return
+      integer :: i, j, k, count, tries, last, look
+      logical :: down, sharper
+      if (any(truth%rest >= target*truth%scale)) return
       tries = 0
       implicit_deck = deck
       call implicit_deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'RADAU', given=.true.)
       budget = most_effort*best%work
       ! Elements cost nothing in the time loop, and what the lumped masses do is left to the rungs
-      where (.not. advice%rungs%given_elements) advice%rungs%elements = max(advice%rungs%elements, truth%rungs%elements)
-      allocate (rungs, source=advice%rungs)
-      too_loose = huge(too_loose)
-      down = .false.
-      call start_below()
-      if (allocated(error)) return
-      down = .true.
-      do while (down)
-         down = .false.
-         ! What saves much first: less geometry, a looser tolerance, fewer modes
-         do k = 1, 2
-            do i = 1, size(rungs)
-               call lower_rungs(advice%rungs(i), lower, count)
-               do j = 1, count
-                  if ((lower(j)%level < rungs(i)%level .or. lower(j)%segments < rungs(i)%segments) .neqv. k == 1) cycle
-                  rungs(i) = lower(j)
-                  call try(advice%tolerance)
-                  if (allocated(error)) return
-                  rungs(i) = advice%rungs(i)
-                  if (down) exit
-               end do
-               if (down) exit
-            end do
-            if (down) exit
-            if (k == 1 .and. advice%open_tolerance .and. advice%tolerance < loosest) call try_looser()
-            if (down .or. allocated(error)) exit
-         end do
-         if (allocated(error)) return
+      associate (own => reached%advice%rungs)
+         where (.not. own%given_elements) own%elements = max(own%elements, truth%rungs%elements)
+         allocate (rungs, source=own)
+      end associate
+      last = -1
+      call keep()
+      do look = 0, most_looks
+         call go_down()
+         if (allocated(error) .or. look == most_looks .or. .not. look_may_help()) exit
+         before = reached%work
+         call sharpen(deck, target, quiet, reached, truth, sharper, error)
+         if (allocated(error) .or. .not. sharper) exit
+         reached%path = reached%path//newline//'   a second look at the verification leaves it in doubt by '// &
+            & as_text(maxval(truth%rest/truth%scale), 2)
+         budget = budget - (reached%work - before)
+         call judge_again()
+         if (allocated(error) .or. .not. reached%done) exit
       end do
 
    contains
+
+      !> As long as something helps.
+      subroutine go_down()
+         too_loose = huge(too_loose)
+         down = .false.
+         call start_below()
+         if (allocated(error)) return
+         down = .true.
+         do while (down)
+            down = .false.
+            ! What saves much first: less geometry, a looser tolerance, fewer modes
+            do k = 1, 2
+               do i = 1, size(rungs)
+                  call lower_rungs(reached%advice%rungs(i), lower, count)
+                  do j = 1, count
+                     if ((lower(j)%level < rungs(i)%level .or. lower(j)%segments < rungs(i)%segments) .neqv. k == 1) cycle
+                     rungs(i) = lower(j)
+                     call try(reached%advice%tolerance)
+                     if (allocated(error)) return
+                     rungs(i) = reached%advice%rungs(i)
+                     if (down) exit
+                  end do
+                  if (down) exit
+               end do
+               if (down) exit
+               if (k == 1 .and. reached%advice%open_tolerance .and. reached%advice%tolerance < loosest) call try_looser()
+               if (down .or. allocated(error)) exit
+            end do
+            if (allocated(error)) return
+         end do
+      end subroutine go_down
+
+      !> The setting that is advised keeps the target.
+      subroutine keep()
+         last = last + 1
+         associate (advice => reached%advice)
+            if (allocated(kept(last)%rungs)) deallocate (kept(last)%rungs)
+            allocate (kept(last)%rungs, source=advice%rungs)
+            kept(last)%tolerance = advice%tolerance
+            kept(last)%integrator = advice%integrator
+         end associate
+      end subroutine keep
+
+      !> Whether a second look at the truth may show that a setting that costs much less keeps the target.
+      pure logical function look_may_help()
+         real(wp) :: less
+         less = maxval(truth%rest/truth%scale) - rest_after_looks(target, truth)
+         look_may_help = any(tried(:tries)%in_doubt .and. tried(:tries)%error - less <= target .and. &
+            & tried(:tries)%work <= worth_a_look*best%work)
+      end function look_may_help
+
+      !> By a sharper truth: the last setting that keeps the target, and those that were in doubt are tried again.
+      subroutine judge_again()
+         integer :: l
+         do l = 1, tries
+            if (tried(l)%in_doubt) tried(l)%counts = .false.
+            tried(l)%in_doubt = .false.
+         end do
+         do
+            reached%error = error_against(truth, best%samples%values)
+            reached%done = reached%error <= target
+            if (reached%done .or. last == 0) return
+            reached%path = reached%path//newline//'   it shows an error of '//as_text(reached%error, 2)// &
+               & ': back to the setting before'
+            last = last - 1
+            call take_setting(kept(last)%rungs, kept(last)%tolerance, kept(last)%integrator)
+            rungs = reached%advice%rungs
+            if (reached%advice%integrator == '') then
+               call run_again(deck)
+            else
+               call run_again(implicit_deck)
+            end if
+            if (allocated(error)) return
+         end do
+      end subroutine judge_again
+
+      !> Runs the setting that is advised once more.
+      subroutine run_again(deck)
+         type(deck_type), intent(in) :: deck
+         type(trial_type) :: trial
+         call run_trial(deck, rungs, reached%advice%tolerance, 1.0_wp, huge(1.0_wp), .false., quiet, &
+            & 'once more: '//names(), trial, error)
+         if (allocated(error)) return
+         call count_run(trial)
+         call take_trial(trial, best)
+      end subroutine run_again
+
+      subroutine count_run(trial)
+         type(trial_type), intent(in) :: trial
+         reached%runs = reached%runs + 1
+         reached%cpu = reached%cpu + trial%outcome%cpu
+         reached%work = reached%work + trial%work
+         budget = budget - trial%work
+      end subroutine count_run
+
+      !> Advises a setting.
+      subroutine take_setting(rungs, tolerance, integrator)
+         type(rung_type), intent(in) :: rungs(:)
+         real(wp), intent(in) :: tolerance
+         character(*), intent(in) :: integrator
+         integer :: l
+         associate (advice => reached%advice)
+            advice%rungs = rungs
+            advice%tolerance = tolerance
+            advice%integrator = integrator
+            do l = 1, size(rungs)
+               advice%expected(l) = expected_error(rungs(l), advice%probe%beams(l), advice%probe%duration)
+            end do
+         end associate
+      end subroutine take_setting
 
       !> A looser tolerance, unless one has been too loose for a rung above already.
       subroutine try_looser()
          real(wp) :: tolerance
          integer :: l
          do l = 1, size(looser)
-            tolerance = min(loosest, looser(l)*advice%tolerance)
+            tolerance = min(loosest, looser(l)*reached%advice%tolerance)
             if (tolerance > 0.99_wp*too_loose) cycle
             call try(tolerance)
             if (down .or. allocated(error)) return
@@ -122,7 +235,7 @@ contains
          real(wp) :: before
          type(rung_type), allocatable :: present(:)
          integer :: m, l
-         allocate (present, source=advice%rungs)
+         allocate (present, source=reached%advice%rungs)
          do m = 1, size(levels)
             do l = 1, size(rungs)
                call bound_rung(rungs(l), levels(m), modes(m))
@@ -131,33 +244,33 @@ contains
                given_up = 0.0_wp
                do l = 1, size(tolerances)
                   before = given_up
-                  if (advice%open_tolerance) call try(tolerances(l))
-                  if (.not. advice%open_tolerance .and. l == 1) call try(advice%tolerance)
+                  if (reached%advice%open_tolerance) call try(tolerances(l))
+                  if (.not. reached%advice%open_tolerance .and. l == 1) call try(reached%advice%tolerance)
                   if (allocated(error) .or. down) exit
                   if (given_up < min(early, same*before)) exit
                end do
             end if
-            if (.not. allocated(error)) rungs = advice%rungs
+            if (.not. allocated(error)) rungs = reached%advice%rungs
             if (allocated(error) .or. down) return
          end do
          ! The same rungs: between two tolerances that do may be one that does not, of an explicit integrator at its limit. Then
          ! richer ones: where the tolerance binds, more modes are cheap
-         if (.not. advice%open_tolerance) return
+         if (.not. reached%advice%open_tolerance) return
          do m = 1, 2
             do l = 1, size(tolerances)
-               if (tolerances(l) <= worth(m)*advice%tolerance) exit
+               if (tolerances(l) <= worth(m)*reached%advice%tolerance) exit
                call try(tolerances(l))
                if (allocated(error) .or. down) return
                if (m == 1) too_loose = tolerances(l)
             end do
-            if (any(advice%rungs%segments > 1)) exit
+            if (any(reached%advice%rungs%segments > 1)) exit
             do l = 1, size(rungs)
                if (rungs(l)%level == level_full .and. can_climb(rungs(l))) rungs(l) = better_rung(rungs(l), .false.)
             end do
             if (any(rungs%segments > 1)) exit
             if (m == 1) too_loose = huge(too_loose)
          end do
-         rungs = advice%rungs
+         rungs = reached%advice%rungs
       end subroutine start_below
 
       !> Runs a setting, and takes it if it keeps the target for less; where AUTO chooses ADAMS at a loose tolerance also with
@@ -166,16 +279,16 @@ contains
          real(wp), intent(in) :: tolerance
          real(wp), parameter :: loose = 0.9e-3_wp
          character(10) :: integrator
-         if (advice%integrator /= '') then
+         if (reached%advice%integrator /= '') then
             call attempt(implicit_deck, tolerance, integrator)
             return
          end if
          call attempt(deck, tolerance, integrator)
-         if (down .or. allocated(error) .or. integrator /= 'ADAMS' .or. .not. advice%open_integrator) return
+         if (down .or. allocated(error) .or. integrator /= 'ADAMS' .or. .not. reached%advice%open_integrator) return
          if (tolerance < loose) return
-         advice%integrator = 'RADAU'
+         reached%advice%integrator = 'RADAU'
          call attempt(implicit_deck, tolerance, integrator)
-         if (.not. down) advice%integrator = ''
+         if (.not. down) reached%advice%integrator = ''
       end subroutine try
 
       !> Runs a setting of a deck, and takes it if it keeps the target for less.
@@ -190,37 +303,38 @@ contains
          integer :: j
          integrator = ''
          if (tries == most_runs .or. budget <= 0.0_wp) return
-         name = trim(advice%integrator)//names()
+         name = trim(reached%advice%integrator)//names()
          do j = 1, tries
-            if (failed(j)%name == name .and. failed(j)%tolerance <= tolerance) return
+            if (tried(j)%counts .and. tried(j)%name == name .and. tried(j)%tolerance <= tolerance) return
          end do
          tries = tries + 1
-         failed(tries)%name = name
-         failed(tries)%tolerance = tolerance
+         tried(tries)%name = name
+         tried(tries)%tolerance = tolerance
+         tried(tries)%counts = .true.
          call run_trial(deck, rungs, tolerance, 1.0_wp, 2 + 4*best%outcome%cpu, .false., quiet, &
-            & 'less: '//name, trial, error, truth%values, allowed, (1 - saved)*best%work)
+            & 'less: '//name, trial, error, truth%values, target*truth%scale, (1 - saved)*best%work)
          if (allocated(error)) return
          given_up = 1.0_wp
-         if (trial%leaves) given_up = (trial%outcome%reached - best%samples%times(1))/advice%probe%duration
+         if (trial%leaves) given_up = (trial%outcome%reached - best%samples%times(1))/reached%advice%probe%duration
          integrator = trial%integrator
-         runs = runs + 1
-         cpu = cpu + trial%outcome%cpu
-         budget = budget - trial%work
+         call count_run(trial)
          if (trial%reason /= '' .or. trial%work > (1 - saved)*best%work) return
          if (size(truth%values, 2) /= trial%samples%samples) return
          found = error_against(truth, trial%samples%values)
-         if (found > target) return
-         failed(tries)%name = ''
-         worst = found
-         advice%rungs = rungs
-         advice%tolerance = tolerance
-         do j = 1, size(rungs)
-            advice%expected(j) = expected_error(rungs(j), advice%probe%beams(j), advice%probe%duration)
-         end do
+         if (found > target) then
+            tried(tries)%in_doubt = .true.
+            tried(tries)%error = found
+            tried(tries)%work = trial%work
+            return
+         end if
+         tried(tries)%counts = .false.
+         reached%error = found
+         call take_setting(rungs, tolerance, reached%advice%integrator//'')
+         call keep()
          call take_trial(trial, best)
-         path = path//newline//'   it keeps the target with less as well: '
-         if (size(rungs) > 0) path = path//names()//', '
-         path = path//'TOLERANCE='//as_text(tolerance, 2)//', error '//as_text(found, 2)
+         reached%path = reached%path//newline//'   it keeps the target with less as well: '
+         if (size(rungs) > 0) reached%path = reached%path//names()//', '
+         reached%path = reached%path//'TOLERANCE='//as_text(tolerance, 2)//', error '//as_text(found, 2)
          down = .true.
       end subroutine attempt
 

@@ -228,7 +228,7 @@ contains
    end function functions_of
 
    !> Whether there is a rung above.
-   pure logical function can_climb(rung)
+   elemental logical function can_climb(rung)
       type(rung_type), intent(in) :: rung
       can_climb = rung%open_level .and. rung%level < level_full
       if (rung%segments > 1) then

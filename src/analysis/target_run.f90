@@ -12,10 +12,11 @@ module limber_analysis_target_run
    use limber_analysis_estimate, only: kept_type
    use limber_analysis_estimate_report, only: record_estimate, estimate_table
    use limber_analysis_ranges, only: range_warnings
+   use limber_analysis_reached, only: reached_type
    use limber_analysis_record, only: open_history, record_outcome
    use limber_analysis_scalars, only: scalar_lines
    use limber_analysis_scene, only: scene_type, build_scene
-   use limber_analysis_target, only: reached_type, reach_target
+   use limber_analysis_target, only: reach_target
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scalars, only: add_usual_scalars

@@ -24,7 +24,7 @@ module limber_analysis_trial
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: trial_type, truth_type, run_trial, take_samples, take_outcome, take_trial, error_against
+   public :: trial_type, run_trial, take_samples, take_outcome, take_trial
 
    !> Samples in memory of a run that is given up when they leave those of another by too much
    type, extends(memory_type) :: watched_type
@@ -58,30 +58,7 @@ module limber_analysis_trial
       real(wp), allocatable :: at_rest(:)
    end type trial_type
 
-   !> The finest run so far, which others are compared with
-   type :: truth_type
-      logical :: known = .false.
-      !> Its rungs and its tolerance
-      type(rung_type), allocatable :: rungs(:)
-      real(wp) :: tolerance = 0.0_wp
-      !> Its channels (channels, samples), what their errors are relative to, and its own errors, estimated (channels)
-      real(wp), allocatable :: values(:, :), scale(:), rest(:)
-   end type truth_type
-
 contains
-
-   !> Largest error of a run over channels and samples, relative: its difference from the truth, and the error of that.
-   pure real(wp) function error_against(truth, values) result(error)
-      type(truth_type), intent(in) :: truth
-      !> At least its channels (channels, samples)
-      real(wp), intent(in) :: values(:, :)
-      integer :: c, n
-      n = size(truth%values, 2)
-      error = 0.0_wp
-      do c = 1, size(truth%scale)
-         error = max(error, (maxval(abs(values(c, :n) - truth%values(c, :))) + truth%rest(c))/truth%scale(c))
-      end do
-   end function error_against
 
    !> Runs a setting into memory.
    subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error, truth, allowed, most)

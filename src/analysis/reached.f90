@@ -1,0 +1,93 @@
+!> What a run towards a target leaves: the setting that was reached, its samples, its verified errors and the way there.
+!> Floor: analysis.
+module limber_analysis_reached
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_advice, only: advice_type
+   use limber_analysis_errors, only: envelope, unknown_ratio
+   use limber_analysis_estimate, only: estimate_type
+   use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_trial, only: trial_type
+   use limber_analysis_truth, only: truth_type
+   use limber_integrator_statistics, only: step_statistics_type
+   use limber_output_sink, only: memory_type
+   implicit none
+   private
+   public :: reached_type, record_errors, say_why
+
+   !> What a run towards a target leaves
+   type :: reached_type
+      !> As it was advised, with the rungs and the tolerance that were reached
+      type(advice_type) :: advice
+      !> Whether the verified error is within the target; if not, why
+      logical :: done = .false.
+      character(:), allocatable :: reason
+      !> Where a signal has ended the search; not allocated if none came. If the target is kept all else is as it should be, only
+      !> less might do; if not there are neither samples nor an outcome
+      character(:), allocatable :: interruption
+      !> Samples of the run that was verified, what it counted, and how it ended
+      type(memory_type) :: samples
+      type(step_statistics_type) :: statistics
+      type(outcome_type) :: outcome
+      !> Its estimated errors
+      type(estimate_type) :: estimate
+      !> Largest of them, and their parts by the integration and by the model of each beam, relative
+      real(wp) :: error = 0.0_wp, of_time = 0.0_wp
+      real(wp), allocatable :: of_beam(:)
+      !> Parts of the beams when they were last verified in one frame; zero: never (rungs)
+      real(wp), allocatable :: before(:)
+      !> Number of runs, of climbs, and CPU seconds of all but the last
+      integer :: runs = 0, climbs = 0
+      real(wp) :: cpu = 0.0_wp
+      !> Work of all, counted
+      real(wp) :: work = 0.0_wp
+      !> What was climbed, a line for each
+      character(:), allocatable :: path
+   end type reached_type
+
+   !> Neighbours on each side that the envelope takes in
+   integer, parameter :: reach = 2
+
+contains
+
+   !> Errors of the run at each sample.
+   subroutine record_errors(truth, candidate, reached)
+      type(truth_type), intent(in) :: truth
+      type(trial_type), intent(in) :: candidate
+      type(reached_type), intent(inout) :: reached
+      integer :: i, n
+      associate (estimate => reached%estimate)
+         n = size(truth%values, 2)
+         if (n /= candidate%samples%samples) return
+         if (allocated(estimate%values)) deallocate (estimate%values, estimate%ratio, estimate%stuck)
+         allocate (estimate%values(size(truth%scale), n), estimate%ratio(size(truth%scale)), estimate%stuck(size(truth%scale)))
+         do i = 1, size(truth%scale)
+            estimate%values(i, :) = envelope(candidate%samples%values(i, :n) - truth%values(i, :), reach) + truth%rest(i)
+         end do
+         estimate%ratio = unknown_ratio
+         estimate%stuck = .false.
+         estimate%tolerance = reached%advice%tolerance
+         estimate%companion = truth%tolerance
+         estimate%cpu = reached%cpu
+         estimate%factor = reached%cpu/max(candidate%outcome%cpu, tiny(1.0_wp))
+      end associate
+   end subroutine record_errors
+
+   !> Why a target is not kept.
+   subroutine say_why(target, reached)
+      real(wp), intent(in) :: target
+      type(reached_type), intent(inout) :: reached
+      if (reached%reason == '') then
+         reached%reason = 'no rung keeps TARGET='//as_text(target, 2)//': '
+         if (reached%error < 1.0e3_wp) then
+            reached%reason = reached%reason//'the error that the verification shows is '//as_text(reached%error, 2)
+         else
+            reached%reason = reached%reason//'the run one rung higher that is to verify it fails'
+         end if
+      end if
+      if (any(reached%advice%floor > 0.5_wp*target)) reached%reason = reached%reason//newline// &
+         & '   Slopes of '//as_text(maxval(reached%advice%probe%beams%slope), 2)//' are more than one floating frame describes'// &
+         & ' to that accuracy: leave SEGMENTS open, or divide the beam'
+   end subroutine say_why
+
+end module limber_analysis_reached

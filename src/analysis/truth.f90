@@ -1,0 +1,103 @@
+!> The finest run of a search, which others are compared with, and how much it errs itself. Floor: analysis.
+!> Equations: doc/theory.md, accuracy on request.
+module limber_analysis_truth
+   use limber_base_kinds, only: wp
+   use limber_analysis_rungs, only: rung_type
+   implicit none
+   private
+   public :: truth_type, error_against, largest_difference
+
+   !> The finest run so far
+   type :: truth_type
+      logical :: known = .false.
+      !> Rungs of the run that it was made to verify, its tolerance, and the counted work of its time loop
+      type(rung_type), allocatable :: verified(:)
+      real(wp) :: verified_tolerance = 0.0_wp, verified_work = 0.0_wp
+      !> What a tenth of the tolerance multiplies that work by, and samples of these rungs at the tolerance of the truth, if there are
+      real(wp) :: growth = 1.0_wp
+      real(wp), allocatable :: coarse(:, :)
+      !> Its own
+      type(rung_type), allocatable :: rungs(:)
+      real(wp) :: tolerance = 0.0_wp, work = 0.0_wp
+      !> Its channels (channels, samples), with what is known of the error of its integration taken away, and as they were run
+      real(wp), allocatable :: values(:, :), finest(:, :)
+      !> What errors of the channels are relative to (channels)
+      real(wp), allocatable :: scale(:)
+      !> Its own errors, estimated: by the integration and by the models of the beams as far as runs show them (channels), by what no
+      !> such run shows, relative to the scale, and all (channels)
+      real(wp), allocatable :: of_time(:), of_model(:), rest(:)
+      real(wp) :: left_out = 0.0_wp
+      !> Whether its integration and its models have been looked at a second time
+      logical :: sharp_time = .false., sharp_model = .false.
+   contains
+      procedure :: start
+      procedure :: refine
+   end type truth_type
+
+contains
+
+   !> Begins with a run that is to be verified.
+   pure subroutine start(self, rungs, tolerance, scale, values, work)
+      class(truth_type), intent(inout) :: self
+      type(rung_type), intent(in) :: rungs(:)
+      real(wp), intent(in) :: tolerance, scale(:)
+      !> Its samples (channels, samples)
+      real(wp), intent(in) :: values(:, :)
+      real(wp), intent(in) :: work
+      if (allocated(self%rungs)) deallocate (self%verified, self%rungs, self%values, self%finest, self%scale, self%of_time, &
+         & self%of_model, self%rest)
+      if (allocated(self%coarse)) deallocate (self%coarse)
+      allocate (self%verified, source=rungs)
+      allocate (self%rungs, source=rungs)
+      allocate (self%values, source=values)
+      allocate (self%finest, source=values)
+      allocate (self%scale, source=scale)
+      allocate (self%of_time(size(scale)), self%of_model(size(scale)), self%rest(size(scale)))
+      self%of_time = 0.0_wp
+      self%of_model = 0.0_wp
+      self%rest = 0.0_wp
+      self%verified_tolerance = tolerance
+      self%tolerance = tolerance
+      self%verified_work = work
+      self%work = work
+      self%sharp_time = .false.
+      self%sharp_model = .false.
+      self%known = .true.
+   end subroutine start
+
+   !> Takes a finer run in its place.
+   pure subroutine refine(self, values, work)
+      class(truth_type), intent(inout) :: self
+      !> Samples of the run (channels, samples)
+      real(wp), intent(in) :: values(:, :)
+      real(wp), intent(in) :: work
+      self%values = values + (self%values - self%finest)
+      self%finest = values
+      self%work = work
+   end subroutine refine
+
+   !> Largest error of a run over channels and samples, relative: its difference from the truth, and the error of that.
+   pure real(wp) function error_against(truth, values) result(error)
+      type(truth_type), intent(in) :: truth
+      !> At least its channels (channels, samples)
+      real(wp), intent(in) :: values(:, :)
+      integer :: c, n
+      n = size(truth%values, 2)
+      error = 0.0_wp
+      do c = 1, size(truth%scale)
+         error = max(error, (maxval(abs(values(c, :n) - truth%values(c, :))) + truth%rest(c))/truth%scale(c))
+      end do
+   end function error_against
+
+   !> Largest difference of two runs in each channel.
+   pure function largest_difference(a, b) result(away)
+      !> (channels, samples), of which b has no more
+      real(wp), intent(in) :: a(:, :), b(:, :)
+      real(wp) :: away(size(b, 1))
+      integer :: c
+      do c = 1, size(b, 1)
+         away(c) = maxval(abs(a(c, :size(b, 2)) - b(c, :)))
+      end do
+   end function largest_difference
+
+end module limber_analysis_truth

@@ -1,0 +1,55 @@
+!> The truth of a search: what is known of the error of its integration stays when a run with finer models takes its place, and what
+!> it may err itself counts against every setting.
+program test_truth
+   use limber_base_kinds, only: wp
+   use limber_analysis_rungs, only: rung_type
+   use limber_analysis_truth, only: truth_type, error_against, largest_difference
+   use testing, only: check, check_close, finish
+   implicit none
+   type(rung_type) :: rungs(1)
+   call test_errors()
+   call test_refinement()
+   call finish()
+
+contains
+
+   !> The worst channel counts, relative to its own scale, with what the truth may err there.
+   subroutine test_errors()
+      type(truth_type) :: truth
+      real(wp) :: values(3, 4)
+      call truth%start(rungs, 1.0e-2_wp, [10.0_wp, 1.0_wp], reshape([0, 0, 1, 1, 2, 0, 3, 1]*1.0_wp, [2, 4]), 5.0_wp)
+      call check(truth%known, 'it is known')
+      call check_close(truth%tolerance, 1.0e-2_wp, 0.0_wp, 'tolerance')
+      values = 7.0_wp
+      values(:2, :) = truth%values
+      call check_close(error_against(truth, values), 0.0_wp, 0.0_wp, 'no error: others do not count')
+      values(1, 3) = values(1, 3) + 0.5_wp
+      values(2, 2) = values(2, 2) - 0.03_wp
+      call check_close(error_against(truth, values), 0.05_wp, 1.0e-14_wp, 'the first channel by 0.5 of 10')
+      truth%rest = [0.0_wp, 0.04_wp]
+      call check_close(error_against(truth, values), 0.07_wp, 1.0e-14_wp, 'the second by 0.03 and by what the truth errs')
+      call check_close(sum(abs(largest_difference(values, truth%values) - [0.5_wp, 0.03_wp])), 0.0_wp, 1.0e-14_wp, 'differences')
+   end subroutine test_errors
+
+   !> A finer run, an error of the integration that is taken away, a still finer run.
+   subroutine test_refinement()
+      type(truth_type) :: truth
+      real(wp) :: first(1, 2), second(1, 2), third(1, 2), correction(1, 2)
+      first = 1.0_wp
+      second = reshape([2.0_wp, 3.0_wp], [1, 2])
+      third = reshape([2.5_wp, 3.5_wp], [1, 2])
+      correction = reshape([0.25_wp, -0.25_wp], [1, 2])
+      call truth%start(rungs, 1.0e-2_wp, [1.0_wp], first, 5.0_wp)
+      call truth%refine(second, 6.0_wp)
+      call check_close(maxval(abs(truth%values - second)), 0.0_wp, 0.0_wp, 'it takes the place')
+      truth%values = truth%finest + correction
+      call truth%refine(third, 7.0_wp)
+      call check_close(maxval(abs(truth%finest - third)), 0.0_wp, 0.0_wp, 'as it was run')
+      call check_close(maxval(abs(truth%values - third - correction)), 0.0_wp, 1.0e-15_wp, 'less the error of the integration')
+      call check_close(truth%work, 7.0_wp, 0.0_wp, 'its work')
+      call check_close(truth%verified_work, 5.0_wp, 0.0_wp, 'the work of what it verifies')
+      call truth%start(rungs, 1.0e-3_wp, [1.0_wp], first, 5.0_wp)
+      call check_close(maxval(abs(truth%values - first)), 0.0_wp, 0.0_wp, 'it begins anew')
+   end subroutine test_refinement
+
+end program test_truth

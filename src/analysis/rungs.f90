@@ -307,12 +307,14 @@ contains
       if (divided%open_modes) divided%bending = bending
    end function in_pieces
 
-   !> Lowers a rung to a level and a number of modes, in one frame, if it is above and the deck leaves that open.
+   !> Lowers a rung to a level and a number of modes, in one frame, if it is above and the deck leaves that open; modes of a piece are
+   !> not counted against those of a beam in one frame.
    subroutine bound_rung(rung, level, bending)
       type(rung_type), intent(inout) :: rung
       !> level_linear, ...
       integer, intent(in) :: level, bending
       if (rung%segments > 1 .and. .not. rung%open_segments .or. rung%level == level_rigid) return
+      if (rung%segments > 1 .and. rung%open_modes) rung%bending = bending
       rung%segments = 1
       rung%at_rest = .false.
       if (rung%open_level) rung%level = min(rung%level, level)

@@ -84,14 +84,16 @@ contains
       real(wp), intent(in) :: q(:), v(:)
       type(indicators_type), intent(out) :: found
       type(error_type), allocatable :: error
+      !> Part of the fastest vibration below which RADAU follows for less what binds ADAMS to the fastest
+      real(wp), parameter :: slow = 0.1_wp
       real(wp), allocatable :: a(:)
       allocate (a(size(q)))
       a = 0.0_wp
       call linearise(system, work, system%model%dynamics%start, q, error)
       if (.not. allocated(error)) call accelerations(system, work, q, v, a)
       found%motion = motion_rate(system, q, v, a)
-      found%ringing = ringing(system, a, found%motion)
       if (.not. allocated(error)) call find_fastest(system, work, q, v, a, found%fastest)
+      found%ringing = ringing(system, a, max(10*found%motion, slow*found%fastest))
    end subroutine look
 
    !> Rate of the motion: that of the frames and drivers, and the slowest vibration of each body; of a beam in s pieces that of the
@@ -141,16 +143,18 @@ contains
 
    !> Amplitude of vibrations faster than the motion that the accelerations of the start leave, relative to the scales of
    !> limber_integrator_scales.
-   pure real(wp) function ringing(system, a, motion) result(amplitude)
+   pure real(wp) function ringing(system, a, slowest) result(amplitude)
       type(system_type), intent(in) :: system
-      real(wp), intent(in) :: a(:), motion
+      real(wp), intent(in) :: a(:)
+      !> Slower ones do not count [rad/time]
+      real(wp), intent(in) :: slowest
       integer :: i, k, first
       amplitude = 0.0_wp
       do i = 1, size(system%layout%q)
          first = system%layout%q(i) + 3
          associate (body => system%model%bodies(i))
             do k = 1, merge(body%reduced%bending, body%reduced%n, body%reduced%condensed)
-               if (body%reduced%omega2(k) < (10*motion)**2) cycle
+               if (body%reduced%omega2(k) < slowest**2) cycle
                amplitude = max(amplitude, abs(a(first + k))/body%reduced%omega2(k)/(1.0e-3_wp*body%size/body%largest_shape))
             end do
          end associate

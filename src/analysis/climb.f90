@@ -6,7 +6,8 @@ module limber_analysis_climb
    use limber_analysis_advice, only: find_floors, floor_of, expected_error, cost_of, take_measured, divide_beam
    use limber_analysis_indicators, only: indicator_names
    use limber_analysis_reached, only: reached_type
-   use limber_analysis_rungs, only: rung_type, better_rung, in_pieces, can_climb, rung_name, rest_beyond, level_full
+   use limber_analysis_rungs, only: rung_type, better_rung, in_pieces, can_climb, rung_name, rest_beyond, all_derivatives, &
+      & level_full
    use limber_analysis_trial, only: trial_type
    use limber_analysis_truth, only: truth_type
    use limber_analysis_verification, only: least_tolerance, widening, unseen, no_matter
@@ -127,6 +128,7 @@ contains
       subroutine raise_beam(i)
          integer, intent(in) :: i
          integer :: k, from
+         logical :: may_lock
          reached%path = reached%path//newline//"   beam '"//deck%blocks(reached%advice%rungs(i)%block)%name()// &
             & "' as "//rung_name(reached%advice%rungs(i))
          if (reached%of_beam(i) < 1.0e3_wp) then
@@ -140,12 +142,13 @@ contains
             else if (rung%segments > 1 .and. one_frame_is_not_enough(i)) then
                rung = better_rung(rung, .true.)
             else
-               ! Errors fall with the third power of the modes at least
+               ! Errors fall with the third power of the modes at least, if nothing locks
                from = rung%bending
+               may_lock = rung%level == level_full .and. rung%derivatives < all_derivatives(rung%bending)
                do k = 1, 3
                   reached%before(i) = merge(reached%of_beam(i), 0.0_wp, rung%level == level_full)
                   rung = better_rung(rung, .false.)
-                  if (rung%level < level_full .or. .not. can_climb(rung) .or. rung%segments > 1) exit
+                  if (may_lock .or. rung%level < level_full .or. .not. can_climb(rung) .or. rung%segments > 1) exit
                   if ((real(from, wp)/rung%bending)**3*reached%of_beam(i) < share) exit
                end do
             end if

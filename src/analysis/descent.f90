@@ -6,8 +6,9 @@ module limber_analysis_descent
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: expected_error, cost_of
    use limber_analysis_reached, only: reached_type
-   use limber_analysis_rungs, only: rung_type, lower_rungs, bound_rung, better_rung, can_climb, rung_name, level_linear, &
-      & level_kg, level_full
+   use limber_analysis_rungs, only: rung_type, lower_rungs, bound_rung, better_rung, can_climb, rung_name, &
+      & enough_derivatives, level_linear, &
+      & level_kg, level_full, most_lower
    use limber_analysis_trial, only: trial_type, run_trial, take_trial
    use limber_analysis_truth, only: truth_type, error_against
    use limber_analysis_verification, only: sharpen, rest_after_looks
@@ -67,7 +68,7 @@ contains
       !> With RADAU
       type(deck_type) :: implicit_deck
       type(rung_type), allocatable :: rungs(:)
-      type(rung_type) :: lower(3)
+      type(rung_type) :: lower(most_lower)
       real(wp) :: budget, before
       !> Tolerance that has been too loose; part of the duration that the last setting reached before it was given up
       real(wp) :: too_loose, given_up
@@ -265,7 +266,9 @@ contains
             end do
             if (any(reached%advice%rungs%segments > 1)) exit
             do l = 1, size(rungs)
-               if (rungs(l)%level == level_full .and. can_climb(rungs(l))) rungs(l) = better_rung(rungs(l), .false.)
+               if (rungs(l)%level /= level_full .or. .not. can_climb(rungs(l))) cycle
+               rungs(l) = better_rung(rungs(l), .false.)
+               if (rungs(l)%open_modes) rungs(l)%derivatives = enough_derivatives(rungs(l)%bending)
             end do
             if (any(rungs%segments > 1)) exit
             if (m == 1) too_loose = huge(too_loose)

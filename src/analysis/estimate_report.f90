@@ -100,7 +100,9 @@ contains
       type(channel_type), intent(in) :: channels(:)
       type(memory_type), intent(in) :: samples
       character(:), allocatable :: text
-      real(wp) :: largest, worst
+      !> Ratio from which a channel is the small difference of large terms
+      real(wp), parameter :: terms = 10.0_wp
+      real(wp) :: largest, worst, scale
       integer :: i, first
       text = ''
       if (estimate%reason /= '') return
@@ -115,8 +117,11 @@ contains
          largest = maxval(abs(samples%values(i, :samples%samples)))
          worst = maxval(estimate%values(i, :))
          text = text//newline//'      '//left(channels(i)%name, first)//right(as_text(largest, 6))// &
-            & right(as_text(samples%values(i, samples%samples), 6))//right(as_text(worst, 2))// &
-            & right(as_text(worst/magnitude(samples%values(i, :samples%samples)), 2))
+            & right(as_text(samples%values(i, samples%samples), 6))//right(as_text(worst, 2))
+         scale = magnitude(samples%values(i, :samples%samples))
+         if (allocated(estimate%scale)) scale = max(scale, estimate%scale(i))
+         text = text//right(as_text(worst/scale, 2))
+         if (scale > terms*largest) text = text//'  of its terms'
          if (estimate%stuck(i)) text = text//'  does not shrink'
       end do
       if (.not. estimate%of_model) text = text//newline//'      '//excluded

@@ -59,8 +59,9 @@ contains
       associate (estimate => reached%estimate)
          n = size(truth%values, 2)
          if (n /= candidate%samples%samples) return
-         if (allocated(estimate%values)) deallocate (estimate%values, estimate%ratio, estimate%stuck)
+         if (allocated(estimate%values)) deallocate (estimate%values, estimate%ratio, estimate%stuck, estimate%scale)
          allocate (estimate%values(size(truth%scale), n), estimate%ratio(size(truth%scale)), estimate%stuck(size(truth%scale)))
+         allocate (estimate%scale, source=truth%scale)
          do i = 1, size(truth%scale)
             estimate%values(i, :) = envelope(candidate%samples%values(i, :n) - truth%values(i, :), reach) + truth%rest(i)
          end do
@@ -85,9 +86,14 @@ contains
             reached%reason = reached%reason//'the run one rung higher that is to verify it fails'
          end if
       end if
-      if (any(reached%advice%floor > 0.5_wp*target)) reached%reason = reached%reason//newline// &
-         & '   Slopes of '//as_text(maxval(reached%advice%probe%beams%slope), 2)//' are more than one floating frame describes'// &
-         & ' to that accuracy: leave SEGMENTS open, or divide the beam'
+      if (.not. any(reached%advice%floor > 0.5_wp*target)) return
+      reached%reason = reached%reason//newline//'   Slopes of '//as_text(maxval(reached%advice%probe%beams%slope), 2)// &
+         & ' are more than one floating frame describes to that accuracy: '
+      if (any(reached%advice%rungs%damped)) then
+         reached%reason = reached%reason//'damp the beam by RAYLEIGH BETA, which its segments keep, and not by its modes'
+      else
+         reached%reason = reached%reason//'leave SEGMENTS open, or divide the beam'
+      end if
    end subroutine say_why
 
 end module limber_analysis_reached

@@ -4,18 +4,20 @@
 module limber_analysis_rungs
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_deck_content, only: deck_type
+   use limber_deck_content, only: deck_type, line_type
    use limber_deck_keywords, only: keyword_options
    use limber_deck_schema, only: option_spec_type
    implicit none
    private
    public :: rung_type, find_rungs, bare_deck, apply_rung, next_rung, better_rung, can_climb, rung_name, has_option, functions_of
-   public :: free_options, enough_derivatives, in_pieces, lower_rungs, bound_rung, rest_beyond
+   public :: free_options, enough_derivatives, all_derivatives, in_pieces, lower_rungs, bound_rung, rest_beyond
 
    !> Levels of the ladder
    integer, parameter, public :: level_rigid = 0, level_linear = 1, level_kg = 2, level_full = 3
    !> Most bending modes, and most pieces of a beam and modes in each
    integer, parameter, public :: most_modes = 12, most_segments = 16, most_elements = 480, most_piece_modes = 6
+   !> Most rungs just below one
+   integer, parameter, public :: most_lower = 4
    !> Pieces that a beam is divided into first
    integer, parameter, public :: first_pieces = 2
    !> Words of the option GEOMETRIC for the levels
@@ -43,6 +45,8 @@ module limber_analysis_rungs
       logical :: shaped = .false.
       !> Whether its axial coordinates follow at rest
       logical :: at_rest = .false.
+      !> Whether it is damped by its modes, which pieces of it do not have
+      logical :: damped = .false.
       !> Whether the deck gives the number of elements; whether an end of the supports is free
       logical :: given_elements = .false., free_end = .false.
       !> Whether limber chooses the level, the modes, the number of pieces, whether axial coordinates follow at rest
@@ -77,7 +81,8 @@ contains
          rung%block = place
          rung%open_level = .not. block%given('GEOMETRIC')
          rung%open_modes = .not. (block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES'))
-         rung%open_segments = has_option('SEGMENTS') .and. .not. block%given('SEGMENTS')
+         rung%damped = damped_by_modes(deck, block%name())
+         rung%open_segments = has_option('SEGMENTS') .and. .not. (block%given('SEGMENTS') .or. rung%damped)
          rung%open_axial = .not. block%given('AXIAL DYNAMICS')
          do level = level_rigid, level_full
             if (level_words(level) == block%word('GEOMETRIC')) rung%level = level
@@ -93,6 +98,22 @@ contains
             & .not. (block%given('END SHAPES') .or. block%given('CORRECTIONS') .or. block%given('ATTACHMENT MODES'))
       end associate
    end function given_rung
+
+   !> Whether a beam is damped otherwise than in proportion to its stiffness, which means the same in one frame and in pieces.
+   pure logical function damped_by_modes(deck, name)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: name
+      integer :: i
+      damped_by_modes = .false.
+      i = deck%find('DAMPING')
+      do while (i > 0)
+         associate (block => deck%blocks(i))
+            if (block%name('BODY') == name) damped_by_modes = damped_by_modes .or. size(block%lines) > 0 .or. &
+               & block%real('RATIO') > 0.0_wp .or. block%real('RAYLEIGH ALPHA') > 0.0_wp
+         end associate
+         i = deck%find('DAMPING', i)
+      end do
+   end function damped_by_modes
 
    !> Whether a joint, spring or mass holds a beam anywhere but at its start.
    pure logical function holds_end(deck, name)
@@ -121,6 +142,31 @@ contains
       allocate (specs, source=keyword_options('BEAM'))
       has_option = any(specs%name == name)
    end function has_option
+
+   !> Leaves out the damping of modes that a rung does not have.
+   subroutine keep_damping(rung, deck)
+      type(rung_type), intent(in) :: rung
+      type(deck_type), intent(inout) :: deck
+      type(line_type), allocatable :: kept(:)
+      integer :: i, j, count
+      i = deck%find('DAMPING')
+      do while (i > 0)
+         associate (lines => deck%blocks(i)%lines)
+            if (deck%blocks(i)%name('BODY') == deck%blocks(rung%block)%name() .and. size(lines) > 0) then
+               allocate (kept(size(lines)))
+               count = 0
+               do j = 1, size(lines)
+                  if (rung%level == level_rigid .or. nint(lines(j)%number(1)) > rung%bending) cycle
+                  count = count + 1
+                  kept(count) = lines(j)
+               end do
+               deck%blocks(i)%lines = kept(:count)
+               deallocate (kept)
+            end if
+         end associate
+         i = deck%find('DAMPING', i)
+      end do
+   end subroutine keep_damping
 
    !> Takes back what the deck says of the fidelity of its beams and of the integration.
    pure subroutine free_options(deck)
@@ -169,6 +215,7 @@ contains
       type(deck_type), intent(inout) :: deck
       logical :: statics
       statics = rung%level >= level_kg
+      if (rung%open_modes .or. rung%open_level) call keep_damping(rung, deck)
       if (rung%open_level) call deck%set_option(rung%block, 'GEOMETRIC', trim(level_words(rung%level)), given=.true.)
       if (rung%level == level_rigid) return
       if (rung%segments > 1) then
@@ -223,7 +270,8 @@ contains
       case (level_linear); functions = merge(1, 0, rung%stretched)
       case (level_kg, level_full)
          functions = merge(merge(2, 1, rung%spun), 1, rung%pulled)
-         if (rung%level == level_full) functions = functions + min(rung%derivatives, rung%bending*(rung%bending + 1)/2)
+         if (rung%level == level_full) functions = min(geometric_elements, functions + &
+            & min(rung%derivatives, rung%bending*(rung%bending + 1)/2))
       end select
    end function functions_of
 
@@ -270,8 +318,8 @@ contains
       if (rung%open_level .and. rung%level < level_full) next%level = rung%level + 1
       if (rung%open_modes .and. rung%bending < most_modes) next%bending = min(most_modes, rung%bending &
          & + merge(1, 2, next%level == level_kg))
-      ! As many as the pairs of the first modes, so that what too few leave out shows
-      if (next%open_modes .and. next%level == level_full) next%derivatives = max(3, min(10, rung%derivatives + 3))
+      ! So that it shows if too few lock
+      if (next%open_modes .and. next%level == level_full) next%derivatives = all_derivatives(next%bending)
       next%spun = next%bending > 1
       if (.not. next%given_elements) next%elements = min(most_elements, 2*rung%elements)
    end function next_rung
@@ -328,7 +376,7 @@ contains
    subroutine lower_rungs(rung, lower, count)
       type(rung_type), intent(in) :: rung
       !> The first `count` of them
-      type(rung_type), intent(out) :: lower(3)
+      type(rung_type), intent(out) :: lower(most_lower)
       integer, intent(out) :: count
       type(rung_type) :: less
       count = 0
@@ -348,9 +396,20 @@ contains
          if (rung%open_segments .and. rung%open_modes .and. rung%segments == first_pieces) call add()
          return
       end if
-      less = rung
-      less%bending = rung%bending - merge(2, 1, rung%bending > 5)
-      if (rung%open_modes .and. rung%bending > 1 .and. rung%level > level_rigid) call add()
+      if (rung%level == level_full .and. rung%open_modes .and. rung%derivatives > enough_derivatives(rung%bending)) then
+         less = rung
+         less%derivatives = enough_derivatives(rung%bending)
+         call add()
+      end if
+      if (rung%open_modes .and. rung%bending > 1 .and. rung%level > level_rigid) then
+         less = rung
+         less%bending = rung%bending - merge(2, 1, rung%bending > 5)
+         less%spun = less%bending > 1
+         less%derivatives = min(less%derivatives, enough_derivatives(less%bending))
+         call add()
+         less%derivatives = min(rung%derivatives, all_derivatives(less%bending))
+         if (rung%level == level_full .and. less%derivatives > enough_derivatives(less%bending)) call add()
+      end if
       less = rung
       less%level = rung%level - 1
       if (rung%open_level .and. rung%level > level_linear) call add()
@@ -358,10 +417,6 @@ contains
    contains
 
       subroutine add()
-         if (less%open_modes .and. less%segments == 1) then
-            less%spun = less%bending > 1
-            if (less%level == level_full) less%derivatives = enough_derivatives(less%bending)
-         end if
          count = count + 1
          lower(count) = less
       end subroutine add
@@ -391,10 +446,17 @@ contains
       if (better%level > rung%level .and. rung%level > level_rigid) better%bending = rung%bending
       if (rung%level == level_full .and. rung%bending < 3) better%bending = rung%bending + 1
       better%spun = better%bending > 1
-      if (better%level == level_full) better%derivatives = enough_derivatives(better%bending)
+      if (better%level == level_full .and. rung%level < level_full) better%derivatives = enough_derivatives(better%bending)
    end function better_rung
 
-   !> Modal derivatives that so many bending modes are worth.
+   !> Modal derivatives of all pairs of so many bending modes, which never lock; more than there are geometric elements depend on
+   !> each other.
+   pure integer function all_derivatives(bending) result(derivatives)
+      integer, intent(in) :: bending
+      derivatives = min(bending*(bending + 1)/2, geometric_elements)
+   end function all_derivatives
+
+   !> Modal derivatives that so many bending modes are worth as a rule: those of the pairs of the first, as the others bend less.
    pure integer function enough_derivatives(bending) result(derivatives)
       integer, intent(in) :: bending
       integer, parameter :: numbers(*) = [1, 3, 3, 6, 6, 6, 6, 10]

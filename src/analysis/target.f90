@@ -9,7 +9,7 @@ module limber_analysis_target
    use limber_analysis_reached, only: reached_type, record_errors, say_why
    use limber_analysis_trial, only: trial_type, run_trial, take_samples, take_outcome
    use limber_analysis_truth, only: truth_type, error_against
-   use limber_analysis_verification, only: verify, no_matter
+   use limber_analysis_verification, only: verify, matters
    use limber_deck_content, only: deck_type
    implicit none
    private
@@ -122,7 +122,7 @@ contains
       does_for = truth%tolerance <= advice%tolerance .and. all(truth%rest <= sure*target*truth%scale)
       do i = 1, size(advice%rungs)
          associate (high => truth%rungs(i), low => advice%rungs(i))
-            if (high%segments > low%segments .or. advice%expected(i) < no_matter*target) cycle
+            if (high%segments > low%segments .or. .not. matters(advice, i, target)) cycle
             if (high%segments < low%segments .or. high%level < low%level .or. high%bending <= low%bending) does_for = .false.
          end associate
       end do

@@ -5,31 +5,32 @@ module limber_analysis_verification
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_advice, only: floor_of, cost_of
+   use limber_analysis_advice, only: advice_type, floor_of, cost_of
    use limber_analysis_reached, only: reached_type
-   use limber_analysis_rungs, only: rung_type, next_rung, in_pieces, can_climb, rung_name, rest_beyond, level_full, first_pieces, &
-      & most_piece_modes, most_elements
+   use limber_analysis_rungs, only: rung_type, next_rung, in_pieces, can_climb, rung_name, rest_beyond, level_rigid, level_full, &
+      & first_pieces, most_piece_modes, most_elements
    use limber_analysis_trial, only: trial_type, run_trial
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: verify, sharpen, rest_after_looks
+   public :: verify, sharpen, rest_after_looks, matters
 
    !> Least tolerance
    real(wp), parameter, public :: least_tolerance = 1.0e-13_wp
    !> What differences are multiplied by where a beam or the integration is judged
    real(wp), parameter, public :: widening = 1.25_wp
-   !> Part of the target that a floor of one frame may have where runs in one frame verify each other; below which a beam does not
-   !> matter
+   !> Part of the target that a floor of one frame may have where runs in one frame verify each other; below which the expected error
+   !> of a beam does not matter, and below which all that its deflection does to the channels
    real(wp), parameter, public :: unseen = 0.25_wp, no_matter = 0.02_wp
+   real(wp), parameter :: no_effect = 0.2_wp
    !> Ratio of the tolerances of a run and its check
    real(wp), parameter :: ladder = 0.1_wp
    !> Error of the check of the integration, as a part of the difference, and the power of the tolerance that errors of the
    !> integration are taken to fall with
    real(wp), parameter :: rest_of_time = 0.25_wp, falling = 0.6_wp
    !> Part of the work so far that a second look may cost
-   real(wp), parameter :: part_of_search = 0.5_wp
+   real(wp), parameter :: part_of_search = 0.6_wp
    !> Part of the target that the truth of a scene with beams is taken to err at least, for how much it errs is an estimate; when it
    !> has been looked at a second time, in its integration or in its models, and in both
    real(wp), parameter :: doubt(0:2) = [0.1_wp, 0.07_wp, 0.05_wp]
@@ -87,7 +88,7 @@ contains
          ! Elements cost nothing in the time loop: those of all beams are twice as many in the truth
          where (.not. truth%rungs%given_elements) truth%rungs%elements = min(most_elements, 2*truth%rungs%elements)
          do i = 1, size(advice%rungs)
-            if (.not. can_climb(advice%rungs(i)) .or. advice%expected(i) < no_matter*target) cycle
+            if (.not. (can_climb(advice%rungs(i)) .and. matters(advice, i, target))) cycle
             rung = truth%rungs(i)
             truth%rungs(i) = check_rung(i)
             if (on .and. truth%rungs(i)%segments > rung%segments .and. rung%segments == 1) then
@@ -195,7 +196,7 @@ contains
 
    !> Looks at the truth a second time, eq. (182a): at its integration, for the error of that shows in the run that it has verified as
    !> well, which is cheap; when that has been looked at, at its models, for which all beams that matter go up once more. Neither may
-   !> cost more than half of what the search has cost so far.
+   !> cost more than 0.6 of what the search has cost so far.
    subroutine sharpen(deck, target, quiet, reached, truth, sharper, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
@@ -248,7 +249,7 @@ contains
          rungs = truth%rungs
          part = 0.0_wp
          do i = 1, size(rungs)
-            if (.not. can_climb(rungs(i)) .or. reached%advice%expected(i) < no_matter*target) cycle
+            if (.not. (can_climb(rungs(i)) .and. matters(reached%advice, i, target))) cycle
             rungs(i) = next_rung(truth%rungs(i))
             rungs(i)%elements = truth%rungs(i)%elements
             part = max(part, rest_beyond(truth%rungs(i), rungs(i)))
@@ -299,6 +300,16 @@ contains
       reached%cpu = reached%cpu + check%outcome%cpu
       reached%work = reached%work + check%work
    end subroutine run_check
+
+   !> Whether a beam is to be verified: if an error is expected, or if it bends so much that the expectation may be wrong.
+   pure logical function matters(advice, i, target)
+      type(advice_type), intent(in) :: advice
+      integer, intent(in) :: i
+      real(wp), intent(in) :: target
+      matters = advice%expected(i) >= no_matter*target
+      if (advice%rungs(i)%level > level_rigid) &
+         & matters = matters .or. advice%probe%beams(i)%effect + advice%probe%beams(i)%stretch > no_effect*target
+   end function matters
 
    !> The deck of the checks of the beams: with axial vibrations the steps of ADAMS would be bound to them.
    function higher_deck(deck, reached) result(higher)

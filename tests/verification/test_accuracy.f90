@@ -28,6 +28,7 @@ program test_accuracy
    call test_arm('1e-3')
    call test_four_bar()
    call test_second_look()
+   call test_damped()
    call test_written()
    call test_refusal()
    call test_misled()
@@ -168,6 +169,23 @@ contains
       call reader%close()
       call refined%close()
    end subroutine test_second_look
+
+   !> Damping by modes means nothing in pieces, and of modes that a rung does not have it is left out. Truth: the load is applied so
+   !> slowly, and the beams are damped so much, that they do not swing: q L^4/(8 EI) at the end, and never more.
+   subroutine test_damped()
+      type(history_reader_type) :: reader
+      real(wp), parameter :: still = 0.5_wp*2.0_wp**4/(8*2.0e11_wp*0.04_wp*0.004_wp**3/12)
+      character(5), parameter :: names(2) = ['alike', 'each ']
+      real(wp), allocatable :: w(:)
+      integer :: i
+      call run_changed('accuracy/damped.inp', trim(results), ['*ACCURACY, TARGET=1e-2'], ['*ACCURACY, TARGET=5e-3'], reader)
+      do i = 1, 2
+         w = channel(reader, trim(names(i)))
+         call check(abs(w(size(w)) + still) <= 5.0e-3_wp*still, trim(names(i))//': under the load: '//as_text(w(size(w))))
+         call check(maxval(abs(w)) <= 1.005_wp*still, trim(names(i))//': it does not swing: '//as_text(maxval(abs(w))))
+      end do
+      call reader%close()
+   end subroutine test_damped
 
    !> A deck that an advice has written runs without one, with the same integrator and fidelity.
    subroutine test_written()

@@ -7,6 +7,8 @@
 limber=$1
 input=$2
 work=$3
+# Left by a run that was killed
+umount "$work/disk" 2> /dev/null
 rm -rf "$work"
 mkdir -p "$work/disk" || exit 1
 cd "$work" || exit 1

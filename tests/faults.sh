@@ -1,12 +1,13 @@
 #!/bin/sh
 # What may go wrong with the place where results go: a full disk, one without room for a copy, a folder that is read-only, one that
 # vanishes. Each has a message and a status, nothing that was written is lost, and nothing is overwritten.
-#   tests/faults.sh LIMBER INPUT WORK
+#   tests/faults.sh LIMBER INPUT WORK [TURNS]
 # Needs the right to mount small file systems in memory; without it a limit on the size of files stands for the full disk, what cannot be
-# tried is named, and the status is 77.
+# tried is named, and the status is 77. TURNS (20) of the slider-crank are run: some tenths of a second.
 limber=$1
 input=$2
 work=$3
+turns=${4:-20}
 # Left by a run that was killed
 umount "$work/disk" 2> /dev/null
 rm -rf "$work"
@@ -48,9 +49,9 @@ begins() {
   fi
 }
 
-sed 's/TOLERANCE=1e-8, OUTPUTS=838/TOLERANCE=1e-5, OUTPUTS=20000/; s/turns = 2/turns = 20/' "$input/slider_crank_full.inp" > deck.inp
+sed "s/TOLERANCE=1e-8, OUTPUTS=838/TOLERANCE=1e-5, OUTPUTS=20000/; s/turns = 2/turns = $turns/" "$input/slider_crank_full.inp" > deck.inp
 expect 0 "20001 samples" "$limber" run deck.inp -o whole.h5
-sed 's/turns = 20/turns = 2000/; s/OUTPUTS=20000/OUTPUTS=200000/' deck.inp > long.inp
+sed "s/turns = $turns/turns = ${turns}00/; s/OUTPUTS=20000/OUTPUTS=200000/" deck.inp > long.inp
 "$limber" export whole.h5 > whole.txt
 size=$(wc -c < whole.h5)
 

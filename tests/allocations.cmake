@@ -1,7 +1,7 @@
 # No allocation in the time loop: the number of heap allocations of a whole run, counted by valgrind, must not grow with the
 # number of steps. A few belong to the text of the closing report, whose numbers have other digits, and to searches for new
-# pivots; one in twenty steps would be told. No memory error either. Runs the deck with two tolerances: cmake -DLIMBER= -DDECK= -DWORK= -DVALGRIND=
-# -DINTEGRATOR= -DTIGHT= -P allocations.cmake
+# pivots; one in twenty steps would be told. No memory error either. Runs so many turns of the deck with two tolerances:
+# cmake -DLIMBER= -DDECK= -DWORK= -DVALGRIND= -DINTEGRATOR= -DTIGHT= -DTURNS= -P allocations.cmake
 file(READ ${DECK} deck)
 get_filename_component(name ${DECK} NAME_WE)
 set(run ${WORK}/allocations_${name}_${INTEGRATOR})
@@ -12,7 +12,7 @@ foreach(tolerance IN LISTS tolerances)
   # Samples are written after some seconds too: on a busy machine more often, and HDF5 allocates
   string(REGEX REPLACE "OUTPUTS=[0-9]*" "OUTPUTS=1" text "${text}")
   file(WRITE ${run}.inp "${text}")
-  execute_process(COMMAND ${VALGRIND} ${LIMBER} run ${run}.inp -o ${run}.h5 --force
+  execute_process(COMMAND ${VALGRIND} ${LIMBER} run ${run}.inp --set turns=${TURNS} -o ${run}.h5 --force
     OUTPUT_VARIABLE report ERROR_VARIABLE counts RESULT_VARIABLE status)
   if(NOT status EQUAL 0 OR NOT counts MATCHES "total heap usage: ([0-9,]+) allocs")
     message(FATAL_ERROR "valgrind or the run failed (${status}): ${counts}")

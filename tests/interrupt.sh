@@ -2,10 +2,12 @@
 # Decks with several analyses, and searches for a TARGET, that are ended by signals or killed at moments all over their time: the former
 # go on to the bits and the report of a run that was left alone; the latter leave with status 4, say what they have found, and leave
 # nothing that passes for a result.
-#   tests/interrupt.sh LIMBER INPUT WORK
+#   tests/interrupt.sh LIMBER INPUT WORK ["MOMENTS"]
+# MOMENTS are parts of the time of a whole run: "0.1 0.3 0.5 0.7 0.9" unless told
 limber=$1
 input=$2
 work=$3
+moments=${4:-0.1 0.3 0.5 0.7 0.9}
 rm -rf "$work"
 mkdir -p "$work" || exit 1
 cd "$work" || exit 1
@@ -53,7 +55,7 @@ interrupted=0
 for deck in several statics; do
   measure
   signal=TERM
-  for part in 0.1 0.3 0.5 0.7 0.9; do
+  for part in $moments; do
     rm -f run.*
     start --checkpoint 0.01
     if [ $status -eq 4 ]; then

@@ -33,7 +33,8 @@ deck spin_up "s/MODAL DERIVATIVES=1/&, AXIAL DYNAMICS=STATIC/; s/TOLERANCE=1e-8/
 deck flexible_four_bar 's/rise = 0.4/rise = 0.02/; s/TOLERANCE=1e-6/&\
 *ACCURACY, ESTIMATE=YES/; s/TOLERANCE=1e-6/TOLERANCE=1e-5/'
 
-# Whole runs, and the seconds that they take
+# Whole runs, and the seconds that they take; no more decks than runs
+[ $count -le $runs ] || count=$runs
 : > seconds
 k=1
 while [ $k -le $count ]; do

@@ -1,8 +1,10 @@
 # The same deck gives the same bits: run again, with any number of threads of the libraries, on another day.
-# cmake -DLIMBER=... -DINPUT=... -DWORK=... -P repetition.cmake
+# cmake -DLIMBER=... -DINPUT=... -DWORK=... -DTHREADS="1 2 8" -P repetition.cmake
 cmake_policy(SET CMP0007 NEW)
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
+
+string(REPLACE " " ";" numbers "${THREADS}")
 
 # name|text in the deck|what stands for it|...
 set(decks "slider_crank_full|turns = 2|turns = 0.5" "andrews_squeezer|TOLERANCE=1e-8|TOLERANCE=1e-8"
@@ -30,7 +32,7 @@ foreach(entry ${decks})
   endif()
   string(REPLACE "${old}" "${new}" deck "${deck}")
   file(WRITE ${WORK}/${name}.inp "${deck}")
-  foreach(threads 1 2 8)
+  foreach(threads ${numbers})
     limber(run ${name}.inp --quiet -o ${name}.${threads}.h5)
     limber(diff ${name}.${threads}.h5 ${name}.1.h5 --rtol 0 --range 0)
   endforeach()

@@ -1,4 +1,4 @@
-# A run that is ended by a signal, or killed, and goes on: cmake -DLIMBER=... -DINPUT=... -DWORK=... -P restart.cmake
+# A run that is ended by a signal, or killed, and goes on: cmake -DLIMBER=... -DINPUT=... -DWORK=... -DTURNS=4 -P restart.cmake
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 set(DECK ${INPUT}/slider_crank_full.inp)
@@ -17,18 +17,18 @@ endfunction()
 
 # Waits for the first checkpoint of a run, if that does not end before
 set(later "p=$!; while test ! -e FILE.checkpoint.h5 && kill -0 $p; do sleep 0.02; done; sleep 0.05")
-set(run "${LIMBER} run ${DECK} --set turns=4 --quiet")
+set(run "${LIMBER} run ${DECK} --set turns=${TURNS} --quiet")
 expect(0 "" "${run} -o whole.h5")
 foreach(signal TERM INT USR1)
   string(REPLACE FILE ${signal} wait "${later}")
   expect(4 "interrupted by SIG${signal}" "${run} -o ${signal}.h5 --checkpoint 0.02 & ${wait}; kill -${signal} $p; wait $p")
   expect(2 "samples of a run that did not finish; give --restart to continue it, --force to overwrite it" "${run} -o ${signal}.h5")
   expect(2 "another deck" "${run} -o ${signal}.h5 --set crank=0.14 --restart")
-  expect(0 "continued at t = " "cp ${signal}.checkpoint.h5 kept; ${LIMBER} run ${DECK} --set turns=4 -o ${signal}.h5 --restart")
+  expect(0 "continued at t = " "cp ${signal}.checkpoint.h5 kept; ${LIMBER} run ${DECK} --set turns=${TURNS} -o ${signal}.h5 --restart")
   expect(0 "the same" "${LIMBER} diff ${signal}.h5 whole.h5 --rtol 0 --range 0")
   expect(0 "" "test ! -e ${signal}.checkpoint.h5 && test ! -e ${signal}.h5.running")
   # Killed between its end and the removal of its checkpoint
-  expect(0 "nothing left to do" "mv kept ${signal}.checkpoint.h5; ${LIMBER} run ${DECK} --set turns=4 -o ${signal}.h5 --restart")
+  expect(0 "nothing left to do" "mv kept ${signal}.checkpoint.h5; ${LIMBER} run ${DECK} --set turns=${TURNS} -o ${signal}.h5 --restart")
   expect(0 "" "test ! -e ${signal}.checkpoint.h5")
 endforeach()
 
@@ -41,9 +41,9 @@ expect(0 "the same" "${LIMBER} diff killed.h5 whole.h5 --rtol 0 --range 0")
 
 # While a run goes on its results can be read, and no other run takes its place
 string(REPLACE FILE on wait "${later}")
-expect(2 "the run goes on still: .*on.h5.running: another program has it open" "${run} --set turns=40 -o on.h5 --checkpoint 0.02 & ${wait}; \
+expect(2 "the run goes on still: .*on.h5.running: another program has it open" "${run} --set turns=${TURNS}0 -o on.h5 --checkpoint 0.02 & ${wait}; \
   ${LIMBER} export on.h5 > /dev/null || exit 9; ${run} -o on.h5 --restart; s=$?; kill -9 $p; exit $s")
-expect(2 "cannot overwrite on.h5.running: another program" "rm on.h5.running; ${run} --set turns=40 -o on.h5 --force & p=$!; \
+expect(2 "cannot overwrite on.h5.running: another program" "rm on.h5.running; ${run} --set turns=${TURNS}0 -o on.h5 --force & p=$!; \
   while test ! -e on.h5.running; do sleep 0.05; done; sleep 0.1; ${run} -o on.h5 --force; s=$?; kill -9 $p; exit $s")
 
 # Things that are not what they should be; nothing is changed

@@ -71,6 +71,26 @@ expect("9 rows: 9 ok")
 limber(0 sweep slow.inp --jobs 1 --set diameter=6e-3 --set speed=20:100:9 -o again.h5)
 limber(0 diff slow.sweep.h5 again.h5 --rtol 0 --range 0)
 
+# A process that is killed in the middle of a row: the row says so, the others are run, and the next sweep has it right
+if(EXISTS /proc/thread-self/children)
+  execute_process(COMMAND sh -c "\
+    ${LIMBER} sweep slow.inp --jobs 1 --set diameter=6e-3 --set speed=20:100:9 -o crashed.h5 & p=$!; \
+    while kill -0 $p 2> /dev/null; do \
+      c=$(cat /proc/$p/task/$p/children) && test -n \"$c\" && kill -STOP $c || continue; \
+      tail -q -n 1 crashed.rows/* 2> /dev/null | grep -q begun && kill -9 $c && break; \
+      kill -CONT $c; \
+    done; \
+    wait $p" WORKING_DIRECTORY ${WORK} RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  if(NOT status EQUAL 3)
+    message(FATAL_ERROR "a sweep of which a process is killed: status ${status}\n${text}")
+  endif()
+  expect("9 rows: 8 ok, 1 crashed")
+  expect("crashed: the process has ended with signal 9")
+  limber(0 sweep slow.inp --jobs 2 --set diameter=6e-3 --set speed=20:100:9 -o crashed.h5)
+  expect("8 rows were done already")
+  limber(0 diff crashed.h5 again.h5 --rtol 0 --range 0)
+endif()
+
 # Histories are kept when they are asked for, and are those of single runs
 limber(0 sweep deck.inp --set diameter=8e-3 --set speed=57.5 --keep -o kept.h5)
 file(GLOB histories ${WORK}/kept.rows/*.h5)

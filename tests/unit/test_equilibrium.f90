@@ -16,7 +16,8 @@ program test_equilibrium
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent_products, only: times_stiffness
-   use limber_system_vibrations, only: quadratic_modes, symmetric_modes
+   use limber_system_vibrations, only: find_large_vibrations, find_vibrations, no_damping, quadratic_modes, symmetric_modes, &
+      & vibrations_type
    use scenes, only: add_beam, add_driver, constant_law, derivative, empty_model, join, random, slider_crank
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -28,6 +29,8 @@ program test_equilibrium
    call test_held()
    call test_eigenvalues()
    call test_large()
+   call test_large_vibrations(.true.)
+   call test_large_vibrations(.false.)
    call finish()
 
 contains
@@ -195,24 +198,71 @@ contains
       call check_close(abs(value(1)), 0.0_wp, 1.0e-6_wp, 'of no frequency')
    end subroutine test_eigenvalues
 
-   !> The way of large scenes, on a cantilever: its own frequencies, and the same lowest stiffness as from dense matrices.
-   subroutine test_large()
+   !> A beam with many modes, clamped or hinged at its start.
+   function cantilever(clamped) result(model)
+      logical, intent(in) :: clamped
       type(model_type) :: model
-      type(system_type) :: system
-      type(workspace_type) :: work
-      type(equilibrium_type) :: balance
       type(error_type), allocatable :: error
-      real(wp), allocatable :: q(:), v(:), lambda(:), motion(:, :), softest(:)
-      real(wp) :: value(4), lowest, largest
-      integer :: beam, i
-      logical :: done
+      integer :: beam
       model = empty_model(2.0_wp)
       beam = add_beam(model, 'beam', beam_type(ea=1.0e4_wp, ei=3.0_wp, rho_a=0.7_wp, length=2.0_wp, elements=30), &
          & reduction_type(support=new_support('CLAMPED-FREE'), bending=25, axial=2, fidelity=fidelity_kg), [0.0_wp, 0.0_wp], &
          & 0.0_wp, error)
       call check_no_error(error, 'cantilever')
       call join(model, 'wall', joint_revolute, beam, [0.0_wp, 0.0_wp], ground, [0.0_wp, 0.0_wp])
-      call add_driver(model, 'clamp', beam, constant_law(0.0_wp))
+      if (clamped) call add_driver(model, 'clamp', beam, constant_law(0.0_wp))
+   end function cantilever
+
+   !> The modes of large scenes are those of small ones: of a cantilever, and of a beam that is free to turn.
+   subroutine test_large_vibrations(clamped)
+      logical, intent(in) :: clamped
+      integer, parameter :: wanted = 5
+      type(system_type) :: system
+      type(workspace_type) :: work
+      type(equilibrium_type) :: balance
+      type(vibrations_type) :: large, small
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: q(:), v(:), lambda(:)
+      real(wp) :: scale
+      integer :: j
+      system = new_system(cantilever(clamped))
+      call new_workspace(system, work)
+      call new_equilibrium(system, balance)
+      allocate (q(system%layout%nq), v(system%layout%nq), lambda(system%nc))
+      call first_guess(system, t, q, v)
+      lambda = 0.0_wp
+      call linearise_balance(system, work, balance, t, q, lambda)
+      call find_freedom(system, work, .false., balance%freedom)
+      call find_vibrations(system, balance%tangent, balance%freedom, no_damping, wanted, small, error)
+      call check_no_error(error, 'modes of a small scene')
+      call find_large_vibrations(system, balance%tangent, wanted, large, error)
+      call check_no_error(error, 'modes of a large scene')
+      call check(size(large%frequency) == wanted .and. size(small%frequency) == wanted, 'as many modes as were wanted')
+      scale = small%frequency(2)
+      if (.not. clamped) call check_close(small%frequency(1), 0.0_wp, 1.0e-6_wp*scale, 'it turns freely')
+      do j = 1, wanted
+         ! Round-off of the square, of what moves freely too
+         call check_close(large%frequency(j), small%frequency(j), 1.0e-5_wp*scale, 'frequency of a large scene')
+         if (clamped .or. j > 1) call check_close(large%frequency(j)/small%frequency(j), 1.0_wp, 1.0e-9_wp, &
+            & 'frequency of a large scene')
+         call check_close(large%growth(j), 0.0_wp, 1.0e-5_wp*scale, 'nothing grows')
+         call check_close(maxval(abs(large%shape(:, j) - small%shape(:, j)))/maxval(abs(small%shape(:, j))), 0.0_wp, 1.0e-6_wp, &
+            & 'shape of a large scene')
+      end do
+   end subroutine test_large_vibrations
+
+   !> The way of large scenes, on a cantilever: its own frequencies, and the same lowest stiffness as from dense matrices.
+   subroutine test_large()
+      type(model_type) :: model
+      type(system_type) :: system
+      type(workspace_type) :: work
+      type(equilibrium_type) :: balance
+      real(wp), allocatable :: q(:), v(:), lambda(:), motion(:, :), softest(:)
+      real(wp) :: value(4), lowest, largest
+      integer, parameter :: beam = 1
+      integer :: i
+      logical :: done
+      model = cantilever(.true.)
       system = new_system(model)
       call new_workspace(system, work)
       call new_equilibrium(system, balance)

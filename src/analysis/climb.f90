@@ -152,6 +152,9 @@ contains
                   if ((real(from, wp)/rung%bending)**3*reached%of_beam(i) < share) exit
                end do
             end if
+            ! Elements cost nothing in the time loop, and part of the error may be that of the lumped masses
+            if (.not. rung%given_elements .and. truth%rungs(i)%segments == 1) &
+               & rung%elements = max(rung%elements, truth%rungs(i)%elements)
          end associate
          call arrive(reached, i)
          climbed = .true.

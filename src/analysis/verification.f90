@@ -225,12 +225,12 @@ contains
          channels = size(truth%scale)
          n = size(truth%finest, 2)
          if (.not. allocated(truth%coarse)) then
-            call run_check(deck, truth%verified, truth%verified_tolerance, part, huge(1.0_wp), .false., quiet, &
+            call run_check(deck, truth%verified, truth%verified_tolerance, part, 2*reached%cpu, .false., quiet, &
                & 'second look at the integration', reached, check, error)
             if (allocated(error) .or. check%reason /= '') return
             allocate (truth%coarse, source=check%samples%values(:channels, :n))
          end if
-         call run_check(deck, truth%verified, truth%verified_tolerance, ladder*part, huge(1.0_wp), .false., quiet, &
+         call run_check(deck, truth%verified, truth%verified_tolerance, ladder*part, 2*reached%cpu, .false., quiet, &
             & 'second look at the integration', reached, check, error)
          if (allocated(error) .or. check%reason /= '') return
          truth%values = truth%finest + (check%samples%values(:channels, :n) - truth%coarse)
@@ -257,7 +257,7 @@ contains
          if (part <= 0.0_wp) return
          if (truth%work*sum(cost_of(rungs))/sum(cost_of(truth%rungs)) > part_of_search*reached%work) return
          call run_check(higher_deck(deck, reached), rungs, truth%verified_tolerance, truth%tolerance/truth%verified_tolerance, &
-            & huge(1.0_wp), .false., quiet, 'second look at the models', reached, check, error)
+            & 2*reached%cpu, .false., quiet, 'second look at the models', reached, check, error)
          if (allocated(error) .or. check%reason /= '') return
          channels = size(truth%scale)
          n = size(truth%finest, 2)
@@ -294,7 +294,7 @@ contains
       type(reached_type), intent(inout) :: reached
       type(trial_type), intent(inout) :: check
       type(error_type), allocatable, intent(out) :: error
-      call run_trial(deck, rungs, max(least_tolerance, part*tolerance), part, 2 + min(limit, 1.0e9_wp), wide, quiet, label, check, &
+      call run_trial(deck, rungs, max(least_tolerance, part*tolerance), part, 2 + limit, wide, quiet, label, check, &
          & error)
       reached%runs = reached%runs + 1
       reached%cpu = reached%cpu + check%outcome%cpu

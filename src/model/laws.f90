@@ -16,7 +16,11 @@ contains
       real(wp), intent(in) :: t
       type(jet_type) :: jet
       if (driver%level == 0) then
-         jet = driver%law%evaluate_jet(t)
+         if (driver%law%is_constant()) then
+            jet = jet_type(driver%law%constant_value(), 0.0_wp, 0.0_wp)
+         else
+            jet = driver%law%evaluate_jet(t)
+         end if
          return
       end if
       jet = integral_value(driver%integral, driver%law, driver%level, t)

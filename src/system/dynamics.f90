@@ -25,8 +25,9 @@ contains
    subroutine linearise(system, work, t, q, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      !> Time; coordinates (nq)
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(in) :: q(:)
       !> The matrix is singular
       type(error_type), allocatable, intent(out) :: error
       call place_frames(system%model, system%layout, t, q, work%kinematics)
@@ -37,7 +38,8 @@ contains
    subroutine linearise_placed(system, work, t, q, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:)
       type(error_type), allocatable, intent(out) :: error
       logical :: singular
       if (system%condensed) call update_folds(system, work, q)
@@ -52,7 +54,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       !> Second derivatives of q (nq)
       real(wp), contiguous, intent(out) :: a(:)
       integer :: i, first
@@ -134,7 +136,7 @@ contains
    subroutine sum_forces(system, work, q, v)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       integer :: i, first, last, side
       logical :: heavy
       heavy = any(abs(system%model%gravity) > 0.0_wp)
@@ -251,8 +253,8 @@ contains
    real(wp) function velocity_residual(system, work, v) result(largest)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: v(:)
-      integer :: i, side, body, row, k, at, first
+      real(wp), contiguous, intent(in) :: v(:)
+      integer :: i, side, body, row, k, at, first, n
       real(wp) :: rates(3), speed
       largest = 0.0_wp
       do i = 1, size(system%constraints)
@@ -263,13 +265,15 @@ contains
                body = item%bodies(side)
                if (body == ground) cycle
                first = system%layout%q(body)
+               ! No deflection moves the origin that a frame hangs at
+               n = merge(0, system%layout%n(body), system%tree%joint(body) == i)
                rates = 0.0_wp
                rates(1:2) = v(first:first + 1)
                if (system%layout%framed(body)) rates(3) = dot_product(turn(work%kinematics%frames(body)%u), v(first + 2:first + 3))
                associate (jacobian => work%jacobians(side, i))
                   do row = 1, item%rows
                      speed = jacobian%z(row, 1)*rates(1) + jacobian%z(row, 2)*rates(2) + jacobian%z(row, 3)*rates(3)
-                     do k = 1, system%layout%n(body)
+                     do k = 1, n
                         speed = speed + jacobian%eta(row, k)*v(first + 3 + k)
                      end do
                      work%gamma(at + row) = work%gamma(at + row) - speed
@@ -287,7 +291,7 @@ contains
    real(wp) function input_power(system, work, q, v) result(power)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       integer :: i, first, last
       real(wp) :: taken
       power = 0.0_wp
@@ -326,7 +330,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       real(wp), intent(out) :: kinetic, potential
       integer :: i, first, last
       real(wp) :: u(2), omega, elastic

@@ -6,7 +6,7 @@ module limber_system_kinematics
    use limber_base_snapshot, only: snapshot_type
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: model_type, point_type, body_point, ground
+   use limber_model_scene, only: model_type, point_type, body_point, driver_angle, ground
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
@@ -56,7 +56,7 @@ module limber_system_kinematics
       real(wp) :: bias(2) = 0.0_wp
       !> Undeformed place in the body frame, that of the point
       real(wp) :: p0(2) = 0.0_wp
-      !> A(phi_k) u (2,n)
+      !> A(phi_k) u (2,n); no columns where no deflection moves it
       real(wp), allocatable :: shape(:, :)
    end type marker_type
 
@@ -80,7 +80,7 @@ module limber_system_kinematics
       real(wp) :: size = 1.0_wp
    end type bend_type
 
-   !> What a driver prescribes at a time: the value and its two derivatives; of an angle also its unit vector
+   !> What a driver prescribes at a time: the value and its two derivatives; of a frame's angle also its unit vector
    type :: drive_type
       real(wp) :: heading(2) = 0.0_wp, value = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
       !> Behind those of the drivers: the joint whose law it is
@@ -147,8 +147,9 @@ contains
          kinematics%markers(m)%p0 = model%points(points(m))%p0
          kinematics%markers(m)%direction = model%points(points(m))%direction
          kinematics%markers(m)%carrier = merge(ground, kinematics%markers(m)%body, kinematics%markers(m)%direction)
-         allocate (kinematics%markers(m)%shape(2, size(model%points(points(m))%psi)))
-         kinematics%markers(m)%shape = 0.0_wp
+         associate (point => model%points(points(m)))
+            allocate (kinematics%markers(m)%shape(2, merge(size(point%psi), 0, any(abs(point%phi) > 0.0_wp))), source=0.0_wp)
+         end associate
          if (kinematics%markers(m)%body == ground) kinematics%markers(m)%position = model%points(points(m))%p0
       end do
       allocate (kinematics%directions(count(kinematics%markers%direction .and. kinematics%markers%body /= ground)))
@@ -181,7 +182,7 @@ contains
       kinematics%time = t
       do i = 1, size(model%drivers)
          theta = driven_motion(model%drivers(i), t)
-         kinematics%drives(i)%heading = [cos(theta%value), sin(theta%value)]
+         if (model%drivers(i)%kind == driver_angle) kinematics%drives(i)%heading = [cos(theta%value), sin(theta%value)]
          kinematics%drives(i)%value = theta%value
          kinematics%drives(i)%rate = theta%first
          kinematics%drives(i)%acceleration = theta%second
@@ -198,8 +199,9 @@ contains
    pure subroutine place_frames(model, layout, t, q, kinematics)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
-      !> Time and coordinates (nq)
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(in) :: q(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, m, first
       call place_drives(model, t, kinematics)
@@ -227,7 +229,7 @@ contains
    pure subroutine place_directions(model, layout, q, kinematics)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
-      real(wp), intent(in) :: q(:)
+      real(wp), contiguous, intent(in) :: q(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, m, first
       do i = 1, size(kinematics%directions)
@@ -282,7 +284,7 @@ contains
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
       !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, m, first, last
       do i = 1, size(model%bodies)
@@ -314,7 +316,7 @@ contains
    pure subroutine move_directions(model, layout, q, v, kinematics)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, first, last
       do i = 1, size(kinematics%directions)
@@ -420,12 +422,12 @@ contains
       type(point_type), intent(in) :: point
       type(frame_type), intent(in) :: frame
       !> Coordinates of the body (n)
-      real(wp), intent(in) :: eta(:)
+      real(wp), contiguous, intent(in) :: eta(:)
       type(marker_type), intent(inout) :: marker
       real(wp) :: arm(2)
       integer :: k
       arm = along(marker%p0, frame%u)
-      do k = 1, size(eta)
+      do k = 1, size(marker%shape, 2)
          marker%shape(:, k) = along(point%phi(:, k), frame%u)
          arm = arm + marker%shape(:, k)*eta(k)
       end do
@@ -438,13 +440,13 @@ contains
       type(point_type), intent(in) :: point
       type(frame_type), intent(in) :: frame
       !> Coordinates of the body and their rates (n)
-      real(wp), intent(in) :: eta(:), rate(:)
+      real(wp), contiguous, intent(in) :: eta(:), rate(:)
       type(marker_type), intent(inout) :: marker
       real(wp) :: p(2), drift(2)
       integer :: k
       p = marker%p0
       drift = 0.0_wp
-      do k = 1, size(eta)
+      do k = 1, size(marker%shape, 2)
          p = p + point%phi(:, k)*eta(k)
          drift = drift + point%phi(:, k)*rate(k)
       end do

@@ -333,7 +333,7 @@ contains
       integer, intent(in) :: ny, from, to, k, ns
       real(wp), intent(in) :: h, beta(most), g(most + 1), y(ny)
       real(wp), intent(inout) :: phi(ny, most + 2), p(ny)
-      integer :: c, i
+      integer :: i
       do i = ns + 1, k
          phi(from:to, i) = beta(i)*phi(from:to, i)
       end do
@@ -341,13 +341,22 @@ contains
       phi(from:to, k + 1) = 0.0_wp
       p(from:to) = 0.0_wp
       do i = k, 1, -1
-         do c = from, to
-            p(c) = p(c) + g(i)*phi(c, i)
-            phi(c, i) = phi(c, i) + phi(c, i + 1)
-         end do
+         call extrapolate(to - from + 1, g(i), phi(from:to, i + 1), phi(from:to, i), p(from:to))
       end do
       p(from:to) = y(from:to) + h*p(from:to)
    end subroutine predict_block
+
+   !> Adds a difference to the prediction, and to itself the one behind it.
+   pure subroutine extrapolate(n, factor, next, difference, p)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: factor, next(n)
+      real(wp), intent(inout) :: difference(n), p(n)
+      integer :: c
+      do c = 1, n
+         p(c) = p(c) + factor*difference(c)
+         difference(c) = difference(c) + next(c)
+      end do
+   end subroutine extrapolate
 
    !> Local error of this step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).
    subroutine estimate_errors(self, estimate, err, k_next)
@@ -483,9 +492,17 @@ contains
       phi(from:to, k + 1) = yp(from:to) - phi(from:to, 1)
       phi(from:to, k + 2) = phi(from:to, k + 1) - phi(from:to, k + 2)
       do i = 1, k
-         phi(from:to, i) = phi(from:to, i) + phi(from:to, k + 1)
+         call add_change(to - from + 1, phi(from:to, k + 1), phi(from:to, i))
       end do
    end subroutine finish_block
+
+   !> Adds the change of the derivative to a difference.
+   pure subroutine add_change(n, change, difference)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: change(n)
+      real(wp), intent(inout) :: difference(n)
+      difference = difference + change
+   end subroutine add_change
 
    !> Order and step of the next step (block 4).
    subroutine next_order_and_step(self, estimate, k_next)

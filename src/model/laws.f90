@@ -16,11 +16,7 @@ contains
       real(wp), intent(in) :: t
       type(jet_type) :: jet
       if (driver%level == 0) then
-         if (driver%law%is_constant()) then
-            jet = jet_type(driver%law%constant_value(), 0.0_wp, 0.0_wp)
-         else
-            jet = driver%law%evaluate_jet(t)
-         end if
+         jet = driver%law%evaluate_jet(t)
          return
       end if
       jet = integral_value(driver%integral, driver%law, driver%level, t)

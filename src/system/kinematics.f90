@@ -6,7 +6,7 @@ module limber_system_kinematics
    use limber_base_snapshot, only: snapshot_type
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: model_type, point_type, body_point, driver_angle, ground
+   use limber_model_scene, only: model_type, point_type, body_point, driver_type, driver_angle, ground
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
@@ -85,6 +85,8 @@ module limber_system_kinematics
       real(wp) :: heading(2) = 0.0_wp, value = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
       !> Behind those of the drivers: the joint whose law it is
       integer :: joint = 0
+      !> True if the law is a constant
+      logical :: still = .false.
    end type drive_type
 
    !> Frames of all bodies (index 0 is the ground), all markers in use, and what drivers prescribe, at a time
@@ -141,6 +143,10 @@ contains
       allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)))
       allocate (kinematics%drives(size(model%drivers) + count(model%joints%has_law)))
       kinematics%drives(size(model%drivers) + 1:)%joint = pack([(m, m=1, size(model%joints))], model%joints%has_law)
+      do m = 1, size(model%drivers)
+         kinematics%drives(m)%still = model%drivers(m)%level == 0 .and. model%drivers(m)%law%is_constant()
+         if (kinematics%drives(m)%still) call place_drive(model%drivers(m), 0.0_wp, kinematics%drives(m))
+      end do
       do m = 1, size(points)
          kinematics%markers(m)%point = points(m)
          kinematics%markers(m)%body = model%points(points(m))%body
@@ -181,11 +187,7 @@ contains
       if (.not. abs(t - kinematics%time) > 0.0_wp) return
       kinematics%time = t
       do i = 1, size(model%drivers)
-         theta = driven_motion(model%drivers(i), t)
-         if (model%drivers(i)%kind == driver_angle) kinematics%drives(i)%heading = [cos(theta%value), sin(theta%value)]
-         kinematics%drives(i)%value = theta%value
-         kinematics%drives(i)%rate = theta%first
-         kinematics%drives(i)%acceleration = theta%second
+         if (.not. kinematics%drives(i)%still) call place_drive(model%drivers(i), t, kinematics%drives(i))
       end do
       do i = size(model%drivers) + 1, size(kinematics%drives)
          theta = model%joints(kinematics%drives(i)%joint)%law%evaluate_jet(t)
@@ -194,6 +196,19 @@ contains
          kinematics%drives(i)%acceleration = theta%second
       end do
    end subroutine place_drives
+
+   !> What one driver prescribes at the time t.
+   pure subroutine place_drive(driver, t, drive)
+      type(driver_type), intent(in) :: driver
+      real(wp), intent(in) :: t
+      type(drive_type), intent(inout) :: drive
+      type(jet_type) :: theta
+      theta = driven_motion(driver, t)
+      if (driver%kind == driver_angle) drive%heading = [cos(theta%value), sin(theta%value)]
+      drive%value = theta%value
+      drive%rate = theta%first
+      drive%acceleration = theta%second
+   end subroutine place_drive
 
    !> Frames and markers at the time t and coordinates q.
    pure subroutine place_frames(model, layout, t, q, kinematics)

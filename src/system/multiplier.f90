@@ -82,8 +82,8 @@ contains
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), n => system%layout%n(i), rows => size(work%bodies(i)%rows))
             do row = 1, rows
-               associate (from => body%sources(:, row))
-                  body%frame_rows(:, row) = work%jacobians(from(2), from(1))%z(from(3), :)
+               associate (z => work%jacobians(body%sources(2, row), body%sources(1, row))%z, k => body%sources(3, row))
+                  body%frame_rows(:, row) = [z(k, 1), z(k, 2), z(k, 3)]
                end associate
             end do
             if (n > 0) call condense_body(n, rows, body%coupling, body%eta_rows, body%rows_place, body%mass, body%frame_rows, &
@@ -235,19 +235,19 @@ contains
       integer, intent(in) :: place(count, count), across(rows, count), transposed(rows, count)
       real(wp), intent(in) :: mass(3, 3), frame_rows(3, rows), hanging(rates, count)
       real(wp), contiguous, intent(inout) :: values(:)
-      real(wp) :: motion(3), product(3), part
+      real(wp) :: turning, product(3), part
       integer :: i, j
-      motion = 0.0_wp
+      turning = 0.0_wp
       do j = 1, count
-         motion(:rates) = hanging(:, j)
-         product = mass(:, 1)*motion(1) + mass(:, 2)*motion(2) + mass(:, 3)*motion(3)
+         if (rates == 3) turning = hanging(3, j)
+         product = mass(:, 1)*hanging(1, j) + mass(:, 2)*hanging(2, j) + mass(:, 3)*turning
          do i = 1, count
             part = hanging(1, i)*product(1) + hanging(2, i)*product(2)
             if (rates == 3) part = part + hanging(3, i)*product(3)
             values(place(i, j)) = values(place(i, j)) + part
          end do
          do i = 1, rows
-            part = frame_rows(1, i)*motion(1) + frame_rows(2, i)*motion(2) + frame_rows(3, i)*motion(3)
+            part = frame_rows(1, i)*hanging(1, j) + frame_rows(2, i)*hanging(2, j) + frame_rows(3, i)*turning
             values(across(i, j)) = values(across(i, j)) + part
             values(transposed(i, j)) = values(transposed(i, j)) + part
          end do

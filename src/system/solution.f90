@@ -248,12 +248,15 @@ contains
    pure subroutine hang_frame(rates, count, columns, hanging, bias, solution, acceleration)
       integer, intent(in) :: rates, count
       integer, intent(in) :: columns(count)
-      real(wp), intent(in) :: hanging(rates, count), bias(3), solution(:)
+      real(wp), intent(in) :: hanging(rates, count), bias(3)
+      real(wp), contiguous, intent(in) :: solution(:)
       real(wp), intent(inout) :: acceleration(3)
       integer :: j
       acceleration = bias
       do j = 1, count
-         acceleration(:rates) = acceleration(:rates) + hanging(:, j)*solution(columns(j))
+         acceleration(1) = acceleration(1) + hanging(1, j)*solution(columns(j))
+         acceleration(2) = acceleration(2) + hanging(2, j)*solution(columns(j))
+         if (rates == 3) acceleration(3) = acceleration(3) + hanging(3, j)*solution(columns(j))
       end do
    end subroutine hang_frame
 
@@ -262,17 +265,14 @@ contains
       integer, intent(in) :: rates, count
       integer, intent(in) :: columns(count)
       real(wp), intent(in) :: hanging(rates, count), bias(3), mass(3, 3), force(3)
-      real(wp), intent(inout) :: solution(:)
-      real(wp) :: left(3)
-      integer :: j, k
-      left = force
-      do j = 1, rates
-         left = left - mass(:, j)*bias(j)
-      end do
+      real(wp), contiguous, intent(inout) :: solution(:)
+      real(wp) :: left(3), push
+      integer :: j
+      left = force - (mass(:, 1)*bias(1) + mass(:, 2)*bias(2) + mass(:, 3)*bias(3))
       do j = 1, count
-         do k = 1, rates
-            solution(columns(j)) = solution(columns(j)) + hanging(k, j)*left(k)
-         end do
+         push = hanging(1, j)*left(1) + hanging(2, j)*left(2)
+         if (rates == 3) push = push + hanging(3, j)*left(3)
+         solution(columns(j)) = solution(columns(j)) + push
       end do
    end subroutine add_hanging_force
 
@@ -310,7 +310,10 @@ contains
                row = system%constraints(tree%joint(i))%item%first
                work%lambda(row:row + 1) = left(1:2)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
             end if
-            if (tree%axis_rows(1, i) > 0) work%lambda(tree%axis_rows(:, i)) = left(1:2)
+            if (tree%axis_rows(1, i) > 0) then
+               work%lambda(tree%axis_rows(1, i)) = left(1)
+               work%lambda(tree%axis_rows(2, i)) = left(2)
+            end if
             if (tree%driver(i) > 0) then
                row = system%constraints(tree%driver(i))%item%first
                work%lambda(row) = left(3)/work%jacobians(1, tree%driver(i))%z(1, 3)

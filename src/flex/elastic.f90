@@ -13,13 +13,12 @@ contains
    pure subroutine elastic_force(body, eta, f, z, s)
       type(reduced_type), intent(in) :: body
       !> Coordinates (n)
-      real(wp), intent(in) :: eta(:)
+      real(wp), contiguous, intent(in) :: eta(:)
       !> Force on the coordinates (n), the sign of M eta'' + f = 0
-      real(wp), intent(inout) :: f(:)
+      real(wp), contiguous, intent(inout) :: f(:)
       !> Scratch (pairs): products of the bending coordinates, and their conjugate tension
-      real(wp), intent(inout) :: z(:), s(:)
+      real(wp), contiguous, intent(inout) :: z(:), s(:)
       integer :: i, j, p
-      real(wp) :: total
       do i = 1, body%n
          f(i) = f(i) + body%omega2(i)*eta(i)
       end do
@@ -33,25 +32,36 @@ contains
             f(j) = f(j) + s(p)*eta(i)
          end do
       end do
-      if (.not. body%full) return
-      do j = 1, body%n - body%offset
-         total = 0.0_wp
-         do p = 1, size(body%cubic, 1)
-            total = total + body%cubic(p, j)*z(p)
-         end do
-         f(body%offset + j) = f(body%offset + j) + total
-      end do
+      if (body%full) call add_axial_force(size(body%cubic, 1), size(body%cubic, 2), body%cubic, z, f(body%offset + 1:))
    end subroutine elastic_force
+
+   !> What the products z pull along: f = f + cubic^T z.
+   pure subroutine add_axial_force(pairs, axial, cubic, z, f)
+      integer, intent(in) :: pairs, axial
+      real(wp), intent(in) :: cubic(pairs, axial), z(pairs)
+      !> Of the coordinates that carry tension
+      real(wp), intent(inout) :: f(axial)
+      real(wp) :: total
+      integer :: j, p
+      do j = 1, axial
+         total = 0.0_wp
+         do p = 1, pairs
+            total = total + cubic(p, j)*z(p)
+         end do
+         f(j) = f(j) + total
+      end do
+   end subroutine add_axial_force
 
    !> Adds the derivative of the restoring force to k (n,n): exact, a polynomial. Not symmetric in the model k_g.
    pure subroutine elastic_tangent(body, eta, k, z, s, slope)
       type(reduced_type), intent(in) :: body
       !> Coordinates (n)
-      real(wp), intent(in) :: eta(:)
+      real(wp), contiguous, intent(in) :: eta(:)
       !> Rows: force, columns: coordinate
       real(wp), intent(inout) :: k(:, :)
       !> Scratch (pairs), (pairs), and (pairs, 2): derivatives of z with respect to one coordinate, and of s
-      real(wp), intent(inout) :: z(:), s(:), slope(:, :)
+      real(wp), contiguous, intent(inout) :: z(:), s(:)
+      real(wp), intent(inout) :: slope(:, :)
       integer :: i, j, p, column
       do i = 1, body%n
          k(i, i) = k(i, i) + body%omega2(i)
@@ -117,33 +127,40 @@ contains
    !> z = products of the bending coordinates, s = cubic eta_a (+ quartic z in the full model).
    pure subroutine pair_tension(body, eta, z, s)
       type(reduced_type), intent(in) :: body
-      real(wp), intent(in) :: eta(:)
-      real(wp), intent(inout) :: z(:), s(:)
-      integer :: j, p
-      s(:size(body%cubic, 1)) = 0.0_wp
-      do j = 1, body%n - body%offset
-         do p = 1, size(body%cubic, 1)
-            s(p) = s(p) + body%cubic(p, j)*eta(body%offset + j)
-         end do
-      end do
+      real(wp), contiguous, intent(in) :: eta(:)
+      real(wp), contiguous, intent(inout) :: z(:), s(:)
+      integer :: pairs
+      pairs = size(body%cubic, 1)
+      s(:pairs) = 0.0_wp
+      call add_tension(pairs, size(body%cubic, 2), body%cubic, eta(body%offset + 1:), s)
       if (.not. body%full) return
-      call pair_products(eta(:body%bending), z)
-      do j = 1, size(body%quartic, 2)
-         do p = 1, size(body%quartic, 1)
-            s(p) = s(p) + body%quartic(p, j)*z(j)
-         end do
-      end do
+      call pair_products(body%bending, eta, z)
+      call add_tension(pairs, pairs, body%quartic, z, s)
    end subroutine pair_tension
 
+   !> s = s + factors x.
+   pure subroutine add_tension(pairs, count, factors, x, s)
+      integer, intent(in) :: pairs, count
+      real(wp), intent(in) :: factors(pairs, count), x(count)
+      real(wp), intent(inout) :: s(pairs)
+      integer :: j, p
+      do j = 1, count
+         do p = 1, pairs
+            s(p) = s(p) + factors(p, j)*x(j)
+         end do
+      end do
+   end subroutine add_tension
+
    !> z = eta_i eta_j, i <= j, in the order of `pair_index`.
-   pure subroutine pair_products(eta, z)
+   pure subroutine pair_products(n, eta, z)
+      integer, intent(in) :: n
       !> Bending coordinates
-      real(wp), intent(in) :: eta(:)
+      real(wp), intent(in) :: eta(n)
       !> Their products (pairs)
-      real(wp), intent(inout) :: z(:)
+      real(wp), intent(inout) :: z(n*(n + 1)/2)
       integer :: i, j, p
       p = 0
-      do j = 1, size(eta)
+      do j = 1, n
          do i = 1, j
             p = p + 1
             z(p) = eta(i)*eta(j)
@@ -155,9 +172,9 @@ contains
    pure subroutine elastic_energy(body, eta, z, s, energy)
       type(reduced_type), intent(in) :: body
       !> Coordinates (n)
-      real(wp), intent(in) :: eta(:)
+      real(wp), contiguous, intent(in) :: eta(:)
       !> Scratch (pairs)
-      real(wp), intent(inout) :: z(:), s(:)
+      real(wp), contiguous, intent(inout) :: z(:), s(:)
       real(wp), intent(out) :: energy
       integer :: j, p
       real(wp) :: tension
@@ -180,9 +197,9 @@ contains
    pure subroutine geometric_power(body, eta, rate, z, s, power)
       type(reduced_type), intent(in) :: body
       !> Coordinates and their rates (n)
-      real(wp), intent(in) :: eta(:), rate(:)
+      real(wp), contiguous, intent(in) :: eta(:), rate(:)
       !> Scratch (pairs)
-      real(wp), intent(inout) :: z(:), s(:)
+      real(wp), contiguous, intent(inout) :: z(:), s(:)
       real(wp), intent(out) :: power
       integer :: i, j, p
       power = 0.0_wp

@@ -149,13 +149,20 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       real(wp), contiguous, intent(in) :: y(:)
+      call spread_kept(self, y)
+      call place_known(system, work, t, self%q, self%v)
+   end subroutine spread_state
+
+   !> Those that are integrated.
+   subroutine spread_kept(self, y)
+      class(adams_type), intent(inout) :: self
+      real(wp), contiguous, intent(in) :: y(:)
       integer :: i
       do i = 1, self%nq
          self%q(self%kept(i)) = y(i)
          self%v(self%kept(i)) = y(self%nq + i)
       end do
-      call place_known(system, work, t, self%q, self%v)
-   end subroutine spread_state
+   end subroutine spread_kept
 
    !> The scales of what is integrated.
    subroutine keep_scales(self, system)
@@ -218,7 +225,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: wanted, estimate(0:3), err, t
       integer :: failures, k_next, i
-      logical :: accepted
+      logical :: accepted, raised
 
       wanted = self%h
       failures = 0
@@ -268,11 +275,11 @@ contains
       ! A step that was cut short to end at `stop` says nothing about the next one
       if (self%t >= stop .and. failures == 0) self%h = max(self%h, min(wanted, 2*self%h))
       if (self%whole) then
-         call update_scales(system, self%y(:self%nq), self%y(self%nq + 1:2*self%nq), self%scales)
+         call update_scales(system, self%y(:self%nq), self%y(self%nq + 1:2*self%nq), self%scales, raised)
       else
-         call update_scales(system, self%q, self%v, self%scales)
+         call update_scales(system, self%q, self%v, self%scales, raised)
       end if
-      call keep_scales(self, system)
+      if (raised) call keep_scales(self, system)
    end subroutine adams_step
 
    !> Coefficients of the formulas for this step (block 1).
@@ -314,24 +321,42 @@ contains
    !> Predicted state p; the differences become those at the new point (block 2).
    subroutine predict(self)
       class(adams_type), intent(inout) :: self
-      integer :: i, j, k, a, b
-      k = self%k
+      integer :: a
       do a = 1, self%ny, block
-         b = min(self%ny, a + block - 1)
-         do i = self%ns + 1, k
-            self%phi(a:b, i) = self%beta(i)*self%phi(a:b, i)
-         end do
-         self%phi(a:b, k + 2) = self%phi(a:b, k + 1)
-         self%phi(a:b, k + 1) = 0.0_wp
-         self%p(a:b) = 0.0_wp
-         do j = 1, k
-            i = k + 1 - j
-            self%p(a:b) = self%p(a:b) + self%g(i)*self%phi(a:b, i)
-            self%phi(a:b, i) = self%phi(a:b, i) + self%phi(a:b, i + 1)
-         end do
-         self%p(a:b) = self%y(a:b) + self%h*self%p(a:b)
+         call predict_block(self%ny, a, min(self%ny, a + block - 1), self%k, self%ns, self%h, self%beta, self%g, self%y, self%phi, &
+            & self%p)
       end do
    end subroutine predict
+
+   !> The same of some components.
+   pure subroutine predict_block(ny, from, to, k, ns, h, beta, g, y, phi, p)
+      integer, intent(in) :: ny, from, to, k, ns
+      real(wp), intent(in) :: h, beta(most), g(most + 1), y(ny)
+      real(wp), intent(inout) :: phi(ny, most + 2), p(ny)
+      integer :: i
+      do i = ns + 1, k
+         phi(from:to, i) = beta(i)*phi(from:to, i)
+      end do
+      phi(from:to, k + 2) = phi(from:to, k + 1)
+      phi(from:to, k + 1) = 0.0_wp
+      p(from:to) = 0.0_wp
+      do i = k, 1, -1
+         call extrapolate(to - from + 1, g(i), phi(from:to, i + 1), phi(from:to, i), p(from:to))
+      end do
+      p(from:to) = y(from:to) + h*p(from:to)
+   end subroutine predict_block
+
+   !> Adds a difference to the prediction, and to itself the one behind it.
+   pure subroutine extrapolate(n, factor, next, difference, p)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: factor, next(n)
+      real(wp), intent(inout) :: difference(n), p(n)
+      integer :: c
+      do c = 1, n
+         p(c) = p(c) + factor*difference(c)
+         difference(c) = difference(c) + next(c)
+      end do
+   end subroutine extrapolate
 
    !> Local error of this step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).
    subroutine estimate_errors(self, estimate, err, k_next)
@@ -432,7 +457,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before, residual
       integer :: i
-      call spread_state(self, system, work, t, self%p)
+      ! What follows from the time is there since the prediction
+      call spread_kept(self, self%p)
       call project_position(system, work, t, self%q, self%change, constraint_tolerance, before, residual)
       accepted = residual <= constraint_limit
       if (.not. accepted) return
@@ -451,17 +477,32 @@ contains
    !> Differences of all orders at the new point (block 4).
    subroutine finish_differences(self)
       class(adams_type), intent(inout) :: self
-      integer :: i, k, a, b
-      k = self%k
+      integer :: a
       do a = 1, self%ny, block
-         b = min(self%ny, a + block - 1)
-         self%phi(a:b, k + 1) = self%yp(a:b) - self%phi(a:b, 1)
-         self%phi(a:b, k + 2) = self%phi(a:b, k + 1) - self%phi(a:b, k + 2)
-         do i = 1, k
-            self%phi(a:b, i) = self%phi(a:b, i) + self%phi(a:b, k + 1)
-         end do
+         call finish_block(self%ny, a, min(self%ny, a + block - 1), self%k, self%yp, self%phi)
       end do
    end subroutine finish_differences
+
+   !> The same of some components.
+   pure subroutine finish_block(ny, from, to, k, yp, phi)
+      integer, intent(in) :: ny, from, to, k
+      real(wp), intent(in) :: yp(ny)
+      real(wp), intent(inout) :: phi(ny, most + 2)
+      integer :: i
+      phi(from:to, k + 1) = yp(from:to) - phi(from:to, 1)
+      phi(from:to, k + 2) = phi(from:to, k + 1) - phi(from:to, k + 2)
+      do i = 1, k
+         call add_change(to - from + 1, phi(from:to, k + 1), phi(from:to, i))
+      end do
+   end subroutine finish_block
+
+   !> Adds the change of the derivative to a difference.
+   pure subroutine add_change(n, change, difference)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: change(n)
+      real(wp), intent(inout) :: difference(n)
+      difference = difference + change
+   end subroutine add_change
 
    !> Order and step of the next step (block 4).
    subroutine next_order_and_step(self, estimate, k_next)

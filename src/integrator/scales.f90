@@ -55,11 +55,13 @@ contains
    end function new_scales
 
    !> Raises the scales to what occurs in a state.
-   subroutine update_scales(system, q, v, scales)
+   subroutine update_scales(system, q, v, scales, raised)
       type(system_type), intent(in) :: system
       !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       type(scales_type), intent(inout) :: scales
+      !> Whether any was
+      logical, intent(out), optional :: raised
       integer :: i, first, last
       logical :: changed
       changed = .false.
@@ -74,6 +76,7 @@ contains
          call raise_to(scales%rate(i), maxval(abs(v(first + 4:last))))
       end do
       if (changed) call spread_scales(system, scales)
+      if (present(raised)) raised = changed
 
    contains
 

@@ -168,8 +168,9 @@ contains
       type(system_type), intent(in) :: system
       !> Multipliers and kinematics are those of the state if the recorder needs accelerations
       type(workspace_type), intent(inout) :: work
-      !> Time; coordinates, velocities, accelerations (nq)
-      real(wp), intent(in) :: t, q(:), v(:), a(:)
+      real(wp), intent(in) :: t
+      !> Coordinates, velocities, accelerations (nq)
+      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
       !> (sample_width)
       real(wp), intent(inout) :: values(:)
       integer :: i, j
@@ -193,7 +194,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       if (recorder%needs_energy) call mechanical_energy(system, work, q, v, recorder%kinetic, recorder%potential)
       if (recorder%needs_momentum) call total_momentum(system, q, v, recorder%momentum)
       recorder%is_balanced = .true.

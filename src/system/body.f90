@@ -65,31 +65,32 @@ contains
       !> Unit vector of the frame (2)
       real(wp), intent(in) :: u(2)
       !> Coordinates (n)
-      real(wp), intent(in) :: eta(:)
+      real(wp), contiguous, intent(in) :: eta(:)
       !> Mass matrix of (r'', alpha) (3,3)
       real(wp), intent(out) :: frame(3, 3)
       !> Rows eta'', columns (r'', alpha) (n,3)
       real(wp), intent(inout) :: coupling(:, :)
-      real(wp) :: inertia
+      real(wp) :: inertia, c(2), h
       integer :: k, j
-      frame = 0.0_wp
-      frame(1, 1) = body%mass
-      frame(2, 2) = body%mass
-      frame(1:2, 3) = turn(along(centre_moment(body, eta), u))
-      frame(3, 1:2) = frame(1:2, 3)
+      c = body%c0
       inertia = body%i0
       do k = 1, body%n
+         c(1) = c(1) + body%c(1, k)*eta(k)
+         c(2) = c(2) + body%c(2, k)*eta(k)
          inertia = inertia + (2*body%d(k) + eta(k))*eta(k)
-         coupling(k, 1:2) = along(body%c(:, k), u)
-         coupling(k, 3) = body%e(k)
-      end do
-      do j = 1, body%n
-         do k = 1, body%n
-            coupling(k, 3) = coupling(k, 3) - body%skew(k, j)*eta(j)
+         h = body%e(k)
+         do j = 1, body%n
+            h = h + body%skew(j, k)*eta(j)
          end do
+         coupling(k, 1) = body%c(1, k)*u(1) - body%c(2, k)*u(2)
+         coupling(k, 2) = body%c(1, k)*u(2) + body%c(2, k)*u(1)
+         coupling(k, 3) = h
       end do
       if (body%spinning) inertia = inertia - rotary_square(body, eta)
-      frame(3, 3) = inertia
+      c = along(c, u)
+      frame(:, 1) = [body%mass, 0.0_wp, -c(2)]
+      frame(:, 2) = [0.0_wp, body%mass, c(1)]
+      frame(:, 3) = [-c(2), c(1), inertia]
    end subroutine body_mass
 
    !> Derivatives of the inertia forces and the weight, M a + velocity terms - weight, with respect to (rotation, eta) and to
@@ -169,27 +170,30 @@ contains
       !> Angular velocity of the frame [rad/time]
       real(wp), intent(in) :: omega
       !> Coordinates and their rates (n)
-      real(wp), intent(in) :: eta(:), rate(:)
+      real(wp), contiguous, intent(in) :: eta(:), rate(:)
       !> Force and moment on the frame's origin (3), along the fixed axes
       real(wp), intent(inout) :: on_frame(3)
       !> Forces on the coordinates (n)
-      real(wp), intent(inout) :: on_eta(:)
-      real(wp) :: drift(2), moment
+      real(wp), contiguous, intent(inout) :: on_eta(:)
+      real(wp) :: c(2), drift(2), moment, turning
       integer :: k, j
+      c = body%c0
       drift = 0.0_wp
       moment = 0.0_wp
       do k = 1, body%n
-         drift = drift + body%c(:, k)*rate(k)
+         c(1) = c(1) + body%c(1, k)*eta(k)
+         c(2) = c(2) + body%c(2, k)*eta(k)
+         drift(1) = drift(1) + body%c(1, k)*rate(k)
+         drift(2) = drift(2) + body%c(2, k)*rate(k)
          moment = moment + (body%d(k) + eta(k))*rate(k)
-         on_eta(k) = on_eta(k) + omega**2*(body%d(k) + eta(k))
-      end do
-      do j = 1, body%n
-         do k = 1, body%n
-            on_eta(k) = on_eta(k) + 2*omega*body%skew(k, j)*rate(j)
+         turning = 0.0_wp
+         do j = 1, body%n
+            turning = turning + body%skew(j, k)*rate(j)
          end do
+         on_eta(k) = on_eta(k) + omega*(omega*(body%d(k) + eta(k)) - 2*turning)
       end do
       if (body%spinning) call rotary_forces(body, omega, eta, rate, moment, on_eta)
-      on_frame(1:2) = on_frame(1:2) + along(omega**2*centre_moment(body, eta) - 2*omega*turn(drift), u)
+      on_frame(1:2) = on_frame(1:2) + along(omega**2*c - 2*omega*turn(drift), u)
       on_frame(3) = on_frame(3) - 2*omega*moment
    end subroutine velocity_forces
 

@@ -11,11 +11,9 @@ module limber_system_constraint
    private
    public :: constraint_type, constraint_item_type, jacobian_type, new_jacobian
 
-   !> Rows of the Jacobian that act on one body: z (rows,3) on r' and omega, eta (rows,n) on eta'; z after the condensation of
-   !> eta (rows,3); and where that stands in the multiplier matrix, as it is and transposed (rows, unknowns of the frame)
+   !> Rows of the Jacobian that act on one body: z (rows,3) on r' and omega, eta (rows,n) on eta'
    type :: jacobian_type
-      real(wp), allocatable :: z(:, :), eta(:, :), condensed(:, :)
-      integer, allocatable :: place(:, :), transposed(:, :)
+      real(wp), allocatable :: z(:, :), eta(:, :)
    contains
       procedure :: exchange => exchange_jacobian
    end type jacobian_type
@@ -124,9 +122,8 @@ contains
    pure function new_jacobian(rows, n) result(jacobian)
       integer, intent(in) :: rows, n
       type(jacobian_type) :: jacobian
-      allocate (jacobian%z(rows, 3), jacobian%eta(rows, n), jacobian%condensed(rows, 3))
+      allocate (jacobian%z(rows, 3), jacobian%eta(rows, n))
       jacobian%z = 0.0_wp
-      jacobian%condensed = 0.0_wp
       jacobian%eta = 0.0_wp
    end function new_jacobian
 
@@ -136,7 +133,6 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%keep('z', self%z)
       call snapshot%keep('eta', self%eta)
-      call snapshot%keep('condensed', self%condensed)
    end subroutine exchange_jacobian
 
 end module limber_system_constraint

@@ -6,7 +6,7 @@ module limber_system_dynamics
    use limber_base_text, only: as_text
    use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
    use limber_model_scene, only: body_flexible, ground
-   use limber_system_algebra, only: turn
+   use limber_system_algebra, only: turn, cross
    use limber_system_condensation, only: update_folds, project_vector, condense_forces, gather_loads, push_bending, axial_posture
    use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_frames, move_frames
@@ -25,8 +25,9 @@ contains
    subroutine linearise(system, work, t, q, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      !> Time; coordinates (nq)
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(in) :: q(:)
       !> The matrix is singular
       type(error_type), allocatable, intent(out) :: error
       call place_frames(system%model, system%layout, t, q, work%kinematics)
@@ -37,7 +38,8 @@ contains
    subroutine linearise_placed(system, work, t, q, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:)
       type(error_type), allocatable, intent(out) :: error
       logical :: singular
       if (system%condensed) call update_folds(system, work, q)
@@ -52,7 +54,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       !> Second derivatives of q (nq)
       real(wp), contiguous, intent(out) :: a(:)
       integer :: i, first
@@ -134,7 +136,7 @@ contains
    subroutine sum_forces(system, work, q, v)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       integer :: i, first, last, side
       logical :: heavy
       heavy = any(abs(system%model%gravity) > 0.0_wp)
@@ -251,9 +253,9 @@ contains
    real(wp) function velocity_residual(system, work, v) result(largest)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: v(:)
-      integer :: i, side, body, row, k, at, first
-      real(wp) :: rates(3), speed
+      real(wp), contiguous, intent(in) :: v(:)
+      integer :: i, side, body, at, first, n
+      real(wp) :: rates(3)
       largest = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
@@ -263,18 +265,12 @@ contains
                body = item%bodies(side)
                if (body == ground) cycle
                first = system%layout%q(body)
-               rates = 0.0_wp
-               rates(1:2) = v(first:first + 1)
-               if (system%layout%framed(body)) rates(3) = dot_product(turn(work%kinematics%frames(body)%u), v(first + 2:first + 3))
-               associate (jacobian => work%jacobians(side, i))
-                  do row = 1, item%rows
-                     speed = jacobian%z(row, 1)*rates(1) + jacobian%z(row, 2)*rates(2) + jacobian%z(row, 3)*rates(3)
-                     do k = 1, system%layout%n(body)
-                        speed = speed + jacobian%eta(row, k)*v(first + 3 + k)
-                     end do
-                     work%gamma(at + row) = work%gamma(at + row) - speed
-                  end do
-               end associate
+               ! No deflection moves the origin that a frame hangs at
+               n = merge(0, system%layout%n(body), system%tree%joint(body) == i)
+               rates = [v(first), v(first + 1), 0.0_wp]
+               if (system%layout%framed(body)) rates(3) = cross(work%kinematics%frames(body)%u, v(first + 2:first + 3))
+               call take_speed(item%rows, system%layout%n(body), n, work%jacobians(side, i)%z, work%jacobians(side, i)%eta, rates, &
+                  & v(first + 4:), work%gamma(at + 1:))
             end do
             largest = max(largest, maxval(abs(work%gamma(at + 1:at + item%rows)))/item%scale)
          end associate
@@ -282,12 +278,30 @@ contains
       if (system%parted) largest = largest_of(system, work%gamma)
    end function velocity_residual
 
+   !> Takes from rates the speed that a body gives constraint equations.
+   pure subroutine take_speed(rows, columns, n, z, eta, rates, eta_rates, left)
+      integer, intent(in) :: rows, columns
+      !> Number of deflections that give any
+      integer, intent(in) :: n
+      real(wp), intent(in) :: z(rows, 3), eta(rows, columns), rates(3), eta_rates(n)
+      real(wp), intent(inout) :: left(rows)
+      real(wp) :: speed
+      integer :: row, k
+      do row = 1, rows
+         speed = z(row, 1)*rates(1) + z(row, 2)*rates(2) + z(row, 3)*rates(3)
+         do k = 1, n
+            speed = speed + eta(row, k)*eta_rates(k)
+         end do
+         left(row) = left(row) - speed
+      end do
+   end subroutine take_speed
+
    !> Power that drivers and loads put in, less what damping and the geometric force of the model k_g take, at the state of the
    !> last `accelerations`.
    real(wp) function input_power(system, work, q, v) result(power)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       integer :: i, first, last
       real(wp) :: taken
       power = 0.0_wp
@@ -326,7 +340,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       real(wp), intent(out) :: kinetic, potential
       integer :: i, first, last
       real(wp) :: u(2), omega, elastic

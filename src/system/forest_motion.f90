@@ -98,8 +98,8 @@ contains
    subroutine add_elastic(forest, body, eta, rate, motion)
       type(forest_type), intent(inout) :: forest
       type(reduced_type), intent(in) :: body
-      real(wp), intent(in) :: eta(:), rate(:)
-      real(wp), intent(inout) :: motion(:)
+      real(wp), contiguous, intent(in) :: eta(:), rate(:)
+      real(wp), contiguous, intent(inout) :: motion(:)
       call elastic_force(body, eta, motion, forest%pairs(:, 1), forest%pairs(:, 2))
       if (body%damped) motion = motion + body%damping*rate
    end subroutine add_elastic

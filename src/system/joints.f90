@@ -51,12 +51,26 @@ contains
       class(revolute_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       type(jacobian_type), intent(inout) :: first, second
-      real(wp), parameter :: x(2) = [1.0_wp, 0.0_wp], y(2) = [0.0_wp, 1.0_wp]
-      call marker_row(kinematics%markers(self%markers(1)), x, first, 1)
-      call marker_row(kinematics%markers(self%markers(1)), y, first, 2)
-      call marker_row(kinematics%markers(self%markers(2)), -x, second, 1)
-      call marker_row(kinematics%markers(self%markers(2)), -y, second, 2)
+      call place_rows(kinematics%markers(self%markers(1)), 1.0_wp, first)
+      call place_rows(kinematics%markers(self%markers(2)), -1.0_wp, second)
    end subroutine revolute_jacobian
+
+   !> Rows of the Jacobian of (sign position of a marker).
+   pure subroutine place_rows(marker, sign, jacobian)
+      type(marker_type), intent(in) :: marker
+      real(wp), intent(in) :: sign
+      type(jacobian_type), intent(inout) :: jacobian
+      integer :: k
+      if (marker%body == ground) return
+      jacobian%z(1, 1) = sign
+      jacobian%z(2, 2) = sign
+      jacobian%z(1, 3) = sign*marker%lever(1)
+      jacobian%z(2, 3) = sign*marker%lever(2)
+      do k = 1, size(marker%shape, 2)
+         jacobian%eta(1, k) = sign*marker%shape(1, k)
+         jacobian%eta(2, k) = sign*marker%shape(2, k)
+      end do
+   end subroutine place_rows
 
    pure subroutine revolute_gamma(self, kinematics, rate)
       class(revolute_type), intent(in) :: self

@@ -6,7 +6,7 @@ module limber_system_kinematics
    use limber_base_snapshot, only: snapshot_type
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: model_type, point_type, body_point, ground
+   use limber_model_scene, only: model_type, point_type, body_point, driver_type, driver_angle, ground
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
@@ -56,7 +56,7 @@ module limber_system_kinematics
       real(wp) :: bias(2) = 0.0_wp
       !> Undeformed place in the body frame, that of the point
       real(wp) :: p0(2) = 0.0_wp
-      !> A(phi_k) u (2,n)
+      !> A(phi_k) u (2,n); no columns where no deflection moves it
       real(wp), allocatable :: shape(:, :)
    end type marker_type
 
@@ -80,11 +80,13 @@ module limber_system_kinematics
       real(wp) :: size = 1.0_wp
    end type bend_type
 
-   !> What a driver prescribes at a time: the value and its two derivatives; of an angle also its unit vector
+   !> What a driver prescribes at a time: the value and its two derivatives; of a frame's angle also its unit vector
    type :: drive_type
       real(wp) :: heading(2) = 0.0_wp, value = 0.0_wp, rate = 0.0_wp, acceleration = 0.0_wp
       !> Behind those of the drivers: the joint whose law it is
       integer :: joint = 0
+      !> True if the law is a constant
+      logical :: still = .false.
    end type drive_type
 
    !> Frames of all bodies (index 0 is the ground), all markers in use, and what drivers prescribe, at a time
@@ -141,14 +143,19 @@ contains
       allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)))
       allocate (kinematics%drives(size(model%drivers) + count(model%joints%has_law)))
       kinematics%drives(size(model%drivers) + 1:)%joint = pack([(m, m=1, size(model%joints))], model%joints%has_law)
+      do m = 1, size(model%drivers)
+         kinematics%drives(m)%still = model%drivers(m)%level == 0 .and. model%drivers(m)%law%is_constant()
+         if (kinematics%drives(m)%still) call place_drive(model%drivers(m), 0.0_wp, kinematics%drives(m))
+      end do
       do m = 1, size(points)
          kinematics%markers(m)%point = points(m)
          kinematics%markers(m)%body = model%points(points(m))%body
          kinematics%markers(m)%p0 = model%points(points(m))%p0
          kinematics%markers(m)%direction = model%points(points(m))%direction
          kinematics%markers(m)%carrier = merge(ground, kinematics%markers(m)%body, kinematics%markers(m)%direction)
-         allocate (kinematics%markers(m)%shape(2, size(model%points(points(m))%psi)))
-         kinematics%markers(m)%shape = 0.0_wp
+         associate (point => model%points(points(m)))
+            allocate (kinematics%markers(m)%shape(2, merge(size(point%psi), 0, any(abs(point%phi) > 0.0_wp))), source=0.0_wp)
+         end associate
          if (kinematics%markers(m)%body == ground) kinematics%markers(m)%position = model%points(points(m))%p0
       end do
       allocate (kinematics%directions(count(kinematics%markers%direction .and. kinematics%markers%body /= ground)))
@@ -180,11 +187,7 @@ contains
       if (.not. abs(t - kinematics%time) > 0.0_wp) return
       kinematics%time = t
       do i = 1, size(model%drivers)
-         theta = driven_motion(model%drivers(i), t)
-         kinematics%drives(i)%heading = [cos(theta%value), sin(theta%value)]
-         kinematics%drives(i)%value = theta%value
-         kinematics%drives(i)%rate = theta%first
-         kinematics%drives(i)%acceleration = theta%second
+         if (.not. kinematics%drives(i)%still) call place_drive(model%drivers(i), t, kinematics%drives(i))
       end do
       do i = size(model%drivers) + 1, size(kinematics%drives)
          theta = model%joints(kinematics%drives(i)%joint)%law%evaluate_jet(t)
@@ -194,12 +197,26 @@ contains
       end do
    end subroutine place_drives
 
+   !> What one driver prescribes at the time t.
+   pure subroutine place_drive(driver, t, drive)
+      type(driver_type), intent(in) :: driver
+      real(wp), intent(in) :: t
+      type(drive_type), intent(inout) :: drive
+      type(jet_type) :: theta
+      theta = driven_motion(driver, t)
+      if (driver%kind == driver_angle) drive%heading = [cos(theta%value), sin(theta%value)]
+      drive%value = theta%value
+      drive%rate = theta%first
+      drive%acceleration = theta%second
+   end subroutine place_drive
+
    !> Frames and markers at the time t and coordinates q.
    pure subroutine place_frames(model, layout, t, q, kinematics)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
-      !> Time and coordinates (nq)
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(in) :: q(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, m, first
       call place_drives(model, t, kinematics)
@@ -227,7 +244,7 @@ contains
    pure subroutine place_directions(model, layout, q, kinematics)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
-      real(wp), intent(in) :: q(:)
+      real(wp), contiguous, intent(in) :: q(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, m, first
       do i = 1, size(kinematics%directions)
@@ -282,7 +299,7 @@ contains
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
       !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, m, first, last
       do i = 1, size(model%bodies)
@@ -314,7 +331,7 @@ contains
    pure subroutine move_directions(model, layout, q, v, kinematics)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, first, last
       do i = 1, size(kinematics%directions)
@@ -420,12 +437,12 @@ contains
       type(point_type), intent(in) :: point
       type(frame_type), intent(in) :: frame
       !> Coordinates of the body (n)
-      real(wp), intent(in) :: eta(:)
+      real(wp), contiguous, intent(in) :: eta(:)
       type(marker_type), intent(inout) :: marker
       real(wp) :: arm(2)
       integer :: k
       arm = along(marker%p0, frame%u)
-      do k = 1, size(eta)
+      do k = 1, size(marker%shape, 2)
          marker%shape(:, k) = along(point%phi(:, k), frame%u)
          arm = arm + marker%shape(:, k)*eta(k)
       end do
@@ -438,13 +455,13 @@ contains
       type(point_type), intent(in) :: point
       type(frame_type), intent(in) :: frame
       !> Coordinates of the body and their rates (n)
-      real(wp), intent(in) :: eta(:), rate(:)
+      real(wp), contiguous, intent(in) :: eta(:), rate(:)
       type(marker_type), intent(inout) :: marker
       real(wp) :: p(2), drift(2)
       integer :: k
       p = marker%p0
       drift = 0.0_wp
-      do k = 1, size(eta)
+      do k = 1, size(marker%shape, 2)
          p = p + point%phi(:, k)*eta(k)
          drift = drift + point%phi(:, k)*rate(k)
       end do

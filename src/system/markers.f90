@@ -70,7 +70,9 @@ contains
       case (1); column = [1.0_wp, 0.0_wp]
       case (2); column = [0.0_wp, 1.0_wp]
       case (3); column = marker%lever
-      case default; column = marker%shape(:, j - 3)
+      case default
+         column = 0.0_wp
+         if (j - 3 <= size(marker%shape, 2)) column = marker%shape(:, j - 3)
       end select
       if (marker%direction .and. j < 3) column = 0.0_wp
    end function marker_column
@@ -84,7 +86,9 @@ contains
          select case (j)
          case (1:2); column = 0.0_wp
          case (3); column = swing(kinematics, marker)
-         case default; column = frame%omega*turn(point%shape(:, j - 3))
+         case default
+            column = 0.0_wp
+            if (j - 3 <= size(point%shape, 2)) column = frame%omega*turn(point%shape(:, j - 3))
          end select
       end associate
    end function drift_column

@@ -21,8 +21,9 @@ contains
    subroutine place_motion(system, work, t, q, v)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      !> Time; coordinates and velocities (nq)
-      real(wp), intent(in) :: t, q(:), v(:)
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
       call move_frames(system%model, system%layout, q, v, work%kinematics)
       call update_jacobians(system, work)
@@ -34,8 +35,9 @@ contains
    subroutine motion_residual(system, work, t, q, v, a, lambda, motion, rates)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      !> Time; coordinates and velocities (nq); accelerations in the layout of the rates (nw); multipliers (nc)
-      real(wp), intent(in) :: t, q(:), v(:), a(:), lambda(:)
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq); accelerations in the layout of the rates (nw); multipliers (nc)
+      real(wp), contiguous, intent(in) :: q(:), v(:), a(:), lambda(:)
       real(wp), intent(inout) :: motion(:), rates(:)
       integer :: i, first, last, n, j, k, m, row
       call place_motion(system, work, t, q, v)
@@ -102,7 +104,7 @@ contains
       type(workspace_type), intent(inout) :: work
       type(tangent_type), intent(inout) :: tangent
       !> As in `motion_residual`
-      real(wp), intent(in) :: q(:), v(:), a(:), lambda(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:), a(:), lambda(:)
       integer :: i
       do i = 1, size(tangent%bodies)
          call linearise_body(system, work, i, q, v, a, tangent%bodies(i))
@@ -125,7 +127,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       integer, intent(in) :: i
-      real(wp), intent(in) :: q(:), v(:), a(:)
+      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
       type(body_tangent_type), intent(inout) :: body
       integer :: m, n, k, first, last, at
       m = system%layout%rates(i)

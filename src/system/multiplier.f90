@@ -48,7 +48,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Coordinates (nq)
-      real(wp), intent(in) :: q(:)
+      real(wp), contiguous, intent(in) :: q(:)
       integer :: i, first
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced)
@@ -71,27 +71,32 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Coordinates (nq)
-      real(wp), intent(in) :: q(:)
+      real(wp), contiguous, intent(in) :: q(:)
       !> True if a pivot is zero
       logical, intent(out) :: singular
-      integer :: i
+      integer :: i, row
       call update_masses(system, work, q)
       if (system%condensed) call condense_couplings(system, work)
       call update_hanging(system, work)
       work%matrix%values = 0.0_wp
       do i = 1, size(work%bodies)
-         associate (body => work%bodies(i), n => system%layout%n(i))
-            if (n > 0) call condense_body(n, size(body%rows), body%coupling, body%eta_rows, body%rows_place, body%mass, &
+         associate (body => work%bodies(i), n => system%layout%n(i), rows => size(work%bodies(i)%rows))
+            do row = 1, rows
+               associate (z => work%jacobians(body%sources(2, row), body%sources(1, row))%z, k => body%sources(3, row))
+                  body%frame_rows(:, row) = [z(k, 1), z(k, 2), z(k, 3)]
+               end associate
+            end do
+            if (n > 0) call condense_body(n, rows, body%coupling, body%eta_rows, body%rows_place, body%mass, body%frame_rows, &
                & work%matrix%values)
             if (system%tree%plain(i)) then
-               call add_frame(body%frame_place, body%mass, work%matrix%values)
-            else
-               call add_hanging_frame(system%layout%rates(i), system%tree%count(i), body%frame_place, body%mass, body%hanging, &
-                  & work%matrix%values)
+               call add_frame(system%layout%rates(i), rows, body%frame_place, body%across_place, body%transposed_place, body%mass, &
+                  & body%frame_rows, work%matrix%values)
+            else if (system%tree%count(i) > 0) then
+               call add_hanging_frame(system%layout%rates(i), system%tree%count(i), rows, body%frame_place, body%across_place, &
+                  & body%transposed_place, body%mass, body%frame_rows, body%hanging, work%matrix%values)
             end if
          end associate
       end do
-      call add_constraint_rows(system, work)
       if (system%redundant) call give_slack(system, work)
       call work%matrix%factor(singular)
    end subroutine factor_multiplier_system
@@ -128,25 +133,30 @@ contains
       end associate
    end subroutine update_hanging
 
-   !> What the rows that hold a frame leave free, and what they give, eqs. (152), (153).
+   !> What the rows that hold a frame leave free, and what they give, eqs. (152), (153): as it was if they have not turned.
    pure subroutine hold_frame(system, work, body)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       integer, intent(in) :: body
-      real(wp) :: z(3, 3)
-      integer :: k, row, rows
+      logical :: turned
+      integer :: k, j, side, row
       row = 0
-      associate (tree => system%tree)
+      turned = .false.
+      associate (tree => system%tree, scratch => work%bodies(body))
          do k = 1, size(tree%holders, 1)
             if (tree%holders(k, body) == 0) exit
-            associate (c => tree%holders(k, body))
-               rows = system%constraints(c)%item%rows
-               z(row + 1:row + rows, :) = work%jacobians(side_at(system, c, body), c)%z
-               row = row + rows
+            side = side_at(system, tree%holders(k, body), body)
+            associate (z => work%jacobians(side, tree%holders(k, body))%z)
+               do j = 1, size(z, 1)
+                  row = row + 1
+                  if (.not. any(abs(scratch%held(row, :) - z(j, :)) > 0.0_wp)) cycle
+                  scratch%held(row, :) = z(j, :)
+                  turned = .true.
+               end do
             end associate
          end do
-         call split_motion(system%layout%rates(body), row, z, system%model%length, work%bodies(body)%inverse, &
-            & work%bodies(body)%hanging)
+         if (turned) call split_motion(system%layout%rates(body), row, scratch%held, system%model%length, scratch%inverse, &
+            & scratch%hanging)
       end associate
    end subroutine hold_frame
 
@@ -157,147 +167,91 @@ contains
       side = merge(1, 2, system%constraints(constraint)%item%bodies(1) == body)
    end function side_at
 
-   !> Takes from a body's mass the part of eta, and adds what eta makes between the constraints.
-   pure subroutine condense_body(n, rows, coupling, eta_rows, rows_place, mass, values)
+   !> Takes from a body's mass, and from the constraint rows on its frame, the part of eta, and adds what eta makes between the
+   !> constraints, eq. (15).
+   pure subroutine condense_body(n, rows, coupling, eta_rows, rows_place, mass, frame_rows, values)
       integer, intent(in) :: n, rows
       real(wp), intent(in) :: coupling(n, 3), eta_rows(n, rows)
       !> Places of the block between the constraint rows
       integer, intent(in) :: rows_place(rows, rows)
-      real(wp), intent(inout) :: mass(3, 3)
+      real(wp), intent(inout) :: mass(3, 3), frame_rows(3, rows)
       !> Entries of the multiplier matrix
       real(wp), contiguous, intent(inout) :: values(:)
-      real(wp) :: part
+      real(wp) :: part(3), square(3), product
       integer :: i, j, k
-      do j = 1, 3
-         do i = 1, j
-            part = 0.0_wp
-            do k = 1, n
-               part = part + coupling(k, i)*coupling(k, j)
-            end do
-            mass(i, j) = mass(i, j) - part
-            mass(j, i) = mass(i, j)
-         end do
+      part = 0.0_wp
+      square = 0.0_wp
+      do k = 1, n
+         square(1) = square(1) + coupling(k, 1)**2
+         square(2) = square(2) + coupling(k, 2)**2
+         square(3) = square(3) + coupling(k, 3)**2
+         part(1) = part(1) + coupling(k, 2)*coupling(k, 3)
+         part(2) = part(2) + coupling(k, 1)*coupling(k, 3)
+         part(3) = part(3) + coupling(k, 1)*coupling(k, 2)
       end do
+      mass(:, 1) = mass(:, 1) - [square(1), part(3), part(2)]
+      mass(:, 2) = mass(:, 2) - [part(3), square(2), part(1)]
+      mass(:, 3) = mass(:, 3) - [part(2), part(1), square(3)]
       do j = 1, rows
+         part = 0.0_wp
+         do k = 1, n
+            part(1) = part(1) + coupling(k, 1)*eta_rows(k, j)
+            part(2) = part(2) + coupling(k, 2)*eta_rows(k, j)
+            part(3) = part(3) + coupling(k, 3)*eta_rows(k, j)
+         end do
+         frame_rows(:, j) = frame_rows(:, j) - part
          do i = 1, j
-            part = 0.0_wp
+            product = 0.0_wp
             do k = 1, n
-               part = part + eta_rows(k, i)*eta_rows(k, j)
+               product = product + eta_rows(k, i)*eta_rows(k, j)
             end do
-            values(rows_place(i, j)) = values(rows_place(i, j)) - part
-            if (i /= j) values(rows_place(j, i)) = values(rows_place(j, i)) - part
+            values(rows_place(i, j)) = values(rows_place(i, j)) - product
+            if (i /= j) values(rows_place(j, i)) = values(rows_place(j, i)) - product
          end do
       end do
    end subroutine condense_body
 
-   !> Adds the mass of a free frame.
-   pure subroutine add_frame(place, mass, values)
-      integer, intent(in) :: place(:, :)
-      real(wp), intent(in) :: mass(3, 3)
+   !> Adds the mass of a free frame, and the constraint rows on it.
+   pure subroutine add_frame(rates, rows, place, across, transposed, mass, frame_rows, values)
+      integer, intent(in) :: rates, rows
+      integer, intent(in) :: place(rates, rates), across(rows, rates), transposed(rows, rates)
+      real(wp), intent(in) :: mass(3, 3), frame_rows(3, rows)
       real(wp), contiguous, intent(inout) :: values(:)
       integer :: i, j
-      do j = 1, size(place, 2)
-         do i = 1, size(place, 1)
+      do j = 1, rates
+         do i = 1, rates
             values(place(i, j)) = values(place(i, j)) + mass(i, j)
+         end do
+         do i = 1, rows
+            values(across(i, j)) = values(across(i, j)) + frame_rows(j, i)
+            values(transposed(i, j)) = values(transposed(i, j)) + frame_rows(j, i)
          end do
       end do
    end subroutine add_frame
 
-   !> Adds the mass of a frame that hangs or is driven: hanging^T mass hanging.
-   pure subroutine add_hanging_frame(rates, count, place, mass, hanging, values)
-      integer, intent(in) :: rates, count
-      integer, intent(in) :: place(count, count)
-      real(wp), intent(in) :: mass(3, 3), hanging(rates, count)
+   !> The same of a frame that hangs or is driven: hanging^T mass hanging, and rows hanging.
+   pure subroutine add_hanging_frame(rates, count, rows, place, across, transposed, mass, frame_rows, hanging, values)
+      integer, intent(in) :: rates, count, rows
+      integer, intent(in) :: place(count, count), across(rows, count), transposed(rows, count)
+      real(wp), intent(in) :: mass(3, 3), frame_rows(3, rows), hanging(rates, count)
       real(wp), contiguous, intent(inout) :: values(:)
-      real(wp) :: product(3), part
-      integer :: i, j, k
+      real(wp) :: turning, product(3), part
+      integer :: i, j
+      turning = 0.0_wp
       do j = 1, count
-         product = 0.0_wp
-         do k = 1, rates
-            product = product + mass(:, k)*hanging(k, j)
-         end do
+         if (rates == 3) turning = hanging(3, j)
+         product = mass(:, 1)*hanging(1, j) + mass(:, 2)*hanging(2, j) + mass(:, 3)*turning
          do i = 1, count
-            part = hanging(1, i)*product(1)
-            do k = 2, rates
-               part = part + hanging(k, i)*product(k)
-            end do
+            part = hanging(1, i)*product(1) + hanging(2, i)*product(2)
+            if (rates == 3) part = part + hanging(3, i)*product(3)
             values(place(i, j)) = values(place(i, j)) + part
+         end do
+         do i = 1, rows
+            part = frame_rows(1, i)*hanging(1, j) + frame_rows(2, i)*hanging(2, j) + frame_rows(3, i)*turning
+            values(across(i, j)) = values(across(i, j)) + part
+            values(transposed(i, j)) = values(transposed(i, j)) + part
          end do
       end do
    end subroutine add_hanging_frame
-
-   !> Adds the condensed Jacobian rows and their transposes.
-   subroutine add_constraint_rows(system, work)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      integer :: i, side, body
-      do i = 1, size(system%constraints)
-         if (system%tree%row(system%constraints(i)%item%first) == 0) cycle
-         do side = 1, 2
-            body = system%constraints(i)%item%bodies(side)
-            if (body == ground) cycle
-            associate (jacobian => work%jacobians(side, i), scratch => work%bodies(body), rates => system%layout%rates(body))
-               call condense_rows(size(jacobian%z, 1), system%layout%n(body), rates, jacobian%z, jacobian%eta, scratch%coupling, &
-                  & jacobian%condensed)
-               if (system%tree%plain(body)) then
-                  call add_rows(size(jacobian%z, 1), rates, jacobian%condensed, jacobian%place, jacobian%transposed, &
-                     & work%matrix%values)
-               else
-                  call add_hanging_rows(size(jacobian%z, 1), rates, system%tree%count(body), jacobian%condensed, &
-                     & scratch%hanging, jacobian%place, jacobian%transposed, work%matrix%values)
-               end if
-            end associate
-         end do
-      end do
-   end subroutine add_constraint_rows
-
-   !> Rows of a Jacobian after the condensation of eta.
-   pure subroutine condense_rows(rows, n, rates, z, eta, coupling, condensed)
-      integer, intent(in) :: rows, n, rates
-      real(wp), intent(in) :: z(rows, 3), eta(rows, n), coupling(n, 3)
-      real(wp), intent(inout) :: condensed(rows, 3)
-      integer :: j, k
-      do j = 1, rates
-         condensed(:, j) = z(:, j)
-         do k = 1, n
-            condensed(:, j) = condensed(:, j) - eta(:, k)*coupling(k, j)
-         end do
-      end do
-   end subroutine condense_rows
-
-   !> Adds rows on a free frame.
-   pure subroutine add_rows(rows, rates, condensed, place, transposed, values)
-      integer, intent(in) :: rows, rates
-      real(wp), intent(in) :: condensed(rows, 3)
-      integer, intent(in) :: place(rows, rates), transposed(rows, rates)
-      real(wp), contiguous, intent(inout) :: values(:)
-      integer :: row, j
-      do j = 1, rates
-         do row = 1, rows
-            values(place(row, j)) = values(place(row, j)) + condensed(row, j)
-            values(transposed(row, j)) = values(transposed(row, j)) + condensed(row, j)
-         end do
-      end do
-   end subroutine add_rows
-
-   !> Adds rows on a frame that hangs or is driven.
-   pure subroutine add_hanging_rows(rows, rates, count, condensed, hanging, place, transposed, values)
-      integer, intent(in) :: rows, rates, count
-      real(wp), intent(in) :: condensed(rows, 3), hanging(rates, count)
-      integer, intent(in) :: place(rows, count), transposed(rows, count)
-      real(wp), contiguous, intent(inout) :: values(:)
-      real(wp) :: value
-      integer :: row, j, k
-      do j = 1, count
-         do row = 1, rows
-            value = condensed(row, 1)*hanging(1, j)
-            do k = 2, rates
-               value = value + condensed(row, k)*hanging(k, j)
-            end do
-            values(place(row, j)) = values(place(row, j)) + value
-            values(transposed(row, j)) = values(transposed(row, j)) + value
-         end do
-      end do
-   end subroutine add_hanging_rows
 
 end module limber_system_multiplier

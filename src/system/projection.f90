@@ -120,11 +120,11 @@ contains
                do j = 1, count(tree%holders(:, i) > 0)
                   call head_frame(tree%holders(j, i))
                end do
-               if (tree%axes(1, i) > 0) then
-                  do j = 1, 2
-                     q(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%value
-                  end do
-               end if
+            end if
+            if (tree%axes(1, i) > 0) then
+               do j = 1, 2
+                  q(first + j - 1) = work%kinematics%drives(tree%axes(j, i))%value
+               end do
             end if
          end do
       end associate
@@ -313,7 +313,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Velocities (nq)
-      real(wp), intent(inout) :: v(:)
+      real(wp), contiguous, intent(inout) :: v(:)
       !> Scratch (nq)
       real(wp), contiguous, intent(inout) :: change(:)
       !> Residual before, relative to the constraints' scales

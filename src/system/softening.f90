@@ -34,6 +34,7 @@ contains
          tree%holders = 0
          tree%holds = .false.
          tree%axes = 0
+         tree%axis_rows = 0
          tree%given = .false.
          tree%first = 0
          tree%next = 0

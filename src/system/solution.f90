@@ -13,22 +13,22 @@ module limber_system_solution
 contains
 
    !> Takes from a frame's force, and from the right-hand sides of the constraints on it, the part of eta.
-   pure subroutine condense_force(n, rows, rates, coupling, eta_rows, eta_force, list, condensed, solution)
-      integer, intent(in) :: n, rows, rates
+   pure subroutine condense_force(n, rows, coupling, eta_rows, eta_force, list, condensed, solution)
+      integer, intent(in) :: n, rows
       real(wp), intent(in) :: coupling(n, 3), eta_rows(n, rows), eta_force(n)
       !> Places of the constraints among the unknowns
       integer, intent(in) :: list(rows)
       real(wp), intent(inout) :: condensed(3)
       real(wp), contiguous, intent(inout) :: solution(:)
-      real(wp) :: part
+      real(wp) :: part, parts(3)
       integer :: j, k
-      do j = 1, rates
-         part = 0.0_wp
-         do k = 1, n
-            part = part + coupling(k, j)*eta_force(k)
-         end do
-         condensed(j) = condensed(j) - part
+      parts = 0.0_wp
+      do k = 1, n
+         parts(1) = parts(1) + coupling(k, 1)*eta_force(k)
+         parts(2) = parts(2) + coupling(k, 2)*eta_force(k)
+         parts(3) = parts(3) + coupling(k, 3)*eta_force(k)
       end do
+      condensed = condensed - parts
       do j = 1, rows
          part = 0.0_wp
          do k = 1, n
@@ -175,6 +175,7 @@ contains
                      end associate
                   end if
                end if
+               if (tree%axis_rows(1, i) > 0) bias(1:2) = [gamma(tree%axis_rows(1, i)), gamma(tree%axis_rows(2, i))]
                if (tree%driver(i) > 0) bias(3) = gamma(system%constraints(tree%driver(i))%item%first) &
                   & /work%jacobians(1, tree%driver(i))%z(1, 3)
             end associate
@@ -223,7 +224,7 @@ contains
             rates = system%layout%rates(i)
             associate (body => work%bodies(i))
                body%condensed = body%force
-               if (system%layout%n(i) > 0 .and. .not. still) call condense_force(system%layout%n(i), size(body%rows), rates, &
+               if (system%layout%n(i) > 0 .and. .not. still) call condense_force(system%layout%n(i), size(body%rows), &
                   & body%coupling, body%eta_rows, body%eta_force, body%rows, body%condensed, solution)
                if (tree%plain(i)) then
                   do j = 1, rates
@@ -232,14 +233,11 @@ contains
                   end do
                   cycle
                end if
-               call add_hanging_force(rates, tree%count(i), tree%columns(:, i), body%hanging, body%bias, body%mass, &
-                  & body%condensed, solution)
+               if (tree%count(i) > 0) call add_hanging_force(rates, tree%count(i), tree%columns(:, i), body%hanging, body%bias, &
+                  & body%mass, body%condensed, solution)
                do j = 1, size(body%rows)
-                  associate (condensed => work%jacobians(body%sources(2, j), body%sources(1, j))%condensed)
-                     do k = 1, rates
-                        solution(body%rows(j)) = solution(body%rows(j)) - condensed(body%sources(3, j), k)*body%bias(k)
-                     end do
-                  end associate
+                  solution(body%rows(j)) = solution(body%rows(j)) - (body%frame_rows(1, j)*body%bias(1) &
+                     & + body%frame_rows(2, j)*body%bias(2) + body%frame_rows(3, j)*body%bias(3))
                end do
             end associate
          end do
@@ -250,12 +248,15 @@ contains
    pure subroutine hang_frame(rates, count, columns, hanging, bias, solution, acceleration)
       integer, intent(in) :: rates, count
       integer, intent(in) :: columns(count)
-      real(wp), intent(in) :: hanging(rates, count), bias(3), solution(:)
+      real(wp), intent(in) :: hanging(rates, count), bias(3)
+      real(wp), contiguous, intent(in) :: solution(:)
       real(wp), intent(inout) :: acceleration(3)
       integer :: j
       acceleration = bias
       do j = 1, count
-         acceleration(:rates) = acceleration(:rates) + hanging(:, j)*solution(columns(j))
+         acceleration(1) = acceleration(1) + hanging(1, j)*solution(columns(j))
+         acceleration(2) = acceleration(2) + hanging(2, j)*solution(columns(j))
+         if (rates == 3) acceleration(3) = acceleration(3) + hanging(3, j)*solution(columns(j))
       end do
    end subroutine hang_frame
 
@@ -264,17 +265,14 @@ contains
       integer, intent(in) :: rates, count
       integer, intent(in) :: columns(count)
       real(wp), intent(in) :: hanging(rates, count), bias(3), mass(3, 3), force(3)
-      real(wp), intent(inout) :: solution(:)
-      real(wp) :: left(3)
-      integer :: j, k
-      left = force
-      do j = 1, rates
-         left = left - mass(:, j)*bias(j)
-      end do
+      real(wp), contiguous, intent(inout) :: solution(:)
+      real(wp) :: left(3), push
+      integer :: j
+      left = force - (mass(:, 1)*bias(1) + mass(:, 2)*bias(2) + mass(:, 3)*bias(3))
       do j = 1, count
-         do k = 1, rates
-            solution(columns(j)) = solution(columns(j)) + hanging(k, j)*left(k)
-         end do
+         push = hanging(1, j)*left(1) + hanging(2, j)*left(2)
+         if (rates == 3) push = push + hanging(3, j)*left(3)
+         solution(columns(j)) = solution(columns(j)) + push
       end do
    end subroutine add_hanging_force
 
@@ -292,17 +290,11 @@ contains
          do k = size(tree%order), 1, -1
             i = tree%order(k)
             if (tree%plain(i)) cycle
-            left = work%bodies(i)%condensed
-            do j = 1, system%layout%rates(i)
-               left = left - work%bodies(i)%mass(:, j)*work%bodies(i)%acceleration(j)
-            end do
             associate (body => work%bodies(i))
+               left = body%condensed - (body%mass(:, 1)*body%acceleration(1) + body%mass(:, 2)*body%acceleration(2) &
+                  & + body%mass(:, 3)*body%acceleration(3))
                do j = 1, size(body%rows)
-                  associate (condensed => work%jacobians(body%sources(2, j), body%sources(1, j))%condensed)
-                     do row = 1, 3
-                        left(row) = left(row) - condensed(body%sources(3, j), row)*work%solution(body%rows(j))
-                     end do
-                  end associate
+                  left = left - body%frame_rows(:, j)*work%solution(body%rows(j))
                end do
             end associate
             j = tree%first(i)
@@ -317,6 +309,10 @@ contains
             if (tree%joint(i) > 0) then
                row = system%constraints(tree%joint(i))%item%first
                work%lambda(row:row + 1) = left(1:2)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
+            end if
+            if (tree%axis_rows(1, i) > 0) then
+               work%lambda(tree%axis_rows(1, i)) = left(1)
+               work%lambda(tree%axis_rows(2, i)) = left(2)
             end if
             if (tree%driver(i) > 0) then
                row = system%constraints(tree%driver(i))%item%first

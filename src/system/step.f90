@@ -70,8 +70,10 @@ contains
    subroutine begin_step(system, step, t, h, final, q, b)
       type(system_type), intent(in) :: system
       type(step_type), intent(inout) :: step
-      !> Time, length, time at the end; coordinates (nq), rates in the axes of the frames (nw)
-      real(wp), intent(in) :: t, h, final, q(:), b(:)
+      !> Time, length, time at the end
+      real(wp), intent(in) :: t, h, final
+      !> Coordinates (nq), rates in the axes of the frames (nw)
+      real(wp), contiguous, intent(in) :: q(:), b(:)
       step%t = t
       step%h = h
       step%final = final

@@ -51,8 +51,9 @@ module limber_system_system
       !> Of a frame that hangs on another, or is driven: its accelerations are hanging . unknowns + bias (rates, count)
       real(wp) :: bias(3) = 0.0_wp
       real(wp), allocatable :: hanging(:, :)
-      !> Of a frame that is held: its accelerations for unit right-hand sides of the rows that hold it (rates, rows)
-      real(wp) :: inverse(3, 3) = 0.0_wp
+      !> Of a frame that is held: the rows that hold it, those in use first, and its accelerations for unit right-hand sides of them
+      !> (rates, rows)
+      real(wp) :: held(3, 3) = huge(1.0_wp), inverse(3, 3) = 0.0_wp
       !> Coupling (n,3) of eta'' with the frame, and forces on eta (n)
       real(wp), allocatable :: coupling(:, :), eta_force(:)
       !> Scratch of the elastic force (pairs)
@@ -60,10 +61,12 @@ module limber_system_system
       !> Constraint equations with multipliers that act on the body: their places among the unknowns (rows), where each comes
       !> from, [constraint, side, row in it] (3, rows), and their eta parts (n, rows)
       integer, allocatable :: rows(:), sources(:, :)
-      !> Where the mass matrix of the frame (count, count), and what eta adds between the constraint rows (rows, rows), stand
-      !> in the multiplier matrix
-      integer, allocatable :: frame_place(:, :), rows_place(:, :)
       real(wp), allocatable :: eta_rows(:, :)
+      !> Their parts on r' and omega, after the condensation of eta once the system is factored (3, rows)
+      real(wp), allocatable :: frame_rows(:, :)
+      !> Where the mass matrix of the frame (count, count), the parts of the constraint rows on it, as they are and transposed (rows,
+      !> count), and what eta adds between these rows (rows, rows), stand in the multiplier matrix
+      integer, allocatable :: frame_place(:, :), across_place(:, :), transposed_place(:, :), rows_place(:, :)
       !> Of a body whose axial coordinates follow at rest (else not allocated): H (axial, bending), the factor of I + H^T H
       !> (bending, bending), rows of the coupling that were condensed (axial, 3)
       real(wp), allocatable :: fold(:, :), normal(:, :), axial_coupling(:, :)
@@ -206,6 +209,7 @@ contains
       end do
       do i = 1, size(work%bodies)
          allocate (work%bodies(i)%eta_rows(system%layout%n(i), size(work%bodies(i)%rows)))
+         allocate (work%bodies(i)%frame_rows(3, size(work%bodies(i)%rows)), source=0.0_wp)
          call start_hanging(system, i, work%bodies(i)%hanging)
       end do
       call analyse_pattern(system, work)
@@ -274,18 +278,10 @@ contains
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i))
             body%frame_place = block_place(work%matrix, columns_of(system, i), columns_of(system, i))
+            body%across_place = block_place(work%matrix, body%rows, columns_of(system, i))
+            body%transposed_place = transpose(block_place(work%matrix, columns_of(system, i), body%rows))
             if (system%layout%n(i) > 0) body%rows_place = block_place(work%matrix, body%rows, body%rows)
          end associate
-      end do
-      do i = 1, size(system%constraints)
-         do side = 1, 2
-            body = system%constraints(i)%item%bodies(side)
-            if (body == ground .or. system%tree%row(system%constraints(i)%item%first) == 0) cycle
-            associate (jacobian => work%jacobians(side, i))
-               jacobian%place = block_place(work%matrix, rows_of(system, i), columns_of(system, body))
-               jacobian%transposed = transpose(block_place(work%matrix, columns_of(system, body), rows_of(system, i)))
-            end associate
-         end do
       end do
    end subroutine analyse_pattern
 
@@ -355,6 +351,7 @@ contains
       call snapshot%exchange('condensed', self%condensed)
       call snapshot%exchange('acceleration', self%acceleration)
       call snapshot%exchange('bias', self%bias)
+      call snapshot%exchange('held', self%held)
       call snapshot%exchange('inverse', self%inverse)
       call snapshot%keep('hanging', self%hanging)
       call snapshot%keep('coupling', self%coupling)
@@ -362,6 +359,7 @@ contains
       call snapshot%keep('z', self%z)
       call snapshot%keep('s', self%s)
       call snapshot%keep('eta_rows', self%eta_rows)
+      call snapshot%keep('frame_rows', self%frame_rows)
       call snapshot%keep('fold', self%fold)
       call snapshot%keep('normal', self%normal)
       call snapshot%keep('axial_coupling', self%axial_coupling)

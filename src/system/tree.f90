@@ -33,8 +33,9 @@ module limber_system_tree
       integer, allocatable :: grip(:), holders(:, :)
       !> True if any body is held so
       logical :: holds = .false.
-      !> Of a held frame whose origin is driven along x and y: the two drivers of the model; 0: it is not (2, bodies)
-      integer, allocatable :: axes(:, :)
+      !> Of a frame whose origin is driven along x and y: the two drivers of the model, 0: it is not; and their equations, where
+      !> nothing but these and a driven angle holds it, so that they are solved one by one (2, bodies)
+      integer, allocatable :: axes(:, :), axis_rows(:, :)
       !> Whether the origin of a frame, and its angle, are known in time and found at once: 1 and 2 (2, bodies)
       logical, allocatable :: given(:, :)
       !> True if the frame's own rates are unknowns, all of them
@@ -116,9 +117,10 @@ contains
             if (candidates%known(i)) call wait_for(candidates, constraints, i)
          end do
          call find_axes(registry, tree)
+         call release_driven(layout, constraints, size(model%joints), tree)
       end associate
       call find_given(constraints, tree)
-      call find_bearers(constraints, tree)
+      call find_bearers(constraints, size(registry%model%joints), tree)
       call number_rows(constraints, tree)
    end function new_tree
 
@@ -129,7 +131,7 @@ contains
       allocate (tree%order(bodies), tree%joint(bodies), tree%driver(bodies), tree%side(bodies), tree%carrier(bodies), &
          & tree%marker(bodies), tree%plain(bodies), tree%count(bodies), tree%columns(most, bodies), tree%row(nc), &
          & tree%first(bodies), tree%next(2*constraints), tree%body(constraints), tree%grip(bodies), tree%holders(3, bodies), &
-         & tree%axes(2, bodies), tree%given(2, bodies))
+         & tree%axes(2, bodies), tree%axis_rows(2, bodies), tree%given(2, bodies))
       tree%given = .false.
       tree%order = 0
       tree%joint = 0
@@ -142,6 +144,7 @@ contains
       tree%grip = 0
       tree%holders = 0
       tree%axes = 0
+      tree%axis_rows = 0
    end subroutine start_tree
 
    !> The first driver of each body's angle.
@@ -381,6 +384,36 @@ contains
       end do
    end subroutine find_axes
 
+   !> Frames that are driven along both axes of space, and turned by a driver if they turn, need no grip: their equations are solved
+   !> one by one.
+   subroutine release_driven(layout, constraints, joints, tree)
+      type(layout_type), intent(in) :: layout
+      type(constraint_item_type), intent(in) :: constraints(:)
+      !> Number of joints, behind which the drivers stand among the constraints
+      integer, intent(in) :: joints
+      type(tree_type), intent(inout) :: tree
+      integer :: body, k, turning
+      if (.not. tree%holds) return
+      do body = 1, size(tree%grip)
+         if (tree%axes(1, body) == 0 .or. tree%grip(body) < layout%rates(body)) cycle
+         turning = 0
+         do k = 1, layout%rates(body)
+            select type (item => constraints(tree%holders(k, body))%item)
+            type is (driven_angle_type)
+               turning = tree%holders(k, body)
+            end select
+         end do
+         if (layout%framed(body) .and. turning == 0) cycle
+         tree%grip(body) = 0
+         tree%holders(:, body) = 0
+         tree%driver(body) = turning
+         do k = 1, 2
+            tree%axis_rows(k, body) = constraints(joints + tree%axes(k, body))%item%first
+         end do
+      end do
+      tree%holds = any(tree%grip > 0)
+   end subroutine release_driven
+
    !> Whether a point is the origin of its body's frame, whatever the deflection.
    pure logical function at_origin(model, point)
       type(model_type), intent(in) :: model
@@ -419,8 +452,10 @@ contains
    end subroutine find_given
 
    !> What each constraint places, holds or drives, and what each body bears of it.
-   subroutine find_bearers(constraints, tree)
+   subroutine find_bearers(constraints, joints, tree)
       type(constraint_item_type), intent(in) :: constraints(:)
+      !> Number of joints, behind which the drivers stand among the constraints
+      integer, intent(in) :: joints
       type(tree_type), intent(inout) :: tree
       integer :: k, j, body
       tree%first = 0
@@ -430,6 +465,7 @@ contains
          body = tree%order(k)
          if (tree%driver(body) > 0) tree%body(tree%driver(body)) = body
          if (tree%joint(body) > 0) call add(tree%joint(body), tree%side(body))
+         if (tree%axis_rows(1, body) > 0) tree%body(joints + tree%axes(:, body)) = body
          do j = 1, count(tree%holders(:, body) > 0)
             call add(tree%holders(j, body), merge(1, 2, constraints(tree%holders(j, body))%item%bodies(1) == body))
          end do

@@ -192,7 +192,8 @@ contains
    !> deflection, and so do those of a richer basis of the same kind. Truth: a function for each k_G element, a smaller tolerance.
    subroutine test_locking()
       type(history_reader_type) :: reader, refined
-      character(*), parameter :: fine = ', GEOMETRIC=FULL, BENDING MODES=8, AXIAL BASIS=ELEMENTS, GEOMETRIC ELEMENTS=12, ELEMENTS=480'
+      character(*), parameter :: fine = ', GEOMETRIC=FULL, BENDING MODES=8, AXIAL BASIS=ELEMENTS, '// &
+         & 'GEOMETRIC ELEMENTS=12, ELEMENTS=480'
       character(130) :: old(3), new(3)
       call run_for('struck_beam', '1e-3', reader)
       old = [character(130) :: 'ORIGIN=0.75', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=500']

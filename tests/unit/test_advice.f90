@@ -6,7 +6,7 @@ program test_advice
    use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, floor_of, cost_of
    use limber_analysis_advise, only: read_whole_deck
    use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, next_rung, better_rung, can_climb, rung_name, free_options, &
-      & lower_rungs, bound_rung, rest_beyond, level_rigid, level_linear, level_kg, level_full
+      & lower_rungs, bound_rung, rest_beyond, most_lower, level_rigid, level_linear, level_kg, level_full
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes
    use limber_deck_content, only: deck_type
@@ -136,7 +136,7 @@ contains
 
    !> Rungs below: each leaves out one thing more and costs less, and never what the deck gives.
    subroutine test_lower()
-      type(rung_type) :: rung, lower(3)
+      type(rung_type) :: rung, lower(most_lower)
       integer :: i, count
       rung = open_rung()
       rung%bending = 5
@@ -145,6 +145,12 @@ contains
       call check(count == 2, 'fewer modes, or less geometry')
       call check(rung_name(lower(1)) == 'FULL 4 + 8' .and. rung_name(lower(2)) == 'K_G 5 + 2', 'below FULL 5 + 8: '// &
          & rung_name(lower(1))//', '//rung_name(lower(2)))
+      rung%derivatives = 12
+      call lower_rungs(rung, lower, count)
+      call check(rung_name(rung) == 'FULL 5 + 12' .and. count == 4, 'all that k_G elements allow: '//rung_name(rung))
+      call check(rung_name(lower(1)) == 'FULL 5 + 8' .and. rung_name(lower(2)) == 'FULL 4 + 8' .and. &
+         & rung_name(lower(3)) == 'FULL 4 + 12', 'below FULL 5 + 12, which cannot lock: '//rung_name(lower(1))//', '// &
+         & rung_name(lower(2))//', '//rung_name(lower(3)))
       rung%segments = 4
       rung%bending = 2
       call lower_rungs(rung, lower, count)
@@ -168,6 +174,11 @@ contains
       call check(rung_name(rung) == 'K_G 2 + 2', 'a bound on the level alone: '//rung_name(rung))
       call bound_rung(rung, level_full, 1)
       call check(rung_name(rung) == 'K_G 1 + 1', 'a bound never raises: '//rung_name(rung))
+      rung = open_rung()
+      rung%bending = 2
+      rung%segments = 4
+      call bound_rung(rung, level_full, 3)
+      call check(rung_name(rung) == 'FULL 3 + 5', 'modes of pieces are not those of a beam: '//rung_name(rung))
    end subroutine test_lower
 
    !> What the finer of two runs errs, as a part of their difference: of errors c/n^3 that is what is left of the geometric rest.

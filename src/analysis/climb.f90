@@ -144,7 +144,7 @@ contains
             else
                ! Errors fall with the third power of the modes at least, if nothing locks
                from = rung%bending
-               may_lock = rung%level == level_full .and. rung%derivatives < all_derivatives(rung%bending)
+               may_lock = rung%level == level_full .and. rung%derivatives < all_derivatives(rung)
                do k = 1, 3
                   reached%before(i) = merge(reached%of_beam(i), 0.0_wp, rung%level == level_full)
                   rung = better_rung(rung, .false.)

@@ -18,7 +18,7 @@ module limber_analysis_descent
    public :: descend
 
    !> Tolerance that is the loosest, and ratios of two that are tried one after another
-   real(wp), parameter :: loosest = 1.0e-2_wp, looser(2) = [3.0_wp, 1.75_wp]
+   real(wp), parameter :: loosest = 1.0e-2_wp, looser(2) = [3.0_wp, 1.75_wp], tighter(3) = [0.75_wp, 0.4_wp, 0.1_wp]
    !> Part of the work that a setting must save
    real(wp), parameter :: saved = 0.1_wp
    !> Most runs, and their work in units of the first setting's
@@ -88,6 +88,7 @@ contains
       call keep()
       do look = 0, most_looks
          call go_down()
+         if (.not. allocated(error)) call try_tighter()
          if (allocated(error) .or. look == most_looks .or. .not. look_may_help()) exit
          before = reached%work
          call sharpen(deck, target, quiet, reached, truth, sharper, error)
@@ -223,6 +224,16 @@ contains
             too_loose = tolerance
          end do
       end subroutine try_looser
+
+      !> A tighter tolerance: a loose one may excite vibrations that it must follow then, and cost more.
+      subroutine try_tighter()
+         integer :: l
+         if (.not. reached%advice%open_tolerance) return
+         do l = 1, size(tighter)
+            call try(tighter(l)*reached%advice%tolerance)
+            if (down .or. allocated(error)) return
+         end do
+      end subroutine try_tighter
 
       !> The lowest rungs first, at a few tolerances, as far as they cost much less: they are soon given up where they do not do.
       !> One that is given up early and at the same place with a smaller tolerance errs by itself.

@@ -121,7 +121,9 @@ contains
          scale = magnitude(samples%values(i, :samples%samples))
          if (allocated(estimate%scale)) scale = max(scale, estimate%scale(i))
          text = text//right(as_text(worst/scale, 2))
-         if (scale > terms*largest) text = text//'  of its terms'
+         if (allocated(estimate%scale)) then
+            if (scale > terms*largest) text = text//'  of its terms'
+         end if
          if (estimate%stuck(i)) text = text//'  does not shrink'
       end do
       if (.not. estimate%of_model) text = text//newline//'      '//excluded

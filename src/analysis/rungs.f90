@@ -271,7 +271,7 @@ contains
       case (level_kg, level_full)
          functions = merge(merge(2, 1, rung%spun), 1, rung%pulled)
          if (rung%level == level_full) functions = min(geometric_elements, functions + &
-            & min(rung%derivatives, rung%bending*(rung%bending + 1)/2))
+            & min(rung%derivatives, pairs_of(rung)))
       end select
    end function functions_of
 
@@ -319,7 +319,7 @@ contains
       if (rung%open_modes .and. rung%bending < most_modes) next%bending = min(most_modes, rung%bending &
          & + merge(1, 2, next%level == level_kg))
       ! So that it shows if too few lock
-      if (next%open_modes .and. next%level == level_full) next%derivatives = all_derivatives(next%bending)
+      if (next%open_modes .and. next%level == level_full) next%derivatives = all_derivatives(next)
       next%spun = next%bending > 1
       if (.not. next%given_elements) next%elements = min(most_elements, 2*rung%elements)
    end function next_rung
@@ -407,7 +407,7 @@ contains
          less%spun = less%bending > 1
          less%derivatives = min(less%derivatives, enough_derivatives(less%bending))
          call add()
-         less%derivatives = min(rung%derivatives, all_derivatives(less%bending))
+         less%derivatives = min(rung%derivatives, all_derivatives(less))
          if (rung%level == level_full .and. less%derivatives > enough_derivatives(less%bending)) call add()
       end if
       less = rung
@@ -449,11 +449,19 @@ contains
       if (better%level == level_full .and. rung%level < level_full) better%derivatives = enough_derivatives(better%bending)
    end function better_rung
 
-   !> Modal derivatives of all pairs of so many bending modes, which never lock; more than there are geometric elements depend on
-   !> each other.
-   pure integer function all_derivatives(bending) result(derivatives)
-      integer, intent(in) :: bending
-      derivatives = min(bending*(bending + 1)/2, geometric_elements)
+   !> Number of pairs of the bending coordinates, the shapes of the ends among them.
+   pure integer function pairs_of(rung) result(pairs)
+      type(rung_type), intent(in) :: rung
+      integer :: n
+      n = rung%bending + merge(of_ends, 0, rung%shaped)
+      pairs = n*(n + 1)/2
+   end function pairs_of
+
+   !> Modal derivatives of all pairs of the bending coordinates of a beam in one frame, which never lock; more than there are
+   !> geometric elements depend on each other.
+   pure integer function all_derivatives(rung) result(derivatives)
+      type(rung_type), intent(in) :: rung
+      derivatives = min(pairs_of(rung), geometric_elements)
    end function all_derivatives
 
    !> Modal derivatives that so many bending modes are worth as a rule: those of the pairs of the first, as the others bend less.

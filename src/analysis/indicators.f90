@@ -46,15 +46,17 @@ module limber_analysis_indicators
       & 'relative deflection that the variation of the axial force within the k_G elements makes', &
       & 'error of frequencies and deflections by the lumped masses', &
       & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending', &
-      & 'shift of the vibrations / largest deflection, by the inertia of the shortening that the model lacks']
+      & 'shift of the vibrations / largest deflection, by what the model lacks of the shortening']
 
    !> Maxima that the indicators are made of
    integer, parameter, public :: peak_deflection = 1, peak_slope = 2, peak_rotation = 3, peak_compression = 4, peak_tension = 5, &
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
       & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peaks = 15
 
-   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations
-   integer, parameter, public :: sum_kinetic = 1, sum_elastic = 2, sum_shortening = 3, sum_acceleration = 4, sums = 4
+   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and the
+   !> work on the bending of tension that is there only because the shortening cannot be carried
+   integer, parameter, public :: sum_kinetic = 1, sum_elastic = 2, sum_shortening = 3, sum_acceleration = 4, &
+      & sum_locked = 5, sums = 5
 
    !> One flexible body, or one rigid beam
    type :: body_indicators_type
@@ -490,13 +492,13 @@ contains
       end associate
    end function indicator_value
 
-   !> Phase by which the vibrations of a model without the inertia of the shortening are ahead, as a part of the largest deflection,
-   !> eq. (199); zero where the model has that inertia.
+   !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the shortening,
+   !> eq. (199), and of `FULL` where it locks, eq. (200).
    pure real(wp) function drift(self)
       type(body_indicators_type), intent(in) :: self
-      real(wp) :: frequency, vibrating, count
+      real(wp) :: frequency, vibrating, count, shift
       drift = 0.0_wp
-      if (.not. self%is_beam .or. self%is_full .or. self%held) return
+      if (.not. self%is_beam .or. self%held) return
       associate (total => self%total)
          if (.not. (total(sum_kinetic) > 0.0_wp .and. self%peak(peak_bent) > 0.0_wp .and. total(sum_elastic) > 0.0_wp)) return
          frequency = sqrt(total(sum_acceleration)/total(sum_kinetic))
@@ -504,8 +506,12 @@ contains
          if (.not. (frequency > 0.0_wp .and. count > 0.0_wp)) return
          ! Sums and the largest are of the same states: their quotient needs the number of these
          vibrating = min(1.0_wp, sqrt(2*total(sum_kinetic)/self%looks)/(frequency*sqrt(self%peak(peak_bent))))
-         drift = vibrating*frequency*count*total(sum_shortening)/total(sum_kinetic) &
-            & *min(1.0_wp, total(sum_kinetic)/total(sum_elastic))
+         if (self%is_full) then
+            shift = 0.5_wp*abs(total(sum_locked))/total(sum_elastic)
+         else
+            shift = total(sum_shortening)/total(sum_kinetic)
+         end if
+         drift = vibrating*frequency*count*shift*min(1.0_wp, total(sum_kinetic)/total(sum_elastic))
       end associate
    end function drift
 

@@ -5,7 +5,7 @@ module limber_analysis_observation
    use limber_flex_quasistatic, only: find_deflection
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
-      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, sum_kinetic, sum_elastic, sum_shortening, &
+      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, sum_kinetic, sum_elastic, sum_shortening, sum_locked, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
    use limber_model_scene, only: body_type, ground
@@ -40,8 +40,11 @@ contains
                call bend(self%bodies(i), stations, t, eta)
                call start_amplitudes(self%bodies(i), stations, a(first:first + 1) - system%model%gravity, u, &
                   & cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last))
-               if (.not. (self%bodies(i)%is_full .or. self%bodies(i)%held)) call add_shortening(self%bodies(i), stations, &
-                  & system%model%bodies(self%bodies(i)%body), t, eta, rate, a(first + 4:last))
+               if (self%bodies(i)%held) cycle
+               associate (body => system%model%bodies(self%bodies(i)%body))
+                  call add_vibration(self%bodies(i), stations%bending, body, t, eta, rate, a(first + 4:last))
+                  if (.not. self%bodies(i)%is_full) call add_shortening(self%bodies(i), stations, body, rate)
+               end associate
             end associate
          end associate
       end do
@@ -112,14 +115,32 @@ contains
       self%looks = self%looks + 1
    end subroutine observe_rigid
 
-   !> Energies of the vibration and of the shortening that it makes: what hangs on the beam, and its own mass, move along it by
-   !> half of the squared slopes, eq. (199).
-   pure subroutine add_shortening(self, stations, body, t, eta, rate, acceleration)
+   !> Energies and accelerations of the vibration.
+   pure subroutine add_vibration(self, bending, body, t, eta, rate, acceleration)
       type(body_indicators_type), intent(inout) :: self
-      type(stations_type), intent(in) :: stations
+      !> Number of bending coordinates
+      integer, intent(in) :: bending
       type(body_type), intent(in) :: body
       !> Time; coordinates, their rates and accelerations (n)
       real(wp), intent(in) :: t, eta(:), rate(:), acceleration(:)
+      integer :: k
+      self%total(sum_kinetic) = self%total(sum_kinetic) + dot_product(rate(:bending), rate(:bending))
+      self%total(sum_acceleration) = self%total(sum_acceleration) + dot_product(acceleration(:bending), acceleration(:bending))
+      do k = 1, bending
+         self%total(sum_elastic) = self%total(sum_elastic) + body%reduced%omega2(k)*eta(k)**2
+      end do
+      self%looks = self%looks + 1
+      self%span = [min(self%span(1), t), max(self%span(2), t)]
+   end subroutine add_vibration
+
+   !> Energy of the shortening that a vibration makes: what hangs on the beam, and its own mass, move along it by half of the squared
+   !> slopes, eq. (199).
+   pure subroutine add_shortening(self, stations, body, rate)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      type(body_type), intent(in) :: body
+      !> Of the coordinates (n)
+      real(wp), intent(in) :: rate(:)
       real(wp) :: fixed, part, energy
       integer :: s, k, b
       b = stations%bending
@@ -144,13 +165,6 @@ contains
          energy = energy + self%carried(k)*(speed_at(k) - fixed)**2
       end do
       self%total(sum_shortening) = self%total(sum_shortening) + energy
-      self%total(sum_kinetic) = self%total(sum_kinetic) + dot_product(rate(:b), rate(:b))
-      self%total(sum_acceleration) = self%total(sum_acceleration) + dot_product(acceleration(:b), acceleration(:b))
-      do k = 1, b
-         self%total(sum_elastic) = self%total(sum_elastic) + body%reduced%omega2(k)*eta(k)**2
-      end do
-      self%looks = self%looks + 1
-      self%span = [min(self%span(1), t), max(self%span(2), t)]
 
    contains
 
@@ -428,6 +442,8 @@ contains
             end do
          end do
       end do
+      if (.not. body%reduced%condensed) self%total(sum_locked) = self%total(sum_locked) &
+         & + dot_product(self%push(1, :stations%bending), eta(:stations%bending))
       lack = 0.0_wp
       coarse = 0.0_wp
       do j = 1, stations%bending

@@ -190,8 +190,10 @@ contains
       case (indicator_lumping)
          text = 'has too few elements: with the mass in the nodes its deflection errs by about '//percent//when
       case (indicator_drift)
-         text = 'vibrates long enough for the inertia of its shortening, which '//fidelity(body)//' leaves out, to shift the'// &
-            & ' vibrations by about '//percent//' of the largest deflection'//when
+         text = 'locks a little, and vibrates long enough for that to shift the vibrations by about '//percent// &
+            & ' of the largest deflection'//when//': its axial functions cannot carry all of the shortening by bending'
+         if (.not. body%reduced%full) text = 'vibrates long enough for the inertia of its shortening, which '// &
+            & fidelity(body)//' leaves out, to shift the vibrations by about '//percent//' of the largest deflection'//when
       case default
          text = 'has large slopes under an axial force'//when//': the shortening that one frame leaves out does work of '// &
             & percent//' of the energy of bending'
@@ -211,7 +213,9 @@ contains
          return
       end if
       select case (kind)
-      case (indicator_drift); text = 'use GEOMETRIC=FULL'
+      case (indicator_drift)
+         text = 'use GEOMETRIC=FULL'
+         if (body%reduced%full) text = 'use AXIAL BASIS=ELEMENTS, or more MODAL DERIVATIVES'
       case (indicator_deflection); text = 'use GEOMETRIC=FULL, or divide the beam into SEGMENTS'
       case (indicator_rotation); text = 'use GEOMETRIC=K_G or FULL'
       case (indicator_compression)

@@ -142,7 +142,7 @@ contains
       type(workspace_type), intent(inout) :: work
       !> Whether its velocities are asked for
       logical, intent(in) :: moving
-      real(wp), intent(in) :: v(:)
+      real(wp), contiguous, intent(in) :: v(:)
       type(outcome_type), intent(inout) :: outcome
       real(wp) :: largest
       if (system%nc == 0) return

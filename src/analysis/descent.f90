@@ -25,8 +25,8 @@ module limber_analysis_descent
    integer, parameter :: most_runs = 60
    real(wp), parameter :: most_effort = 16.0_wp
 
-   !> What a setting that keeps the target must cost, in units of the cheapest, to be worth a second look at a truth that errs by too
-   !> much to tell
+   !> What a setting that keeps the target must cost, in units of the cheapest, to be worth a second look at a truth that errs by
+   !> too much to tell
    real(wp), parameter :: worth_a_look = 0.6_wp
    !> Most looks
    integer, parameter :: most_looks = 2
@@ -56,8 +56,8 @@ contains
       !> Whether the progress is not shown
       logical, intent(in) :: quiet
       type(truth_type), intent(inout) :: truth
-      !> With the setting that keeps the target, on return the cheapest. If a second look at the truth shows that it does not keep it,
-      !> it is not done
+      !> With the setting that keeps the target, on return the cheapest. If a second look at the truth shows that it does not keep
+      !> it, it is not done
       type(reached_type), intent(inout) :: reached
       !> Its run
       type(trial_type), intent(inout) :: best
@@ -69,7 +69,7 @@ contains
       type(deck_type) :: implicit_deck
       type(rung_type), allocatable :: rungs(:)
       type(rung_type) :: lower(most_lower)
-      real(wp) :: budget, before
+      real(wp) :: budget
       !> Tolerance that has been too loose; part of the duration that the last setting reached before it was given up
       real(wp) :: too_loose, given_up
       integer :: i, j, k, count, tries, last, look
@@ -90,12 +90,10 @@ contains
          call go_down()
          if (.not. allocated(error)) call try_tighter()
          if (allocated(error) .or. look == most_looks .or. .not. look_may_help()) exit
-         before = reached%work
          call sharpen(deck, target, quiet, reached, truth, sharper, error)
          if (allocated(error) .or. .not. sharper) exit
          reached%path = reached%path//newline//'   a second look at the verification leaves it in doubt by '// &
             & as_text(maxval(truth%rest/truth%scale), 2)
-         budget = budget - (reached%work - before)
          call judge_again()
          if (allocated(error) .or. .not. reached%done) exit
       end do
@@ -227,11 +225,14 @@ contains
 
       !> A tighter tolerance: a loose one may excite vibrations that it must follow then, and cost more.
       subroutine try_tighter()
-         integer :: l
+         integer :: l, tried_before
          if (.not. reached%advice%open_tolerance) return
          do l = 1, size(tighter)
+            tried_before = tries
             call try(tighter(l)*reached%advice%tolerance)
             if (down .or. allocated(error)) return
+            ! That it costs more says nothing of looser ones
+            tried(tried_before + 1:tries)%counts = .false.
          end do
       end subroutine try_tighter
 

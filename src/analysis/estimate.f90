@@ -46,8 +46,8 @@ module limber_analysis_estimate
       character(:), allocatable :: reason
       !> Of each channel at each sample (channels, samples) [unit of the channel]
       real(wp), allocatable :: values(:, :)
-      !> What they are judged relative to, where a target is asked for (channels): a channel that is the small difference of large terms
-      !> has the scale of these
+      !> What they are judged relative to, where a target is asked for (channels): a channel that is the small difference of large
+      !> terms has the scale of these
       real(wp), allocatable :: scale(:)
       !> Eq. (58) for each channel (channels), or `unknown_ratio`
       real(wp), allocatable :: ratio(:)

@@ -492,8 +492,8 @@ contains
       end associate
    end function indicator_value
 
-   !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the shortening,
-   !> eq. (199), and of `FULL` where it locks, eq. (200).
+   !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the
+   !> shortening, eq. (199), and of `FULL` where it locks, eq. (200).
    pure real(wp) function drift(self)
       type(body_indicators_type), intent(in) :: self
       real(wp) :: frequency, vibrating, count, shift

@@ -133,8 +133,8 @@ contains
       self%span = [min(self%span(1), t), max(self%span(2), t)]
    end subroutine add_vibration
 
-   !> Energy of the shortening that a vibration makes: what hangs on the beam, and its own mass, move along it by half of the squared
-   !> slopes, eq. (199).
+   !> Energy of the shortening that a vibration makes: what hangs on the beam, and its own mass, move along it by half of the
+   !> squared slopes, eq. (199).
    pure subroutine add_shortening(self, stations, body, rate)
       type(body_indicators_type), intent(inout) :: self
       type(stations_type), intent(in) :: stations

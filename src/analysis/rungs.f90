@@ -355,8 +355,8 @@ contains
       if (divided%open_modes) divided%bending = bending
    end function in_pieces
 
-   !> Lowers a rung to a level and a number of modes, in one frame, if it is above and the deck leaves that open; modes of a piece are
-   !> not counted against those of a beam in one frame.
+   !> Lowers a rung to a level and a number of modes, in one frame, if it is above and the deck leaves that open; modes of a piece
+   !> are not counted against those of a beam in one frame.
    subroutine bound_rung(rung, level, bending)
       type(rung_type), intent(inout) :: rung
       !> level_linear, ...

@@ -13,7 +13,8 @@ module limber_analysis_truth
       !> Rungs of the run that it was made to verify, its tolerance, and the counted work of its time loop
       type(rung_type), allocatable :: verified(:)
       real(wp) :: verified_tolerance = 0.0_wp, verified_work = 0.0_wp
-      !> What a tenth of the tolerance multiplies that work by, and samples of these rungs at the tolerance of the truth, if there are
+      !> What a tenth of the tolerance multiplies that work by, and samples of these rungs at the tolerance of the truth, if there
+      !> are
       real(wp) :: growth = 1.0_wp
       real(wp), allocatable :: coarse(:, :)
       !> Its own
@@ -23,8 +24,8 @@ module limber_analysis_truth
       real(wp), allocatable :: values(:, :), finest(:, :)
       !> What errors of the channels are relative to (channels)
       real(wp), allocatable :: scale(:)
-      !> Its own errors, estimated: by the integration and by the models of the beams as far as runs show them (channels), by what no
-      !> such run shows, relative to the scale, and all (channels)
+      !> Its own errors, estimated: by the integration and by the models of the beams as far as runs show them (channels), by what
+      !> no such run shows, relative to the scale, and all (channels)
       real(wp), allocatable :: of_time(:), of_model(:), rest(:)
       real(wp) :: left_out = 0.0_wp
       !> Whether its integration and its models have been looked at a second time

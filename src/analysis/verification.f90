@@ -20,8 +20,8 @@ module limber_analysis_verification
    real(wp), parameter, public :: least_tolerance = 1.0e-13_wp
    !> What differences are multiplied by where a beam or the integration is judged
    real(wp), parameter, public :: widening = 1.25_wp
-   !> Part of the target that a floor of one frame may have where runs in one frame verify each other; below which the expected error
-   !> of a beam does not matter, and below which all that its deflection does to the channels
+   !> Part of the target that a floor of one frame may have where runs in one frame verify each other; below which the expected
+   !> error of a beam does not matter, and below which all that its deflection does to the channels
    real(wp), parameter, public :: unseen = 0.25_wp, no_matter = 0.02_wp
    real(wp), parameter :: no_effect = 0.2_wp
    !> Ratio of the tolerances of a run and its check
@@ -194,9 +194,9 @@ contains
 
    end subroutine verify
 
-   !> Looks at the truth a second time, eq. (182a): at its integration, for the error of that shows in the run that it has verified as
-   !> well, which is cheap; when that has been looked at, at its models, for which all beams that matter go up once more. Neither may
-   !> cost more than 0.6 of what the search has cost so far.
+   !> Looks at the truth a second time, eq. (182a): at its integration, for the error of that shows in the run that it has verified
+   !> as well, which is cheap; when that has been looked at, at its models, for which all beams that matter go up once more. Neither
+   !> may cost more than 0.6 of what the search has cost so far.
    subroutine sharpen(deck, target, quiet, reached, truth, sharper, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target

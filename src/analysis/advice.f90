@@ -60,6 +60,9 @@ contains
       call find_rungs(deck, advice%rungs)
       call make_probe(deck, advice%rungs, advice%probe, error)
       if (allocated(error)) return
+      do i = 1, size(advice%rungs)
+         if (advice%rungs(i)%open_segments) advice%rungs(i)%open_segments = divisible(deck, advice%rungs(i))
+      end do
       allocate (advice%expected(size(advice%rungs)), advice%floor(size(advice%rungs)))
       advice%floor = 0.0_wp
       associate (beams => advice%probe%beams)
@@ -156,6 +159,21 @@ contains
          if (surprise) advice%expected(which) = max(advice%expected(which), advice%share)
       end associate
    end subroutine take_measured
+
+   !> Whether the deck can be built with a beam in pieces: a point that slides along it, say, wants it whole.
+   logical function divisible(deck, rung)
+      type(deck_type), intent(in) :: deck
+      type(rung_type), intent(in) :: rung
+      type(scene_type) :: scene
+      type(rung_type) :: divided
+      type(diagnostics_type) :: diagnostics
+      type(error_type), allocatable :: error
+      scene%deck = deck
+      divided = in_pieces(rung, first_pieces, 1)
+      call apply_rung(divided, scene%deck)
+      call build_scene(scene, diagnostics, error)
+      divisible = .not. allocated(error)
+   end function divisible
 
    !> The cheapest rung of a beam whose expected error is within its share, or that of least error.
    subroutine choose(advice, which)

@@ -86,8 +86,8 @@ contains
             associate (line => deck%blocks(i)%lines(k))
                before = diagnostics%count
                x = beam_place(deck%blocks(index), line, diagnostics)
-               if (diagnostics%count == before .and. (x < 0.0_wp .or. x > pieces*body%beam%length)) call diagnostics%add( &
-                  & line%origin_of(1), 'the mass lies outside the beam', &
+               if (diagnostics%count == before .and. (x < 0.0_wp .or. x > deck%blocks(index)%real('LENGTH'))) &
+                  & call diagnostics%add(line%origin_of(1), 'the mass lies outside the beam', &
                   & 'give a coordinate from 0 to '//as_text(deck%blocks(index)%real('LENGTH')))
                if (diagnostics%count > before .or. piece_at(x, body%beam%length, pieces) /= piece) cycle
                x = min(max(x - (piece - 1)*body%beam%length, 0.0_wp), body%beam%length)

@@ -193,7 +193,7 @@ contains
       model%bodies(first:first + pieces - 1)%end_point = model%counts%points
       do i = 1, size(block%lines)
          associate (line => block%lines(i))
-            if (line%number(2) < 0.0_wp .or. line%number(2) > length) then
+            if (line%number(2) < 0.0_wp .or. line%number(2) > block%real('LENGTH')) then
                call diagnostics%add(line%origin_of(2), 'the point lies outside the beam', &
                   & 'give a coordinate from 0 to '//as_text(length))
                cycle

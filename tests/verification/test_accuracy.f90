@@ -30,6 +30,7 @@ program test_accuracy
    call test_second_look()
    call test_damped()
    call test_locking()
+   call test_whole()
    call test_written()
    call test_refusal()
    call test_misled()
@@ -219,6 +220,22 @@ contains
       call check_no_error(error, 'struck beam that does not')
       call check(index(report, 'locks') == 0, 'what does not lock is not: '//report)
    end subroutine test_locking
+
+   !> A mass that slides along a beam wants it whole, so that it is not divided. Truth: more modes, another basis, another tolerance.
+   subroutine test_whole()
+      type(history_reader_type) :: reader, refined
+      character(*), parameter :: fine = ', GEOMETRIC=FULL, BENDING MODES=12, AXIAL BASIS=ELEMENTS, '// &
+         & 'GEOMETRIC ELEMENTS=12, ELEMENTS=400'
+      character(130) :: old(3), new(3)
+      call run_for('moving_mass', '1e-3', reader)
+      old = [character(130) :: 'PINNED-ROLLER', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=50']
+      new = [character(130) :: 'PINNED-ROLLER'//fine, '** no target', 'OUTPUTS=50, TOLERANCE=1e-5, INTEGRATOR=RADAU']
+      call run_changed('accuracy/moving_mass.inp', trim(results)//'_truth', old, new, refined)
+      call compare(reader, 'middle', channel(refined, 'middle'), '1e-3')
+      call compare(reader, 'wagon', channel(refined, 'wagon'), '1e-3')
+      call reader%close()
+      call refined%close()
+   end subroutine test_whole
 
    !> A deck that an advice has written runs without one, with the same integrator and fidelity.
    subroutine test_written()

@@ -19,9 +19,23 @@ program test_segments
    call check_pendulum()
    call check_energy()
    call check_static_axial()
+   call check_end_mass()
    call finish()
 
 contains
+
+   !> A mass at the end of a beam whose pieces do not add up to its length in the last digit.
+   subroutine check_end_mass()
+      type(history_reader_type) :: reader
+      character(60) :: old(2), new(2)
+      real(wp), allocatable :: angle(:)
+      old = [character(60) :: 'AXIAL MODES=1, GEOMETRIC=K_G, ANGLE=0', 'END=rise + 2*pi/speed, OUTPUTS=400']
+      new = [character(60) :: 'GEOMETRIC=K_G, SEGMENTS=3, ANGLE=0', 'END=0.01, OUTPUTS=4']
+      call run_changed('../input/flexible_four_bar.inp', trim(results), old, new, reader)
+      angle = channel(reader, 'angle_crank')
+      call check(size(angle) == 5, 'a mass at the end of three pieces lies on the beam')
+      call reader%close()
+   end subroutine check_end_mass
 
    !> A cantilever under a force at 1.2 and a load that grows with the coordinate between 0.2 and 1.3, by the theory of beams.
    subroutine check_bending()

@@ -221,7 +221,7 @@ contains
       call check(index(report, 'locks') == 0, 'what does not lock is not: '//report)
    end subroutine test_locking
 
-   !> A mass that slides along a beam wants it whole, so that it is not divided. Truth: more modes, another basis, another tolerance.
+   !> A mass that slides along a beam wants it whole: it is not divided. Truth: more modes, another basis, a smaller tolerance.
    subroutine test_whole()
       type(history_reader_type) :: reader, refined
       character(*), parameter :: fine = ', GEOMETRIC=FULL, BENDING MODES=12, AXIAL BASIS=ELEMENTS, '// &

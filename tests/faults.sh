@@ -127,13 +127,13 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   expect 2 "cannot create none.h5.running: No space left on device" "$limber" run ../deck.inp --quiet -o none.h5
   [ ! -e none.h5 ] && [ ! -e none.h5.running ] || { echo "none.h5 is left"; exit 1; }
 
-  rm -f rest7
+  rm -f full* rest?
   echo before > advised.inp
-  head -c 400000 /dev/zero > rest7 2> /dev/null
+  head -c 500000 /dev/zero > rest7 2> /dev/null
   unwritten
 
   # Room for the file and the copy before, but not for another one: the run reaches its end all the same
-  rm -f full* rest? advised.inp
+  rm -f rest7 advised.inp
   mount -o remount,size=$((size*9/5)) .
   expect 0 "warning: the last checkpoint could not be written: No space left on device" "$limber" run ../deck.inp -o tight.h5 --checkpoint 0.02
   same tight.h5

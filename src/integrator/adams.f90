@@ -8,6 +8,7 @@ module limber_integrator_adams
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
+   use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, predict, finish_differences
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales
    use limber_system_condensation, only: place_axial, place_axial_rates, update_folds
@@ -20,10 +21,6 @@ module limber_integrator_adams
    private
    public :: adams_type
 
-   !> Highest order
-   integer, parameter :: most = 12
-   !> Components that are updated together, so that all their differences stay at hand
-   integer, parameter :: block = 128
    !> Least number of bodies whose accelerations are found by recursion
    integer, parameter :: many = 10
    !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
@@ -242,8 +239,10 @@ contains
          end if
          t = self%t + self%h
          if (self%h >= stop - self%t) t = stop
-         call step_coefficients(self)
-         call predict(self)
+         if (abs(self%h - self%h_last) > 0.0_wp) self%ns = 0
+         if (self%ns <= self%k_last) self%ns = self%ns + 1
+         call step_coefficients(self%k, self%ns, self%h, self%psi, self%alpha, self%beta, self%sig, self%g)
+         call predict(self%ny, self%k, self%ns, self%h, self%beta, self%g, self%y, self%phi, self%p)
          if (system%condensed) then
             call place_axial(system, work, self%p(:self%nq))
             call update_folds(system, work, self%p(:self%nq))
@@ -269,7 +268,7 @@ contains
       self%t = t
       self%k_last = self%k
       self%h_last = self%h
-      call finish_differences(self)
+      call finish_differences(self%ny, self%k, self%yp, self%phi)
       call self%count_step(self%h_last, self%k_last)
       call next_order_and_step(self, estimate, k_next)
       ! A step that was cut short to end at `stop` says nothing about the next one
@@ -281,82 +280,6 @@ contains
       end if
       if (raised) call keep_scales(self, system)
    end subroutine adams_step
-
-   !> Coefficients of the formulas for this step (block 1).
-   subroutine step_coefficients(self)
-      class(adams_type), intent(inout) :: self
-      integer :: i, iq, k, ns
-      real(wp) :: sum_of_steps, old, w(most)
-      k = self%k
-      if (abs(self%h - self%h_last) > 0.0_wp) self%ns = 0
-      if (self%ns <= self%k_last) self%ns = self%ns + 1
-      ns = self%ns
-      if (k < ns) return
-      self%beta(ns) = 1.0_wp
-      self%alpha(ns) = 1.0_wp/ns
-      sum_of_steps = self%h*ns
-      self%sig(ns + 1) = 1.0_wp
-      do i = ns + 1, k
-         old = self%psi(i - 1)
-         self%psi(i - 1) = sum_of_steps
-         self%beta(i) = self%beta(i - 1)*self%psi(i - 1)/old
-         sum_of_steps = old + self%h
-         self%alpha(i) = self%h/sum_of_steps
-         self%sig(i + 1) = i*self%alpha(i)*self%sig(i)
-      end do
-      self%psi(k) = sum_of_steps
-      ! All of g anew from the triangle of its integrals: updating it in place, as the classical code does, goes wrong when the
-      ! order is lowered and raised again
-      do iq = 1, k
-         w(iq) = 1.0_wp/(iq*(iq + 1))
-      end do
-      do i = 3, k + 1
-         do iq = 1, k + 2 - i
-            w(iq) = w(iq) - self%alpha(i - 1)*w(iq + 1)
-         end do
-         self%g(i) = w(1)
-      end do
-   end subroutine step_coefficients
-
-   !> Predicted state p; the differences become those at the new point (block 2).
-   subroutine predict(self)
-      class(adams_type), intent(inout) :: self
-      integer :: a
-      do a = 1, self%ny, block
-         call predict_block(self%ny, a, min(self%ny, a + block - 1), self%k, self%ns, self%h, self%beta, self%g, self%y, self%phi, &
-            & self%p)
-      end do
-   end subroutine predict
-
-   !> The same of some components.
-   pure subroutine predict_block(ny, from, to, k, ns, h, beta, g, y, phi, p)
-      integer, intent(in) :: ny, from, to, k, ns
-      real(wp), intent(in) :: h, beta(most), g(most + 1), y(ny)
-      real(wp), intent(inout) :: phi(ny, most + 2), p(ny)
-      integer :: i
-      do i = ns + 1, k
-         phi(from:to, i) = beta(i)*phi(from:to, i)
-      end do
-      phi(from:to, k + 2) = phi(from:to, k + 1)
-      phi(from:to, k + 1) = 0.0_wp
-      p(from:to) = 0.0_wp
-      do i = k, 1, -1
-         call extrapolate(to - from + 1, g(i), phi(from:to, i + 1), phi(from:to, i), p(from:to))
-      end do
-      p(from:to) = y(from:to) + h*p(from:to)
-   end subroutine predict_block
-
-   !> Adds a difference to the prediction, and to itself the one behind it.
-   pure subroutine extrapolate(n, factor, next, difference, p)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: factor, next(n)
-      real(wp), intent(inout) :: difference(n), p(n)
-      integer :: c
-      do c = 1, n
-         p(c) = p(c) + factor*difference(c)
-         difference(c) = difference(c) + next(c)
-      end do
-   end subroutine extrapolate
 
    !> Local error of this step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).
    subroutine estimate_errors(self, estimate, err, k_next)
@@ -474,36 +397,6 @@ contains
       call differentiate(self, system, work, self%y, self%yp)
    end subroutine correct_kept
 
-   !> Differences of all orders at the new point (block 4).
-   subroutine finish_differences(self)
-      class(adams_type), intent(inout) :: self
-      integer :: a
-      do a = 1, self%ny, block
-         call finish_block(self%ny, a, min(self%ny, a + block - 1), self%k, self%yp, self%phi)
-      end do
-   end subroutine finish_differences
-
-   !> The same of some components.
-   pure subroutine finish_block(ny, from, to, k, yp, phi)
-      integer, intent(in) :: ny, from, to, k
-      real(wp), intent(in) :: yp(ny)
-      real(wp), intent(inout) :: phi(ny, most + 2)
-      integer :: i
-      phi(from:to, k + 1) = yp(from:to) - phi(from:to, 1)
-      phi(from:to, k + 2) = phi(from:to, k + 1) - phi(from:to, k + 2)
-      do i = 1, k
-         call add_change(to - from + 1, phi(from:to, k + 1), phi(from:to, i))
-      end do
-   end subroutine finish_block
-
-   !> Adds the change of the derivative to a difference.
-   pure subroutine add_change(n, change, difference)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: change(n)
-      real(wp), intent(inout) :: difference(n)
-      difference = difference + change
-   end subroutine add_change
-
    !> Order and step of the next step (block 4).
    subroutine next_order_and_step(self, estimate, k_next)
       class(adams_type), intent(inout) :: self
@@ -547,26 +440,13 @@ contains
       class(adams_type), intent(inout) :: self
       real(wp), intent(in) :: t
       real(wp), intent(out) :: q(:), v(:), w
-      real(wp) :: g(most + 1), weight(most + 1), term, ratio, part, back
-      integer :: i, j, order, nq
+      real(wp) :: g(most + 1), back
+      integer :: j, order, nq
       nq = self%nq
       back = t - self%t
       order = self%k_last + 1
       if (.not. abs(back) > 0.0_wp) order = 0
-      do i = 1, order
-         weight(i) = 1.0_wp/i
-      end do
-      g(1) = 1.0_wp
-      term = 0.0_wp
-      do j = 2, order
-         ratio = (back + term)/self%psi(j - 1)
-         part = back/self%psi(j - 1)
-         do i = 1, order + 1 - j
-            weight(i) = ratio*weight(i) - part*weight(i + 1)
-         end do
-         g(j) = weight(1)
-         term = self%psi(j - 1)
-      end do
+      call interpolation_coefficients(order, back, self%psi, g)
       self%p = self%y
       do j = order, 1, -1
          self%p = self%p + (back*g(j))*self%phi(:, j)

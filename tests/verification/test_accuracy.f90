@@ -74,6 +74,21 @@ contains
       call check(error <= aim, name//': error '//as_text(error, 2)//' for a target of '//target)
    end subroutine compare
 
+   !> Compares channels with those of a finer run of the same scene, and closes the results.
+   subroutine compare_refined(reader, name, old, new, channels, target)
+      type(history_reader_type), intent(inout) :: reader
+      !> Of the scene; what is changed in its deck, and into what; names of the channels
+      character(*), intent(in) :: name, old(:), new(:), channels(:), target
+      type(history_reader_type) :: refined
+      integer :: i
+      call run_changed('accuracy/'//name//'.inp', trim(results)//'_truth', old, new, refined)
+      do i = 1, size(channels)
+         call compare(reader, trim(channels(i)), channel(refined, trim(channels(i))), target)
+      end do
+      call reader%close()
+      call refined%close()
+   end subroutine compare_refined
+
    subroutine test_slider_crank(target)
       character(*), intent(in) :: target
       type(history_reader_type) :: reader
@@ -118,42 +133,33 @@ contains
    !> The two-link arm, whose joints load the free ends of both beams. Truth: three pieces of each, a smaller tolerance.
    subroutine test_arm(target)
       character(*), intent(in) :: target
-      type(history_reader_type) :: reader, refined
+      type(history_reader_type) :: reader
       character(*), parameter :: fine = ', GEOMETRIC=FULL, SEGMENTS=3, BENDING MODES=3, GEOMETRIC ELEMENTS=4, ELEMENTS=160'
       character(100) :: old(4), new(4)
       character(10) :: names(6)
-      integer :: i
       call run_for('two_link_arm', target, reader)
       old = [character(100) :: 'NAME=upper', 'NAME=fore', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=200']
       new = [character(100) :: 'NAME=upper'//fine, 'NAME=fore'//fine, '** no target', 'OUTPUTS=200, TOLERANCE=1e-5']
-      call run_changed('accuracy/two_link_arm.inp', trim(results)//'_truth', old, new, refined)
       names = [character(10) :: 'x_payload', 'y_payload', 'x_hub', 'y_hub', 'bend_upper', 'bend_fore']
-      do i = 1, size(names)
-         call compare(reader, trim(names(i)), channel(refined, trim(names(i))), target)
-      end do
-      call reader%close()
-      call refined%close()
+      call compare_refined(reader, 'two_link_arm', old, new, names, target)
    end subroutine test_arm
 
    !> A stiff rocker beside a soft coupler: it bends by nothing, but the inertia of its mesh counts at four digits.
    subroutine test_four_bar()
-      type(history_reader_type) :: reader, refined
+      type(history_reader_type) :: reader
       character(*), parameter :: fine = ', GEOMETRIC=FULL, SEGMENTS=2, BENDING MODES=3, GEOMETRIC ELEMENTS=4, ELEMENTS=200'
       character(100) :: old(4), new(4)
       call run_for('four_bar', '1e-4', reader)
       old = [character(100) :: 'NAME=coupler', 'NAME=rocker', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=400']
       new = [character(100) :: 'NAME=coupler'//fine, 'NAME=rocker'//fine, '** no target', 'OUTPUTS=400, TOLERANCE=1e-6']
-      call run_changed('accuracy/four_bar.inp', trim(results)//'_truth', old, new, refined)
-      call compare(reader, 'deflection_coupler_middle', channel(refined, 'deflection_coupler_middle'), '1e-4')
-      call reader%close()
-      call refined%close()
+      call compare_refined(reader, 'four_bar', old, new, ['deflection_coupler_middle'], '1e-4')
    end subroutine test_four_bar
 
    !> One bending mode at the loosest tolerance keeps the target by a tenth of it, which shows only when the truth is known better
    !> than one verification says. Truth: two pieces, a smaller tolerance.
    subroutine test_second_look()
       type(error_type), allocatable :: error
-      type(history_reader_type) :: reader, refined
+      type(history_reader_type) :: reader
       character(*), parameter :: fine = ', GEOMETRIC=FULL, SEGMENTS=2, BENDING MODES=3, GEOMETRIC ELEMENTS=6, ELEMENTS=96'
       character(:), allocatable :: report
       character(100) :: old(3), new(3)
@@ -166,10 +172,7 @@ contains
       call check_no_error(error, 'heavy slider, results')
       old = [character(100) :: 'NAME=rod', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=838']
       new = [character(100) :: 'NAME=rod'//fine, '** no target', 'OUTPUTS=838, TOLERANCE=1e-4']
-      call run_changed('accuracy/slider_crank_heavy.inp', trim(results)//'_truth', old, new, refined)
-      call compare(reader, 'deflection_over_length', channel(refined, 'deflection_over_length'), '1e-2')
-      call reader%close()
-      call refined%close()
+      call compare_refined(reader, 'slider_crank_heavy', old, new, ['deflection_over_length'], '1e-2')
    end subroutine test_second_look
 
    !> Damping by modes means nothing in pieces, and of modes that a rung does not have it is left out. Truth: the load is applied so
@@ -193,7 +196,7 @@ contains
    !> deflection, and so do those of a richer basis of the same kind. Truth: a function for each k_G element, a smaller tolerance.
    subroutine test_locking()
       type(error_type), allocatable :: error
-      type(history_reader_type) :: reader, refined
+      type(history_reader_type) :: reader
       character(:), allocatable :: report
       character(*), parameter :: fine = ', GEOMETRIC=FULL, BENDING MODES=8, AXIAL BASIS=ELEMENTS, '// &
          & 'GEOMETRIC ELEMENTS=12, ELEMENTS=480'
@@ -201,11 +204,7 @@ contains
       call run_for('struck_beam', '1e-3', reader)
       old = [character(130) :: 'ORIGIN=0.75', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=500']
       new = [character(130) :: 'ORIGIN=0.75'//fine, '** no target', 'OUTPUTS=500, TOLERANCE=1e-6, INTEGRATOR=RADAU']
-      call run_changed('accuracy/struck_beam.inp', trim(results)//'_truth', old, new, refined)
-      call compare(reader, 'deflection', channel(refined, 'deflection'), '1e-3')
-      call compare(reader, 'y_middle', channel(refined, 'y_middle'), '1e-3')
-      call reader%close()
-      call refined%close()
+      call compare_refined(reader, 'struck_beam', old, new, [character(10) :: 'deflection', 'y_middle'], '1e-3')
       ! Given by the deck, such a basis is warned of; one that carries every shortening is not
       new(1) = 'ORIGIN=0.75, GEOMETRIC=FULL, BENDING MODES=5, AXIAL BASIS=STATIC, MODAL DERIVATIVES=3, '// &
          & 'GEOMETRIC ELEMENTS=12, ELEMENTS=240'
@@ -223,18 +222,14 @@ contains
 
    !> A mass that slides along a beam wants it whole: it is not divided. Truth: more modes, another basis, a smaller tolerance.
    subroutine test_whole()
-      type(history_reader_type) :: reader, refined
+      type(history_reader_type) :: reader
       character(*), parameter :: fine = ', GEOMETRIC=FULL, BENDING MODES=12, AXIAL BASIS=ELEMENTS, '// &
          & 'GEOMETRIC ELEMENTS=12, ELEMENTS=400'
       character(130) :: old(3), new(3)
       call run_for('moving_mass', '1e-3', reader)
       old = [character(130) :: 'PINNED-ROLLER', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=50']
       new = [character(130) :: 'PINNED-ROLLER'//fine, '** no target', 'OUTPUTS=50, TOLERANCE=1e-5, INTEGRATOR=RADAU']
-      call run_changed('accuracy/moving_mass.inp', trim(results)//'_truth', old, new, refined)
-      call compare(reader, 'middle', channel(refined, 'middle'), '1e-3')
-      call compare(reader, 'wagon', channel(refined, 'wagon'), '1e-3')
-      call reader%close()
-      call refined%close()
+      call compare_refined(reader, 'moving_mass', old, new, [character(10) :: 'middle', 'wagon'], '1e-3')
    end subroutine test_whole
 
    !> A deck that an advice has written runs without one, with the same integrator and fidelity.

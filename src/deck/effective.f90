@@ -72,7 +72,7 @@ contains
    recursive function source_text(deck, file, first, last) result(text)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: file, first, last
-      character(:), allocatable :: text
+      character(:), allocatable :: text, included
       integer :: i, begin, inner, end
       text = ''
       begin = first
@@ -86,7 +86,10 @@ contains
             end = end + 1
          end do
          if (inner == 0) cycle
-         text = text//deck%source%text_of(file, begin, i - 1)//source_text(deck, inner, 1, size(deck%source%files(inner)%lines))
+         ! In two statements: gfortran 12 loses what stands before a function that calls itself
+         text = text//deck%source%text_of(file, begin, i - 1)
+         included = source_text(deck, inner, 1, size(deck%source%files(inner)%lines))
+         text = text//included
          begin = end
       end do
       text = text//deck%source%text_of(file, begin, last)

@@ -102,8 +102,8 @@ contains
 
    !> Reads all lines of one file.
    recursive subroutine read_lines(file, nesting, assembly, deck, diagnostics)
-      !> Index of the file in the source, and how deep it is included (1: not at all)
-      integer, intent(in) :: file, nesting
+      !> Index of the file in the source, and how deep it is included (1: not at all); copies, as the deck grows meanwhile
+      integer, value :: file, nesting
       type(assembly_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -116,8 +116,8 @@ contains
 
    !> Reads some lines of a file.
    recursive subroutine read_stretch(file, first, last, nesting, assembly, deck, diagnostics)
-      !> Index of the file, first and last line, how deep it is included
-      integer, intent(in) :: file, first, last, nesting
+      !> Index of the file, first and last line, how deep it is included; copies
+      integer, value :: file, first, last, nesting
       type(assembly_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -163,12 +163,12 @@ contains
 
    !> Reads what an open *REPEAT repeats, once for each turn.
    recursive subroutine repeat_lines(file, head, line, last, nesting, assembly, deck, diagnostics)
-      !> File, line of the *REPEAT
-      integer, intent(in) :: file, head
+      !> File, line of the *REPEAT; copies
+      integer, value :: file, head
       !> Last line of its options; on return that of its *END REPEAT
       integer, intent(inout) :: line
-      !> Line to end before or at; how deep the file is included
-      integer, intent(in) :: last, nesting
+      !> Line to end before or at; how deep the file is included; copies
+      integer, value :: last, nesting
       type(assembly_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -415,8 +415,8 @@ contains
 
    !> Reads the file that an *INCLUDE names.
    recursive subroutine include(file, nesting, assembly, deck, diagnostics)
-      !> Index of the including file, and its nesting
-      integer, intent(in) :: file, nesting
+      !> Index of the including file, and its nesting; copies
+      integer, value :: file, nesting
       type(assembly_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics

@@ -29,6 +29,7 @@ program test_deck
    call test_bad_decks()
    call test_bad_paths()
    call test_nested_includes()
+   call test_lines_behind_includes()
    call test_long_line()
    call test_second_file()
    call test_mutations()
@@ -215,6 +216,24 @@ contains
       call check(index(diagnostics%items(1)%label, 'deck.inp -> decks/endless.inc -> decks/../decks/endless.inc') == 1, &
          & 'the chain is shown')
    end subroutine test_nested_includes
+
+   !> Every line behind an *INCLUDE in an included file is read, in order, in turns of a *REPEAT too.
+   subroutine test_lines_behind_includes()
+      character(*), parameter :: names(*) = [character(12) :: 'steel', 'first', 'second', 'deepest1-1', 'deep1-1', 'deepest1-2', &
+         & 'deep1-2', 'outer1', 'deepest2-1', 'deep2-1', 'deepest2-2', 'deep2-2', 'outer2', 'third', 'fourth']
+      type(deck_type) :: deck
+      type(diagnostics_type) :: diagnostics
+      integer :: i
+      call read_deck_text('deck.inp', '*INCLUDE, FILE=decks/nest_1.inc'//newline//'*GRAVITY, Y=-1', deck, diagnostics)
+      call check_text(diagnostics%render(deck%source), '', 'files that include files')
+      call check(size(deck%blocks) == size(names) + 1, as_text(size(deck%blocks))//' blocks of nested files')
+      if (size(deck%blocks) /= size(names) + 1) return
+      do i = 1, size(names)
+         call check_text(deck%blocks(i)%name(), trim(names(i)), 'blocks of nested files in order')
+      end do
+      call check_text(deck%blocks(size(names) + 1)%keyword, 'GRAVITY', 'the line behind all of them')
+      call check_again(effective_deck(deck))
+   end subroutine test_lines_behind_includes
 
    !> A line of 20 MB where the end of a *REPEAT is looked for: no words are taken from it, which the stack could not hold.
    subroutine test_long_line()

@@ -4,9 +4,10 @@
 !>
 !> The commands live in src/analysis; the only places that print or stop are here.
 program limber
-   use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   use limber_base_ending, only: guard_ending, leave
    use limber_base_error, only: error_type
+   use limber_base_fault, only: add_fault
    use limber_base_signals, only: let_writes_fail
    use limber_base_threads, only: use_one_thread
    use limber_analysis_advise, only: advise_deck
@@ -27,6 +28,7 @@ program limber
 
    same = .true.
    report = ''
+   call guard_ending()
    call let_writes_fail()
    call use_one_thread()
    call read_command(command, error)
@@ -53,26 +55,14 @@ program limber
       case default; report = usage()
       end select
    end if
+   call add_fault(error)
    if (allocated(error)) then
       write (error_unit, '(a)') error%message
+      flush (output_unit)
       call leave(error%status)
    end if
    if (len(report) > 0 .and. .not. command%quiet) write (output_unit, '(a)') report
+   flush (output_unit)
    call leave(merge(0, 1, same))
-
-contains
-
-   !> Ends the program with a status and without a word, which `stop` cannot.
-   subroutine leave(status)
-      integer, intent(in) :: status
-      interface
-         subroutine c_exit(status) bind(c, name='exit')
-            import :: c_int
-            integer(c_int), value :: status
-         end subroutine c_exit
-      end interface
-      flush (output_unit)
-      call c_exit(int(status, c_int))
-   end subroutine leave
 
 end program limber

@@ -67,6 +67,25 @@ expect(0 "samples in other.h5" run other.inp)
 # All that acts on a beam has its responses beside the modes: couples one that bends, forces one that stretches besides
 expect(0 "bar: mass [^\n]* 7 bending and 4 axial coordinates" check ${CMAKE_CURRENT_LIST_DIR}/decks/acting.inp)
 
+# Nothing can move: no modes, said so, and the analysis behind them runs
+foreach(held "*JOINT, NAME=wall, TYPE=WELD\n rod.origin, ground.origin\n" "*MOTION, NAME=wall, BODY=rod\n 0, 0, 0\n"
+    "*ASSEMBLY, ELIMINATION=NO\n*MOTION, NAME=wall, BODY=rod\n 0, 0, 0\n")
+  foreach(before "*MODES, NAME=free" "*MODES, NAME=free, DAMPED=YES" "*STATICS\n*MODES, NAME=free"
+      "*STATICS, ROTATION=1\n*MODES, NAME=free")
+    file(WRITE ${WORK}/held.inp "*RIGID BODY, NAME=rod, MASS=1, INERTIA=0.1\n tip, 1, 0\n${held}*GRAVITY\n*DYNAMICS, END=0.2,
+  OUTPUTS=2\n${before}\n*DYNAMICS, END=2, OUTPUTS=2\n*OUTPUT\n x(rod.tip)\n")
+    expect(0 "nothing can vibrate in .MODES 'free'.*DYNAMICS[^\n]*: t = [0-9.]+ to 2 s, 3 samples" run held.inp -o held.h5 --force)
+  endforeach()
+endforeach()
+
+# A large scene with one free motion: 171 bars welded in a row on a hinge with a spring, sqrt(k/(171*0.1 + sum i^2))
+file(WRITE ${WORK}/row.inp "*RIGID BODY, NAME=a0, MASS=1, INERTIA=0.1\n p, 1, 0
+*JOINT, NAME=h, TYPE=REVOLUTE\n a0.origin, ground.origin
+*SPRING, NAME=s, TYPE=ROTATIONAL, STIFFNESS=10\n a0.origin, ground.origin
+*REPEAT, COUNT=170, INDEX=i\n*RIGID BODY, NAME=a<i>, MASS=1, INERTIA=0.1, X=i\n p, 1, 0
+*JOINT, NAME=w<i>, TYPE=WELD\n a<i>.origin, a<i - 1>.p\n*END REPEAT\n*MODES, NUMBER=3\n*OUTPUT\n x(a1.p)\n")
+expect(0 "         1    2\\.46021[89][0-9]E-03" run row.inp)
+
 # Differences
 expect(0 "." diff pendulum.h5 pendulum.h5)
 expect(1 "angle" diff pendulum.h5 long.h5)

@@ -4,7 +4,7 @@ module limber_analysis_modes
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
-   use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_model_scene, only: step_type, ground
@@ -47,13 +47,16 @@ contains
       call new_equilibrium(scene%system, balance)
       call linearise_state(scene, step, balance, outcome, error)
       if (allocated(error)) return
-      if (is_large(scene%system) .and. terms(step, balance) == no_damping) then
+      if (is_large(scene%system) .and. terms(step, balance) == no_damping .and. has_enough(scene%system, step%modes)) then
          call find_large_vibrations(scene%system, balance%tangent, step%modes, vibrations, error)
       else
          call find_freedom(scene%system, scene%work, .false., balance%freedom)
          call find_vibrations(scene%system, balance%tangent, balance%freedom, terms(step, balance), step%modes, vibrations, error)
       end if
-      if (.not. allocated(error)) call sample(scene, step, balance, history, outcome, error)
+      if (allocated(error)) return
+      if (size(vibrations%frequency) == 0) call warn(outcome, "nothing can vibrate in *MODES '"//step%name// &
+         & "': joints and drivers leave the scene no free motion; no modes are written. Remove *MODES, or a joint or driver")
+      call sample(scene, step, balance, history, outcome, error)
       if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
       if (allocated(error)) return
       report = table(scene, vibrations)
@@ -61,6 +64,13 @@ contains
       outcome%cpu = outcome%cpu + cpu
       outcome%wall = seconds_since(tick)
    end subroutine run_modes
+
+   !> Whether there are more free motions than wanted modes, as ARPACK needs it.
+   pure logical function has_enough(system, wanted)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: wanted
+      has_enough = system%layout%nw - system%nc > wanted
+   end function has_enough
 
    !> Velocity terms that count.
    pure integer function terms(step, balance)
@@ -161,6 +171,10 @@ contains
       complex(wp), allocatable :: moves(:, :)
       integer :: count
       group = '/modes/'//step%name
+      call history%put_group(group, error)
+      if (.not. allocated(error)) call history%put_attribute(group, 'rotation', balance%rotation, error)
+      if (.not. allocated(error)) call history%put_attribute(group, 'time', step%dynamics%start, error)
+      if (allocated(error) .or. size(vibrations%frequency) == 0) return
       allocate (ratio(size(vibrations%frequency)))
       ratio = damping_ratio(vibrations%frequency, vibrations%growth)
       call point_moves(scene%system, scene%q, vibrations%shape, names, places, moves, count)
@@ -185,8 +199,6 @@ contains
          if (.not. allocated(error)) call history%put_axis(group//'/mode', size(ratio), 'number of the mode', &
             & [character(16) :: 'frequency', 'damping_ratio', 'growth', 'shape_real', 'shape_imaginary', 'point_real', &
             & 'point_imaginary'], error)
-         if (.not. allocated(error)) call history%put_attribute(group, 'rotation', balance%rotation, error)
-         if (.not. allocated(error)) call history%put_attribute(group, 'time', step%dynamics%start, error)
       end associate
    end subroutine record_modes
 
@@ -254,6 +266,8 @@ contains
       character(100) :: line
       integer :: i
       real(wp), parameter :: turn_once = 2*acos(-1.0_wp)
+      text = ''
+      if (size(vibrations%frequency) == 0) return
       associate (unit => scene%system%model%units%time)
          line = '      mode   frequency [rad/'//unit//']   [1/'//unit//']'
          write (line(46:), '(a)') 'damping ratio'

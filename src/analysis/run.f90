@@ -2,6 +2,7 @@
 module limber_analysis_run
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck, status_interrupted
+   use limber_base_fault, only: add_fault, forget_fault
    use limber_base_signals, only: signal_came, signal_name
    use limber_base_text, only: as_text, newline
    use limber_analysis_advise, only: target_of
@@ -84,6 +85,7 @@ contains
       batch%error = -1.0_wp
       batch%cpu = 0.0_wp
       batch%warnings = ''
+      call forget_fault()
       call system_clock(tick)
       call read_deck(path, scene%deck, diagnostics, batch%overrides)
       scene%reading = seconds_since(tick)
@@ -95,6 +97,7 @@ contains
          return
       end if
       call build_scene(scene, diagnostics, error, batch%library)
+      call add_fault(error)
       if (allocated(error)) return
       if (.not. scene%system%model%dynamics%wanted) then
          call raise(error, path//': nothing to run; add an analysis, such as *DYNAMICS (limber help DYNAMICS)', status_deck)
@@ -196,6 +199,7 @@ contains
       else
          call run_dynamics(scene, integrator, history, progress, outcome, error)
       end if
+      call add_fault(error)
       if (.not. quiet) call progress%finish()
       if (allocated(outcome%warnings)) scene%warnings = scene%warnings//outcome%warnings
       scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)//energy_warning(outcome)
@@ -237,6 +241,7 @@ contains
       else
          call run_steps(scene, path, quiet, history, passed, outcome, statistics, lines, error)
       end if
+      call add_fault(error)
       if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
       call record_steps(scene, passed, history%history_type, write_error)
       report = scene%warnings//guard%note_line(path)//path//': '//scene%system%model%heading//lines//newline//'   '// &

@@ -1,5 +1,5 @@
 !> Explicit interfaces of every LAPACK, BLAS and ARPACK routine that limber calls, in their own words.
-!> Those that decompose dense matrices are called by way of limber_base_finite.
+!> Those of LAPACK are called by way of limber_base_finite: nothing that is not finite, and nothing empty, gets there.
 !> Floor: base. Source: LAPACK Users' Guide; Lehoucq, Sorensen and Yang, ARPACK Users' Guide.
 module limber_base_lapack
    use limber_base_kinds, only: wp

@@ -3,8 +3,7 @@
 module limber_flex_frame_solver
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_base_finite, only: dsyev
-   use limber_base_lapack, only: dpbtrf, dpbtrs
+   use limber_base_finite, only: dsyev, dpbtrf, dpbtrs
    use limber_base_text, only: as_text
    use limber_flex_frame, only: frame_type, element_stiffness
    implicit none

@@ -11,8 +11,8 @@ module limber_flex_modes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_base_finite, only: dsyev, not_finite
-   use limber_base_lapack, only: dpbtrf, dpbtrs, dsaupd, dseupd
+   use limber_base_finite, only: dsyev, dpbtrf, dpbtrs, not_finite
+   use limber_base_lapack, only: dsaupd, dseupd
    use limber_base_text, only: as_text
    use limber_flex_reduced, only: check_operations
    implicit none

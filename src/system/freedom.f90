@@ -3,8 +3,7 @@
 !> Source: doc/theory, eqs. (100), (101); Golub and Van Loan, Matrix Computations, section 5.4.
 module limber_system_freedom
    use limber_base_kinds, only: wp
-   use limber_base_finite, only: dsyev, dgeev
-   use limber_base_lapack, only: dgeqp3, dorgqr
+   use limber_base_finite, only: dsyev, dgeev, dgeqp3, dorgqr
    use limber_model_scene, only: ground
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type
@@ -62,11 +61,11 @@ contains
       call scaled_rows(system, work, scale, columns, rows)
       pivot = 0
       freedom%rank = 0
-      if (min(n, m) > 0) call dgeqp3(n, m, rows, n, pivot, tau, scratch, size(scratch), info)
+      call dgeqp3(n, m, rows, n, pivot, tau, scratch, size(scratch), info)
       do i = 1, min(n, m)
          if (abs(rows(i, i)) > no_pivot*abs(rows(1, 1))) freedom%rank = i
       end do
-      if (n > 0) call dorgqr(n, n, min(n, m), rows, n, tau, scratch, size(scratch), info)
+      call dorgqr(n, n, min(n, m), rows, n, tau, scratch, size(scratch), info)
       if (allocated(freedom%basis)) deallocate (freedom%basis)
       allocate (freedom%basis(system%layout%nw, n - freedom%rank))
       freedom%basis = 0.0_wp

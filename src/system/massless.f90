@@ -2,7 +2,7 @@
 !> They have no accelerations, whatever forces act on them. Floor: system. Source: doc/theory, eq. (192).
 module limber_system_massless
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dgesvd
+   use limber_base_finite, only: dgesvd
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill, full_matrix, small_scene
    use limber_system_kinematics, only: place_frames
    use limber_system_multiplier, only: update_jacobians

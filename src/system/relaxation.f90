@@ -4,7 +4,7 @@
 !> Source: doc/theory, eqs. (187)-(189); Saad and Schultz 1986 (GMRES).
 module limber_system_relaxation
    use limber_base_kinds, only: wp
-   use limber_base_lapack, only: dgetrf, dgetrs
+   use limber_base_finite, only: dgetrf, dgetrs
    use limber_model_scene, only: ground
    use limber_system_held, only: held_type, factor_held, correct_motion, held_position
    use limber_system_kinematics, only: move_frames, rates_of, velocities_of
@@ -142,7 +142,7 @@ contains
       first = 1
       do i = 1, size(factors)
          n = system%layout%n(i)
-         if (n > 0) call dgetrs('N', n, 1, factors(i)%matrix, n, factors(i)%pivot, force(first:first + n - 1), n, info)
+         call dgetrs('N', n, 1, factors(i)%matrix, n, factors(i)%pivot, force(first:first + n - 1), n, info)
          first = first + n
       end do
    end subroutine divide

@@ -3,8 +3,7 @@
 module limber_system_vibrations
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_base_finite, only: dsygv, dgeev
-   use limber_base_lapack, only: dgetrf, dgetrs
+   use limber_base_finite, only: dsygv, dgeev, dgetrf, dgetrs
    use limber_base_text, only: as_text
    use limber_system_freedom, only: freedom_type, rate_scales
    use limber_system_krylov, only: nearest_eigenvalues, sort, by_mass

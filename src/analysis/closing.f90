@@ -3,7 +3,7 @@ module limber_analysis_closing
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_outcome, only: outcome_type, energy_scale, allowed_imbalance
    use limber_analysis_scene, only: scene_type, mobility_line, inner_joints
    use limber_integrator_integrator, only: integrator_type
    use limber_output_history, only: history_type
@@ -38,11 +38,13 @@ contains
    pure function energy_warning(outcome) result(text)
       type(outcome_type), intent(in) :: outcome
       character(:), allocatable :: text
-      real(wp), parameter :: allowed = 1.0e-2_wp
+      real(wp) :: scale
       text = ''
-      if (outcome%imbalance <= allowed*outcome%largest_energy) return
-      text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/outcome%largest_energy, 2)// &
-         & ' % of the largest energy: the integrator has damped or fed vibrations that the tolerance does not resolve;'// &
+      scale = energy_scale(outcome)
+      if (outcome%imbalance <= allowed_imbalance*scale) return
+      text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)// &
+         & ' % of '//trim(merge('the largest energy  ', 'the energy exchanged', scale <= outcome%largest_energy))// &
+         & ': the integrator has damped or fed vibrations that the tolerance does not resolve;'// &
          & ' compare with a run at a tenth of TOLERANCE'//newline
    end function energy_warning
 

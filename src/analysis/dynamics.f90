@@ -138,7 +138,7 @@ contains
       if (restarts(guard)) then
          call restore()
       else
-         call check_energy(scene, sample, outcome)
+         call check_energy(scene, dynamics%start, sample, outcome)
          call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       end if
       do while (sample%next <= dynamics%outputs .and. .not. allocated(error))
@@ -180,7 +180,8 @@ contains
          end if
          at_station = .false.
          if (seen < size(stations)) at_station = stations(seen + 1) <= integrator%t + near
-         if (at_station .or. sample_time(dynamics, sample%next) <= integrator%t + near) call check_energy(scene, sample, outcome)
+         if (at_station .or. sample_time(dynamics, sample%next) <= integrator%t + near) &
+            & call check_energy(scene, integrator%t, sample, outcome)
          if (passed < size(breaks) .and. integrator%t >= barrier - near) then
             call record_before(barrier - near)
             if (allocated(error)) exit

@@ -79,9 +79,9 @@ module limber_analysis_indicators
       logical :: held = .false.
       !> First frequency, and length or size
       real(wp) :: first_frequency = 1.0_wp, length = 1.0_wp
-      !> Maxima and their times; largest energy of each bending coordinate, and its time
+      !> Maxima and their times; largest elastic energy of each bending coordinate, its time, and the largest kinetic energy
       real(wp) :: peak(peaks) = 0.0_wp, time(peaks) = 0.0_wp
-      real(wp), allocatable :: modal(:), modal_time(:)
+      real(wp), allocatable :: modal(:), modal_time(:), moving(:)
       !> Sums, the first and the last time that they are of, and how many states
       real(wp) :: total(sums) = 0.0_wp, span(2) = [huge(1.0_wp), -huge(1.0_wp)]
       integer :: looks = 0
@@ -206,7 +206,7 @@ contains
       end associate
       body%first_frequency = body%quasistatic%frequency
       body%length = system%model%bodies(index)%beam%length
-      allocate (body%modal(0), body%modal_time(0), body%pressed(3, size(place)))
+      allocate (body%modal(0), body%modal_time(0), body%moving(0), body%pressed(3, size(place)))
    end subroutine start_rigid
 
    !> The masses that hang on a beam, and the place that stays where it is: one on the ground, or else the start.
@@ -249,6 +249,7 @@ contains
          allocate (body%modal(flexible%reduced%bending), body%modal_time(flexible%reduced%bending))
          body%modal = 0.0_wp
          body%modal_time = 0.0_wp
+         allocate (body%moving, source=body%modal)
          if (.not. body%is_beam) return
          call find_places(self, system, index, contacts, place, jointed, held)
          call find_set(self, system, index, place, jointed, held, body%set)
@@ -463,6 +464,7 @@ contains
             whole%bodies(i)%modal(k) = part%bodies(i)%modal(k)
             whole%bodies(i)%modal_time(k) = part%bodies(i)%modal_time(k)
          end do
+         whole%bodies(i)%moving = max(whole%bodies(i)%moving, part%bodies(i)%moving)
       end do
    end subroutine join_indicators
 
@@ -483,7 +485,7 @@ contains
          case (indicator_coarseness); value = sqrt(ratio(peak(peak_coarse), peak(peak_stiffness)))
          case (indicator_lumping)
             value = 0.0_wp
-            if (self%is_beam) value = max(ratio(maxval(self%modal*self%lumping), peak(peak_energy)), &
+            if (self%is_beam) value = max(ratio(maxval(min(self%modal, self%moving)*self%lumping), peak(peak_energy)), &
                & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
          case (indicator_shortening); value = ratio(peak(peak_quartic), peak(peak_stiffness))
          case (indicator_drift); value = drift(self)
@@ -558,6 +560,7 @@ contains
          call snapshot%exchange('seen_at', self%bodies(i)%seen_at)
          call snapshot%keep('modal', self%bodies(i)%modal)
          call snapshot%keep('modal_time', self%bodies(i)%modal_time)
+         call snapshot%keep('moving', self%bodies(i)%moving)
       end do
       call snapshot%exchange('observations', self%observations)
    end subroutine exchange_indicators

@@ -84,6 +84,7 @@ contains
             self%modal(k) = part
             self%modal_time(k) = t
          end if
+         self%moving(k) = max(self%moving(k), rate(k)**2)
       end do
       if (body%is_frame) then
          call frame_extremes(body%shape, eta, deflection, slope)

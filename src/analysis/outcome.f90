@@ -7,7 +7,10 @@ module limber_analysis_outcome
    use limber_output_internal_forces, only: effort_type
    implicit none
    private
-   public :: outcome_type, warn
+   public :: outcome_type, warn, energy_scale
+
+   !> Part of the scale of the energy by which its balance may be off
+   real(wp), parameter, public :: allowed_imbalance = 1.0e-2_wp
 
    !> What a run leaves behind besides its history
    type :: outcome_type
@@ -26,6 +29,10 @@ module limber_analysis_outcome
       real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
       !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
       real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
+      !> Net work of each driver, load and body since the balance was off, eq. (T1), the time up to which it is summed up, and the
+      !> energy that counts as none: round-off, and a motion of almost nothing
+      real(wp), allocatable :: net_work(:)
+      real(wp) :: summed = 0.0_wp, no_energy = 0.0_wp
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
       !> What is left out where axial coordinates follow at rest, a line for each such beam; not allocated if there is none
@@ -59,9 +66,20 @@ contains
       call snapshot%exchange('work', self%work)
       call snapshot%exchange('imbalance', self%imbalance)
       call snapshot%exchange('largest_energy', self%largest_energy)
+      call snapshot%keep('net_work', self%net_work)
+      call snapshot%exchange('summed', self%summed)
+      call snapshot%exchange('no_energy', self%no_energy)
       call snapshot%keep('warnings', self%warnings)
       if (allocated(self%indicators)) call self%indicators%exchange(snapshot)
    end subroutine exchange_outcome
+
+   !> What an imbalance of energy is relative to: the largest energy, what drivers, loads and damping have exchanged, eq. (T1), or
+   !> what counts as none.
+   pure real(wp) function energy_scale(outcome) result(scale)
+      type(outcome_type), intent(in) :: outcome
+      scale = max(outcome%largest_energy, outcome%no_energy)
+      if (allocated(outcome%net_work)) scale = max(scale, 0.5_wp*sum(abs(outcome%net_work)))
+   end function energy_scale
 
    !> Adds a line to the warnings of a run.
    pure subroutine warn(outcome, text)

@@ -222,7 +222,7 @@ contains
          ! A piece has the shapes of its ends besides, and axial functions of its own
          call number('SEGMENTS', rung%segments)
          if (rung%open_modes) call number('BENDING MODES', rung%bending)
-         call number('ELEMENTS', max(6, rung%elements/rung%segments))
+         call number('ELEMENTS', max(6, of_piece*rung%bending, rung%elements/rung%segments))
          call number('GEOMETRIC ELEMENTS', of_piece*rung%bending)
          return
       end if

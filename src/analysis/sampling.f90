@@ -4,14 +4,14 @@ module limber_analysis_sampling
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_analysis_outcome, only: outcome_type, warn
+   use limber_analysis_outcome, only: outcome_type, warn, allowed_imbalance
    use limber_analysis_scene, only: scene_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, channel_values, gather_balance
    use limber_output_sink, only: sink_type
-   use limber_system_dynamics, only: accelerations, position_residual, velocity_residual, mechanical_energy, &
-      & worst_constraint
+   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
+      & add_parts_of_power, worst_constraint
    use limber_system_projection, only: harmless, settle, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -154,17 +154,69 @@ contains
    end subroutine check_residuals
 
    !> Energy balance at the end of a step.
-   subroutine check_energy(scene, sample, outcome)
+   subroutine check_energy(scene, t, sample, outcome)
       type(scene_type), intent(inout) :: scene
-      type(sample_type), intent(in) :: sample
+      real(wp), intent(in) :: t
+      type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
       real(wp) :: kinetic, potential
+      if (outcome%samples == 0) then
+         call find_no_energy(scene, sample, outcome)
+         outcome%summed = t
+      end if
       call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
       if (outcome%samples == 0) outcome%first_energy = kinetic + potential
       outcome%last_energy = kinetic + potential
       outcome%work = sample%w
       outcome%imbalance = max(outcome%imbalance, abs(kinetic + potential - outcome%first_energy - sample%w))
       outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))
+      if (outcome%imbalance > allowed_imbalance*max(outcome%largest_energy, outcome%no_energy)) &
+         & call add_exchange(scene, t, sample, outcome)
+      outcome%summed = t
    end subroutine check_energy
+
+   !> Sums up the net work of drivers, loads and damping, eq. (T1): only where the balance is off, for it costs an evaluation, which
+   !> is not counted.
+   subroutine add_exchange(scene, t, sample, outcome)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: t
+      !> With the state; its accelerations are scratch
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable :: error
+      integer :: before(2)
+      associate (system => scene%system, work => scene%work)
+         if (.not. system%powered) return
+         if (.not. allocated(outcome%net_work)) allocate (outcome%net_work(size(system%constraints) + size(system%loads) &
+            & + size(work%bodies)), source=0.0_wp)
+         before = [work%evaluations, work%matrix%factorisations]
+         call linearise(system, work, t, sample%q, error)
+         if (.not. allocated(error)) then
+            call accelerations(system, work, sample%q, sample%v, sample%a)
+            call add_parts_of_power(system, work, sample%q, sample%v, t - outcome%summed, outcome%net_work)
+         end if
+         work%evaluations = before(1)
+         work%matrix%factorisations = before(2)
+      end associate
+   end subroutine add_exchange
+
+   !> Energy that counts as none, eq. (T2).
+   subroutine find_no_energy(scene, sample, outcome)
+      type(scene_type), intent(inout) :: scene
+      !> At the start; its accelerations are scratch
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      real(wp), parameter :: part = 1.0e-8_wp
+      real(wp) :: kinetic, potential
+      integer :: i
+      associate (system => scene%system, dynamics => scene%system%model%dynamics)
+         sample%a = 0.0_wp
+         do i = 1, size(system%layout%q)
+            sample%a(system%layout%q(i)) = system%model%length/(dynamics%end - dynamics%start)
+         end do
+         call mechanical_energy(system, scene%work, sample%q, sample%a, kinetic, potential)
+         outcome%no_energy = part*(kinetic + abs(potential))
+      end associate
+   end subroutine find_no_energy
 
 end module limber_analysis_sampling

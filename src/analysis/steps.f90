@@ -4,6 +4,7 @@ module limber_analysis_steps
    use limber_base_error, only: error_type, raise, status_deck, status_interrupted
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
+   use limber_analysis_closing, only: energy_warning
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
    use limber_analysis_guard, only: guard_type
    use limber_analysis_outcome, only: outcome_type
@@ -231,6 +232,7 @@ contains
          lines = newline//'      '//scene%system%model%dynamics%integrator//', '//as_text(integrator%statistics%steps)// &
             & ' steps ('//as_text(integrator%statistics%rejected)//' rejected), energy balance '//as_text(part%imbalance, 2)// &
             & ' of at most '//as_text(part%largest_energy, 3)
+         scene%warnings = scene%warnings//energy_warning(part)
          call add_statistics(integrator%statistics, statistics)
       end select
       if (allocated(part%warnings)) scene%warnings = scene%warnings//part%warnings

@@ -247,6 +247,8 @@ contains
       to%work = from%work
       to%imbalance = from%imbalance
       to%largest_energy = from%largest_energy
+      to%no_energy = from%no_energy
+      call move_alloc(from%net_work, to%net_work)
       call move_alloc(from%warnings, to%warnings)
       call move_alloc(from%efforts, to%efforts)
       call move_alloc(from%axial, to%axial)

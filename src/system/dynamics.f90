@@ -17,7 +17,7 @@ module limber_system_dynamics
    private
    public :: linearise, linearise_placed, accelerations, accelerate, sum_forces
    public :: position_residual, velocity_residual
-   public :: input_power, mechanical_energy, worst_constraint
+   public :: input_power, add_parts_of_power, mechanical_energy, worst_constraint
 
 contains
 
@@ -302,37 +302,82 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: q(:), v(:)
-      integer :: i, first, last
-      real(wp) :: taken
+      integer :: i
       power = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
-            if (.not. item%driven .or. item%part_of > 0) cycle
-            last = item%first + item%rows - 1
-            call item%rate(work%kinematics, work%gamma(item%first:last))
-            power = power - dot_product(work%lambda(item%first:last), work%gamma(item%first:last))
+            if (item%driven .and. item%part_of == 0) power = power - driver_loss(system, work, i)
          end associate
       end do
       do i = 1, size(system%loads)
          call system%loads(i)%item%add_power(work%kinematics, power)
       end do
       do i = 1, size(work%bodies)
-         if (system%model%bodies(i)%kind /= body_flexible) cycle
-         first = system%layout%q(i) + 4
-         last = first + system%layout%n(i) - 1
-         if (system%model%bodies(i)%reduced%condensed) then
-            call axial_posture(system%model%bodies(i)%reduced, work%bodies(i)%load, q(first:last), work%bodies(i)%posture)
-            call geometric_power(system%model%bodies(i)%reduced, work%bodies(i)%posture, v(first:last), work%bodies(i)%z, &
-               & work%bodies(i)%s, taken)
-         else
-            call geometric_power(system%model%bodies(i)%reduced, q(first:last), v(first:last), work%bodies(i)%z, &
-               & work%bodies(i)%s, taken)
-         end if
-         power = power - taken
-         if (system%model%bodies(i)%reduced%damped) &
-            & power = power - sum(system%model%bodies(i)%reduced%damping*v(first:last)**2)
+         if (system%model%bodies(i)%kind == body_flexible) power = power - body_loss(system, work, q, v, i)
       end do
    end function input_power
+
+   !> The parts of `input_power`, times a duration, added to sums: of each constraint, each load, each body.
+   subroutine add_parts_of_power(system, work, q, v, duration, sums)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: duration
+      !> (constraints + loads + bodies) [energy]
+      real(wp), intent(inout) :: sums(:)
+      real(wp) :: power
+      integer :: i, k
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            if (item%driven .and. item%part_of == 0) sums(i) = sums(i) - duration*driver_loss(system, work, i)
+         end associate
+      end do
+      k = size(system%constraints)
+      do i = 1, size(system%loads)
+         power = 0.0_wp
+         call system%loads(i)%item%add_power(work%kinematics, power)
+         sums(k + i) = sums(k + i) + duration*power
+      end do
+      k = k + size(system%loads)
+      do i = 1, size(work%bodies)
+         if (system%model%bodies(i)%kind == body_flexible) sums(k + i) = sums(k + i) - duration*body_loss(system, work, q, v, i)
+      end do
+   end subroutine add_parts_of_power
+
+   !> Power that a driver takes.
+   real(wp) function driver_loss(system, work, which) result(power)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Index of its constraint
+      integer, intent(in) :: which
+      integer :: last
+      associate (item => system%constraints(which)%item)
+         last = item%first + item%rows - 1
+         call item%rate(work%kinematics, work%gamma(item%first:last))
+         power = dot_product(work%lambda(item%first:last), work%gamma(item%first:last))
+      end associate
+   end function driver_loss
+
+   !> Power that damping and the geometric force of the model k_g take in a flexible body.
+   real(wp) function body_loss(system, work, q, v, which) result(taken)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      !> Its index
+      integer, intent(in) :: which
+      integer :: first, last
+      first = system%layout%q(which) + 4
+      last = first + system%layout%n(which) - 1
+      associate (body => work%bodies(which), reduced => system%model%bodies(which)%reduced)
+         if (reduced%condensed) then
+            call axial_posture(reduced, body%load, q(first:last), body%posture)
+            call geometric_power(reduced, body%posture, v(first:last), body%z, body%s, taken)
+         else
+            call geometric_power(reduced, q(first:last), v(first:last), body%z, body%s, taken)
+         end if
+         if (reduced%damped) taken = taken + sum(reduced%damping*v(first:last)**2)
+      end associate
+   end function body_loss
 
    !> Kinetic energy, and potential energy: of beams, weight and springs. In the model k_g the energy of a beam is that of K_E.
    !> With loads, the kinematics are left placed at q.

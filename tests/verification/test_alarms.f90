@@ -1,0 +1,119 @@
+!> No false alarms: what is right against a closed form is not warned of, neither where much more energy passes through a scene than
+!> it holds, nor at rest, nor where functions follow at rest; and what is wrong still is. Usage, in tests/: test_alarms RESULT_FILE
+program test_alarms
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: channel
+   use testing, only: check, check_no_error, finish
+   implicit none
+   character(*), parameter :: oscillator = '*POINT MASS, NAME=mass, MASS=1, X=1'//newline// &
+      & '*SPRING, NAME=s, STIFFNESS=100, LENGTH=1'
+   character(*), parameter :: ends = ' ground.origin, mass'//newline
+   character(*), parameter :: beam = '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//newline// &
+      & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'//newline// &
+      & '*BEAM, NAME=beam, MATERIAL=stuff, SECTION=bar, LENGTH=1, SUPPORT=FREE-FREE, CORRECTIONS=YES, GEOMETRIC=LINEAR'// &
+      & newline//'*JOINT, NAME=root, TYPE=WELD'//newline//' beam.start, ground.origin'//newline
+   character(*), parameter :: lost = 'the energy balance is off by'
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call test_forced('RADAU, TOLERANCE=1e-3')
+   call test_forced('ADAMS, TOLERANCE=1e-3')
+   call test_forced('ALPHA, TOLERANCE=1e-5')
+   call test_rest()
+   call test_loss()
+   call test_corrections()
+   call finish()
+
+contains
+
+   !> A mass on a strong damper takes up 50 times the energy that it holds in each second. Once its start is forgotten it moves by
+   !> the imaginary part of F e^(i w t)/(k - m w^2 + i c w).
+   subroutine test_forced(integrator)
+      character(*), intent(in) :: integrator
+      real(wp), parameter :: w = 5.0_wp, end = 200.0_wp
+      complex(wp) :: amplitude
+      real(wp) :: truth
+      amplitude = 10.0_wp/cmplx(100.0_wp - w**2, 100.0_wp*w, wp)
+      truth = aimag(amplitude*cmplx(cos(w*end), sin(w*end), wp))
+      call judge('forced, '//integrator, oscillator//', DAMPING=100'//newline//ends//'*FORCE, NAME=f, POINT=mass'//newline// &
+         & ' 10*sin(5*t), 0'//newline//'*DYNAMICS, END=200, OUTPUTS=200, INTEGRATOR='//integrator//newline//'*OUTPUT'//newline// &
+         & ' x = x(mass) - 1', truth, 2.0e-3_wp*abs(amplitude), '')
+   end subroutine test_forced
+
+   !> Nothing moves: a driver that holds a body, a mass that hangs on its spring, a mass behind an analysis at rest.
+   subroutine test_rest()
+      character(*), parameter :: weight = '*GRAVITY, Y=-9.81'//newline
+      character(*), parameter :: hanging = '*POINT MASS, NAME=mass, MASS=1, Y=-1'//newline// &
+         & '*SPRING, NAME=s, STIFFNESS=100, DAMPING=2, LENGTH=1 - 0.0981'//newline//ends
+      character(10), parameter :: names(4) = [character(10) :: 'ADAMS', 'RADAU', 'ALPHA', 'CONSERVING']
+      character(:), allocatable :: tail
+      integer :: i
+      tail = ''
+      do i = 1, size(names)
+         tail = '*DYNAMICS, END=10, OUTPUTS=10, INTEGRATOR='//trim(names(i))//newline//'*OUTPUT'//newline
+         call judge('held, '//names(i), weight//'*RIGID BODY, NAME=mass, MASS=1, INERTIA=1'//newline//' hang, 0, 1'//newline// &
+            & '*JOINT, NAME=pin, TYPE=REVOLUTE'//newline//' mass.hang, ground.origin'//newline// &
+            & '*DRIVER, NAME=d, TYPE=ANGLE, BODY=mass'//newline//' 0.3'//newline//tail//' angle(mass)', 0.3_wp, 1.0e-9_wp, '')
+         call judge('hanging, '//names(i), weight//hanging//tail//' y(mass)', -1.0_wp, 1.0e-7_wp, '')
+         call judge('behind statics, '//names(i), weight//hanging//'*STATICS'//newline//tail//' y(mass)', -1.0_wp, 1.0e-6_wp, '')
+      end do
+   end subroutine test_rest
+
+   !> A vibration that the integrator damps away: the mass should go on by 0.1 cos 10 t. By itself, beside a damper that does
+   !> nothing, and behind another analysis.
+   subroutine test_loss()
+      character(*), parameter :: still = 'FIXED STEP=0.2, SPECTRAL RADIUS=0, END=20, OUTPUTS=100'//newline//'*OUTPUT'//newline// &
+         & ' x = x(mass) - 1'
+      character(*), parameter :: moved = '*POINT MASS, NAME=mass, MASS=1, X=1.1'//newline// &
+         & '*SPRING, NAME=s, STIFFNESS=100, LENGTH=1'
+      character(*), parameter :: idle = '*POINT MASS, NAME=other, MASS=1, Y=1'//newline// &
+         & '*SPRING, NAME=r, STIFFNESS=1, DAMPING=1, LENGTH=1'//newline//' ground.origin, other'//newline
+      call judge('damped away', moved//newline//ends//'*DYNAMICS, INTEGRATOR=ALPHA, '//still, 0.0_wp, 1.0e-3_wp, lost)
+      call judge('with a damper', moved//newline//ends//idle//'*DYNAMICS, INTEGRATOR=ALPHA, '//still, 0.0_wp, 1.0e-3_wp, lost)
+      call judge('behind statics', oscillator//newline//ends//'*FORCE, NAME=f, POINT=mass'//newline//' 10*step(1 - t), 0'// &
+         & newline//'*STATICS, PERIOD=1'//newline//'*DYNAMICS, INTEGRATOR=ALPHA, '//still, 0.0_wp, 1.0e-3_wp, lost)
+   end subroutine test_loss
+
+   !> Corrections of free functions follow a slow force at rest, with few elements as well: F L^3/(3 E I).
+   subroutine test_corrections()
+      call judge('free functions with corrections', beam//'*FORCE, NAME=tip, POINT=beam.end'//newline// &
+         & ' 0, 0.03*smoothstep(t/15)'//newline//'*DYNAMICS, END=20, OUTPUTS=20, TOLERANCE=1e-6, INTEGRATOR=RADAU'//newline// &
+         & '*OUTPUT'//newline//' y(beam.end)', 0.01_wp, 3.0e-5_wp, '')
+   end subroutine test_corrections
+
+   !> Runs a deck, compares the last sample of its channel with the truth, and looks for a warning.
+   subroutine judge(name, deck, truth, error, warning)
+      character(*), intent(in) :: name, deck
+      !> What is true, and the error that it may have
+      real(wp), intent(in) :: truth, error
+      !> Part of the warning; empty: there is none
+      character(*), intent(in) :: warning
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: failure
+      real(wp), allocatable :: values(:)
+      character(:), allocatable :: report, text
+      integer :: unit
+      open (newunit=unit, file=trim(results)//'.inp', action='write', status='replace')
+      write (unit, '(a)') '*HEADING', ' '//name, deck
+      close (unit)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, failure)
+      call check_no_error(failure, name)
+      if (allocated(failure)) return
+      call reader%open(trim(results), failure)
+      call check_no_error(failure, name//': results')
+      allocate (values, source=channel(reader, reader%channels(1)%name))
+      print '(a,2es12.4)', name//': last value, truth', values(size(values)), truth
+      call check(abs(values(size(values)) - truth) <= error, name//': '//as_text(values(size(values)), 6)//' for '// &
+         & as_text(truth, 6))
+      call reader%read_text('/run/warnings', text, failure)
+      call check_no_error(failure, name//': warnings')
+      if (warning == '') call check(text == '', name//' has no warning, but: '//text)
+      if (warning /= '') call check(index(text, warning) > 0, name//' is warned of: '//text)
+      call reader%close()
+   end subroutine judge
+
+end program test_alarms

@@ -13,6 +13,7 @@ module limber_analysis_dynamics
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
@@ -21,11 +22,12 @@ module limber_analysis_dynamics
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: break_times, station_times
    use limber_model_scene, only: dynamics_type
-   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, sample_width
+   use limber_output_channels, only: recorder_type, new_recorder, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
+   use limber_output_turns, only: follow_motion
    use limber_system_dynamics, only: linearise, accelerations, velocity_residual, mechanical_energy, worst_constraint
-   use limber_system_kinematics, only: place_frames, settle_angles
+   use limber_system_kinematics, only: place_frames, move_frames, settle_angles
    use limber_system_multiplier, only: update_jacobians
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type
@@ -82,7 +84,7 @@ contains
          allocate (outcome%indicators)
          call start_indicators(outcome%indicators, scene%system)
          recorder = new_recorder(scene%system, scene%q)
-         if (allocated(scene%angle)) recorder%angle = scene%angle
+         if (allocated(scene%angle)) recorder%turns%angle = scene%angle
          outcome%reached = dynamics%start
          call start_axial(scene, axial, sample%change, error)
          if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &
@@ -90,9 +92,10 @@ contains
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, &
             & tick, cpu, outcome, error, guard)
       end associate
+      call settle_angles(scene%work%kinematics, .false.)
       scene%last%q = sample%q
       scene%last%v = sample%v
-      scene%last%angle = recorder%angle
+      scene%last%angle = recorder%turns%angle
       scene%last%balanced = .false.
       scene%last%rotation = 0.0_wp
       if (allocated(recorder%efforts)) call move_alloc(recorder%efforts, outcome%efforts)
@@ -121,6 +124,7 @@ contains
       type(guard_type), intent(inout), optional :: guard
       real(wp), allocatable :: breaks(:), stations(:)
       type(jump_watch_type) :: watch
+      type(turning_type) :: turning
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
@@ -134,6 +138,8 @@ contains
       sample%q = scene%q
       sample%v = scene%v
       call start_watch(watch, dynamics%start, scene%v)
+      call start_turning(turning, scene%system, dynamics%start, scene%q, scene%v, integrator%ends_on_samples)
+      call follow_turns(dynamics%start)
       watch%late = dynamics%end - 0.1_wp*(dynamics%end - dynamics%start)
       if (restarts(guard)) then
          call restore()
@@ -157,11 +163,8 @@ contains
             seen = seen + 1
          end do
          if (seen < size(stations)) stop = min(stop, stations(seen + 1))
-         if (integrator%ends_on_samples) then
-            stop = min(stop, sample_time(dynamics, sample%next))
-         else
-            stop = min(stop, integrator%t + turn_time(scene%system, integrator%t - integrator%t_before, sample%q, sample%v))
-         end if
+         if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, sample%next))
+         if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
          call integrator%step(scene%system, scene%work, stop, error)
          if (.not. allocated(error)) call history%check_limit(integrator%t, error)
          if (allocated(error)) exit
@@ -172,12 +175,11 @@ contains
          if (allocated(error)) exit
          call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
          if (allocated(text)) call warn(outcome, text)
-         call follow_angles(recorder, scene%system, sample%q)
+         call watch_turning(turning, scene%system, integrator%t, sample%q, sample%v, dynamics%fixed_step > 0.0_wp, text, error)
+         if (allocated(text)) call warn(outcome, text)
+         if (allocated(error)) exit
          call watch_axial(axial, scene%system, scene%work, integrator%t, sample%q)
-         if (size(scene%work%kinematics%angles) > 0) then
-            call place_frames(scene%system%model, scene%system%layout, integrator%t, sample%q, scene%work%kinematics)
-            call settle_angles(scene%work%kinematics)
-         end if
+         call follow_turns(integrator%t)
          at_station = .false.
          if (seen < size(stations)) at_station = stations(seen + 1) <= integrator%t + near
          if (at_station .or. sample_time(dynamics, sample%next) <= integrator%t + near) &
@@ -189,6 +191,8 @@ contains
             call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
             if (allocated(error)) exit
             call start_watch(watch, breaks(passed), sample%v)
+            call start_turning(turning, scene%system, breaks(passed), sample%q, sample%v, integrator%ends_on_samples)
+            call follow_turns(breaks(passed))
             call pass_axial_break(axial, scene%system, scene%work, breaks(passed))
          end if
          call record_before(integrator%t + near)
@@ -204,6 +208,16 @@ contains
       call report_axial(scene, axial, outcome)
 
    contains
+
+      !> Carries followed angles on to the state at hand, those of the channels and those that joints and loads depend on.
+      subroutine follow_turns(t)
+         real(wp), intent(in) :: t
+         call follow_motion(recorder%turns, scene%system, t, sample%q, sample%v)
+         if (size(scene%work%kinematics%angles) == 0) return
+         call place_frames(scene%system%model, scene%system%layout, t, sample%q, scene%work%kinematics)
+         call move_frames(scene%system%model, scene%system%layout, sample%q, sample%v, scene%work%kinematics)
+         call settle_angles(scene%work%kinematics, .not. integrator%ends_on_samples)
+      end subroutine follow_turns
 
       !> Writes a checkpoint if it is time, and ends the run if that is asked for.
       subroutine look_at_guard()
@@ -245,6 +259,7 @@ contains
          call history%exchange(snapshot)
          call axial%exchange(snapshot)
          call watch%exchange(snapshot)
+         call turning%exchange(snapshot)
          call outcome%exchange(snapshot)
       end subroutine exchange
 
@@ -261,26 +276,6 @@ contains
       end subroutine record_before
 
    end subroutine advance
-
-   !> Time in which no frame turns by more than a part of a turn, so that turns can be counted; huge if the last step was so short
-   !> that the next one cannot come near that.
-   pure real(wp) function turn_time(system, last, q, v) result(longest)
-      type(system_type), intent(in) :: system
-      !> Length of the last step; coordinates and velocities (nq)
-      real(wp), intent(in) :: last, q(:), v(:)
-      !> Largest turn in a step [rad], and factor by which steps grow at most
-      real(wp), parameter :: most = 2.0_wp, growth = 10.0_wp
-      real(wp) :: spin
-      integer :: i, first
-      spin = 0.0_wp
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         first = system%layout%q(i) + 2
-         spin = max(spin, abs(q(first)*v(first + 1) - q(first + 1)*v(first)))
-      end do
-      longest = huge(longest)
-      if (growth*last*spin > most) longest = most/spin
-   end function turn_time
 
    !> Begins to watch axial coordinates that follow at rest, and puts them where they belong.
    subroutine start_axial(scene, axial, change, error)

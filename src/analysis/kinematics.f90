@@ -9,9 +9,10 @@ module limber_analysis_kinematics
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_model_scene, only: step_type, step_inverse
-   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
+   use limber_output_turns, only: follow_places
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_freedom, only: freedom_type, find_freedom, motion_text
    use limber_system_held, only: held_type, new_held, held_position, held_motion, balance_deflections
@@ -66,7 +67,7 @@ contains
       end do
       scene%last%q = motion%q
       scene%last%v = motion%v
-      scene%last%angle = motion%recorder%angle
+      scene%last%angle = motion%recorder%turns%angle
       if (allocated(motion%recorder%efforts)) call move_alloc(motion%recorder%efforts, outcome%efforts)
       scene%last%balanced = .false.
       scene%last%rotation = 0.0_wp
@@ -131,7 +132,7 @@ contains
       motion%t = step%dynamics%start
       call new_held(scene%system, motion%held)
       motion%recorder = new_recorder(scene%system, scene%q)
-      if (allocated(scene%angle)) motion%recorder%angle = scene%angle
+      if (allocated(scene%angle)) motion%recorder%turns%angle = scene%angle
    end subroutine start
 
    !> Moves on to a time in steps so small that the next position is sure to be on the same branch.
@@ -170,9 +171,9 @@ contains
             end do
             motion%t = merge(t, motion%t + h, t - motion%t - h < shortest)
             motion%q = motion%trial
-            call follow_angles(motion%recorder, system, motion%q)
+            call follow_places(motion%recorder%turns, system, motion%q)
             call place_frames(system%model, system%layout, motion%t, motion%q, work%kinematics)
-            call settle_angles(work%kinematics)
+            call settle_angles(work%kinematics, .false.)
             if (motion%t < t) call held_motion(system, work, held, motion%t, motion%q, motion%v, motion%a, done)
             if (.not. done) then
                call raise_singular(motion%t, error)

@@ -8,8 +8,9 @@ module limber_analysis_modes
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_model_scene, only: step_type, ground
-   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_history, only: history_type
+   use limber_output_turns, only: follow_places
    use limber_system_algebra, only: turn, along
    use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, linearise_balance
    use limber_system_freedom, only: find_freedom
@@ -143,8 +144,8 @@ contains
       real(wp), allocatable :: values(:)
       associate (system => scene%system, work => scene%work)
          recorder = new_recorder(system, scene%q)
-         if (allocated(scene%angle)) recorder%angle = scene%angle
-         call follow_angles(recorder, system, scene%q)
+         if (allocated(scene%angle)) recorder%turns%angle = scene%angle
+         call follow_places(recorder%turns, system, scene%q)
          allocate (values(sample_width(system)))
          call place_frames(system%model, system%layout, step%dynamics%start, scene%q, work%kinematics)
          call move_frames(system%model, system%layout, scene%q, balance%v, work%kinematics)
@@ -152,7 +153,7 @@ contains
          call channel_values(recorder, system, work, step%dynamics%start, scene%q, balance%v, balance%a, values)
          scene%last%q = scene%q
          scene%last%v = scene%v
-         scene%last%angle = recorder%angle
+         scene%last%angle = recorder%turns%angle
       end associate
       call history%take(step%dynamics%start, values, error)
       outcome%samples = 1

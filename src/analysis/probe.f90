@@ -14,7 +14,8 @@ module limber_analysis_probe
    use limber_model_breaks, only: break_times
    use limber_model_quantities, only: is_internal_force, quantity_u1, quantity_u2, quantity_rotation
    use limber_model_scene, only: body_flexible
-   use limber_output_channels, only: recorder_type, new_recorder, channel_values, follow_angles, sample_width
+   use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
+   use limber_output_turns, only: follow_places
    use limber_system_dynamics, only: linearise, accelerations, accelerate
    use limber_system_kinematics, only: rates_of
    use limber_system_motion, only: motion_residual
@@ -407,7 +408,7 @@ contains
          slope = 0.0_wp
          amplitude = maxval(abs(eta), 2)
          do k = 1, track%count
-            call follow_angles(recorder, system, track%q(:, k))
+            call follow_places(recorder%turns, system, track%q(:, k))
             looked = mod(k, max(1, track%count/looks)) == 0
             if (looked) then
                call evaluate(0, values)

@@ -11,9 +11,10 @@ module limber_analysis_statics
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_model_scene, only: step_type, leave_unstable, stop_unstable
-   use limber_output_channels, only: recorder_type, new_recorder, follow_angles, channel_values, sample_width
+   use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
+   use limber_output_turns, only: follow_places
    use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium, judge, descend, steady_motion
    use limber_system_freedom, only: motion_text
    use limber_system_kinematics, only: advance, place_frames, move_frames, settle_angles
@@ -73,7 +74,7 @@ contains
       call scale_loads(scene, .false., 1.0_wp)
       scene%last%q = statics%q
       scene%last%v = statics%balance%v
-      scene%last%angle = statics%recorder%angle
+      scene%last%angle = statics%recorder%turns%angle
       scene%last%balanced = .true.
       scene%last%lambda = statics%lambda
       scene%last%rotation = statics%balance%rotation
@@ -90,7 +91,7 @@ contains
       type(statics_type), intent(inout) :: statics
       call new_equilibrium(scene%system, statics%balance)
       statics%recorder = new_recorder(scene%system, scene%q)
-      if (allocated(scene%angle)) statics%recorder%angle = scene%angle
+      if (allocated(scene%angle)) statics%recorder%turns%angle = scene%angle
       allocate (statics%q, source=scene%q)
       allocate (statics%trial, source=scene%q)
       allocate (statics%lambda(scene%system%nc), statics%trial_lambda(scene%system%nc))
@@ -204,10 +205,10 @@ contains
       statics%q = statics%trial
       statics%lambda = statics%trial_lambda
       statics%part = part
-      call follow_angles(statics%recorder, scene%system, statics%q)
+      call follow_places(statics%recorder%turns, scene%system, statics%q)
       if (size(scene%work%kinematics%angles) == 0) return
       call place_frames(scene%system%model, scene%system%layout, scene%work%kinematics%time, statics%q, scene%work%kinematics)
-      call settle_angles(scene%work%kinematics)
+      call settle_angles(scene%work%kinematics, .false.)
    end subroutine accept
 
    !> Equilibrium at a part of the step; increments are divided where Newton's method fails.

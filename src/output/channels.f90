@@ -3,14 +3,13 @@ module limber_output_channels
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_model_quantities
-   use limber_model_laws, only: driven_motion
-   use limber_deck_operations, only: jet_type
-   use limber_model_scene, only: quantity_type, driver_angle, ground
+   use limber_model_scene, only: quantity_type, ground
    use limber_output_internal_forces, only: effort_type, new_efforts, gather_efforts, section_forces, stresses
    use limber_output_joints, only: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, &
       & section_rotation, joint_spin, driver_effort, driver_power, coupler_effort, coupler_power
    use limber_output_loads, only: load_value
    use limber_output_segments, only: whole_direction, whole_spin, whole_displacement, whole_rotation
+   use limber_output_turns, only: turns_type, new_turns, turned_angle
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
@@ -18,14 +17,12 @@ module limber_output_channels
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: recorder_type, new_recorder, follow_angles, channel_values, gather_balance, sample_width
+   public :: recorder_type, new_recorder, channel_values, gather_balance, sample_width
 
-   !> What is remembered between samples: the angle of every frame, accumulated over turns
+   !> What is remembered between samples: the angles of frames, accumulated over turns
    type :: recorder_type
-      !> Angle of each body's frame at the last accepted step (bodies) [rad]
-      real(wp), allocatable :: angle(:)
-      !> Bodies whose angle a channel asks for
-      integer, allocatable :: turning(:)
+      !> Of the bodies whose angle a channel asks for
+      type(turns_type) :: turns
       !> True if a channel needs velocities; accelerations or multipliers; energies
       logical :: needs_velocities = .false., needs_accelerations = .false., needs_energy = .false., needs_momentum = .false.
       !> True if a channel needs internal forces; what acts on the bodies then
@@ -51,18 +48,17 @@ contains
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
       type(recorder_type) :: recorder
-      type(jet_type) :: motion
+      integer, allocatable :: turning(:)
       integer :: i, j, most
-      allocate (recorder%angle(size(system%model%bodies)), recorder%turning(0))
-      recorder%angle = 0.0_wp
+      allocate (turning(0))
       most = 0
       do i = 1, size(system%model%channels)
          most = max(most, size(system%model%channels(i)%quantities))
          do j = 1, size(system%model%channels(i)%quantities)
             associate (quantity => system%model%channels(i)%quantities(j))
                select case (quantity%kind)
-               case (quantity_angle); recorder%turning = [recorder%turning, quantity%of]
-               case (quantity_joint_angle); recorder%turning = [recorder%turning, turning_bodies(system, quantity%of)]
+               case (quantity_angle); turning = [turning, quantity%of]
+               case (quantity_joint_angle); turning = [turning, turning_bodies(system, quantity%of)]
                case (quantity_ax, quantity_ay, quantity_force_x, quantity_force_y, quantity_torque, quantity_tension, &
                      & quantity_force_1, quantity_force_2, quantity_moment, quantity_force, quantity_power, &
                      & quantity_elongation, quantity_rate, quantity_coupling)
@@ -87,17 +83,7 @@ contains
          & .or. recorder%needs_momentum
       allocate (recorder%slots(most))
       allocate (recorder%efforts, source=new_efforts(system))
-      do i = 1, size(recorder%angle)
-         recorder%angle(i) = system%model%bodies(i)%angle
-      end do
-      do i = 1, size(system%model%drivers)
-         associate (driver => system%model%drivers(i))
-            if (driver%kind /= driver_angle) cycle
-            motion = driven_motion(driver, system%model%dynamics%start)
-            recorder%angle(driver%body) = motion%value
-         end associate
-      end do
-      call follow_angles(recorder, system, q)
+      recorder%turns = new_turns(system, turning, q)
    end function new_recorder
 
    !> Bodies of a joint that have an angle.
@@ -116,11 +102,11 @@ contains
    end function turning_bodies
 
    !> Angle of the first section of a joint from the second, accumulated over turns.
-   pure real(wp) function joint_angle(recorder, system, joint, q) result(angle)
+   pure real(wp) function joint_angle(recorder, system, joint, t, q) result(angle)
       type(recorder_type), intent(in) :: recorder
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint
-      real(wp), intent(in) :: q(:)
+      real(wp), intent(in) :: t, q(:)
       integer :: side
       real(wp) :: own
       angle = 0.0_wp
@@ -128,32 +114,12 @@ contains
          associate (body => system%constraints(joint)%item%bodies(side))
             if (body == ground) cycle
             if (.not. system%layout%framed(body)) cycle
-            own = angle_near(recorder%angle(body), q(system%layout%q(body) + 2:)) &
+            own = turned_angle(recorder%turns, system, body, t, q(system%layout%q(body) + 2:)) &
                & + section_rotation(system, system%model%joints(joint)%points(side), q)
             angle = angle + merge(own, -own, side == 1)
          end associate
       end do
    end function joint_angle
-
-   !> Carries the accumulated angles on to a state less than half a turn away.
-   subroutine follow_angles(recorder, system, q)
-      type(recorder_type), intent(inout) :: recorder
-      type(system_type), intent(in) :: system
-      real(wp), intent(in) :: q(:)
-      integer :: i
-      do i = 1, size(recorder%turning)
-         recorder%angle(recorder%turning(i)) = angle_near(recorder%angle(recorder%turning(i)), &
-            & q(system%layout%q(recorder%turning(i)) + 2:))
-      end do
-   end subroutine follow_angles
-
-   !> The angle of a unit vector, with the turns that bring it nearest to a given angle.
-   pure real(wp) function angle_near(before, u) result(angle)
-      real(wp), intent(in) :: before, u(:)
-      real(wp), parameter :: turn_once = 2*acos(-1.0_wp)
-      angle = atan2(u(2), u(1))
-      angle = angle + turn_once*anint((before - angle)/turn_once)
-   end function angle_near
 
    !> Numbers in a sample: the channels, and behind them the coordinates, if the motion is asked for.
    pure integer function sample_width(system) result(width)
@@ -229,9 +195,10 @@ contains
          vector = joint_force(system, work, quantity%of)
       case (quantity_angle)
          if (system%model%bodies(quantity%of)%whole > 0) then
-            value = angle_near(recorder%angle(quantity%of), whole_direction(system, system%model%bodies(quantity%of)%whole, q))
+            value = turned_angle(recorder%turns, system, quantity%of, t, &
+               & whole_direction(system, system%model%bodies(quantity%of)%whole, q))
          else
-            value = angle_near(recorder%angle(quantity%of), q(system%layout%q(quantity%of) + 2:))
+            value = turned_angle(recorder%turns, system, quantity%of, t, q(system%layout%q(quantity%of) + 2:))
          end if
       case (quantity_spin)
          if (system%model%bodies(quantity%of)%whole > 0) then
@@ -265,7 +232,7 @@ contains
          end associate
       case (quantity_force_1, quantity_force_2); vector = joint_force_in_frame(system, work, quantity%of, q)
       case (quantity_moment); value = joint_moment(system, work, quantity%of, q)
-      case (quantity_joint_angle); value = joint_angle(recorder, system, quantity%of, q)
+      case (quantity_joint_angle); value = joint_angle(recorder, system, quantity%of, t, q)
       case (quantity_joint_spin); value = joint_spin(system, quantity%of, q, v)
       case (quantity_displacement); value = joint_displacement(system, quantity%of, q)
       case (quantity_sliding_speed); value = joint_sliding(system, quantity%of, q, v)
@@ -344,7 +311,7 @@ contains
       class(recorder_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       integer :: i
-      call snapshot%keep('angle', self%angle)
+      call self%turns%exchange(snapshot)
       do i = 1, size(self%efforts)
          call snapshot%keep('amplitude', self%efforts(i)%amplitude)
          call snapshot%keep('extremes', self%efforts(i)%extremes)

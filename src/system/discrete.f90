@@ -41,6 +41,7 @@ contains
       call find_end(system%layout, step, y)
       do i = 1, size(step%start%angles)
          work%kinematics%angles(i)%anchor = step%start%angles(i)%value
+         work%kinematics%angles(i)%since = step%final
       end do
       call place_frames(system%model, system%layout, step%final, step%new_q, work%kinematics)
       call find_mean(system%layout, step, work%kinematics, y)

@@ -60,7 +60,7 @@ module limber_system_kinematics
       real(wp), allocatable :: shape(:, :)
    end type marker_type
 
-   !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to its anchor
+   !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to where its anchor has moved, eq. (E1)
    type :: angle_type
       !> Markers that the vector leads from and to; without the first, the second is a direction
       integer :: markers(2) = 0
@@ -68,6 +68,8 @@ module limber_system_kinematics
       real(wp) :: value = 0.0_wp
       !> Its value at the last state that counts: a trial that goes astray must not turn it around [rad]
       real(wp) :: anchor = 0.0_wp
+      !> Rate with which it moves on [rad/time] from the time of that state
+      real(wp) :: rate = 0.0_wp, since = 0.0_wp
    end type angle_type
 
    !> Deflections of a body that joints ask for themselves, not for those of its points
@@ -255,7 +257,7 @@ contains
          end associate
       end do
       do m = 1, size(kinematics%angles)
-         call follow_angle(kinematics%markers, kinematics%angles(m))
+         call follow_angle(kinematics%markers, kinematics%time, kinematics%angles(m))
       end do
       do i = 1, size(kinematics%bends)
          first = layout%q(kinematics%bends(i)%body) + 4
@@ -272,26 +274,46 @@ contains
       turning%velocity = 0.0_wp
    end function without_origin
 
-   !> Takes the placed angles for those of a state that counts.
-   pure subroutine settle_angles(kinematics)
+   !> Takes the placed angles for those of a state that counts. From a motion they go on at their rates; else they stay.
+   pure subroutine settle_angles(kinematics, moving)
+      !> Placed; from a motion also moved
       type(kinematics_type), intent(inout) :: kinematics
+      logical, intent(in) :: moving
+      real(wp) :: vector(2), rate(2)
       integer :: m
       do m = 1, size(kinematics%angles)
-         kinematics%angles(m)%anchor = kinematics%angles(m)%value
+         associate (angle => kinematics%angles(m), to => kinematics%markers(kinematics%angles(m)%markers(2)))
+            angle%anchor = angle%value
+            angle%since = kinematics%time
+            angle%rate = 0.0_wp
+            if (.not. moving) cycle
+            vector = to%position
+            rate = to%velocity
+            if (angle%markers(1) > 0) then
+               vector = vector - kinematics%markers(angle%markers(1))%position
+               rate = rate - kinematics%markers(angle%markers(1))%velocity
+            end if
+            if (dot_product(vector, vector) > 0.0_wp) angle%rate = cross(vector, rate)/dot_product(vector, vector)
+         end associate
       end do
    end subroutine settle_angles
 
-   !> Angle of a vector at placed markers, with the turns that bring it nearest to its anchor, which follows what is near.
-   pure subroutine follow_angle(markers, angle)
+   !> Angle of a vector at placed markers, with the turns that bring it nearest to where its anchor has moved; that follows what
+   !> is near.
+   pure subroutine follow_angle(markers, time, angle)
       type(marker_type), intent(in) :: markers(:)
+      real(wp), intent(in) :: time
       type(angle_type), intent(inout) :: angle
       real(wp), parameter :: turn_once = 2*acos(-1.0_wp), near = 1.0_wp
-      real(wp) :: vector(2), nearest
+      real(wp) :: vector(2), nearest, expected
       vector = markers(angle%markers(2))%position
       if (angle%markers(1) > 0) vector = vector - markers(angle%markers(1))%position
       nearest = atan2(vector(2), vector(1))
-      angle%value = nearest + turn_once*anint((angle%anchor - nearest)/turn_once)
-      if (abs(angle%value - angle%anchor) < near) angle%anchor = angle%value
+      expected = angle%anchor + angle%rate*(time - angle%since)
+      angle%value = nearest + turn_once*anint((expected - nearest)/turn_once)
+      if (abs(angle%value - expected) >= near) return
+      angle%anchor = angle%value
+      angle%since = time
    end subroutine follow_angle
 
    !> Velocities and bias accelerations at q and v; `place_frames` comes first.
@@ -567,6 +589,8 @@ contains
       do i = 1, size(self%angles)
          call snapshot%exchange('value', self%angles(i)%value)
          call snapshot%exchange('anchor', self%angles(i)%anchor)
+         call snapshot%exchange('angle_rate', self%angles(i)%rate)
+         call snapshot%exchange('since', self%angles(i)%since)
       end do
       do i = 1, size(self%bends)
          call snapshot%keep('eta', self%bends(i)%eta)

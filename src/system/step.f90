@@ -56,6 +56,8 @@ contains
       end associate
       allocate (step%start, step%mean)
       step%start = new_kinematics(system%model, system%marker_points, system%angles, system%bends)
+      ! Turns that are behind the angles of an analysis before
+      step%start%angles%anchor = work%kinematics%angles%anchor
       step%mean = step%start
       allocate (step%jacobians(2, size(system%constraints)), step%bodies(size(system%layout%q)))
       step%jacobians = work%jacobians
@@ -80,7 +82,7 @@ contains
       step%q = q
       step%b = b
       call place_frames(system%model, system%layout, t, q, step%start)
-      call settle_angles(step%start)
+      call settle_angles(step%start, .false.)
       call place_drives(system%model, t + 0.5_wp*h, step%mean)
       step%mean%span = h
       call find_momenta(system, q, b, step%p)

@@ -265,7 +265,7 @@ contains
       end do
       call advance(system%layout, q, change, final)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call settle_angles(work%kinematics)
+      call settle_angles(work%kinematics, .false.)
       before = 0.0_wp
       call system%loads(index)%item%add_energy(work%kinematics, before)
       mean%kinematics = work%kinematics

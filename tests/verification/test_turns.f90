@@ -1,0 +1,85 @@
+!> Turns of driven and free wheels, and what depends on them: a nut on a screw, a law of an angle, by each integrator, with steps
+!> of fixed length, and position by position. All is known in closed form.
+!> Usage, in tests/: test_turns RESULT_FILE
+program test_turns
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, change_deck, channel
+   use testing, only: check, check_close, finish
+   implicit none
+
+   character(256) :: results
+   character(64) :: integrator(4) = [character(64) :: 'ADAMS', 'RADAU', 'ALPHA', 'CONSERVING']
+   integer :: i
+
+   call get_command_argument(1, results)
+   do i = 1, size(integrator)
+      call check_turns('INTEGRATOR=ADAMS', 'INTEGRATOR='//integrator(i))
+      ! More than half a turn in a step: the speed says which turn it is
+      if (i < 4) call check_turns('INTEGRATOR=ADAMS', 'FIXED STEP=0.0125, INTEGRATOR='//integrator(i))
+   end do
+   call check_alone()
+   call check_refusal()
+   call finish()
+
+contains
+
+   !> All that turns, and what it draws along.
+   subroutine check_turns(old, new)
+      character(*), intent(in) :: old, new
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: t(:), turns(:), joint(:), nut(:), bob(:), flywheel(:)
+      real(wp), parameter :: pi = acos(-1.0_wp)
+      integer :: k
+      call run_changed('verification/turns.inp', trim(results), [old], [new], reader)
+      call reader%read_time(t, error)
+      allocate (turns, source=channel(reader, 'turns'))
+      allocate (joint, source=channel(reader, 'joint'))
+      allocate (nut, source=channel(reader, 'nut'))
+      allocate (bob, source=channel(reader, 'bob'))
+      allocate (flywheel, source=channel(reader, 'flywheel'))
+      do k = 1, size(t)
+         call check_close(turns(k), 50*t(k), 1.0e-9_wp, trim(new)//': turns')
+         call check_close(joint(k), 100*pi*t(k), 1.0e-8_wp, trim(new)//': angle of a joint')
+         call check_close(nut(k), 0.1_wp*pi*t(k), 1.0e-9_wp, trim(new)//': nut')
+         ! (x' + 10)^2 x = 100 (pitch w t): what lags behind by 2/10 of a second, less what was so at the start
+         call check_close(bob(k), 0.1_wp*pi*(t(k) - 0.2_wp + (0.2_wp + t(k))*exp(-10*t(k))), 2.0e-3_wp, trim(new)//': bob')
+         call check_close(flywheel(k), t(k)**2, 1.0e-2_wp*(1 + t(k)**2), trim(new)//': flywheel')
+      end do
+      call reader%close()
+   end subroutine check_turns
+
+   !> The wheel alone has no unknowns: nothing limits a step of ADAMS but its turns; and the same position by position.
+   subroutine check_alone()
+      character(*), parameter :: deck = 'verification/driven_wheel.inp'
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: turns(:)
+      call run_changed(deck, trim(results), ['END=10'], ['END=10'], reader)
+      allocate (turns, source=channel(reader, 'turns'))
+      call check_close(turns(size(turns)), 500.0_wp, 1.0e-9_wp, 'a wheel alone')
+      call reader%close()
+      deallocate (turns)
+      call run_changed(deck, trim(results), [character(30) :: '*DYNAMICS', ', INTEGRATOR=ADAMS'], [character(30) :: '*KINEMATICS', &
+         & ', OUTPUTS=3'], reader)
+      allocate (turns, source=channel(reader, 'turns'))
+      call check_close(turns(size(turns)), 500.0_wp, 1.0e-9_wp, 'a wheel position by position')
+      call reader%close()
+   end subroutine check_alone
+
+   !> A step in which CONSERVING could not tell the turns.
+   subroutine check_refusal()
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call change_deck('verification/turns.inp', trim(results)//'.inp', ['INTEGRATOR=ADAMS'], &
+         & ['FIXED STEP=0.0125, INTEGRATOR=CONSERVING'])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(allocated(error), 'CONSERVING refuses a step of more than half a turn')
+      if (.not. allocated(error)) return
+      call check(index(error%message, "turns body 'wheel' by") > 0 .and. index(error%message, 'use a step') > 0, &
+         & 'body and remedy in: '//error%message)
+   end subroutine check_refusal
+
+end program test_turns

@@ -6,9 +6,9 @@ module limber_system_equilibrium
    use limber_system_algebra, only: turn
    use limber_system_dynamics, only: position_residual
    use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness, rate_scales
-   use limber_system_kinematics, only: advance
+   use limber_system_kinematics, only: advance, move_frames
    use limber_system_krylov, only: nearest_eigenvalues, is_large, by_scales
-   use limber_system_motion, only: motion_residual, linearise_motion
+   use limber_system_motion, only: motion_residual, linearise_motion, linearise_loads
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, combine, gather, static_softness, solve_refined
    implicit none
@@ -105,12 +105,43 @@ contains
       residual = position_residual(system, work)
       call linearise_motion(system, work, balance%tangent, q, balance%v, balance%push, lambda)
       if (abs(balance%rotation) > 0.0_wp) then
+         call turn_loads(system, work, balance, q)
          do i = 1, size(balance%tangent%bodies)
             call add_rotation_stiffness(balance%rotation, balance%tangent%bodies(i)%mass, balance%tangent%bodies(i)%stiffness)
          end do
          call gather(balance%tangent)
       end if
    end subroutine linearise_balance
+
+   !> Loads in a steady rotation: they see the motion relative to the ground, which turns too, and at rest there is none. Takes what
+   !> they make of the velocities of the rotation out of residual and derivatives, eq. (S1).
+   subroutine turn_loads(system, work, balance, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      !> Coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      real(wp) :: rest(size(q))
+      integer :: i, k
+      rest = 0.0_wp
+      call move_frames(system%model, system%layout, q, rest, work%kinematics)
+      do i = 1, size(system%loads)
+         associate (load => system%loads(i)%item, force => work%loads(i)%force, to => balance%tangent%loads(i)%unknowns)
+            ! The bodies of a load may be the same one
+            do k = 1, size(to)
+               balance%motion(to(k)) = balance%motion(to(k)) + force(k)
+            end do
+            force = 0.0_wp
+            call load%add_force(work%kinematics, force)
+            if (load%is_scaled) force = load%share*force
+            do k = 1, size(to)
+               balance%motion(to(k)) = balance%motion(to(k)) - force(k)
+            end do
+         end associate
+      end do
+      call linearise_loads(system, work, balance%tangent)
+      call move_frames(system%model, system%layout, q, balance%v, work%kinematics)
+   end subroutine turn_loads
 
    !> Adds what a steady rotation adds to the stiffness of a body, whose accelerations depend on its place: -speed^2 M on r.
    pure subroutine add_rotation_stiffness(speed, mass, stiffness)

@@ -13,7 +13,7 @@ module limber_system_motion
    use limber_system_tangent, only: tangent_type, body_tangent_type, gather
    implicit none
    private
-   public :: place_motion, motion_residual, linearise_motion, add_reaction_stiffness, copy_rows
+   public :: place_motion, motion_residual, linearise_motion, linearise_loads, add_reaction_stiffness, copy_rows
 
 contains
 
@@ -112,6 +112,16 @@ contains
       do i = 1, size(tangent%constraints)
          call linearise_constraint(system, work, i, lambda, tangent)
       end do
+      call linearise_loads(system, work, tangent)
+      call gather(tangent)
+   end subroutine linearise_motion
+
+   !> Derivatives of the loads alone, at the kinematics as they are placed and moved.
+   subroutine linearise_loads(system, work, tangent)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(tangent_type), intent(inout) :: tangent
+      integer :: i
       do i = 1, size(tangent%loads)
          tangent%loads(i)%stiffness = 0.0_wp
          tangent%loads(i)%damping = 0.0_wp
@@ -120,8 +130,7 @@ contains
          tangent%loads(i)%stiffness = system%loads(i)%item%share*tangent%loads(i)%stiffness
          tangent%loads(i)%damping = system%loads(i)%item%share*tangent%loads(i)%damping
       end do
-      call gather(tangent)
-   end subroutine linearise_motion
+   end subroutine linearise_loads
 
    subroutine linearise_body(system, work, i, q, v, a, body)
       type(system_type), intent(in) :: system

@@ -21,6 +21,7 @@ program test_statics
    call check_redundant()
    call check_end_shapes()
    call check_first_deflections()
+   call check_turning_mount()
    call finish()
 
 contains
@@ -206,5 +207,53 @@ contains
       call check(maxval(abs(smooth - smooth(1))) < 0.2_wp*abs(expected), 'with it it does not')
       call reader%close()
    end subroutine check_first_deflections
+
+   !> Modes of a mass on a bushing in steady rotation, at the ground, which turns too, or at a hub: roots of the determinant of the
+   !> mass in turning axes, whatever the origin of its frame is.
+   subroutine check_turning_mount()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(40) :: changed(2)
+      character(11), parameter :: seats(2) = ['ground.seat', 'hub.seat   ']
+      character(14), parameter :: origins(3) = ['px = 0, py = 0', 'px = 2, py = 1', 'px =-1, py = 3']
+      real(wp), allocatable :: frequency(:), growth(:), x(:), y(:)
+      integer :: i, j, k
+      do i = 1, size(seats)
+         do j = 1, size(origins)
+            changed(1) = origins(j)
+            changed(2) = 'mass.seat, '//seats(i)
+            call run_changed('verification/turning_mount.inp', trim(results), [character(22) :: origins(1), &
+               & 'mass.seat, ground.seat'], changed, reader)
+            allocate (x, source=channel(reader, 'x_mass_centre'))
+            allocate (y, source=channel(reader, 'y_mass_centre'))
+            call check_close(hypot(x(3), y(3)), 0.0_wp, 1.0e-12_wp, 'dampers do not move what turns as a whole, '//trim(changed(2)))
+            call reader%read_numbers('/modes/modes/frequency', frequency, error)
+            call reader%read_numbers('/modes/modes/growth', growth, error)
+            call check(size(growth) == 3, 'three modes of the mass')
+            do k = 1, size(growth)
+               call check_close(mount_determinant(cmplx(growth(k), frequency(k), wp)), 0.0_wp, 1.0e-10_wp, 'mode of a mass '// &
+                  & 'on a bushing in rotation, '//trim(changed(1))//', '//trim(changed(2)))
+            end do
+            call reader%close()
+            deallocate (x, y, frequency, growth)
+         end do
+      end do
+   end subroutine check_turning_mount
+
+   !> |det(s^2 M + s (D + 2 speed J M) + K - speed^2 M)| of the mass on its bushing, relative to the product of the rows' sizes.
+   real(wp) function mount_determinant(s) result(relative)
+      complex(wp), intent(in) :: s
+      real(wp), parameter :: speed = 7, m = 1.3_wp, a(2) = [0.3_wp, -0.2_wp], stiffness(2) = [150, 100], damping(2) = [3, 2]
+      complex(wp) :: matrix(3, 3), spring(2)
+      spring = stiffness + s*damping
+      matrix = 0.0_wp
+      matrix(1, :) = [m*(s**2 - speed**2) + spring(1), -2*speed*m*s, -a(2)*spring(1)]
+      matrix(2, :) = [2*speed*m*s, m*(s**2 - speed**2) + spring(2), a(1)*spring(2)]
+      matrix(3, :) = [-a(2)*spring(1), a(1)*spring(2), 0.05_wp*s**2 + 0.4_wp*s + 30 + a(2)**2*spring(1) + a(1)**2*spring(2)]
+      relative = abs(matrix(1, 1)*(matrix(2, 2)*matrix(3, 3) - matrix(2, 3)*matrix(3, 2)) &
+         & - matrix(1, 2)*(matrix(2, 1)*matrix(3, 3) - matrix(2, 3)*matrix(3, 1)) &
+         & + matrix(1, 3)*(matrix(2, 1)*matrix(3, 2) - matrix(2, 2)*matrix(3, 1)))
+      relative = relative/product(sum(abs(matrix), 2))
+   end function mount_determinant
 
 end program test_statics

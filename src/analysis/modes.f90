@@ -13,14 +13,14 @@ module limber_analysis_modes
    use limber_output_turns, only: follow_places
    use limber_system_algebra, only: turn, along
    use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, linearise_balance
-   use limber_system_freedom, only: find_freedom
+   use limber_system_freedom, only: find_freedom, has_potential
    use limber_system_held, only: held_type, new_held, rest_multipliers
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_krylov, only: is_large
    use limber_system_system, only: system_type
    use limber_system_tangent, only: gather
-   use limber_system_vibrations, only: vibrations_type, find_vibrations, find_large_vibrations, add_rotation_damping, &
-      & no_damping, gyroscopic, all_damping
+   use limber_system_vibrations, only: vibrations_type, find_vibrations, find_large_vibrations, kind_of_growth, &
+      & add_rotation_damping, no_damping, gyroscopic, all_damping
    implicit none
    private
    public :: run_modes
@@ -48,7 +48,8 @@ contains
       call new_equilibrium(scene%system, balance)
       call linearise_state(scene, step, balance, outcome, error)
       if (allocated(error)) return
-      if (is_large(scene%system) .and. terms(step, balance) == no_damping .and. has_enough(scene%system, step%modes)) then
+      if (is_large(scene%system) .and. terms(step, balance) == no_damping .and. has_enough(scene%system, step%modes) &
+         & .and. has_potential(balance%tangent)) then
          call find_large_vibrations(scene%system, balance%tangent, step%modes, vibrations, error)
       else
          call find_freedom(scene%system, scene%work, .false., balance%freedom)
@@ -60,7 +61,7 @@ contains
       call sample(scene, step, balance, history, outcome, error)
       if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
       if (allocated(error)) return
-      report = table(scene, vibrations)
+      report = table(scene, vibrations, step%damped)
       call cpu_time(cpu)
       outcome%cpu = outcome%cpu + cpu
       outcome%wall = seconds_since(tick)
@@ -259,11 +260,14 @@ contains
       end do
    end subroutine point_moves
 
-   !> Lines with the modes.
-   function table(scene, vibrations) result(text)
+   !> Lines with the modes; those that grow are named.
+   function table(scene, vibrations, is_damped) result(text)
       type(scene_type), intent(in) :: scene
       type(vibrations_type), intent(in) :: vibrations
+      !> Whether dampers count
+      logical, intent(in) :: is_damped
       character(:), allocatable :: text
+      character(:), allocatable :: kind
       character(100) :: line
       integer :: i
       real(wp), parameter :: turn_once = 2*acos(-1.0_wp)
@@ -277,6 +281,8 @@ contains
             write (line, '(i10,2es17.7,es16.4)') i, vibrations%frequency(i), vibrations%frequency(i)/turn_once, &
                & damping_ratio(vibrations%frequency(i), vibrations%growth(i))
             text = text//newline//trim(line)
+            kind = kind_of_growth(vibrations%frequency(i), vibrations%growth(i), is_damped)
+            if (kind /= '') text = text//'  '//kind
          end do
       end associate
    end function table

@@ -15,7 +15,8 @@ module limber_analysis_statics
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_output_turns, only: follow_places
-   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium, judge, descend, steady_motion
+   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium, linearise_balance, judge, &
+      & descend, steady_motion, is_near, extent
    use limber_system_freedom, only: motion_text
    use limber_system_kinematics, only: advance, place_frames, move_frames, settle_angles
    use limber_system_efforts, only: effort_load_type
@@ -25,8 +26,11 @@ module limber_analysis_statics
    private
    public :: run_statics
 
-   !> Part of a step below which an increment is not divided further
-   real(wp), parameter :: least_part = 1.0e-6_wp
+   !> Increment, beside the part of the step that is done, below which it is not divided further; that below which it is taken
+   !> where the stiffness jumps; and the least of a step
+   real(wp), parameter :: least_part = 1.0e-9_wp, kink_part = 1.0e-6_wp, least_of_step = 1.0e-13_wp
+   !> Most attempts in one increment of the deck
+   integer, parameter :: most_tries = 3000
 
    !> A static analysis under way
    type :: statics_type
@@ -37,8 +41,10 @@ module limber_analysis_statics
       real(wp), allocatable :: q(:), lambda(:), trial(:), trial_lambda(:), values(:)
       !> Whether equilibrium was stable there; and whether that is known
       logical :: stable = .false., known = .false.
-      !> True if the step ends before its time
-      logical :: stopped = .false.
+      !> True if the step ends before its time; and once it goes on along an equilibrium about which vibrations grow
+      logical :: stopped = .false., flutters = .false.
+      !> The last increment that was taken, and the change of the scene in it by its length; zero: none
+      real(wp) :: increment = 0.0_wp, pace = 0.0_wp
       !> Weight of the deck (2), and rotation at the start of the step
       real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
       !> What the user is told
@@ -173,6 +179,8 @@ contains
          if (takes_time .or. k == step%dynamics%outputs) call sample(scene, step, statics, history, outcome, error)
          call progress%update(outcome%reached)
       end do
+      if (statics%balance%unseen) call tell(statics, 'loads without a potential, as forces that follow what they push, can make'// &
+         & ' vibrations grow (flutter); a scene as large as this was not searched for them: *MODES behind it names them')
       if (.not. allocated(error) .and. statics%stopped .and. .not. takes_time) &
          & call sample(scene, step, statics, history, outcome, error)
    end subroutine pass_increments
@@ -187,7 +195,8 @@ contains
          call load_scene(scene, step, 0.0_wp, statics)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
-         call find_equilibrium(scene%system, scene%work, balance, time_of(step, 0.0_wp), statics%trial, statics%trial_lambda, done)
+         call find_equilibrium(scene%system, scene%work, balance, time_of(step, 0.0_wp), statics%trial, statics%trial_lambda, &
+            & .false., done)
          if (.not. done) return
          call judge(scene%system, scene%work, balance, statics%trial_lambda)
          if (.not. balance%stable) return
@@ -211,7 +220,7 @@ contains
       call settle_angles(scene%work%kinematics, .false.)
    end subroutine accept
 
-   !> Equilibrium at a part of the step; increments are divided where Newton's method fails.
+   !> Equilibrium at a part of the step; increments are divided where the branch of equilibria cannot be followed.
    subroutine advance_to(scene, step, target, statics, history, takes_time, outcome, error)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
@@ -221,16 +230,27 @@ contains
       logical, intent(in) :: takes_time
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: increment, next
+      real(wp) :: increment, next, least
+      integer :: tries
       logical :: done
       increment = target - statics%part
+      if (statics%increment > 0.0_wp) increment = min(increment, 4*statics%increment)
+      tries = 0
       do while (statics%part < target)
          call history%check_limit(time_of(step, statics%part), error)
          if (allocated(error)) return
          next = statics%part + increment
-         if (target - next < 0.5_wp*least_part) next = target
+         least = max(least_of_step, least_part*statics%part)
+         if (target - next < 0.5_wp*least) next = target
+         tries = tries + 1
+         if (tries > most_tries) then
+            call raise(error, 'equilibrium cannot be followed beyond t = '//as_text(time_of(step, statics%part), 8)//': '// &
+               & motion_text(scene%system, statics%balance%change)//' by leaps, however small the increment; does a law of'// &
+               & ' a load jump?')
+            return
+         end if
          call try(scene, step, next, statics, done)
-         if (.not. done .and. increment > least_part) then
+         if (.not. done .and. increment > least) then
             increment = 0.25_wp*increment
             cycle
          end if
@@ -238,12 +258,16 @@ contains
             ! At the very critical load it counts as stable: what follows tells
             statics%stable = statics%balance%stable .or. (statics%balance%neutral .and. statics%stable)
             statics%known = .true.
+            statics%increment = next - statics%part
+            statics%pace = extent(statics%balance, statics%balance%change)/statics%increment
             call accept(scene, statics, next)
             increment = min(2*increment, target - statics%part)
             cycle
          end if
          call pass_instability(scene, step, next, target, done, statics, history, takes_time, outcome, error)
          if (allocated(error) .or. statics%stopped) return
+         statics%increment = 0.0_wp
+         statics%pace = 0.0_wp
          increment = target - statics%part
       end do
    end subroutine advance_to
@@ -257,23 +281,38 @@ contains
       if (statics%stable) then
          is_acceptable = is_acceptable .or. statics%balance%neutral
       else
-         is_acceptable = is_acceptable .or. step%instability /= leave_unstable
+         is_acceptable = is_acceptable .or. step%instability /= leave_unstable .or. statics%flutters
       end if
    end function is_acceptable
 
-   !> Newton's method at a part of the step from the present state, and the stability there.
+   !> Newton's method at a part of the step from the present state, and the stability there. From an equilibrium it must stay on
+   !> its branch.
    subroutine try(scene, step, part, statics, done)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       real(wp), intent(in) :: part
       type(statics_type), intent(inout) :: statics
       logical, intent(out) :: done
-      statics%trial = statics%q
-      statics%trial_lambda = statics%lambda
-      call load_scene(scene, step, part, statics)
-      call find_equilibrium(scene%system, scene%work, statics%balance, time_of(step, part), statics%trial, &
-         & statics%trial_lambda, done)
-      if (done) call judge(scene%system, scene%work, statics%balance, statics%trial_lambda)
+      !> Most by which the scene may soften at once
+      real(wp), parameter :: softer = 1.0e3_wp
+      associate (system => scene%system, work => scene%work, balance => statics%balance)
+         statics%trial = statics%q
+         statics%trial_lambda = statics%lambda
+         call load_scene(scene, step, part, statics)
+         call find_equilibrium(system, work, balance, time_of(step, part), statics%trial, statics%trial_lambda, statics%known, done)
+         if (.not. done) return
+         if (statics%known) then
+            call load_scene(scene, step, statics%part, statics)
+            call is_near(system, work, balance, time_of(step, statics%part), statics%trial, statics%trial_lambda, done)
+            ! Where a law has a corner the tangents differ, however small the increment
+            if (part - statics%part <= kink_part*part .and. statics%pace > 0.0_wp) done = done .or. &
+               & extent(balance, balance%change) <= softer*statics%pace*(part - statics%part)
+            call load_scene(scene, step, part, statics)
+            if (.not. done) return
+            call linearise_balance(system, work, balance, time_of(step, part), statics%trial, statics%trial_lambda)
+         end if
+         call judge(system, work, balance, statics%trial_lambda)
+      end associate
    end subroutine try
 
    !> What happens where the next equilibrium is unstable, or there is none.
@@ -296,24 +335,32 @@ contains
       !> Part of a radian, or of the scene, by which an unstable equilibrium is left
       real(wp), parameter :: push = 1.0e-2_wp
       allocate (motion, source=statics%balance%softest)
-      kind = 'no equilibrium is near: a limit point'
+      kind = 'limit point, snap-through: no equilibrium is near'
       goal = target
       if (found) goal = next
-      if (statics%known .and. statics%stable) then
+      if (statics%known .and. (statics%stable .or. .not. found)) then
          if (found) then
             call find_critical(scene, step, next, statics)
             motion = statics%balance%softest
-            kind = 'another equilibrium branches off'
+            kind = 'bifurcation: another equilibrium branches off'
+            if (.not. statics%balance%potential) kind = 'divergence: it is left without vibrating'
+            if (statics%balance%flutters) kind = flutter_text(scene, statics)
          end if
-         call tell(statics, 'equilibrium turns unstable at t = '//as_text(time_of(step, statics%part), 8)// &
-            & ' ('//kind//'): '//motion_text(scene%system, motion))
+         call tell(statics, 'equilibrium '//trim(merge('turns unstable', 'ends          ', statics%stable))//' at '// &
+            & place_text(step, statics)//' ('//kind//'): '//motion_text(scene%system, motion))
          if (takes_time) call sample(scene, step, statics, history, outcome, error)
          if (allocated(error)) return
          statics%stable = .false.
          statics%stopped = step%instability == stop_unstable
-         if (statics%stopped .or. step%instability /= leave_unstable .and. found) return
+         statics%flutters = found .and. statics%balance%flutters
+         if (statics%stopped .or. (step%instability /= leave_unstable .or. statics%flutters) .and. found) return
       else if (found .and. statics%balance%neutral) then
          call raise_neutral(scene, time_of(step, next), motion, error)
+         return
+      else if (found .and. statics%balance%flutters) then
+         call accept(scene, statics, next)
+         call stay_in_flutter(scene, step, statics)
+         if (statics%stopped .and. takes_time) call sample(scene, step, statics, history, outcome, error)
          return
       end if
       statics%known = .true.
@@ -335,6 +382,13 @@ contains
          call tell(statics, 'at t = '//as_text(time_of(step, goal), 8)//' the loads were in balance, but not stably, as at a'// &
             & ' dead centre: '//motion_text(scene%system, statics%balance%left)//'; left for a stable equilibrium')
       end if
+      call judge(scene%system, scene%work, statics%balance, statics%trial_lambda)
+      if (statics%balance%flutters) then
+         call accept(scene, statics, goal)
+         call stay_in_flutter(scene, step, statics)
+         if (statics%stopped .and. takes_time) call sample(scene, step, statics, history, outcome, error)
+         return
+      end if
       statics%stable = statics%balance%stable
       if (.not. statics%stable) call tell(statics, 'at t = '//as_text(time_of(step, goal), 8)//' the loads are in balance, but'// &
          & ' not stably, as at a dead centre: '//motion_text(scene%system, statics%balance%softest))
@@ -342,6 +396,36 @@ contains
       call accept(scene, statics, goal)
       if (statics%stopped .and. takes_time) call sample(scene, step, statics, history, outcome, error)
    end subroutine pass_instability
+
+   !> Goes on along an equilibrium about which vibrations grow, at the present state: there is no other one to go to.
+   subroutine stay_in_flutter(scene, step, statics)
+      type(scene_type), intent(in) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      call tell(statics, 'equilibrium is unstable at '//place_text(step, statics)//' ('//flutter_text(scene, statics)//'): '// &
+         & motion_text(scene%system, statics%balance%softest))
+      statics%known = .true.
+      statics%stable = .false.
+      statics%flutters = .true.
+      statics%stopped = step%instability == stop_unstable
+   end subroutine stay_in_flutter
+
+   function flutter_text(scene, statics) result(text)
+      type(scene_type), intent(in) :: scene
+      type(statics_type), intent(in) :: statics
+      character(:), allocatable :: text
+      text = 'flutter: vibrations at '//as_text(statics%balance%frequency, 5)//' rad/'//scene%system%model%units%time// &
+         & ' grow; *DYNAMICS shows where they lead'
+   end function flutter_text
+
+   !> The instant, and the part of the loads where they grow.
+   function place_text(step, statics) result(text)
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(in) :: statics
+      character(:), allocatable :: text
+      text = 't = '//as_text(time_of(step, statics%part), 8)
+      if (step%ramp) text = text//', load factor '//as_text(statics%part, 8)
+   end function place_text
 
    subroutine raise_neutral(scene, t, motion, error)
       type(scene_type), intent(in) :: scene
@@ -352,36 +436,51 @@ contains
          & ' driver, a spring or a joint')
    end subroutine raise_neutral
 
-   !> The part of the step where the lowest stiffness is zero, between the present state and an unstable one: it becomes the
-   !> present state. Regula falsi with halved weights (Illinois).
+   !> The last part of the step where equilibrium is stable, between the present state and an unstable one: it becomes the present
+   !> state. Regula falsi with halved weights (Illinois) on the lowest stiffness; bisection where loads have no potential. The
+   !> motion that turns unstable is left in the balance.
    subroutine find_critical(scene, step, next, statics)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       real(wp), intent(in) :: next
       type(statics_type), intent(inout) :: statics
-      integer, parameter :: most = 60
-      real(wp) :: left, right, of_left, of_right, middle, width
-      logical :: done
+      integer, parameter :: most = 100
+      real(wp), parameter :: critical_part = 1.0e-12_wp
+      real(wp) :: left, right, of_left, of_right, middle, width, share, frequency
+      real(wp), allocatable :: softest(:)
+      logical :: done, flutters, by_stiffness
       integer :: round, side
       left = statics%part
       right = next
+      share = 1.0_wp
       of_right = statics%balance%lowest
+      call keep_unstable()
+      by_stiffness = statics%balance%potential
       call try(scene, step, left, statics, done)
       if (.not. done) return
       of_left = statics%balance%lowest
+      by_stiffness = by_stiffness .and. of_left > 0.0_wp .and. of_right < 0.0_wp
       side = 0
       do round = 1, most
          width = right - left
-         if (width <= 1.0e-12_wp) exit
-         middle = left + width*of_left/(of_left - of_right)
-         if (round > 30 .or. middle <= left .or. middle >= right) middle = left + 0.5_wp*width
+         if (width <= critical_part*right) exit
+         middle = left + 0.5_wp*width
+         if (by_stiffness .and. round <= 30) middle = left + width*of_left/(of_left - of_right)
+         if (middle <= left .or. middle >= right) middle = left + 0.5_wp*width
+         middle = left + share*(middle - left)
          call try(scene, step, middle, statics, done)
-         if (.not. done) exit
-         if (abs(statics%balance%lowest) <= 1.0e-14_wp*statics%balance%largest) then
+         share = min(1.0_wp, 2*share)
+         if (.not. done) then
+            share = 0.25_wp*share
+            if (share < 1.0e-6_wp) exit
+            cycle
+         end if
+         if (by_stiffness .and. abs(statics%balance%lowest) <= 1.0e-14_wp*statics%balance%largest) then
             call accept(scene, statics, middle)
+            call keep_unstable()
             exit
          end if
-         if (statics%balance%lowest > 0.0_wp) then
+         if (statics%balance%stable .or. (by_stiffness .and. statics%balance%lowest > 0.0_wp)) then
             left = middle
             of_left = statics%balance%lowest
             if (side == 1) of_right = 0.5_wp*of_right
@@ -392,9 +491,22 @@ contains
             of_right = statics%balance%lowest
             if (side == -1) of_left = 0.5_wp*of_left
             side = -1
+            call keep_unstable()
          end if
       end do
       call load_scene(scene, step, statics%part, statics)
+      statics%balance%softest = softest
+      statics%balance%flutters = flutters
+      statics%balance%frequency = frequency
+
+   contains
+
+      subroutine keep_unstable()
+         softest = statics%balance%softest
+         flutters = statics%balance%flutters
+         frequency = statics%balance%frequency
+      end subroutine keep_unstable
+
    end subroutine find_critical
 
    !> Adds a line to what the user is told.

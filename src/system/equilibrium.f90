@@ -5,15 +5,16 @@ module limber_system_equilibrium
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: turn
    use limber_system_dynamics, only: position_residual
-   use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness, rate_scales
+   use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness, has_potential, rate_scales
    use limber_system_kinematics, only: advance, move_frames
    use limber_system_krylov, only: nearest_eigenvalues, is_large, by_scales
    use limber_system_motion, only: motion_residual, linearise_motion, linearise_loads
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, combine, gather, static_softness, solve_refined
+   use limber_system_vibrations, only: find_growth
    implicit none
    private
-   public :: equilibrium_type, new_equilibrium, find_equilibrium, linearise_balance, judge, descend, steady_motion
+   public :: equilibrium_type, new_equilibrium, find_equilibrium, linearise_balance, judge, descend, steady_motion, is_near, extent
 
    !> Change of a coordinate relative to its scale: aimed at, taken where round-off forbids more, and most in an iteration
    real(wp), parameter :: aim = 1.0e-12_wp, good = 1.0e-8_wp, most_change = 0.25_wp
@@ -32,6 +33,11 @@ module limber_system_equilibrium
       real(wp) :: lowest = 0.0_wp, largest = 0.0_wp
       real(wp), allocatable :: softest(:)
       logical :: stable = .false., neutral = .false.
+      !> Whether the loads have a potential; if not, whether small vibrations grow, and their circular frequency [rad/time]
+      logical :: potential = .true., flutters = .false.
+      !> True once a scene without potential was too large to look for vibrations that grow
+      logical :: unseen = .false.
+      real(wp) :: frequency = 0.0_wp
       !> Whether `descend` has left an unstable equilibrium on its way, and the motion in which it was unstable (nw)
       logical :: has_left = .false.
       real(wp), allocatable :: left(:)
@@ -42,6 +48,8 @@ module limber_system_equilibrium
       !> Scales (nw), residuals (nw), (nc), unknowns (nw + nc), a place moved (nq), places of the diagonal in the matrix (nw)
       real(wp), allocatable :: scale(:), motion(:), rates(:), solution(:), correction(:), moved(:)
       integer, allocatable :: diagonal(:)
+      !> Change of the coordinates in the last `find_equilibrium`, and that of its first step (nw)
+      real(wp), allocatable :: change(:), first_change(:)
    end type equilibrium_type
 
 contains
@@ -57,7 +65,7 @@ contains
          allocate (balance%rates(nc), balance%solution(nw + nc), balance%correction(nw + nc))
          allocate (balance%moved(nq), balance%diagonal(nw))
          balance%softest = 0.0_wp
-         allocate (balance%left(nw))
+         allocate (balance%left(nw), balance%change(nw), balance%first_change(nw))
          balance%left = 0.0_wp
          balance%scale = rate_scales(system)
          do i = 1, nw
@@ -191,15 +199,18 @@ contains
    end subroutine take_step
 
    !> Newton's method from a place near by. Leaves residuals and derivatives at the last place.
-   subroutine find_equilibrium(system, work, balance, t, q, lambda, done)
+   subroutine find_equilibrium(system, work, balance, t, q, lambda, keeps_near, done)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       type(equilibrium_type), intent(inout) :: balance
       real(wp), intent(in) :: t
       !> Coordinates (nq), multipliers (nc); those of the guess if it fails
       real(wp), intent(inout) :: q(:), lambda(:)
+      !> Whether to give up where the first step is long, or more than that becomes of it
+      logical, intent(in) :: keeps_near
       logical, intent(out) :: done
       integer, parameter :: most = 30
+      real(wp), parameter :: astray = 4
       real(wp), allocatable :: first(:), first_lambda(:)
       real(wp) :: size_of, last
       integer :: round
@@ -207,13 +218,18 @@ contains
       allocate (first_lambda, source=lambda)
       done = .false.
       last = huge(last)
+      balance%change = 0.0_wp
       do round = 1, most
          call linearise_balance(system, work, balance, t, q, lambda)
          call solve_step(system, work, balance, 0.0_wp, size_of)
          if (size_of >= huge(size_of)) exit
          done = size_of <= aim .or. (size_of <= good .and. size_of >= 0.1_wp*last)
          call take_step(system, balance, min(1.0_wp, most_change/max(size_of, tiny(size_of))), q, lambda)
+         balance%change = balance%change + balance%solution(:system%layout%nw)
+         if (round == 1) balance%first_change = balance%change
          if (done) exit
+         if (keeps_near .and. size_of > most_change) exit
+         if (keeps_near .and. extent(balance, balance%change) > astray*extent(balance, balance%first_change) + good) exit
          last = size_of
       end do
       if (done) then
@@ -228,8 +244,71 @@ contains
       end if
    end subroutine find_equilibrium
 
-   !> Stability of the place of the last `find_equilibrium`, or of any other that was linearised.
+   !> Largest entry of a change, each relative to its scale.
+   pure real(wp) function extent(balance, change)
+      type(equilibrium_type), intent(in) :: balance
+      !> (nw)
+      real(wp), intent(in) :: change(:)
+      extent = maxval(abs(change/balance%scale))
+   end function extent
+
+   !> Whether the last `find_equilibrium` has stayed on the branch it came from: its change is that of the tangents at both ends,
+   !> eq. (S2). The loads are those of the place that it left, where the derivatives are those of the place that it found.
+   subroutine is_near(system, work, balance, t, q, lambda, near)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      !> Time of the place that it left; coordinates (nq) and multipliers (nc) of that which it found
+      real(wp), intent(in) :: t, q(:), lambda(:)
+      logical, intent(out) :: near
+      !> Difference from the mean of the tangents, and between the two, beside the change of a coordinate and beside the largest
+      real(wp), parameter :: of_own(2) = [0.1_wp, 0.6_wp], of_largest(2) = [0.005_wp, 0.05_wp]
+      !> Change that is round-off
+      real(wp), parameter :: none = 1.0e-9_wp
+      real(wp) :: size_of, largest, own(system%layout%nw), back(system%layout%nw)
+      largest = extent(balance, balance%change)
+      near = largest <= none
+      if (near) return
+      call steady_motion(system, balance, q)
+      call motion_residual(system, work, t, q, balance%v, balance%push, lambda, balance%motion, balance%rates)
+      size_of = position_residual(system, work)
+      if (abs(balance%rotation) > 0.0_wp) call turn_loads(system, work, balance, q)
+      call solve_step(system, work, balance, 0.0_wp, size_of)
+      if (size_of >= huge(size_of)) return
+      back = -balance%solution(:system%layout%nw)
+      associate (ahead => balance%first_change, change => balance%change, scale => balance%scale)
+         own = max(abs(ahead), abs(change), abs(back))/scale
+         largest = maxval(own)
+         near = all(abs(change - 0.5_wp*(ahead + back))/scale <= of_own(1)*own + of_largest(1)*largest + none) .and. &
+            & all(abs(ahead - back)/scale <= of_own(2)*own + of_largest(2)*largest + none)
+      end associate
+   end subroutine is_near
+
+   !> Stability of the place of the last `find_equilibrium`, or of any other that was linearised: by the stiffness, and where the
+   !> loads have no potential by the motions that grow.
    subroutine judge(system, work, balance, lambda)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: lambda(:)
+      real(wp) :: growth
+      logical :: done
+      call judge_stiffness(system, work, balance, lambda)
+      balance%potential = has_potential(balance%tangent)
+      balance%flutters = .false.
+      if (is_large(system)) then
+         balance%unseen = balance%unseen .or. .not. balance%potential
+         return
+      end if
+      if (balance%potential .or. balance%neutral .or. size(balance%freedom%basis, 2) == 0) return
+      call find_growth(system, balance%tangent, balance%freedom, growth, balance%frequency, balance%softest, done)
+      if (.not. done) return
+      balance%stable = .not. growth > 0.0_wp
+      balance%flutters = growth > 0.0_wp .and. balance%frequency > 0.0_wp
+   end subroutine judge
+
+   !> The same by the lowest eigenvalue of the stiffness alone, eq. (107).
+   subroutine judge_stiffness(system, work, balance, lambda)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       type(equilibrium_type), intent(inout) :: balance
@@ -262,7 +341,7 @@ contains
       threshold = max(none_of_largest*balance%largest, none_of_forces*balance%forces, tiny(threshold))
       balance%stable = balance%lowest > threshold
       balance%neutral = abs(balance%lowest) <= threshold
-   end subroutine judge
+   end subroutine judge_stiffness
 
    !> The same for a large scene, from the eigenvalues nearest to zero. Where there is none the scene is taken for neutral.
    subroutine judge_large(system, balance)
@@ -314,7 +393,7 @@ contains
       spring = 0.0_wp
       do round = 1, most
          call linearise_balance(system, work, balance, t, q, lambda)
-         call judge(system, work, balance, lambda)
+         call judge_stiffness(system, work, balance, lambda)
          spring = max(spring, -2*balance%lowest)
          if (.not. spring > 0.0_wp) spring = max(1.0e-3_wp*balance%largest, balance%forces)
          if (.not. spring > 0.0_wp) spring = 1.0_wp
@@ -342,9 +421,9 @@ contains
          if (.not. balance%stable .or. size_of > 0.1_wp) cycle
          found = q
          found_lambda = lambda
-         call find_equilibrium(system, work, balance, t, found, found_lambda, done)
+         call find_equilibrium(system, work, balance, t, found, found_lambda, .false., done)
          if (.not. done) cycle
-         call judge(system, work, balance, found_lambda)
+         call judge_stiffness(system, work, balance, found_lambda)
          done = balance%stable .or. balance%neutral
          if (.not. done) cycle
          q = found

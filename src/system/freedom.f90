@@ -10,7 +10,7 @@ module limber_system_freedom
    use limber_system_tangent_products, only: times_stiffness
    implicit none
    private
-   public :: freedom_type, find_freedom, rate_scales, lowest_stiffness, motion_text
+   public :: freedom_type, find_freedom, rate_scales, lowest_stiffness, has_potential, motion_text
 
    !> Pivot, relative to the largest, below which a constraint is taken to repeat others
    real(wp), parameter :: no_pivot = 1.0e-10_wp
@@ -171,6 +171,22 @@ contains
       largest_at = maxloc(abs(motion/scale), 1)
       motion = motion*sign(1.0_wp, motion(largest_at))/norm2(motion/scale)
    end subroutine lowest_stiffness
+
+   !> Whether the loads have a potential near the state: their stiffness is symmetric. Forces that follow what they push have none,
+   !> and equilibrium then is lost by growing vibrations, too.
+   pure logical function has_potential(tangent)
+      type(tangent_type), intent(in) :: tangent
+      !> Difference beside the largest entry that is round-off
+      real(wp), parameter :: none = 1.0e-9_wp
+      integer :: i
+      has_potential = .true.
+      do i = 1, size(tangent%loads)
+         associate (block => tangent%loads(i)%stiffness)
+            if (size(block) == 0) cycle
+            if (maxval(abs(block - transpose(block))) > none*maxval(abs(block))) has_potential = .false.
+         end associate
+      end do
+   end function has_potential
 
    !> What moves in a motion, for messages: "body 'crank' turns, body 'rod' moves".
    function motion_text(system, motion) result(text)

@@ -12,7 +12,8 @@ module limber_system_vibrations
    use limber_system_tangent_products, only: times_mass, times_damping, times_stiffness
    implicit none
    private
-   public :: vibrations_type, find_vibrations, find_large_vibrations, add_rotation_damping, quadratic_modes, symmetric_modes
+   public :: vibrations_type, find_vibrations, find_large_vibrations, find_growth, kind_of_growth, add_rotation_damping, &
+      & quadratic_modes, symmetric_modes
 
    !> Velocity terms that count: none, those that do no work (gyroscopic ones), all
    integer, parameter, public :: no_damping = 0, gyroscopic = 1, all_damping = 2
@@ -40,23 +41,12 @@ contains
       type(vibrations_type), intent(out) :: vibrations
       !> The eigenvalues could not be found
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: mass(:, :), damper(:, :), stiffness(:, :), product(:)
+      real(wp), allocatable :: mass(:, :), damper(:, :), stiffness(:, :)
       complex(wp), allocatable :: value(:), vector(:, :)
       logical :: is_symmetric
       integer :: n, j
       n = size(freedom%basis, 2)
-      allocate (mass(n, n), damper(n, n), stiffness(n, n), product(system%layout%nw))
-      do j = 1, n
-         product = 0.0_wp
-         call times_mass(system, tangent, 1.0_wp, freedom%basis(:, j), product)
-         mass(:, j) = matmul(product, freedom%basis)
-         product = 0.0_wp
-         call times_damping(system, tangent, 1.0_wp, freedom%basis(:, j), product)
-         damper(:, j) = matmul(product, freedom%basis)
-         product = 0.0_wp
-         call times_stiffness(system, tangent, 1.0_wp, freedom%basis(:, j), product)
-         stiffness(:, j) = matmul(product, freedom%basis)
-      end do
+      call free_matrices(system, tangent, freedom, mass, damper, stiffness)
       if (damping == no_damping) damper = 0.0_wp
       if (damping == gyroscopic) damper = 0.5_wp*(damper - transpose(damper))
       is_symmetric = n == 0
@@ -78,6 +68,77 @@ contains
          call turn_phase(rate_scales(system), vibrations%shape(:, j))
       end do
    end subroutine find_vibrations
+
+   !> Mass, damping and stiffness on the motions that are left, eq. (101), each (number, number).
+   subroutine free_matrices(system, tangent, freedom, mass, damper, stiffness)
+      type(system_type), intent(in) :: system
+      type(tangent_type), intent(in) :: tangent
+      type(freedom_type), intent(in) :: freedom
+      real(wp), allocatable, intent(out) :: mass(:, :), damper(:, :), stiffness(:, :)
+      real(wp) :: product(system%layout%nw)
+      integer :: n, j
+      n = size(freedom%basis, 2)
+      allocate (mass(n, n), damper(n, n), stiffness(n, n))
+      do j = 1, n
+         product = 0.0_wp
+         call times_mass(system, tangent, 1.0_wp, freedom%basis(:, j), product)
+         mass(:, j) = matmul(product, freedom%basis)
+         product = 0.0_wp
+         call times_damping(system, tangent, 1.0_wp, freedom%basis(:, j), product)
+         damper(:, j) = matmul(product, freedom%basis)
+         product = 0.0_wp
+         call times_stiffness(system, tangent, 1.0_wp, freedom%basis(:, j), product)
+         stiffness(:, j) = matmul(product, freedom%basis)
+      end do
+   end subroutine free_matrices
+
+   !> Whether small motions about a state grow, with all velocity terms, and which grows the fastest.
+   subroutine find_growth(system, tangent, freedom, growth, frequency, motion, done)
+      type(system_type), intent(in) :: system
+      type(tangent_type), intent(in) :: tangent
+      type(freedom_type), intent(in) :: freedom
+      !> Largest Re s, with its |Im s| [1/time], both zero if none grows; a frequency of zero is divergence, any other is flutter
+      real(wp), intent(out) :: growth, frequency
+      !> Its real part in the layout of the rates (nw), scaled to unit length; unchanged if none grows
+      real(wp), intent(inout) :: motion(:)
+      !> False if the eigenvalues are not found
+      logical, intent(out) :: done
+      real(wp), allocatable :: mass(:, :), damper(:, :), stiffness(:, :)
+      complex(wp), allocatable :: value(:), vector(:, :)
+      integer :: j, fastest
+      growth = 0.0_wp
+      frequency = 0.0_wp
+      call free_matrices(system, tangent, freedom, mass, damper, stiffness)
+      call quadratic_modes(mass, damper, stiffness, 2*size(mass, 1), value, vector)
+      done = allocated(value)
+      if (.not. done) return
+      fastest = 0
+      do j = 1, size(value)
+         if (kind_of_growth(aimag(value(j)), real(value(j), wp), maxval(abs(damper)) > 0.0_wp) == '') cycle
+         if (real(value(j), wp) <= growth) cycle
+         growth = real(value(j), wp)
+         fastest = j
+      end do
+      if (fastest == 0) return
+      frequency = aimag(value(fastest))
+      if (kind_of_growth(frequency, growth, .true.) == 'divergence') frequency = 0.0_wp
+      motion = matmul(freedom%basis, real(vector(:, fastest), wp))
+      motion = motion/norm2(motion/rate_scales(system))
+   end subroutine find_growth
+
+   !> What becomes of a mode: 'flutter' if its vibrations grow, 'divergence' if it grows without vibrating, '' if it does not grow.
+   pure function kind_of_growth(frequency, growth, is_damped) result(kind)
+      real(wp), intent(in) :: frequency, growth
+      !> Without damping two frequencies meet where flutter begins, and round-off is magnified
+      logical, intent(in) :: is_damped
+      character(:), allocatable :: kind
+      !> Growth beside |s| that is round-off: without damping and with
+      real(wp), parameter :: none(2) = [1.0e-6_wp, 1.0e-10_wp], no_vibration = 1.0e-6_wp
+      kind = ''
+      if (.not. growth > merge(none(2), none(1), is_damped)*hypot(frequency, growth)) return
+      kind = 'flutter'
+      if (abs(frequency) <= no_vibration*growth) kind = 'divergence'
+   end function kind_of_growth
 
    !> The lowest undamped modes of a large scene with a symmetric stiffness, by ARPACK.
    subroutine find_large_vibrations(system, tangent, wanted, vibrations, error)

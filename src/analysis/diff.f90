@@ -4,7 +4,7 @@ module limber_analysis_diff
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, newline
+   use limber_base_text, only: as_text, lowercase, newline
    use limber_output_history_reader, only: history_reader_type
    implicit none
    private
@@ -223,7 +223,7 @@ contains
       type(history_reader_type), intent(in) :: reader
       character(*), intent(in) :: name
       do index_of = 1, size(reader%channels)
-         if (reader%channels(index_of)%name == name) return
+         if (lowercase(reader%channels(index_of)%name) == lowercase(name)) return
       end do
       index_of = 0
    end function index_of

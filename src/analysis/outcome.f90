@@ -23,8 +23,8 @@ module limber_analysis_outcome
       real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
       !> Whether a sample could not be brought onto the constraints
       logical :: astray = .false.
-      !> Whether a channel had no value at a sample
-      logical :: undefined = .false.
+      !> Whether a channel had no value at a sample (channels); not allocated if all had one
+      logical, allocatable :: undefined(:)
       !> Mechanical energy at the start and the end, and work put in
       real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
       !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
@@ -60,7 +60,7 @@ contains
       call snapshot%exchange('position_residual', self%position_residual)
       call snapshot%exchange('velocity_residual', self%velocity_residual)
       call snapshot%exchange('astray', self%astray)
-      call snapshot%exchange('undefined', self%undefined)
+      call snapshot%keep('undefined', self%undefined)
       call snapshot%exchange('first_energy', self%first_energy)
       call snapshot%exchange('last_energy', self%last_energy)
       call snapshot%exchange('work', self%work)

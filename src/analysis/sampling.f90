@@ -128,12 +128,14 @@ contains
             & ' small for double precision; use other units, or look at the numbers of the deck')
          return
       end if
-      if (outcome%undefined .or. all(abs(sample%values) <= huge(t))) return
-      outcome%undefined = .true.
-      do i = 1, size(system%model%channels) - 1
-         if (.not. abs(sample%values(i)) <= huge(t)) exit
+      if (all(abs(sample%values) <= huge(t))) return
+      if (.not. allocated(outcome%undefined)) allocate (outcome%undefined(size(system%model%channels)), source=.false.)
+      do i = 1, size(system%model%channels)
+         if (outcome%undefined(i) .or. abs(sample%values(i)) <= huge(t)) cycle
+         outcome%undefined(i) = .true.
+         call warn(outcome, "channel '"//system%model%channels(i)%name//"' has no value at t = "//as_text(t, 8)// &
+            & ': a logarithm, root or quotient in it is not defined there')
       end do
-      call warn(outcome, "channel '"//system%model%channels(i)%name//"' has no value at t = "//as_text(t, 8))
    end subroutine check_values
 
    !> Constraint residuals of a sample.

@@ -3,7 +3,7 @@
 module limber_analysis_study_plan
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_text, only: as_text
+   use limber_base_text, only: as_text, lowercase
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -347,7 +347,7 @@ contains
             allocate (plan%channels(0))
             do i = 2, plan%deck%blocks(block)%lines(line)%count()
                do k = size(channels), 1, -1
-                  if (channels(k)%name == plan%deck%blocks(block)%lines(line)%text(i)) exit
+                  if (lowercase(channels(k)%name) == plan%deck%blocks(block)%lines(line)%text(i)) exit
                end do
                if (k == 0) call diagnostics%add(plan%deck%blocks(block)%lines(line)%origin_of(i), &
                   & "there is no channel '"//plan%deck%blocks(block)%lines(line)%text(i)//"'", 'name it in *OUTPUT')

@@ -199,6 +199,7 @@ contains
                first = first + equals
             end do
          end if
+         if (ok) ok = all(abs(axis%values) <= huge(1.0_wp))
       end associate
    end subroutine read_setting
 
@@ -255,8 +256,9 @@ contains
          else
             count = count + 1
             do k = 1, size(parts)
+               rows(k, count) = 0.0_wp
                read (parts(k)%text, *, iostat=status) rows(k, count)
-               if (status /= 0 .or. len(parts(k)%text) == 0) then
+               if (status /= 0 .or. len(parts(k)%text) == 0 .or. .not. abs(rows(k, count)) <= huge(1.0_wp)) then
                   call diagnostics%add(parts(k)%origin, "'"//parts(k)%text//"' is not a number")
                   return
                end if

@@ -3,22 +3,23 @@
 module limber_deck_assembly
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text
+   use limber_base_text, only: as_text, lowercase
    use limber_deck_cursor, only: letters
    use limber_deck_compile, only: is_reserved
    use limber_deck_lexer, only: part_type, trimmed, find_outside, collapsed, comment_start, is_parameter_name
    use limber_deck_origin, only: origin_type
    use limber_deck_source, only: beside
+   use limber_deck_synonyms, only: advice_for
    use limber_deck_tables, only: new_table
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_schema, only: option_spec_type, needed, kind_yes
    use limber_deck_keywords, only: keyword_table, keyword_options, find_keyword
-   use limber_deck_content, only: deck_type, block_type, line_type, resize_blocks
+   use limber_deck_content, only: deck_type, block_type, line_type, resize_blocks, resize_lines, move_line
    use limber_deck_values, only: read_option, suggestion
    use limber_deck_data_lines, only: read_line, expected_line
    implicit none
    private
-   public :: assembly_type, begin_block, add_line, end_block
+   public :: assembly_type, begin_block, add_line, end_block, tell_name
 
    !> Limits of a deck; beyond them the reading stops with an error
    integer, parameter :: max_blocks = 200000, max_lines = 1000000
@@ -32,6 +33,8 @@ module limber_deck_assembly
       !> Whether superfluous data lines have been reported
       logical :: reported = .false.
       type(block_type) :: block
+      !> Errors of the deck before it
+      integer :: errors = 0
       !> Data lines of the block that were seen, those in error included, and those that were kept
       integer :: seen = 0, kept = 0
       !> Blocks in the deck, and data lines of all blocks
@@ -56,8 +59,10 @@ contains
       self%kept = 0
       self%row = find_keyword(parts(1)%text(2:))
       self%skipping = self%row == 0
+      self%errors = diagnostics%count
       if (self%skipping) then
          call complain_keyword(parts(1), diagnostics)
+         call tell_name(parts, diagnostics)
       else if (self%blocks >= max_blocks) then
          call diagnostics%add(parts(1)%origin, 'the deck has more than '//as_text(max_blocks)//' blocks', &
             & 'each turn of a *REPEAT counts')
@@ -72,6 +77,24 @@ contains
          if (self%block%keyword == 'TABLE' .or. self%block%keyword == 'CURVE') call read_points(self, deck, diagnostics)
       end if
    end subroutine begin_block
+
+   !> Takes note of what a block of an unknown keyword defines: its NAME; without one, perhaps points of the ground.
+   subroutine tell_name(parts, diagnostics)
+      !> Parts of the keyword line, or the whole line as one
+      type(part_type), intent(in) :: parts(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: rest
+      integer :: i, equals
+      do i = 1, size(parts)
+         equals = find_outside(parts(i)%text, '=', 1)
+         if (equals == 0) cycle
+         if (index(' '//collapsed(parts(i)%text(:equals - 1)), ' NAME', back=.true.) == 0) cycle
+         rest = lowercase(trim(adjustl(parts(i)%text(equals + 1:))))
+         call diagnostics%tell(trim(rest(:index(rest//',', ',') - 1)))
+         return
+      end do
+      call diagnostics%tell('ground')
+   end subroutine tell_name
 
    !> Reads the data lines that a block takes from a file of its own; the effective deck has them in place of the file's name.
    subroutine read_points(self, deck, diagnostics)
@@ -109,7 +132,7 @@ contains
    subroutine complain_keyword(part, diagnostics)
       type(part_type), intent(in) :: part
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: word
+      character(:), allocatable :: word, label
       integer :: i
       word = collapsed(part%text(2:))
       do i = 1, size(keyword_table)
@@ -121,7 +144,9 @@ contains
       if (len(word) == 0) then
          call diagnostics%add(part%origin, "a keyword is missing behind '*'", suggestion(word, keyword_table%name))
       else
-         call diagnostics%add(part%origin, "there is no keyword '*"//word//"'", suggestion(word, keyword_table%name))
+         label = advice_for(word)
+         if (len(label) == 0) label = suggestion(word, keyword_table%name)
+         call diagnostics%add(part%origin, "there is no keyword '*"//word//"'", label)
       end if
    end subroutine complain_keyword
 
@@ -145,6 +170,11 @@ contains
       end do
       attempted = .false.
       do i = 1, size(parts)
+         if (is_data_line(parts(i), block, specs)) then
+            call diagnostics%add(parts(i)%origin, "'"//parts(i)%text//"' is no option: the comma at the end of the line above "// &
+               & 'makes this line a part of it', 'remove the comma')
+            return
+         end if
          call read_given(block, specs, parts(i), deck, attempted, diagnostics)
       end do
       missing = ''
@@ -162,6 +192,15 @@ contains
       if (len(missing) > 0) call diagnostics%add(block%origin, '*'//block%keyword//' needs '//missing, &
          & 'add '//missing(:scan(missing//',', ',') - 1)//'=value')
    end subroutine read_options
+
+   !> Whether a part is the first of a data line that a comma above has joined to the keyword line.
+   pure logical function is_data_line(part, block, specs)
+      type(part_type), intent(in) :: part
+      type(block_type), intent(in) :: block
+      type(option_spec_type), intent(in) :: specs(:)
+      is_data_line = part%origin%line > block%origin%line .and. len(part%text) > 0 .and. find_outside(part%text, '=', 1) == 0
+      if (is_data_line) is_data_line = .not. any(specs%name == collapsed(part%text))
+   end function is_data_line
 
    !> Reads one option as it was given.
    subroutine read_given(block, specs, part, deck, attempted, diagnostics)
@@ -219,13 +258,11 @@ contains
       logical, intent(inout) :: attempted(:)
       type(diagnostics_type), intent(inout) :: diagnostics
       character(:), allocatable :: label
-      integer :: i
       label = 'it takes none'
       if (size(specs) > 0) label = suggestion(word, specs%name)
       call diagnostics%add(name%origin, '*'//block%keyword//" has no option '"//word//"'", label)
-      do i = 1, size(specs)
-         if (index(label, "did you mean '"//trim(specs(i)%name)//"'") == 1) attempted(i) = .true.
-      end do
+      ! What is missing may be meant by it
+      attempted = .true.
    end subroutine complain_option
 
    !> Adds a data line to the open block.
@@ -273,17 +310,13 @@ contains
       self%reported = .true.
    end subroutine complain_surplus
 
+   !> Adds a line to the open block; the line is empty then.
    subroutine keep_line(self, line)
       type(assembly_type), intent(inout) :: self
-      type(line_type), intent(in) :: line
-      type(line_type), allocatable :: longer(:)
-      if (self%kept == size(self%block%lines)) then
-         allocate (longer(2*self%kept))
-         longer(:self%kept) = self%block%lines
-         call move_alloc(longer, self%block%lines)
-      end if
+      type(line_type), intent(inout) :: line
+      if (self%kept == size(self%block%lines)) call resize_lines(self%block%lines, 2*self%kept)
       self%kept = self%kept + 1
-      self%block%lines(self%kept) = line
+      call move_line(line, self%block%lines(self%kept))
    end subroutine keep_line
 
    !> Makes the table that the open block defines known to expressions behind it.
@@ -321,23 +354,23 @@ contains
       type(assembly_type), intent(inout) :: self
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(line_type), allocatable :: lines(:)
       self%skipping = .false.
       if (self%row == 0) return
-      if (self%seen < keyword_table(self%row)%least_lines) then
+      if (self%seen < keyword_table(self%row)%least_lines .and. diagnostics%count == self%errors) then
          call diagnostics%add(self%block%origin, '*'//self%block%keyword//' needs a data line below it', &
             & expected_line(self%row))
       end if
       if (self%block%keyword == 'TABLE') call define_table(self, deck, diagnostics)
       self%row = 0
-      allocate (lines(self%kept))
-      lines = self%block%lines(:self%kept)
-      call move_alloc(lines, self%block%lines)
+      call resize_lines(self%block%lines, self%kept)
       if (self%blocks == size(deck%blocks)) call resize_blocks(deck%blocks, max(8, 2*self%blocks))
       self%blocks = self%blocks + 1
       associate (block => deck%blocks(self%blocks))
          block%keyword = self%block%keyword
          block%origin = self%block%origin
+         block%broken = diagnostics%count > self%errors
+         if (block%broken) call diagnostics%tell(self%block%name())
+         if (block%broken .and. block%keyword == 'GROUND') call diagnostics%tell('ground')
          call move_alloc(self%block%options, block%options)
          call move_alloc(self%block%lines, block%lines)
       end associate

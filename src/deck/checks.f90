@@ -2,7 +2,7 @@
 !> all, blocks that may occur once. Floor: deck.
 module limber_deck_checks
    use limber_base_names, only: name_index_type
-   use limber_base_text, only: nearest_name
+   use limber_base_text, only: nearest_name, lowercase
    use limber_deck_origin, only: origin_type
    use limber_deck_diagnostics, only: diagnostics_type, max_shown
    use limber_deck_parameters, only: name_length
@@ -23,14 +23,19 @@ contains
 
    !> Adds the errors that only the whole deck shows.
    subroutine check_deck(deck, diagnostics)
-      type(deck_type), intent(in) :: deck
+      !> Blocks in error are marked
+      type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register
-      integer :: i
+      integer :: i, before
       do i = 1, size(deck%blocks)
+         before = diagnostics%count
          call check_count(deck, i, diagnostics)
          call check_options(deck, i, register, diagnostics)
          call check_lines(deck, i, diagnostics)
+         if (diagnostics%count == before) cycle
+         deck%blocks(i)%broken = .true.
+         call diagnostics%tell(deck%blocks(i)%name())
       end do
       call check_ground(deck, diagnostics)
       call check_channels(deck, diagnostics)
@@ -80,7 +85,8 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(origin_type), allocatable :: longer(:)
       integer :: i
-      if (scope == 'bodies' .and. name == 'ground' .or. scope == 'points of ground' .and. name == 'origin') then
+      if (scope == 'bodies' .and. name == 'ground' .or. scope == 'points of ground' .and. name == 'origin' .or. &
+         & scope == 'channels' .and. name == 'time') then
          call diagnostics%add(origin, "the name '"//name//"' is reserved", 'give it another name')
          return
       end if
@@ -116,7 +122,7 @@ contains
       label = 'define it with '//kinds
       ! What is not shown need not be searched for
       if (diagnostics%count >= max_shown) then
-         call diagnostics%add(origin, 'there is no '//kinds//" named '"//name//"'", label)
+         call diagnostics%add(origin, 'there is no '//kinds//" named '"//name//"'", label, object=name)
          return
       end if
       allocate (names(size(deck%blocks)))
@@ -136,7 +142,7 @@ contains
          call diagnostics%add(origin, "'"//name//"' is no "//kinds, trim(spec%meaning), &
             & deck%blocks(other)%origin_of('NAME'), 'it is a *'//deck%blocks(other)%keyword)
       else
-         call diagnostics%add(origin, 'there is no '//kinds//" named '"//name//"'", label)
+         call diagnostics%add(origin, 'there is no '//kinds//" named '"//name//"'", label, object=name)
       end if
    end subroutine check_reference
 
@@ -171,13 +177,15 @@ contains
 
    !> Checks that the points of all *GROUND blocks differ.
    subroutine check_ground(deck, diagnostics)
-      type(deck_type), intent(in) :: deck
+      type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(register_type) :: register
-      integer :: i
+      integer :: i, before
       i = deck%find('GROUND')
       do while (i > 0)
+         before = diagnostics%count
          call claim_points(deck, i, 'points of ground', register, diagnostics)
+         deck%blocks(i)%broken = deck%blocks(i)%broken .or. diagnostics%count > before
          i = deck%find('GROUND', i)
       end do
    end subroutine check_ground
@@ -213,7 +221,7 @@ contains
          do k = 1, size(deck%blocks(i)%lines)
             do m = 1, deck%blocks(i)%lines(k)%count()
                associate (field => deck%blocks(i)%lines(k)%fields(m))
-                  if (len(field%name) > 0) call claim(register, scope, field%name, field%origin, diagnostics)
+                  if (len(field%name) > 0) call claim(register, scope, lowercase(field%name), field%origin, diagnostics)
                end associate
             end do
          end do

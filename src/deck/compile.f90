@@ -3,7 +3,7 @@
 !>
 !>     expression: term {+|- term}        term: factor {*|/ factor}
 !>     factor: -|+ factor | power         power: primary [** factor]
-!>     primary: number | name | name(expression, ...) | (expression)
+!>     primary: number [deg] | name | name(expression, ...) | (expression)
 module limber_deck_compile
    use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp
@@ -24,6 +24,8 @@ module limber_deck_compile
    !> Deepest nesting of parentheses, signs and exponents
    integer, parameter :: max_depth = 50
    real(wp), parameter :: pi = 3.14159265358979323846_wp
+   !> Unit that may stand behind a number: 90 deg
+   character(*), parameter :: degrees = 'deg'
 
 contains
 
@@ -214,13 +216,18 @@ contains
       number = next_number(c)
       c%at = at + len(number)
       last = c%at - 1
-      if (scan(peek(c), letters) > 0) then
+      if (scan(peek(c), letters) > 0 .and. next_word(c) /= degrees) then
          last = last + len(next_word(c))
          call fail(c, at, last, "'"//c%text(at:last)//"' is not a number", &
-            & 'digits such as 1.5e-3; units are not written, a product needs *')
+            & 'digits such as 1.5e-3; no unit but deg is written, a product needs *')
          return
       end if
       call read_number(number, value, status)
+      call skip_blanks(c)
+      if (next_word(c) == degrees) then
+         c%at = c%at + len(degrees)
+         value = value*pi/180
+      end if
       select case (status)
       case (0); call push_constant(c, value, at)
       case (1); call fail(c, at, last, "'"//number//"' is not a number")
@@ -368,8 +375,8 @@ contains
       if (len(argument) == 0) then
          call fail(c, at, close, 'the quantity '//word//' of what?', 'write '//word//'(object) or '//word//'(object.point)')
       else if (.not. is_point(argument)) then
-         call fail(c, first, last, "'"//argument//"' is not the name of an object or a point", &
-            & 'write '//word//'(object) or '//word//'(object.point)')
+         call fail(c, at, close, "'"//word//"' is no function, and '"//argument//"' no object", 'a quantity is written '// &
+            & word//'(object) or '//word//'(object.point); functions: '//listed(function_names))
       else
          c%at = close + 1
          call push_slot(c, word, argument, at, close)

@@ -12,7 +12,8 @@ module limber_deck_content
    use limber_deck_lexer, only: collapsed
    implicit none
    private
-   public :: deck_type, block_type, option_type, line_type, field_type, repeat_type, resize_blocks
+   public :: deck_type, block_type, option_type, line_type, field_type, repeat_type, resize_blocks, resize_lines, &
+      & move_line
 
    !> Longest name of an option
    integer, parameter :: option_length = 20
@@ -71,6 +72,8 @@ module limber_deck_content
       type(option_type), allocatable :: options(:)
       !> Data lines
       type(line_type), allocatable :: lines(:)
+      !> Whether an error stands in it, so that nothing can be built of it
+      logical :: broken = .false.
    contains
       procedure :: given
       procedure :: has
@@ -290,11 +293,34 @@ contains
       do i = 1, min(length, size(blocks))
          call move_alloc(blocks(i)%keyword, resized(i)%keyword)
          resized(i)%origin = blocks(i)%origin
+         resized(i)%broken = blocks(i)%broken
          call move_alloc(blocks(i)%options, resized(i)%options)
          call move_alloc(blocks(i)%lines, resized(i)%lines)
       end do
       call move_alloc(resized, blocks)
    end subroutine resize_blocks
+
+   !> Gives a list of data lines another length; the lines are moved, not copied.
+   pure subroutine resize_lines(lines, length)
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      integer, intent(in) :: length
+      type(line_type), allocatable :: resized(:)
+      integer :: i
+      if (size(lines) == length) return
+      allocate (resized(length))
+      do i = 1, min(length, size(lines))
+         call move_line(lines(i), resized(i))
+      end do
+      call move_alloc(resized, lines)
+   end subroutine resize_lines
+
+   !> Moves a data line; nothing is left in the first place.
+   pure subroutine move_line(from, to)
+      type(line_type), intent(inout) :: from, to
+      call move_alloc(from%content, to%content)
+      call move_alloc(from%fields, to%fields)
+      to%origin = from%origin
+   end subroutine move_line
 
    !> Indices of all blocks of a keyword in order.
    pure function indices(self, keyword) result(list)

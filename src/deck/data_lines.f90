@@ -3,6 +3,7 @@
 module limber_deck_data_lines
    use limber_base_text, only: as_text, lowercase
    use limber_deck_origin, only: after
+   use limber_deck_cursor, only: letters, digits
    use limber_deck_lexer, only: part_type, trimmed, collapsed, split_fields, find_outside, is_parameter_name
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_parameters, only: parameter_type, max_parameters
@@ -207,6 +208,7 @@ contains
          call compile(value%text, value%origin, deck%parameters, field%expression, ok, diagnostics)
          if (ok) field%value = field%expression%constant_value()
          if (ok) call deck%parameters%override(field%name, field%value)
+         if (.not. ok) call tell_words(lowercase(value%text), diagnostics)
          parameter%name = field%name
          parameter%value = field%value
          parameter%valid = ok
@@ -214,6 +216,20 @@ contains
          call deck%parameters%define(parameter)
       end if
    end subroutine read_assignment
+
+   !> Takes note of the words in an assignment in error: where commas are missing, they are parameters that were to be defined.
+   subroutine tell_words(text, diagnostics)
+      !> In lower case
+      character(*), intent(in) :: text
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: first, last
+      first = 1
+      do while (first <= len(text))
+         last = first + verify(text(first:)//' ', letters//digits//'_') - 2
+         if (last >= first) call diagnostics%tell(text(first:last))
+         first = max(last, first) + 1
+      end do
+   end subroutine tell_words
 
    !> `name = expression` or a bare quantity of *OUTPUT.
    subroutine read_channel(part, deck, field, ok, diagnostics)
@@ -232,7 +248,7 @@ contains
          call diagnostics%add(part%origin, 'a channel is missing between two commas')
          ok = .false.
       else if (find_outside(part%text, '=', 1) > 0) then
-         field%name = lowercase(name%text)
+         field%name = name%text
          call check_name(name, ok, diagnostics)
       end if
       if (.not. ok) return

@@ -2,17 +2,20 @@
 !> and a caret. The reader and the model builder add to it; `main` prints what `render` returns.
 !> Floor: deck.
 module limber_deck_diagnostics
+   use limber_base_names, only: name_index_type
    use limber_base_text, only: as_text, newline
    use limber_deck_origin, only: origin_type
    use limber_deck_source, only: source_type
    implicit none
    private
-   public :: diagnostics_type, max_shown
+   public :: diagnostics_type, max_shown, max_errors
 
    !> So many are shown; the rest is counted
    integer, parameter :: max_shown = 50
    !> So many are kept
    integer, parameter :: max_kept = 1000
+   !> So many errors end the reading of a deck and the building of its model
+   integer, parameter :: max_errors = 10000
    !> Columns of a source line that are shown
    integer, parameter :: window = 160
 
@@ -37,10 +40,14 @@ module limber_deck_diagnostics
       type(diagnostic_type), allocatable :: items(:)
       !> Number of items in use
       integer :: kept = 0
-      !> Number of errors and of warnings found
-      integer :: count = 0, warnings = 0
+      !> Number of errors and of warnings found, and of those errors that follow from others and are not shown
+      integer :: count = 0, warnings = 0, silent = 0
+      !> Objects whose definition is in error or missing, told already: what is said of them again is not shown
+      type(name_index_type) :: told
    contains
       procedure :: add
+      procedure :: tell
+      procedure :: is_told
       procedure :: warn
       procedure :: render
    end type diagnostics_type
@@ -48,7 +55,7 @@ module limber_deck_diagnostics
 contains
 
    !> Adds an error.
-   subroutine add(self, origin, message, label, second_origin, second_label, about)
+   subroutine add(self, origin, message, label, second_origin, second_label, about, object)
       class(diagnostics_type), intent(inout) :: self
       !> Where
       type(origin_type), intent(in) :: origin
@@ -61,7 +68,16 @@ contains
       character(*), intent(in), optional :: second_label
       !> The unknown name that it is about
       character(*), intent(in), optional :: about
+      !> The object that is missing, or that of its point: shown once, and not at all if its definition is in error
+      character(*), intent(in), optional :: object
       type(diagnostic_type) :: item
+      self%count = self%count + 1
+      if (self%is_told(about) .or. self%is_told(object)) then
+         self%silent = self%silent + 1
+         return
+      end if
+      call self%tell(object)
+      call self%tell(about)
       item%origin = origin
       item%message = message
       item%label = ''
@@ -70,9 +86,25 @@ contains
       if (present(second_origin)) item%second_origin = second_origin
       if (present(second_label)) item%second_label = second_label
       if (present(about)) item%about = about
-      self%count = self%count + 1
       call keep(self, item)
    end subroutine add
+
+   !> Takes note of an object in error: what depends on it is no error of its own.
+   subroutine tell(self, name)
+      class(diagnostics_type), intent(inout) :: self
+      !> In lower case; absent or empty: none
+      character(*), intent(in), optional :: name
+      if (.not. present(name)) return
+      if (len_trim(name) > 0 .and. self%told%find(trim(name)) == 0) call self%told%add(trim(name), 1)
+   end subroutine tell
+
+   !> Whether an object is in error, or missing, as said before.
+   pure logical function is_told(self, name)
+      class(diagnostics_type), intent(in) :: self
+      character(*), intent(in), optional :: name
+      is_told = .false.
+      if (present(name)) is_told = self%told%find(trim(name)) > 0
+   end function is_told
 
    !> Adds a warning.
    subroutine warn(self, origin, message, label)
@@ -139,8 +171,8 @@ contains
          if (i > 1) text = text//newline
          text = text//rendered(self%items(order(i)), source)
       end do
-      if (self%count + self%warnings > shown) text = text//newline//'... and ' &
-         & //as_text(self%count + self%warnings - shown)//' more'
+      if (self%count - self%silent + self%warnings > shown) text = text//newline//'... and ' &
+         & //as_text(self%count - self%silent + self%warnings - shown)//' more'
    end function render
 
    !> Indices of the items by file, line and column; equal ones stay in the order of finding.

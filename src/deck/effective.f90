@@ -116,14 +116,16 @@ contains
       type(block_type), intent(in) :: block
       character(:), allocatable :: text
       type(field_spec_type), allocatable :: specs(:)
-      integer :: i, form
+      integer :: i, form, length
       form = keyword_table(find_keyword(block%keyword))%form
       allocate (specs, source=keyword_fields(block%keyword))
       text = keyword_line(block)
       if (form == form_none) return
+      length = len(text)
       do i = 1, size(block%lines)
-         text = text//'  '//line_text(block%lines(i), form, specs)//newline
+         call append(text, length, '  '//line_text(block%lines(i), form, specs)//newline)
       end do
+      text = text(:length)
    end function block_text
 
    !> The keyword and all options that have a value, on as many lines as needed.

@@ -544,7 +544,18 @@ contains
       !> In upper case
       character(*), intent(in) :: keyword
       type(field_spec_type), allocatable :: fields(:)
-      fields = pack(field_table, field_table%keyword == keyword)
+      integer :: i, first, last
+      first = 1
+      last = 0
+      do i = 1, size(field_table)
+         ! Asked for at each data line: most differ in their first letter
+         if (field_table(i)%keyword(1:1) /= keyword(1:1)) cycle
+         if (field_table(i)%keyword /= keyword) cycle
+         if (last == 0) first = i
+         last = i
+      end do
+      allocate (fields(last - first + 1))
+      fields(:) = field_table(first:last)
    end function keyword_fields
 
    !> The lists that data lines of a keyword give.

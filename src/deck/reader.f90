@@ -11,13 +11,13 @@ module limber_deck_reader
    use limber_deck_source, only: source_file_type, beside
    use limber_deck_lexer, only: part_type, trimmed, split_fields, comment_start, is_comment, is_keyword_line, first_foreign, &
       & is_parameter_name, keyword_of
-   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_diagnostics, only: diagnostics_type, max_errors
    use limber_deck_compile, only: looks_like_expression, is_reserved
    use limber_deck_parameters, only: parameter_type, override_type
    use limber_deck_schema, only: form_text
    use limber_deck_keywords, only: keyword_table
    use limber_deck_content, only: deck_type, repeat_type, resize_blocks
-   use limber_deck_assembly, only: assembly_type, begin_block, add_line, end_block
+   use limber_deck_assembly, only: assembly_type, begin_block, add_line, end_block, tell_name
    use limber_deck_checks, only: check_deck
    use limber_deck_values, only: suggestion
    implicit none
@@ -26,8 +26,8 @@ module limber_deck_reader
 
    !> Longest line, deepest nesting of *INCLUDE and greatest number of files
    integer, parameter :: max_line = 4096, max_nesting = 20, max_files = 200
-   !> Most turns of all *REPEAT together, and errors that end the reading: fifty are shown
-   integer, parameter :: max_turns = 200000, max_errors = 10000
+   !> Most turns of all *REPEAT together
+   integer, parameter :: max_turns = 200000
 
 contains
 
@@ -129,7 +129,7 @@ contains
       do while (i < last .and. .not. assembly%full .and. diagnostics%count < max_errors)
          i = i + 1
          call clean_line(file, i, is_free_text(assembly), assembly%turn, deck, content, ok, broken, diagnostics)
-         if (broken) call skip_broken(is_keyword_line(deck%source%files(file)%lines(i)%text), assembly, deck, diagnostics)
+         if (broken) call skip_broken(deck%source%files(file)%lines(i)%text, assembly, deck, diagnostics)
          if (.not. ok) cycle
          if (is_keyword_line(content%text)) then
             call end_block(assembly, deck, diagnostics)
@@ -267,14 +267,14 @@ contains
    end subroutine keep_repeat
 
    !> Takes note of a line in error, so that what it leaves out is not reported as missing.
-   subroutine skip_broken(keyword, assembly, deck, diagnostics)
-      !> Whether the line begins a block
-      logical, intent(in) :: keyword
+   subroutine skip_broken(line, assembly, deck, diagnostics)
+      character(*), intent(in) :: line
       type(assembly_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
-      if (keyword) then
+      if (is_keyword_line(line)) then
          call end_block(assembly, deck, diagnostics)
+         call tell_name([part_type(line, origin_type())], diagnostics)
          assembly%skipping = .true.
       else
          assembly%seen = assembly%seen + 1

@@ -3,9 +3,11 @@
 module limber_deck_values
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase, nearest_name
+   use limber_deck_cursor, only: letters
    use limber_deck_lexer, only: part_type, collapsed, is_name, is_point, unquoted, trimmed, &
       & find_outside
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_synonyms, only: word_in_deck
    use limber_deck_parameters, only: parameter_list_type, name_length
    use limber_deck_expression, only: expression_type
    use limber_deck_compile, only: compile
@@ -32,15 +34,14 @@ contains
       !> Receives the value
       type(option_type), intent(inout) :: option
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(expression_type) :: expression
       type(part_type) :: filled
       logical :: ok
       option%text = part%text
       option%origin = part%origin
       ok = .true.
       if (is_number_kind(spec%kind)) then
-         call read_number(trim(spec%name), spec%kind, trim(spec%meaning), part, parameters, expression, &
-            & option%value, ok, diagnostics, spec%most)
+         call read_number(trim(spec%name), spec%kind, trim(spec%meaning), part, parameters, option%value, ok, diagnostics, &
+            & spec%most)
          if (ok .and. is_integer_kind(spec%kind)) option%whole = nint(option%value)
       else
          filled = part
@@ -96,10 +97,10 @@ contains
          ok = .false.
          call diagnostics%add(part%origin, "the field '"//what//"' is empty", meaning)
       else if (is_number_kind(kind)) then
-         call read_number(what, kind, meaning, part, parameters, field%expression, field%value, ok, diagnostics)
+         call read_number(what, kind, meaning, part, parameters, field%value, ok, diagnostics)
       else if (kind == kind_label .and. .not. is_name(part%text)) then
          field%text = ''
-         call read_number(what, kind, meaning, part, parameters, field%expression, field%value, ok, diagnostics)
+         call read_number(what, kind, meaning, part, parameters, field%value, ok, diagnostics)
       else if (kind == kind_range) then
          call read_range(what, meaning, part, parameters, field, ok, diagnostics)
       else if (is_expression_kind(kind)) then
@@ -131,8 +132,7 @@ contains
          colon = find_outside(part%text, ':', first)
          if (colon == 0) colon = len(part%text) + 1
          number = trimmed(part%text, part%origin, first, colon - 1)
-         call read_number(what, merge(kind_counting, kind_real, count == 3), meaning, number, parameters, field%expression, &
-            & value, ok, diagnostics)
+         call read_number(what, merge(kind_counting, kind_real, count == 3), meaning, number, parameters, value, ok, diagnostics)
          if (.not. ok) return
          if (count == 1) field%value = value
          if (count > 1) field%text = field%text//':'
@@ -168,17 +168,17 @@ contains
    end subroutine read_expression
 
    !> Reads a constant number and checks its range.
-   subroutine read_number(what, kind, meaning, part, parameters, expression, value, ok, diagnostics, most)
+   subroutine read_number(what, kind, meaning, part, parameters, value, ok, diagnostics, most)
       character(*), intent(in) :: what, meaning
       integer, intent(in) :: kind
       type(part_type), intent(in) :: part
       type(parameter_list_type), intent(in) :: parameters
-      type(expression_type), intent(out) :: expression
       real(wp), intent(out) :: value
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
       !> Greatest whole number
       integer, intent(in), optional :: most
+      type(expression_type) :: expression
       character(:), allocatable :: wanted
       integer :: greatest
       value = 0.0_wp
@@ -223,8 +223,11 @@ contains
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
       ok = is_name(part%text)
-      if (.not. ok) call diagnostics%add(part%origin, "'"//part%text//"' is not a name", &
+      if (ok) return
+      call diagnostics%add(part%origin, "'"//part%text//"' is not a name", &
          & 'a letter, then letters, digits, _ and -; at most '//as_text(name_length)//' of them')
+      call diagnostics%tell(lowercase(part%text))
+      call diagnostics%tell(lowercase(part%text(scan(part%text//'a', letters):)))
    end subroutine check_name
 
    subroutine check_point(part, ok, diagnostics)
@@ -246,6 +249,7 @@ contains
       near = 0
       if (len(name) > 1) near = nearest_name(name, candidates)
       if (near > 0) text = "did you mean '"//trim(candidates(near))//"'? Valid: "
+      if (word_in_deck(name, candidates) /= '') text = "did you mean '"//word_in_deck(name, candidates)//"'? Valid: "
       do i = 1, size(candidates)
          if (i > 1) text = text//', '
          text = text//trim(candidates(i))

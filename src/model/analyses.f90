@@ -33,7 +33,7 @@ contains
          if (step_kind(deck%blocks(i)%keyword) == 0) cycle
          count = count + 1
          if (.not. deck%blocks(i)%given('START')) call deck%set_number(i, 'START', now)
-         call read_step(deck%blocks(i), i, model%steps(:count), diagnostics)
+         if (.not. deck%blocks(i)%broken) call read_step(deck%blocks(i), i, model%steps(:count), diagnostics)
          model%steps(count)%dynamics%wanted = .true.
          if (model%steps(count)%kind == step_statics .or. model%steps(count)%kind == step_modes) then
             model%steps(count)%dynamics%start = now

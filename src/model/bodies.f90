@@ -9,7 +9,7 @@ module limber_model_bodies
    use limber_flex_reduced, only: rigid_reduced, bytes_of
    use limber_model_lists, only: append
    use limber_model_points, only: add_point, enter_name, find_named
-   use limber_model_scene, only: model_type, body_type, body_point, body_rigid
+   use limber_model_scene, only: model_type, body_type, point_type, body_point, body_rigid
    implicit none
    private
    public :: add_rigid_body, add_point_mass, add_points, new_body, append_body, is_new_point, memory_of, warn_of_rounding
@@ -123,19 +123,50 @@ contains
          & ' frequency wrong by a part of about '//as_text(part, 1), 'a hundred elements along it are enough for most modes')
    end subroutine warn_of_rounding
 
-   !> Largest distance between two points of the body that was added last [length].
+   !> Largest distance between two points of the body that was added last [length]. Of many points only the extreme ones in so many
+   !> directions are compared: the distance is too short by at most 0.5 % then.
    pure real(wp) function extent(model, body)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
-      integer :: i, j
+      integer, parameter :: directions = 32
+      real(wp), parameter :: pi = acos(-1.0_wp)
+      integer :: chosen(directions), first, i, j, count
+      first = model%counts%points
+      do while (first > 1)
+         if (model%points(first - 1)%body /= body) exit
+         first = first - 1
+      end do
+      count = min(model%counts%points - first + 1, directions)
+      chosen = [(first + i - 1, i=1, directions)]
+      if (model%counts%points - first + 1 > directions) then
+         do i = 1, directions
+            chosen(i) = extreme(model%points(first:model%counts%points), i*(2.0_wp*pi/directions)) + first - 1
+         end do
+      end if
       extent = 0.0_wp
-      do i = model%counts%points, 1, -1
-         if (model%points(i)%body /= body) exit
-         do j = i - 1, 1, -1
-            if (model%points(j)%body /= body) exit
-            extent = max(extent, norm2(model%points(i)%p0 - model%points(j)%p0))
+      do i = 1, count
+         do j = 1, i - 1
+            extent = max(extent, norm2(model%points(chosen(i))%p0 - model%points(chosen(j))%p0))
          end do
       end do
    end function extent
+
+   !> Index of the point that lies farthest in a direction [rad].
+   pure integer function extreme(points, direction)
+      type(point_type), intent(in) :: points(:)
+      real(wp), intent(in) :: direction
+      real(wp) :: farthest, far, along(2)
+      integer :: i
+      along = [cos(direction), sin(direction)]
+      extreme = 1
+      farthest = dot_product(along, points(1)%p0)
+      do i = 2, size(points)
+         far = dot_product(along, points(i)%p0)
+         if (far > farthest) then
+            farthest = far
+            extreme = i
+         end if
+      end do
+   end function extreme
 
 end module limber_model_bodies

@@ -3,7 +3,7 @@
 module limber_model_build
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type
-   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_diagnostics, only: diagnostics_type, max_errors
    use limber_deck_origin, only: origin_type
    use limber_flex_library, only: library_type
    use limber_model_analyses, only: add_analyses
@@ -12,6 +12,7 @@ module limber_model_build
    use limber_model_channels, only: add_channels
    use limber_model_first_state, only: read_assembly
    use limber_model_frames, only: add_frame
+   use limber_model_gravity, only: read_gravity, warn_of_degrees
    use limber_model_joints, only: add_joint, add_coupler, add_driver
    use limber_model_motions, only: add_motion
    use limber_model_lists, only: trim_lists
@@ -38,7 +39,8 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       !> Reductions of models that were built before; those of this one are added
       type(library_type), intent(inout), optional :: library
-      integer :: i
+      integer :: i, before
+      logical :: whole
       allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
          & model%forces(0), model%channels(0))
       allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0), model%assembly%deflections(0))
@@ -46,21 +48,29 @@ contains
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])
       do i = 1, size(deck%blocks)
+         if (diagnostics%count >= max_errors) return
+         if (deck%blocks(i)%broken) cycle
+         before = diagnostics%count
          select case (deck%blocks(i)%keyword)
          case ('GROUND'); call add_points(deck%blocks(i), 'ground', ground, model, diagnostics)
-         case ('GRAVITY'); model%gravity = [deck%blocks(i)%real('X'), deck%blocks(i)%real('Y')]
+         case ('GRAVITY'); call read_gravity(deck, i, model, diagnostics)
          case ('RIGID BODY'); call add_rigid_body(deck%blocks(i), model, diagnostics)
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
          case ('BEAM'); call add_beam(deck, i, model, diagnostics, library)
          case ('FRAME'); call add_frame(deck, i, model, diagnostics)
          case ('ACCURACY'); call read_accuracy(deck%blocks(i), model, diagnostics)
          end select
+         if (has_angle(deck%blocks(i)%keyword)) call warn_of_degrees(deck, i, 'ANGLE', diagnostics)
+         call tell_broken(deck%blocks(i), before, diagnostics)
       end do
       call check_parts(deck, diagnostics)
       call trim_lists(model)
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)
+         if (diagnostics%count >= max_errors) return
+         if (deck%blocks(i)%broken) cycle
+         before = diagnostics%count
          select case (deck%blocks(i)%keyword)
          case ('ASSEMBLY'); call read_assembly(deck%blocks(i), model, diagnostics)
          case ('JOINT'); call add_joint(deck, i, model, diagnostics)
@@ -71,31 +81,56 @@ contains
          case ('DISTRIBUTED LOAD'); call add_distributed(deck%blocks(i), model, diagnostics)
          case ('DAMPING'); call add_damping(deck%blocks(i), model, diagnostics)
          end select
+         call tell_broken(deck%blocks(i), before, diagnostics)
       end do
       call trim_lists(model)
       do i = 1, size(deck%blocks)
+         if (diagnostics%count >= max_errors) return
+         if (deck%blocks(i)%broken) cycle
+         before = diagnostics%count
          select case (deck%blocks(i)%keyword)
          case ('COUPLER'); call add_coupler(deck%blocks(i), model, diagnostics)
          case ('DRIVER'); call add_driver(deck%blocks(i), model, diagnostics)
          case ('MOTION'); call add_motion(deck%blocks(i), model, diagnostics)
          case ('FRICTION'); call add_friction(deck%blocks(i), model, diagnostics)
          end select
+         call tell_broken(deck%blocks(i), before, diagnostics)
       end do
       call trim_lists(model)
       call resolve_laws(model, diagnostics)
       do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%broken) cycle
          if (deck%blocks(i)%keyword == 'OUTPUT') call add_channels(deck%blocks(i), model, diagnostics)
       end do
       call trim_lists(model)
+      whole = .not. any(deck%blocks%broken)
       do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%broken) cycle
          if (deck%blocks(i)%keyword == 'OUTPUT') call want_envelope(deck%blocks(i), model, diagnostics)
-         if (deck%blocks(i)%keyword == 'SCALAR') call add_scalars(deck%blocks(i), model, diagnostics)
+         if (deck%blocks(i)%keyword == 'SCALAR' .and. whole) call add_scalars(deck%blocks(i), model, diagnostics)
       end do
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
       deallocate (model%spreads)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_model
+
+   !> Whether a keyword has an ANGLE of a frame or a line at the start.
+   pure logical function has_angle(keyword)
+      character(*), intent(in) :: keyword
+      has_angle = any([character(12) :: 'RIGID BODY', 'BEAM', 'FRAME', 'JOINT', 'BUSHING'] == keyword)
+   end function has_angle
+
+   !> Takes note of a block that nothing could be built of: what depends on it is no error of its own.
+   subroutine tell_broken(block, before, diagnostics)
+      type(block_type), intent(in) :: block
+      !> Errors before it
+      integer, intent(in) :: before
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (diagnostics%count == before) return
+      call diagnostics%tell(block%name())
+      if (block%keyword == 'GROUND') call diagnostics%tell('ground')
+   end subroutine tell_broken
 
    !> Notes that an envelope of a body's internal forces is asked for.
    subroutine want_envelope(block, model, diagnostics)

@@ -2,11 +2,12 @@
 !> Floor: model.
 module limber_model_channels
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, nearest_name
+   use limber_base_text, only: as_text, lowercase, nearest_name
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type, is_binary
-   use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide
+   use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, &
+      & function_names
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
@@ -39,9 +40,12 @@ contains
          do j = 1, size(block%lines(i)%fields)
             before = diagnostics%count
             call new_channel(block%lines(i)%fields(j), model, channel, diagnostics)
-            if (diagnostics%count > before) cycle
+            if (diagnostics%count > before) then
+               call diagnostics%tell(channel%name)
+               cycle
+            end if
             call append(model%channels, model%counts%channels, channel)
-            call enter_name(model, 'channel', channel%name, model%counts%channels)
+            call enter_name(model, 'channel', lowercase(channel%name), model%counts%channels)
          end do
       end do
    end subroutine add_channels
@@ -82,13 +86,35 @@ contains
       end do
    end function default_name
 
+   !> Says that there is no such quantity, and no such function.
+   subroutine complain_quantity(slot, diagnostics)
+      type(slot_type), intent(in) :: slot
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(24) :: names(size(quantities) + size(function_names))
+      character(:), allocatable :: label
+      integer :: near, i
+      names(:size(quantities)) = quantities%name
+      names(size(quantities) + 1:) = function_names
+      near = nearest_name(slot%name, names)
+      if (near > 0) then
+         label = "did you mean '"//trim(names(near))//"'?"
+      else
+         label = 'functions:'
+         do i = 1, size(function_names)
+            label = label//' '//trim(function_names(i))
+         end do
+         label = label//'; quantities: limber help OUTPUT'
+      end if
+      call diagnostics%add(slot%origin, "there is no quantity or function '"//slot%name//"'", label)
+   end subroutine complain_quantity
+
    !> Finds what a slot stands for; `of` stays -1 with a complaint if there is no such thing.
    subroutine find_quantity(slot, model, quantity, diagnostics)
       type(slot_type), intent(in) :: slot
       type(model_type), intent(in) :: model
       type(quantity_type), intent(out) :: quantity
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: near, i
+      integer :: i
       quantity%of = -1
       if (slot%argument == '') then
          quantity%of = 0
@@ -102,13 +128,7 @@ contains
       if (i > 0) quantity%dimension = quantities(i)%dimension
       if (i > 0) quantity%angular = quantities(i)%angular
       if (quantity%kind == 0) then
-         near = nearest_name(slot%name, quantities%name)
-         if (near > 0) then
-            call diagnostics%add(slot%origin, "there is no quantity '"//slot%name//"'", &
-               & "did you mean '"//trim(quantities(near)%name)//"'?")
-         else
-            call diagnostics%add(slot%origin, "there is no quantity '"//slot%name//"'", 'see: limber help OUTPUT')
-         end if
+         call complain_quantity(slot, diagnostics)
          return
       end if
       select case (quantities(quantity%kind)%of)
@@ -123,7 +143,7 @@ contains
       case (of_body, of_beam)
          quantity%of = find_body(model, slot%argument)
          if (quantity%of == 0) then
-            call diagnostics%add(slot%origin, "there is no body '"//slot%argument//"'", body_list(model))
+            call diagnostics%add(slot%origin, "there is no body '"//slot%argument//"'", body_list(model), object=slot%argument)
          else if (quantities(quantity%kind)%of == of_beam) then
             call need_beam(model, quantity%of, slot, quantity, diagnostics)
          else if (model%bodies(quantity%of)%kind == body_point) then
@@ -134,7 +154,7 @@ contains
          quantity%of = i
          if (i == 0 .and. quantities(quantity%kind)%of == of_pusher) call find_load(model, slot, [load_bushing], quantity)
          if (quantity%of == 0) then
-            call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'")
+            call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'", object=slot%argument)
          else if (quantity%of_load) then
             return
          else if (model%joints(quantity%of)%kind == joint_coupler) then
@@ -150,7 +170,7 @@ contains
          if (quantity%of == 0 .and. quantities(quantity%kind)%of == of_powered) call find_coupler(model, slot, quantity)
          if (quantity%of_coupler) return
          if (quantity%of == 0) then
-            call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'")
+            call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'", object=slot%argument)
          else if (.not. quantity%of_load) then
             call check_effort(model%drivers(quantity%of)%kind, slot, diagnostics)
          end if
@@ -158,16 +178,16 @@ contains
          quantity%of = 0
          call find_coupler(model, slot, quantity)
          if (quantity%of == 0) then
-            call diagnostics%add(slot%origin, "there is no coupler '"//slot%argument//"'")
+            call diagnostics%add(slot%origin, "there is no coupler '"//slot%argument//"'", object=slot%argument)
          else if (size(model%joints(quantity%of)%terms) > 0) then
             if (model%joints(quantity%of)%terms(1)%kind == coordinate_displacement) quantity%dimension(1) = 1
          end if
       case (of_spring)
          call find_load(model, slot, [load_spring, load_rotational], quantity)
-         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'")
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'", object=slot%argument)
       case (of_translational)
          call find_load(model, slot, [load_spring], quantity)
-         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'")
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'", object=slot%argument)
       case (of_system)
          quantity%of = 0
          if (slot%argument /= 'system') call diagnostics%add(slot%origin, "'"//slot%name//"' is asked of the whole", &

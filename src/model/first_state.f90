@@ -35,7 +35,7 @@ contains
             deflection%value = line%number(3)
             deflection%rate = line%number(4)
             if (deflection%body == 0) then
-               call diagnostics%add(line%origin_of(1), "there is no body '"//line%text(1)//"'")
+               call diagnostics%add(line%origin_of(1), "there is no body '"//line%text(1)//"'", object=line%text(1))
                cycle
             end if
             associate (body => model%bodies(deflection%body))

@@ -302,14 +302,16 @@ contains
          term%of = find_frame(model, line%text(3), line%origin_of(3), diagnostics)
          if (diagnostics%count > before) return
          if (term%of == 0) then
-            call diagnostics%add(line%origin_of(3), "there is no body '"//line%text(3)//"'")
+            call diagnostics%add(line%origin_of(3), "there is no body '"//line%text(3)//"'", &
+               & object=line%text(3))
          else if (model%bodies(term%of)%kind == body_point) then
             call diagnostics%add(line%origin_of(3), "'"//line%text(3)//"' is a point mass and has no angle")
             term%of = 0
          end if
       else
          term%of = find_joint(model, line%text(3))
-         if (term%of == 0) call diagnostics%add(line%origin_of(3), "there is no joint '"//line%text(3)//"'")
+         if (term%of == 0) call diagnostics%add(line%origin_of(3), "there is no joint '"//line%text(3)//"'", &
+               & object=line%text(3))
       end if
    end subroutine read_term
 

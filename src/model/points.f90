@@ -82,13 +82,17 @@ contains
       character(*), intent(in) :: name, whole
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: valid, hint
+      character(:), allocatable :: valid, hint, object
       character(64), allocatable :: all(:)
       integer :: i, near
       hint = 'no body or ground point of this name is defined'
+      ! Points of a body that is missing are missing once
+      object = whole
+      if (diagnostics%is_told(whole(:index(whole, '.') - 1)) .or. find_body(model, whole(:index(whole, '.') - 1)) == 0 .and. &
+         & index(whole, 'ground.') /= 1) object = whole(:index(whole, '.') - 1)
       ! What is not shown need not be searched for
       if (diagnostics%count >= max_shown) then
-         call diagnostics%add(origin, "there is no point '"//name//"'", hint)
+         call diagnostics%add(origin, "there is no point '"//name//"'", hint, object=object)
          return
       end if
       allocate (all(model%counts%points))
@@ -105,7 +109,7 @@ contains
          near = nearest_name(whole, all)
          if (near > 0) hint = "did you mean '"//trim(all(near))//"'?"
       end if
-      call diagnostics%add(origin, "there is no point '"//name//"'", hint)
+      call diagnostics%add(origin, "there is no point '"//name//"'", hint, object=object)
    end subroutine complain
 
 end module limber_model_points

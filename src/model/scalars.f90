@@ -1,6 +1,6 @@
 !> Single numbers of a run that a deck asks for with *SCALAR: expressions of what channels were over the samples. Floor: model.
 module limber_model_scalars
-   use limber_base_text, only: nearest_name
+   use limber_base_text, only: lowercase, nearest_name
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type
@@ -103,7 +103,7 @@ contains
          call diagnostics%add(slot%origin, "'"//trim(slot%name)//"' is no summary of a channel", label)
          return
       end if
-      channel = find_named(model, 'channel', trim(slot%argument))
+      channel = find_named(model, 'channel', lowercase(trim(slot%argument)))
       if (channel > 0) return
       allocate (names(model%counts%channels))
       do i = 1, size(names)
@@ -112,7 +112,8 @@ contains
       near = nearest_name(trim(slot%argument), names)
       label = 'channels are those of *OUTPUT'
       if (near > 0) label = "did you mean '"//trim(names(near))//"'?"
-      call diagnostics%add(slot%origin, "there is no channel '"//trim(slot%argument)//"'", label)
+      call diagnostics%add(slot%origin, "there is no channel '"//trim(slot%argument)//"'", label, &
+            & object=trim(slot%argument))
    end subroutine find_summary
 
 end module limber_model_scalars

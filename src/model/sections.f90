@@ -56,7 +56,7 @@ contains
             if (block%has(trim(options(i)))) cycle
             has_all = .false.
             call diagnostics%add(block%origin, "section '"//block%name()//"' of SHAPE="//block%word('SHAPE')//' needs '// &
-               & trim(options(i)), 'add '//trim(options(i))//'=')
+               & trim(options(i)), 'add '//trim(options(i))//'=', object=block%name())
          end do
       end function has_all
 

@@ -4,7 +4,7 @@ module limber_output_history_reader
    use hdf5, only: hid_t, hsize_t
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text, nearest_name
+   use limber_base_text, only: as_text, lowercase, nearest_name
    use limber_output_hdf5, only: open_file, close_file, object_exists
    use limber_output_hdf5_error, only: no_id
    use limber_output_hdf5_read, only: dataset_shape, list_members, read_attribute, read_dataset, longest_name
@@ -327,13 +327,13 @@ contains
       character(:), allocatable :: message
       integer :: i, nearest
       do i = 1, size(self%channels)
-         if (self%channels(i)%name == name) then
+         if (lowercase(self%channels(i)%name) == lowercase(name)) then
             channel = self%channels(i)
             return
          end if
       end do
       do i = 1, size(self%estimates)
-         if (self%estimates(i)%name == name) then
+         if (lowercase(self%estimates(i)%name) == lowercase(name)) then
             channel = self%estimates(i)
             return
          end if

@@ -1,0 +1,132 @@
+!> Words of other programs and of common speech, and what they are called in a deck: for messages. Floor: deck.
+module limber_deck_synonyms
+   implicit none
+   private
+   public :: word_in_deck, advice_for
+
+   !> A word that is often written, and that of the deck language
+   type :: synonym_type
+      !> In upper case
+      character(16) :: written
+      character(20) :: meant
+   end type synonym_type
+
+   !> A keyword of other programs, and how its purpose is reached here
+   type :: advice_type
+      !> In upper case
+      character(20) :: written
+      character(130) :: advice
+   end type advice_type
+
+   !> Words of options and their values
+   type(synonym_type), parameter :: synonyms(*) = [ &
+      & synonym_type('CENTER X', 'CENTRE X'), &
+      & synonym_type('CENTER Y', 'CENTRE Y'), &
+      & synonym_type('PRISMATIC', 'TRANSLATIONAL'), &
+      & synonym_type('SLIDER', 'TRANSLATIONAL'), &
+      & synonym_type('INLINE', 'POINT ON LINE'), &
+      & synonym_type('SLOT', 'POINT ON LINE'), &
+      & synonym_type('PIN IN SLOT', 'POINT ON LINE'), &
+      & synonym_type('PIN', 'REVOLUTE'), &
+      & synonym_type('HINGE', 'REVOLUTE'), &
+      & synonym_type('SPHERICAL', 'REVOLUTE'), &
+      & synonym_type('FIXED', 'WELD'), &
+      & synonym_type('RIGID', 'WELD'), &
+      & synonym_type('CLAMPED', 'WELD'), &
+      & synonym_type('CAM', 'POINT ON CURVE'), &
+      & synonym_type('LINK', 'ROD'), &
+      & synonym_type('DISTANCE', 'ROD'), &
+      & synonym_type('CHAIN', 'BELT'), &
+      & synonym_type('PINION', 'RACK'), &
+      & synonym_type('ROTATION', 'ANGLE'), &
+      & synonym_type('TRANSLATION', 'DISPLACEMENT'), &
+      & synonym_type('CIRC', 'CIRCLE'), &
+      & synonym_type('ROUND', 'CIRCLE'), &
+      & synonym_type('RECT', 'RECTANGLE'), &
+      & synonym_type('BOX', 'RECTANGLE'), &
+      & synonym_type('PIPE', 'TUBE'), &
+      & synonym_type('ELASTIC MODULUS', 'YOUNG'), &
+      & synonym_type('E', 'YOUNG'), &
+      & synonym_type('RHO', 'DENSITY'), &
+      & synonym_type('RADIUS', 'DIAMETER'), &
+      & synonym_type('J', 'INERTIA'), &
+      & synonym_type('I', 'INERTIA'), &
+      & synonym_type('M', 'MASS'), &
+      & synonym_type('OMEGA', 'SPIN'), &
+      & synonym_type('K', 'STIFFNESS'), &
+      & synonym_type('C', 'DAMPING'), &
+      & synonym_type('FREE LENGTH', 'LENGTH'), &
+      & synonym_type('END TIME', 'END'), &
+      & synonym_type('DURATION', 'END'), &
+      & synonym_type('STOP', 'END'), &
+      & synonym_type('TIME', 'END'), &
+      & synonym_type('STEPS', 'OUTPUTS'), &
+      & synonym_type('RTOL', 'TOLERANCE'), &
+      & synonym_type('STEP', 'FIXED STEP')]
+
+   !> Keywords
+   type(advice_type), parameter :: advices(*) = [ &
+      & advice_type('CONTACT', 'write a stiff one-sided spring: *FORCE with max(0, stiffness*depth)'), &
+      & advice_type('IMPACT', 'write a stiff one-sided spring: *FORCE with max(0, stiffness*depth)'), &
+      & advice_type('EVENT', 'laws with step, min and max change by themselves where their argument does'), &
+      & advice_type('BODY', 'a body is a *RIGID BODY, *POINT MASS, *BEAM or *FRAME'), &
+      & advice_type('HINGE', 'write *JOINT, TYPE=REVOLUTE'), &
+      & advice_type('REVOLUTE', 'write *JOINT, TYPE=REVOLUTE'), &
+      & advice_type('PRISMATIC', 'write *JOINT, TYPE=TRANSLATIONAL'), &
+      & advice_type('TRANSLATIONAL', 'write *JOINT, TYPE=TRANSLATIONAL'), &
+      & advice_type('WELD', 'write *JOINT, TYPE=WELD'), &
+      & advice_type('GEAR', 'write *JOINT, TYPE=GEAR'), &
+      & advice_type('RACK', 'write *JOINT, TYPE=RACK'), &
+      & advice_type('BELT', 'write *JOINT, TYPE=BELT'), &
+      & advice_type('CAM', 'write *JOINT, TYPE=POINT ON CURVE, and *CURVE'), &
+      & advice_type('ROD', 'write *JOINT, TYPE=ROD'), &
+      & advice_type('CONSTRAINT', 'joints are *JOINT and *COUPLER, given motions *DRIVER and *MOTION'), &
+      & advice_type('MOTOR', 'a given motion is a *DRIVER, a given torque a *TORQUE'), &
+      & advice_type('ACTUATOR', 'a given motion is a *DRIVER, a force between points a *SPRING with a law'), &
+      & advice_type('DAMPER', 'write *SPRING, DAMPING=...'), &
+      & advice_type('LOAD', 'loads are *FORCE, *TORQUE, *SPRING and *DISTRIBUTED LOAD'), &
+      & advice_type('CLOAD', 'write *FORCE'), &
+      & advice_type('DLOAD', 'write *DISTRIBUTED LOAD'), &
+      & advice_type('STEP', 'analyses are *STATICS, *KINEMATICS, *INVERSE DYNAMICS, *MODES and *DYNAMICS'), &
+      & advice_type('STATIC', 'write *STATICS'), &
+      & advice_type('DYNAMIC', 'write *DYNAMICS'), &
+      & advice_type('FREQUENCY', 'write *MODES'), &
+      & advice_type('BUCKLE', 'write *STATICS: it finds critical loads'), &
+      & advice_type('ELASTIC', 'write *MATERIAL, NAME=..., YOUNG=..., DENSITY=...'), &
+      & advice_type('INITIAL CONDITIONS', 'write X, Y, ANGLE, VX, VY and SPIN of the bodies'), &
+      & advice_type('AMPLITUDE', 'write *TABLE, and its name as a function of t'), &
+      & advice_type('MARKER', 'named points are data lines of their body'), &
+      & advice_type('END', 'a deck ends with its last line')]
+
+contains
+
+   !> The word of the deck language that a common word stands for, if it is among those that are possible; else empty.
+   pure function word_in_deck(written, possible) result(word)
+      !> In upper case
+      character(*), intent(in) :: written
+      !> In upper case
+      character(*), intent(in) :: possible(:)
+      character(:), allocatable :: word
+      integer :: i
+      word = ''
+      do i = 1, size(synonyms)
+         if (synonyms(i)%written /= written) cycle
+         if (.not. any(possible == synonyms(i)%meant)) cycle
+         word = trim(synonyms(i)%meant)
+         return
+      end do
+   end function word_in_deck
+
+   !> How the purpose of a keyword of other programs is reached; empty if that is not known.
+   pure function advice_for(keyword) result(advice)
+      !> In upper case
+      character(*), intent(in) :: keyword
+      character(:), allocatable :: advice
+      integer :: i
+      advice = ''
+      do i = 1, size(advices)
+         if (advices(i)%written == keyword) advice = trim(advices(i)%advice)
+      end do
+   end function advice_for
+
+end module limber_deck_synonyms

@@ -69,7 +69,6 @@ contains
       integer, intent(in), optional :: digits
       character(:), allocatable :: text
       character(40) :: buffer
-      character(16) :: form
       real(wp) :: back
       integer :: count, first, last
       first = 1
@@ -89,14 +88,29 @@ contains
       ! Rounded to fewer digits the largest numbers would be beyond all
       if (abs(value) > 1.79e308_wp) last = 17
       if (abs(value) > 1.79e308_wp) first = 17
-      do count = first, last
-         write (form, '("(es40.",i0,"e3)")') count - 1
-         write (buffer, form) value
+      ! More digits are nearer: the least that read back to the same bits are found by bisection
+      do while (first < last)
+         count = (first + last)/2
+         buffer = rounded(value, count)
          read (buffer, *) back
-         if (.not. abs(back - value) > 0.0_wp) exit
+         if (abs(back - value) > 0.0_wp) then
+            first = count + 1
+         else
+            last = count
+         end if
       end do
-      text = plain_form(trim(adjustl(buffer)))
+      text = plain_form(trim(adjustl(rounded(value, first))))
    end function real_as_text
+
+   !> A number with so many significant digits, as 'd.dddE+eee'.
+   pure function rounded(value, digits) result(buffer)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: digits
+      character(40) :: buffer
+      character(16) :: form
+      write (form, '("(es40.",i0,"e3)")') digits - 1
+      write (buffer, form) value
+   end function rounded
 
    !> Rewrites 'd.dddE+eee' without needless zeros, as a plain decimal if that is short.
    pure function plain_form(scientific) result(text)
@@ -134,13 +148,13 @@ contains
    end function plain_form
 
    !> Index of the candidate nearest to a misspelt name by edit distance; 0 if none is near enough
-   !> (more than a third of its letters differ). A word left out or added counts as a letter. Case and blanks around are ignored.
+   !> (more than a third of its letters differ, or all). A word left out or added counts as a letter. Case and blanks around are ignored.
    pure integer function nearest_name(name, candidates) result(nearest)
       character(*), intent(in) :: name
       character(*), intent(in) :: candidates(:)
       integer :: i, distance, best
       nearest = 0
-      best = max(1, (len_trim(name) + 2)/3) + 1
+      best = min(max(1, (len_trim(name) + 2)/3) + 1, len_trim(name))
       do i = 1, size(candidates)
          distance = name_distance(lowercase(trim(adjustl(name))), lowercase(trim(adjustl(candidates(i)))))
          if (distance < best) then

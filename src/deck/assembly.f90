@@ -4,7 +4,7 @@ module limber_deck_assembly
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase
-   use limber_deck_cursor, only: letters
+   use limber_deck_cursor, only: letters, digits
    use limber_deck_compile, only: is_reserved
    use limber_deck_lexer, only: part_type, trimmed, find_outside, collapsed, comment_start, is_parameter_name
    use limber_deck_origin, only: origin_type
@@ -260,6 +260,7 @@ contains
       character(:), allocatable :: label
       label = 'it takes none'
       if (size(specs) > 0) label = suggestion(word, specs%name)
+      if (len(word) > 0 .and. verify(word, digits) == 0) label = 'a number has a point in place of a comma: 0.'//word
       call diagnostics%add(name%origin, '*'//block%keyword//" has no option '"//word//"'", label)
       ! What is missing may be meant by it
       attempted = .true.

@@ -185,7 +185,10 @@ contains
       do while (i > 0)
          before = diagnostics%count
          call claim_points(deck, i, 'points of ground', register, diagnostics)
-         deck%blocks(i)%broken = deck%blocks(i)%broken .or. diagnostics%count > before
+         if (diagnostics%count > before) then
+            deck%blocks(i)%broken = .true.
+            call diagnostics%tell('ground')
+         end if
          i = deck%find('GROUND', i)
       end do
    end subroutine check_ground

@@ -33,7 +33,7 @@ contains
             text = text//newline//'  *'//keyword_table(row)%name//'  '//trim(keyword_table(row)%meaning)
          end do
          text = text//newline//newline//wrapped('Functions of expressions: '//listed_functions()//' ('//function_meanings &
-            & //'); pi; the time t', 0)
+            & //'); pi; the time t; 90 deg is an angle in degrees', 0)
       end if
    end function help_text
 
@@ -219,7 +219,7 @@ contains
       type(option_spec_type), allocatable :: specs(:)
       integer :: row, i
       text = '# Keywords of a deck'//newline//newline//'Functions of expressions: '//listed_functions()//' (' &
-         & //function_meanings//'). `pi` is the number, `t` the time.'//newline
+         & //function_meanings//'). `pi` is the number, `t` the time; `90 deg` is an angle in degrees.'//newline
       do row = 1, size(keyword_table)
          text = text//newline//'## *'//trim(keyword_table(row)%name)//newline//newline//trim(keyword_table(row)%meaning)//'.'
          if (keyword_table(row)%most == 1) text = text//' At most once.'

@@ -13,6 +13,7 @@ module limber_analysis_dynamics
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_text
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning
    use limber_integrator_adams, only: adams_type
@@ -60,7 +61,8 @@ contains
    !> Runs from the start to the end.
    subroutine run_dynamics(scene, integrator, history, progress, outcome, error, guard)
       type(scene_type), intent(inout) :: scene
-      class(integrator_type), intent(inout) :: integrator
+      !> Another one behind if limber has chosen it and the run has turned stiff; the model's name of it then too
+      class(integrator_type), allocatable, intent(inout) :: integrator
       !> Takes the samples: an open history with its channels defined, or memory
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
@@ -72,6 +74,7 @@ contains
       type(recorder_type) :: recorder
       type(sample_type) :: sample
       type(axial_watch_type) :: axial
+      type(stiffening_type) :: stiffening
       integer(long) :: tick
       real(wp) :: cpu
       integer :: before(2)
@@ -90,7 +93,13 @@ contains
          if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, &
-            & tick, cpu, outcome, error, guard)
+            & stiffening, tick, cpu, outcome, error, guard)
+      end associate
+      associate (dynamics => scene%system%model%dynamics)
+         if (stiffening%turned) then
+            dynamics%integrator = 'RADAU'
+            dynamics%reason = dynamics%reason//'; '//stiffness_text(stiffening, scene%system%model%units%time)
+         end if
       end associate
       call settle_angles(scene%work%kinematics, .false.)
       scene%last%q = sample%q
@@ -107,15 +116,17 @@ contains
    end subroutine run_dynamics
 
    !> The time loop. Steps end at the breaks of the drivers and loads, where the integrator starts anew.
-   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, tick, cpu, outcome, error, guard)
+   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, stiffening, tick, cpu, outcome, &
+      & error, guard)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
-      class(integrator_type), intent(inout) :: integrator
+      class(integrator_type), allocatable, intent(inout) :: integrator
       type(recorder_type), intent(inout) :: recorder
       type(sample_type), intent(inout) :: sample
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
       type(axial_watch_type), intent(inout) :: axial
+      type(stiffening_type), intent(inout) :: stiffening
       !> Clock and CPU clock at the start
       integer(long), intent(in) :: tick
       real(wp), intent(in) :: cpu
@@ -129,7 +140,7 @@ contains
       !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
       real(wp) :: stop, barrier, near
       integer :: passed, seen
-      logical :: at_station
+      logical :: at_station, turns
       allocate (breaks, source=break_times(scene%system%model))
       allocate (stations, source=station_times(scene%system%model))
       passed = 0
@@ -171,6 +182,7 @@ contains
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
          call look(scene, dynamics, integrator, sample, outcome)
+         call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, outcome, turns)
          call check_deflections(scene%system, integrator%t, sample%q, sample%v, error)
          if (allocated(error)) exit
          call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
@@ -196,6 +208,7 @@ contains
             call pass_axial_break(axial, scene%system, scene%work, breaks(passed))
          end if
          call record_before(integrator%t + near)
+         if (turns .and. .not. allocated(error)) call turn_stiff()
          call progress%update(integrator%t)
          if (present(guard) .and. .not. allocated(error)) call look_at_guard()
       end do
@@ -218,6 +231,14 @@ contains
          call move_frames(scene%system%model, scene%system%layout, sample%q, sample%v, scene%work%kinematics)
          call settle_angles(scene%work%kinematics, .not. integrator%ends_on_samples)
       end subroutine follow_turns
+
+      !> Goes on with RADAU from where ADAMS is.
+      subroutine turn_stiff()
+         call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
+         call replace_integrator(scene, dynamics, integrator%t, sample, integrator, error)
+         stiffening%turned = .true.
+      end subroutine turn_stiff
 
       !> Writes a checkpoint if it is time, and ends the run if that is asked for.
       subroutine look_at_guard()
@@ -253,6 +274,10 @@ contains
          type(snapshot_type), intent(inout) :: snapshot
          call snapshot%exchange('passed', passed)
          call sample%exchange(snapshot)
+         call stiffening%exchange(snapshot)
+         if (snapshot%restoring .and. stiffening%turned) call replace_integrator(scene, dynamics, dynamics%start, sample, &
+            & integrator, error)
+         if (allocated(error)) return
          call integrator%exchange(snapshot, scene%system)
          call scene%work%exchange(snapshot)
          call recorder%exchange(snapshot)
@@ -276,6 +301,26 @@ contains
       end subroutine record_before
 
    end subroutine advance
+
+   !> Puts RADAU in the place of an integrator, at the state of a sample.
+   subroutine replace_integrator(scene, dynamics, t, sample, integrator, error)
+      type(scene_type), intent(inout) :: scene
+      type(dynamics_type), intent(in) :: dynamics
+      real(wp), intent(in) :: t
+      !> With the work put in so far
+      type(sample_type), intent(in) :: sample
+      class(integrator_type), allocatable, intent(inout) :: integrator
+      type(error_type), allocatable, intent(out) :: error
+      class(integrator_type), allocatable :: other
+      type(dynamics_type) :: choice
+      choice = dynamics
+      choice%integrator = 'RADAU'
+      call new_integrator(choice, other)
+      other%statistics = integrator%statistics
+      other%work_at_start = sample%w
+      call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
+      call move_alloc(other, integrator)
+   end subroutine replace_integrator
 
    !> Begins to watch axial coordinates that follow at rest, and puts them where they belong.
    subroutine start_axial(scene, axial, change, error)

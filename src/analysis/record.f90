@@ -275,6 +275,13 @@ contains
       end subroutine put_scalars
 
       subroutine put_counts()
+         if (any(scene%system%model%steps%kind == step_dynamics)) then
+            ! A run that has turned stiff has another one than it began with
+            call history%put_attribute('/run', 'integrator', scene%system%model%dynamics%integrator, error)
+            if (.not. allocated(error)) call history%put_attribute('/run', 'integrator_reason', &
+               & scene%system%model%dynamics%reason, error)
+            if (allocated(error)) return
+         end if
          call history%put_attribute('/run', 'steps', statistics%steps, error)
          if (.not. allocated(error)) call history%put_attribute('/run', 'rejected_steps', statistics%rejected, error)
          if (.not. allocated(error)) call history%put_attribute('/run', 'failed_projections', statistics%failed_projections, error)

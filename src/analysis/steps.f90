@@ -16,8 +16,8 @@ module limber_analysis_steps
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_model_analyses, only: kind_names
-   use limber_model_scene, only: step_type, step_kinematics, step_inverse, step_statics, step_modes, step_dynamics, stop_unstable, &
-      & velocities_none, velocities_of_deck
+   use limber_model_scene, only: dynamics_type, step_type, step_kinematics, step_inverse, step_statics, step_modes, step_dynamics, &
+      & stop_unstable, velocities_none, velocities_of_deck
    use limber_output_channels, only: recorder_type, new_recorder
    use limber_output_history, only: history_type
    use limber_output_internal_forces, only: join_envelopes
@@ -231,12 +231,20 @@ contains
          call run_dynamics(scene, integrator, history, progress, part, error, guard)
          lines = newline//'      '//scene%system%model%dynamics%integrator//', '//as_text(integrator%statistics%steps)// &
             & ' steps ('//as_text(integrator%statistics%rejected)//' rejected), energy balance '//as_text(part%imbalance, 2)// &
-            & ' of at most '//as_text(part%largest_energy, 3)
+            & ' of at most '//as_text(part%largest_energy, 3)//chosen(scene%system%model%dynamics)
          scene%warnings = scene%warnings//energy_warning(part)
          call add_statistics(integrator%statistics, statistics)
       end select
       if (allocated(part%warnings)) scene%warnings = scene%warnings//part%warnings
    end subroutine run_step
+
+   !> A line that says why limber has chosen an integrator; empty if the deck has.
+   pure function chosen(dynamics) result(text)
+      type(dynamics_type), intent(in) :: dynamics
+      character(:), allocatable :: text
+      text = ''
+      if (dynamics%reason /= '') text = newline//'      '//dynamics%integrator//', chosen: '//dynamics%reason
+   end function chosen
 
    !> Makes the end of the analysis before the start of the next: its time, its velocities, the constraints satisfied.
    subroutine enter_step(scene, i, error)

@@ -54,6 +54,8 @@ module limber_integrator_adams
       real(wp) :: h = 0.0_wp, h_last = 0.0_wp
       !> Next order, last order, steps taken with the same h
       integer :: k = 1, k_last = 0, ns = 0
+      !> Steps in a row of order 4 or less: many are a sign of stiffness
+      integer :: low_orders = 0
       !> True while order and step are raised in every step
       logical :: starting = .true.
       !> Coefficients
@@ -268,6 +270,7 @@ contains
       self%t = t
       self%k_last = self%k
       self%h_last = self%h
+      self%low_orders = merge(self%low_orders + 1, 0, self%k <= 4)
       call finish_differences(self%ny, self%k, self%yp, self%phi)
       call self%count_step(self%h_last, self%k_last)
       call next_order_and_step(self, estimate, k_next)
@@ -495,6 +498,7 @@ contains
       call snapshot%exchange('k', self%k)
       call snapshot%exchange('k_last', self%k_last)
       call snapshot%exchange('ns', self%ns)
+      call snapshot%exchange('low_orders', self%low_orders)
       call snapshot%exchange('starting', self%starting)
       call snapshot%exchange('psi', self%psi)
       call snapshot%exchange('alpha', self%alpha)

@@ -87,9 +87,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: wanted, err, factor
       logical :: good, repeated
-      integer :: i
+      integer :: i, failures
       wanted = self%h
       repeated = .false.
+      failures = 0
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
@@ -103,6 +104,7 @@ contains
          call prepare(self, system, work, error)
          if (allocated(error)) return
          call iterate(self, system, work, min(self%t + self%h, stop), good)
+         if (.not. good) call self%heed_failure(failures)
          if (.not. good .and. .not. self%forest%usable) then
             call cross_fold(self, system, work, stop, good)
             if (good) then
@@ -199,7 +201,7 @@ contains
       integer :: round, nw
       nw = system%layout%nw
       converged = .false.
-      goal = max(1.0e-14_wp, self%tolerance*min(0.03_wp, sqrt(self%tolerance)))
+      goal = max(1.0e-14_wp, self%strictness*self%tolerance*min(0.03_wp, sqrt(self%tolerance)))
       ! The accelerations of the algorithm belong to a time that depends on the step
       self%e = self%algorithmic + (self%alpha_m - self%alpha_f)*(self%h - self%h_last)*self%jerk
       self%new_a = self%a + self%h*self%jerk

@@ -40,9 +40,12 @@ module limber_integrator_implicit
       !> Whether the derivatives are those of the present state; rounds of the last Newton iteration
       logical :: fresh = .false.
       integer :: iterations = 0
+      !> Factor of what Newton's method may leave: where it fails time and again, that is not small beside the width of a law, as
+      !> that of friction near rest, eq. (L3)
+      real(wp) :: strictness = 1.0_wp
    contains
-      procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, pass_fold, work_within, singular_matrix, &
-         & exchange_implicit
+      procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, heed_failure, pass_fold, work_within, &
+         & singular_matrix, exchange_implicit
    end type implicit_type
 
 contains
@@ -125,6 +128,17 @@ contains
       call rates_of(system%layout, self%q, self%v, self%w)
       call rates_of(system%layout, self%q, self%change, self%a)
    end subroutine take_over
+
+   !> Makes Newton's method stricter after it has failed some times in one step.
+   subroutine heed_failure(self, failures)
+      class(implicit_type), intent(inout) :: self
+      !> In the present step so far; one more behind
+      integer, intent(inout) :: failures
+      integer, parameter :: many = 4
+      real(wp), parameter :: strictest = 1.0e-8_wp
+      failures = failures + 1
+      if (failures == many) self%strictness = max(strictest, 0.1_wp*self%strictness)
+   end subroutine heed_failure
 
    !> Scales at the present state.
    subroutine renew_scales(self, system)
@@ -219,6 +233,7 @@ contains
       call snapshot%exchange('h_factors', self%h_factors)
       call snapshot%exchange('fresh', self%fresh)
       call snapshot%exchange('iterations', self%iterations)
+      call snapshot%exchange('strictness', self%strictness)
    end subroutine exchange_implicit
 
 end module limber_integrator_implicit

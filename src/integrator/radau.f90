@@ -79,9 +79,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: wanted, err, factor
       logical :: converged, accepted, repeated
-      integer :: i
+      integer :: i, failures
       wanted = self%h
       repeated = .false.
+      failures = 0
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
@@ -101,6 +102,7 @@ contains
          call iterate(self, system, work, converged)
          if (.not. converged) then
             self%statistics%rejected = self%statistics%rejected + 1
+            call self%heed_failure(failures)
             call cross_fold(self, system, work, stop, accepted)
             repeated = .true.
             if (.not. accepted) cycle
@@ -184,7 +186,7 @@ contains
       real(wp) :: size_now, size_last, contraction, goal
       integer :: round, i
       converged = .false.
-      goal = max(1.0e-14_wp, bound(self)*min(0.03_wp, sqrt(bound(self))))
+      goal = max(1.0e-14_wp, self%strictness*bound(self)*min(0.03_wp, sqrt(bound(self))))
       size_last = 0.0_wp
       do round = 1, most_iterations
          self%iterations = round

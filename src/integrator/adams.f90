@@ -232,7 +232,7 @@ contains
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%fixed_step > 0.0_wp .and. failures == 0) self%h = self%fixed_step
          if (self%t + self%h > stop) self%h = stop - self%t
-         if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+         if (self%h <= self%least_step(stop)) then
             if (self%tree%usable) call place_frames(system%model, system%layout, self%t, self%y(:self%nq), work%kinematics)
             i = maxloc(abs((self%yp(:2*self%nq) - self%phi(:2*self%nq, 1))/self%scale(:2*self%nq)), dim=1)
             if (i > 0) i = self%kept(modulo(i - 1, self%nq) + 1)

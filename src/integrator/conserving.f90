@@ -134,7 +134,7 @@ contains
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
          h = even_step(stop - self%t, self%h)
-         if (h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+         if (h <= self%least_step(stop)) then
             if (self%forest%usable) call place_frames(system%model, system%layout, self%t, self%q, work%kinematics)
             i = max(1, maxloc(abs(self%unknown(:system%layout%nw))/self%scale_x, dim=1))
             call self%step_too_small(system, work, count(system%layout%w <= i), error)

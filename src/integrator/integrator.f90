@@ -42,7 +42,7 @@ module limber_integrator_integrator
       procedure :: complete => complete_nothing
       !> Saves or restores its memory; behind `start`, which makes room for it
       procedure(exchange_interface), deferred :: exchange
-      procedure :: count_step, step_too_small, exchange_common
+      procedure :: count_step, least_step, step_too_small, exchange_common
    end type integrator_type
 
    abstract interface
@@ -132,6 +132,16 @@ contains
          statistics%highest_order = max(statistics%highest_order, order)
       end associate
    end subroutine count_step
+
+   !> Length below which a step has shrunk to nothing: round-off of the time that is reached, whatever END is.
+   pure real(wp) function least_step(self, stop)
+      class(integrator_type), intent(in) :: self
+      !> Time that the step may not pass
+      real(wp), intent(in) :: stop
+      !> Part of that time which stands for the start, where the time may be zero
+      real(wp), parameter :: part = 1.0e-8_wp
+      least_step = 4*spacing(max(abs(self%t), part*abs(stop)))
+   end function least_step
 
    !> Error of a step that has shrunk to nothing: which constraint, which body, when, what to try.
    subroutine step_too_small(self, system, work, body, error)

@@ -87,7 +87,7 @@ contains
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%fixed_step > 0.0_wp .and. .not. repeated) self%h = self%fixed_step
          if (self%t + 1.0001_wp*self%h > stop) self%h = stop - self%t
-         if (self%h <= 4*spacing(max(abs(self%t), abs(stop)))) then
+         if (self%h <= self%least_step(stop)) then
             i = maxloc(abs(self%real_part(:system%layout%nw))/self%scale_w, dim=1)
             call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return

@@ -29,7 +29,8 @@ module limber_deck_keywords
       & keyword_type('REPEAT', many, form_none, 0, 0, &
       &    'Repeats all up to its *END REPEAT; in names and texts <i>, <i - 1>, ... is a whole number'), &
       & keyword_type('END REPEAT', many, form_none, 0, 0, 'The end of a *REPEAT, which may hold others'), &
-      & keyword_type('UNITS', 1, form_none, 0, 0, 'Units of the numbers of this deck: they label the results, and gravity has its default in them'), &
+      & keyword_type('UNITS', 1, form_none, 0, 0, &
+      &    'Units of the numbers of this deck: they label the results, and gravity has its default in them'), &
       & keyword_type('MATERIAL', many, form_none, 0, 0, 'An elastic material'), &
       & keyword_type('SECTION', many, form_none, 0, 0, 'The cross-section of a beam'), &
       & keyword_type('GRAVITY', 1, form_none, 0, 0, 'Acceleration of gravity; without this block there is none'), &

@@ -16,7 +16,7 @@ module limber_analysis_scene
    use limber_flex_library, only: library_type
    use limber_model_build, only: build_model
    use limber_model_segments, only: name_in_deck
-   use limber_model_scene, only: model_type, step_dynamics, in_springs
+   use limber_model_scene, only: model_type, step_dynamics, in_springs, ground
    use limber_system_assembly, only: first_guess, assemble
    use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_rank, only: assembly_type
@@ -296,7 +296,7 @@ contains
          do k = 1, min(groups, most)
             call diagnostics%warn(place_of(scene, redundancy%last(k)), equations_are(redundancy%excess(k))//' redundant among '// &
                & group_names(system, redundancy, k)//'; the motion is not changed by that, and of the reactions that balance'// &
-               & ' those of least norm are reported')
+               & ' those of least norm are reported'//shared_text(system, redundancy%group == k))
          end do
          if (groups > most) call diagnostics%warn(place_of(scene, redundancy%last(most + 1)), as_text(groups - most)// &
             & ' more groups of joints have redundant equations, '//as_text(redundancy%count)//' in all')
@@ -305,6 +305,29 @@ contains
             & ' goes on along the one that the guessed velocities are nearest to')
       end associate
    end subroutine warn_of_redundancy
+
+   !> What is to be said where elasticity would tell how constraints share their reactions: the first beam or frame among their
+   !> bodies, of which the functions do not move what they hold. Else nothing.
+   pure function shared_text(system, chosen) result(text)
+      type(system_type), intent(in) :: system
+      !> Which (constraints)
+      logical, intent(in) :: chosen(:)
+      character(:), allocatable :: text
+      integer :: i, side, body
+      text = ''
+      do i = 1, size(chosen)
+         if (.not. chosen(i)) cycle
+         do side = 1, 2
+            body = system%constraints(i)%item%bodies(side)
+            if (body == ground) cycle
+            if (system%layout%n(body) == 0) cycle
+            text = name_in_deck(system%model, body)
+            text = ", not those that elasticity makes: the functions of '"//text//"' do not move what these joints hold; use"// &
+               & ' SUPPORT=PINNED-ROLLER (of a frame: *BOUNDARY of one node) with CORRECTIONS=YES'
+            return
+         end do
+      end do
+   end function shared_text
 
    !> Says that the first position is far from the guess, for then its branch is a matter of luck.
    subroutine warn_of_turn(scene, diagnostics)

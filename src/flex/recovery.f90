@@ -252,24 +252,29 @@ contains
       if (section%x >= frame%from(e + 1) - 1.0e-9_wp*frame%length(e)) e = e + 1
    end function element_of_section
 
-   !> The tension of the model full beside its linear part, E A b_g/2.
+   !> The tension of the model full beside its linear part, E A b_g/2, in a finite element that ends of geometric elements divide the
+   !> mean over it, as its strain is.
    pure subroutine quadratic_tension(frame, shape, body, geometric_elements, recovery)
       type(frame_type), intent(in) :: frame
       real(wp), intent(in) :: shape(:, :, :)
       type(reduced_type), intent(in) :: body
       integer, intent(in) :: geometric_elements
       type(recovery_type), intent(inout) :: recovery
-      real(wp) :: x(0:geometric_elements), b(size(shape, 3), size(shape, 3), geometric_elements)
-      integer :: i, g
+      real(wp) :: x(0:geometric_elements), b(size(shape, 3), size(shape, 3), geometric_elements), share
+      integer :: i, g, e
       allocate (recovery%slopes(merge(body%bending, 0, body%full), merge(body%bending, 0, body%full), size(recovery%sections)))
       if (.not. body%full) return
       do i = 1, size(recovery%sections)
          associate (section => recovery%sections(i), last => frame%first(recovery%sections(i)%member + 1) - 1)
             x = element_ends(frame%from(last) + frame%length(last), geometric_elements)
             b = mean_slopes(member_field(frame, shape, section%member), x, .false.)
-            g = max(1, count(x(:geometric_elements - 1) < section%x))
-            if (section%behind) g = count(x(:geometric_elements - 1) <= section%x)
-            recovery%slopes(:, :, i) = 0.5_wp*frame%ea(last)*b(:body%bending, :body%bending, g)
+            e = element_of_section(frame, section)
+            recovery%slopes(:, :, i) = 0.0_wp
+            do g = 1, geometric_elements
+               share = (min(x(g), frame%from(e) + frame%length(e)) - max(x(g - 1), frame%from(e)))/frame%length(e)
+               if (share > 0.0_wp) recovery%slopes(:, :, i) = recovery%slopes(:, :, i) &
+                  & + 0.5_wp*frame%ea(last)*share*b(:body%bending, :body%bending, g)
+            end do
          end associate
       end do
    end subroutine quadratic_tension

@@ -22,6 +22,8 @@ program test_statics
    call check_end_shapes()
    call check_first_deflections()
    call check_turning_mount()
+   call check_crossed_elements()
+   call check_propped()
    call finish()
 
 contains
@@ -255,5 +257,43 @@ contains
          & + matrix(1, 3)*(matrix(2, 1)*matrix(3, 2) - matrix(2, 2)*matrix(3, 1)))
       relative = relative/product(sum(abs(matrix), 2))
    end function mount_determinant
+
+   !> A cantilever under a force across its end has no axial force, also where a finite element lies in two geometric elements.
+   subroutine check_crossed_elements()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(1), parameter :: points(5) = ['a', 'b', 'c', 'd', 'e']
+      character(2), parameter :: elements(3) = [character(2) :: '3', '7', '4']
+      real(wp), allocatable :: force(:), envelope(:)
+      integer :: i, k
+      do k = 1, size(elements)
+         call run_changed('verification/crossed_elements.inp', trim(results), ['GEOMETRIC ELEMENTS=3'], &
+            & ['GEOMETRIC ELEMENTS='//elements(k)], reader)
+         do i = 1, size(points)
+            force = channel(reader, 'axial_force_beam_'//points(i))
+            call check_close(force(2), 0.0_wp, 1.0e-7_wp, 'no axial force at '//points(i)//', elements: '//elements(k))
+         end do
+         call reader%read_numbers('/bodies/beam/envelope/axial_force', envelope, error)
+         if (.not. allocated(error)) call check_close(maxval(abs(envelope)), 0.0_wp, 1.0e-7_wp, 'nor in the envelope')
+         call reader%close()
+      end do
+   end subroutine check_crossed_elements
+
+   !> The reactions of a propped cantilever with a force in its middle, 5/16 F and 3/16 F L, with the remedies that warnings name.
+   subroutine check_propped()
+      type(history_reader_type) :: reader
+      character(40), parameter :: remedies(3) = [character(40) :: 'SUPPORT=PINNED-ROLLER, CORRECTIONS=YES', &
+         & 'SUPPORT=PINNED-ROLLER, END SHAPES=YES', 'SUPPORT=CLAMPED-FREE, CORRECTIONS=YES']
+      real(wp), allocatable :: roller(:), moment(:)
+      integer :: k
+      do k = 1, size(remedies)
+         call run_changed('models/bad_warn_redundant_beam.inp', trim(results), ['SUPPORT=CLAMPED-PINNED'], remedies(k:k), reader)
+         roller = channel(reader, 'force_y_roller')
+         moment = channel(reader, 'moment_wall')
+         call check_close(roller(2), 5*0.01_wp/16, 1.0e-9_wp, 'propped: roller, '//remedies(k))
+         call check_close(moment(2), 3*0.01_wp*2/16, 1.0e-9_wp, 'propped: wall, '//remedies(k))
+         call reader%close()
+      end do
+   end subroutine check_propped
 
 end program test_statics

@@ -95,7 +95,7 @@ contains
       type(model_type) :: model
       integer(long) :: tick
       call system_clock(tick)
-      call build_model(scene%deck, model, diagnostics, library)
+      if (scene%deck%is_whole) call build_model(scene%deck, model, diagnostics, library)
       scene%building = seconds_since(tick)
       if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call check_laws(model, scene%deck, diagnostics)
       if (diagnostics%count == 0) then

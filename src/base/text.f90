@@ -152,15 +152,21 @@ contains
    pure integer function nearest_name(name, candidates) result(nearest)
       character(*), intent(in) :: name
       character(*), intent(in) :: candidates(:)
+      character(len(name)) :: wanted
       integer :: i, distance, best
+      wanted = lowercase(adjustl(name))
       nearest = 0
       best = min(max(1, (len_trim(name) + 2)/3) + 1, len_trim(name))
       do i = 1, size(candidates)
-         distance = name_distance(lowercase(trim(adjustl(name))), lowercase(trim(adjustl(candidates(i)))))
+         ! Among many names only those of a like length can be near, or those that have a word more or less
+         if (abs(len_trim(candidates(i)) - len_trim(name)) >= best .and. index(candidates(i), ' ') > len_trim(candidates(i)) &
+            & .and. index(trim(wanted), ' ') == 0) cycle
+         distance = name_distance(trim(wanted), lowercase(trim(adjustl(candidates(i)))))
          if (distance < best) then
             best = distance
             nearest = i
          end if
+         if (best <= 1) exit
       end do
    end function nearest_name
 

@@ -4,7 +4,7 @@ module limber_deck_checks
    use limber_base_names, only: name_index_type
    use limber_base_text, only: nearest_name, lowercase
    use limber_deck_origin, only: origin_type
-   use limber_deck_diagnostics, only: diagnostics_type, max_shown
+   use limber_deck_diagnostics, only: diagnostics_type, max_shown, max_errors
    use limber_deck_parameters, only: name_length
    use limber_deck_schema, only: option_spec_type, field_spec_type, kind_name, kind_reference, form_channels
    use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value
@@ -29,6 +29,7 @@ contains
       type(register_type) :: register
       integer :: i, before
       do i = 1, size(deck%blocks)
+         if (diagnostics%count >= max_errors) return
          before = diagnostics%count
          call check_count(deck, i, diagnostics)
          call check_options(deck, i, register, diagnostics)

@@ -104,6 +104,8 @@ module limber_deck_content
       type(block_type), allocatable :: blocks(:)
       !> The outer ones of *REPEAT, in the order of reading
       type(repeat_type), allocatable :: repeats(:)
+      !> Whether all lines were read: too many blocks, lines or errors end the reading
+      logical :: is_whole = .true.
       !> Blocks by 'KEYWORD name'; empty until the whole deck has been read
       type(name_index_type) :: names
    contains

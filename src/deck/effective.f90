@@ -75,6 +75,7 @@ contains
       character(:), allocatable :: text, included
       integer :: i, begin, inner, end
       text = ''
+      included = ''
       begin = first
       do i = first, last
          if (.not. is_include(deck%source%line_at(origin_type(file, i)))) cycle

@@ -76,7 +76,9 @@ contains
       if (assembly%blocks == 0 .and. diagnostics%count == 0) &
          & call diagnostics%add(origin_type(file=1), 'the deck is empty')
       call deck%index_names()
-      call check_deck(deck, diagnostics)
+      deck%is_whole = .not. assembly%full
+      if (deck%is_whole) call check_deck(deck, diagnostics)
+      deck%is_whole = deck%is_whole .and. diagnostics%count < max_errors
       call check_overrides(deck, diagnostics)
    end subroutine read_all
 

@@ -88,6 +88,7 @@ contains
          call start_indicators(outcome%indicators, scene%system)
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
+         integrator%input%asked = recorder%needs_work
          outcome%reached = dynamics%start
          call start_axial(scene, axial, sample%change, error)
          if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &

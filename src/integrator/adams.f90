@@ -10,7 +10,7 @@ module limber_integrator_adams
    use limber_base_error, only: error_type
    use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, predict, finish_differences
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales, energy_scale
    use limber_system_condensation, only: place_axial, place_axial_rates, update_folds
    use limber_system_kinematics, only: place_frames
    use limber_system_dynamics, only: linearise, linearise_placed, accelerations, input_power
@@ -34,8 +34,8 @@ module limber_integrator_adams
       !> Indices of these coordinates (nq); whether they are all
       integer, allocatable :: kept(:)
       logical :: whole = .true.
-      !> Number of the first components of y whose errors count: with coordinates that are not integrated also the work, which is
-      !> all that feels how fast driven bodies move
+      !> Number of the first components of y whose errors count: also the work if it is asked for, and with coordinates that are
+      !> not integrated, for it is all that feels how fast driven bodies move
       integer :: weighed = 0
       !> Otherwise all coordinates, velocities and accelerations at the last state that was evaluated
       real(wp), allocatable :: q(:), v(:), a(:)
@@ -86,7 +86,7 @@ contains
       self%nq = size(self%kept)
       self%whole = self%nq == size(q)
       self%ny = 2*self%nq + merge(1, 0, system%powered)
-      self%weighed = merge(2*self%nq, self%ny, self%whole)
+      self%weighed = merge(2*self%nq, self%ny, self%whole .and. .not. self%input%asked)
       if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change, self%q, self%v, self%a, self%scale)
       allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(size(q)))
       allocate (self%q(size(q)), self%v(size(q)), self%a(size(q)), self%scale(self%weighed))
@@ -172,8 +172,7 @@ contains
          self%scale(i) = self%scales%value(self%kept(i))
          self%scale(self%nq + i) = self%scales%value(size(self%q) + self%kept(i))
       end do
-      ! A tenth of an energy of the motion, for errors of the work add up
-      if (self%weighed > 2*self%nq) self%scale(self%weighed) = 0.1_wp*sum(system%inertia(1, :))*self%scales%speed**2
+      if (self%weighed > 2*self%nq) self%scale(self%weighed) = self%input%scale_of(energy_scale(system, self%scales), 0.0_wp)
    end subroutine keep_scales
 
    !> The same where the system is linearised at (t, q) already, and the state is spread.
@@ -281,7 +280,8 @@ contains
       else
          call update_scales(system, self%q, self%v, self%scales, raised)
       end if
-      if (raised) call keep_scales(self, system)
+      if (self%input%asked .and. system%powered) self%input%throughput = self%input%throughput + self%h_last*abs(self%yp(self%ny))
+      if (raised .or. self%input%asked) call keep_scales(self, system)
    end subroutine adams_step
 
    !> Local error of this step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).

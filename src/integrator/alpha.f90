@@ -10,6 +10,7 @@ module limber_integrator_alpha
    use limber_integrator_cubic, only: cubic_state
    use limber_integrator_implicit, only: implicit_type
    use limber_integrator_integrator, only: constraint_limit
+   use limber_integrator_scales, only: energy_scale
    use limber_system_condensed_motion, only: condense_residual, condense_right_side
    use limber_system_dynamics, only: accelerations, input_power
    use limber_system_forest, only: forest_type, new_forest, forest_solve
@@ -37,6 +38,8 @@ module limber_integrator_alpha
       real(wp), allocatable :: algorithmic(:), jerk(:)
       !> The step that is tried
       real(wp), allocatable :: new_q(:), new_v(:), new_w(:), new_a(:), new_algorithmic(:), new_lambda(:), x(:)
+      !> Power put in at the end of the step that is tried
+      real(wp) :: new_power = 0.0_wp
       !> Scratch
       real(wp), allocatable :: motion(:), rate(:), unknown(:), e(:)
       !> Where bodies on pins close no loop and stand on the ground: takes the place of the tangent and of the multiplier system
@@ -118,14 +121,17 @@ contains
             err = 0.0_wp
             if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, work, err)
             good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
+            if (good) call close_step(self, system, work, stop, good, err, error)
+            if (allocated(error)) return
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
             if (.not. good) factor = min(factor, 0.9_wp)
          else
             factor = 0.5_wp
          end if
-         if (good) call accept(self, system, work, stop, good, error)
-         if (allocated(error)) return
-         if (good) exit
+         if (good) then
+            call accept(self, system, stop)
+            exit
+         end if
          self%statistics%rejected = self%statistics%rejected + 1
          self%h = self%h*min(factor, 0.9_wp)
          repeated = .true.
@@ -293,52 +299,70 @@ contains
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error
 
-   !> Takes the step as it is, restores the constraints.
-   subroutine accept(self, system, work, stop, good, error)
+   !> Restores the constraints at the end of a step; the work put in, whose error must be as small as that of the motion.
+   subroutine close_step(self, system, work, stop, good, err, error)
       class(alpha_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: stop
-      !> False if the constraints cannot be met
+      !> False if the constraints cannot be met, or the work is not exact enough
       logical, intent(out) :: good
+      !> Error estimate of the motion, raised to that of the work if this is larger
+      real(wp), intent(inout) :: err
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: residual, t
-      t = self%t + self%h
-      if (self%h >= stop - self%t) t = stop
+      real(wp) :: residual, own
       if (self%forest%usable) then
          call forest_settle(self%forest, self%new_q, self%new_v)
          self%h_factors = 0.0_wp
          residual = 0.0_wp
       else
-         call settle(system, work, t, self%new_q, self%new_v, self%change, .false., residual, error)
+         call settle(system, work, end_of_step(self, stop), self%new_q, self%new_v, self%change, .false., residual, error)
          if (allocated(error)) return
       end if
       good = residual <= constraint_limit
       if (.not. good) return
       self%statistics%position_residual = max(self%statistics%position_residual, residual)
+      call rates_of(system%layout, self%new_q, self%new_v, self%new_w)
+      if (.not. system%powered) return
+      if (self%forest%usable) then
+         self%new_power = forest_power(self%forest, system%model, self%new_q, self%new_w)
+      else
+         call accelerations(system, work, self%new_q, self%new_v, self%change)
+         self%new_power = input_power(system, work, self%new_q, self%new_v)
+      end if
+      call self%input%try_ends(self%h, self%new_power, energy_scale(system, self%scales), own)
+      if (self%fixed_step > 0.0_wp) return
+      own = own*self%tolerance/self%input%allowed(self%tolerance)
+      good = self%input%is_within(own, self%tolerance)
+      if (.not. (good .and. own > self%tolerance)) err = max(err, own)
+   end subroutine close_step
+
+   !> Time at the end of the step that is tried.
+   pure real(wp) function end_of_step(self, stop) result(t)
+      class(alpha_type), intent(in) :: self
+      real(wp), intent(in) :: stop
+      t = self%t + self%h
+      if (self%h >= stop - self%t) t = stop
+   end function end_of_step
+
+   !> Takes the step.
+   subroutine accept(self, system, stop)
+      class(alpha_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: stop
       self%q_before = self%q
       self%w_before = self%w
       self%increment = self%x
       self%t_before = self%t
-      self%t = t
+      self%t = end_of_step(self, stop)
       self%q = self%new_q
       self%v = self%new_v
-      call rates_of(system%layout, self%q, self%v, self%w)
+      self%w = self%new_w
       self%jerk = (self%new_a - self%a)/self%h
       self%a = self%new_a
       self%algorithmic = self%new_algorithmic
       self%lambda = self%new_lambda
-      self%power_before = self%power
-      self%work_before = self%work_done
-      if (system%powered) then
-         if (self%forest%usable) then
-            self%power = forest_power(self%forest, system%model, self%q, self%w)
-         else
-            call accelerations(system, work, self%q, self%v, self%change)
-            self%power = input_power(system, work, self%q, self%v)
-         end if
-         self%work_done = self%work_done + 0.5_wp*self%h*(self%power_before + self%power)
-      end if
+      if (system%powered) call self%input%accept(self%h, self%new_power)
    end subroutine accept
 
    !> After Newton's method has failed: passes a fold if there is one ahead.
@@ -366,12 +390,12 @@ contains
       if (.not. h > 0.0_wp .or. t >= self%t) then
          q = self%q
          v = self%v
-         w = self%work_done
+         w = self%input%done
          return
       end if
       s = (t - self%t_before)/h
       call cubic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%e, q, v)
-      w = self%work_within(s, h)
+      w = self%input%within(s)
    end subroutine alpha_interpolate
 
    !> Saves or restores its memory.

@@ -10,12 +10,12 @@ module limber_integrator_conserving
    use limber_integrator_cubic, only: cubic_state
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_means, only: means_type, new_means, begin_means, predict, find_curvature, note_mean
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale
    use limber_system_discrete, only: step_residual, linearise_step, step_work
    use limber_system_dynamics, only: linearise, accelerations
    use limber_system_forest, only: forest_type, new_forest, forest_solve
    use limber_system_forest_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
-   use limber_system_kinematics, only: layout_type, place_frames, rates_of, velocities_of
+   use limber_system_kinematics, only: layout_type, place_frames, move_frames, rates_of, velocities_of
    use limber_system_step, only: step_type, new_step, begin_step, frame_rates, fixed_rates
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, give_way
@@ -39,10 +39,10 @@ module limber_integrator_conserving
       !> Coordinates (nq) and rates (nw) at the beginning of the last step, its increment (nw), and rates at its end (nw), all in
       !> the fixed axes
       real(wp), allocatable :: q_before(:), w_before(:), increment(:), w(:)
+      !> Rates at the end of the step that is tried, in the fixed axes (nw); a state between its ends (nq)
+      real(wp), allocatable :: new_w(:), path_q(:), path_v(:)
       !> Of the last two steps
       type(means_type) :: means
-      !> Work put in at the beginning and the end of the last step
-      real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp
       !> Scratch
       real(wp), allocatable :: motion(:), phi(:), unknown(:), e(:), change(:)
       type(step_type) :: trial
@@ -83,7 +83,7 @@ contains
       if (.not. allocated(self%q)) then
          allocate (self%q(nq), self%v(nq), self%b(nw), self%y(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
             & self%increment(nw), self%w(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
-            & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc))
+            & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc), self%new_w(nw), self%path_q(nq), self%path_v(nq))
          call new_means(nw, nc, self%means)
          call new_forest(system, self%forest)
          if (.not. self%forest%usable) call new_tangent(system, self%tangent)
@@ -91,8 +91,7 @@ contains
          call new_step(system, work, self%trial)
          self%scales = new_scales(system, duration, .true.)
       end if
-      self%work_done = self%work_at_start
-      self%work_before = self%work_at_start
+      call self%input%begin(self%work_at_start, 0.0_wp)
       self%h_factors = 0.0_wp
       self%rounding = 0.0_wp
       self%q = q
@@ -152,6 +151,7 @@ contains
             err = 0.0_wp
             if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, err)
             good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
+            if (good) call measure_work(self, system, work, err, good)
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
          else
             factor = 0.5_wp
@@ -161,7 +161,7 @@ contains
          self%h = h*min(factor, 0.9_wp)
          repeated = .true.
       end do
-      call accept(self, system, work, stop)
+      call accept(self, system, stop)
       call self%count_step(h, 2)
       if (repeated) factor = min(factor, 1.0_wp)
       ! A step that would hardly change is kept; one that was cut short by a sample does not count
@@ -382,21 +382,71 @@ contains
       square = sum((self%unknown(:system%layout%nw)/scales)**2)
    end function filtered_square
 
-   !> Takes the step.
-   subroutine accept(self, system, work, stop)
+   !> Increment and rates at the end of the step that is tried, in the fixed axes, and the work put in. What the forces of the step
+   !> do differs from what their laws do along the way, eq. (W3): that is energy that the scheme feeds, and must be small.
+   subroutine measure_work(self, system, work, err, good)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: stop
+      !> Error estimate of the motion, raised to that of the work if this is larger
+      real(wp), intent(inout) :: err
+      logical, intent(out) :: good
+      real(wp) :: done, missed, own
       integer :: i, at
-      associate (trial => self%trial, statistics => self%statistics)
-         self%work_before = self%work_done
-         if (system%powered) self%work_done = self%work_done + step_work(system, work, trial, self%y, self%lambda)
-         self%increment = self%y
-         do i = 1, size(system%layout%q)
-            at = system%layout%w(i)
-            if (system%layout%framed(i)) self%increment(at + 2) = 2*atan(0.5_wp*self%y(at + 2))
+      good = .true.
+      self%increment = self%y
+      do i = 1, size(system%layout%q)
+         at = system%layout%w(i)
+         if (system%layout%framed(i)) self%increment(at + 2) = 2*atan(0.5_wp*self%y(at + 2))
+      end do
+      call fixed_rates(system%layout, self%trial%new_q, self%trial%new_b, self%new_w)
+      if (.not. system%powered) return
+      done = step_work(system, work, self%trial, self%y, self%lambda)
+      missed = 0.0_wp
+      do i = 1, size(system%loads)
+         if (.not. system%loads(i)%item%powered) cycle
+         missed = missed_work(self, system, work)
+         exit
+      end do
+      call self%input%try_known(done + missed)
+      if (self%fixed_step > 0.0_wp) return
+      own = abs(missed)/self%input%scale_of(energy_scale(system, self%scales), abs(done))
+      good = self%input%is_within(own, self%tolerance)
+      if (.not. (good .and. own > self%tolerance)) err = max(err, own)
+   end subroutine measure_work
+
+   !> What the laws of loads do along the way of the step that is tried, less what the forces of the step do there: by Lobatto's
+   !> formula on the cubic through both ends.
+   real(wp) function missed_work(self, system, work) result(missed)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), parameter :: inner = 0.5_wp*sqrt(3.0_wp/7)
+      real(wp), parameter :: nodes(5) = [0.0_wp, 0.5_wp - inner, 0.5_wp, 0.5_wp + inner, 1.0_wp]
+      real(wp), parameter :: weights(5) = [9.0_wp, 49.0_wp, 64.0_wp, 49.0_wp, 9.0_wp]/180
+      real(wp) :: power
+      integer :: i, k
+      missed = 0.0_wp
+      do k = 1, size(nodes)
+         call cubic_state(system%layout, nodes(k), self%trial%h, self%q, self%increment, self%w, self%new_w, self%e, self%path_q, &
+            & self%path_v)
+         call place_frames(system%model, system%layout, self%t + nodes(k)*self%trial%h, self%path_q, work%kinematics)
+         call move_frames(system%model, system%layout, self%path_q, self%path_v, work%kinematics)
+         power = 0.0_wp
+         do i = 1, size(system%loads)
+            if (system%loads(i)%item%powered) call system%loads(i)%item%add_missed_power(self%trial%mean, work%kinematics, power)
          end do
+         missed = missed + weights(k)*self%trial%h*power
+      end do
+   end function missed_work
+
+   !> Takes the step.
+   subroutine accept(self, system, stop)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: stop
+      associate (trial => self%trial, statistics => self%statistics)
+         if (system%powered) call self%input%accept(trial%h, sum(self%input%new_shape)/trial%h)
          call note_mean(self%means, self%t, trial%h, self%b, trial%new_b, self%lambda, statistics%steps > 0)
          self%q_before = self%q
          self%w_before = self%w
@@ -408,7 +458,7 @@ contains
          if (system%nc > 0) statistics%position_residual = max(statistics%position_residual, &
             & maxval(abs(self%phi))/system%model%length)
       end associate
-      call fixed_rates(system%layout, self%q, self%b, self%w)
+      self%w = self%new_w
       call velocities_of(system%layout, self%q, self%w, self%v)
    end subroutine accept
 
@@ -422,12 +472,12 @@ contains
       if (.not. h > 0.0_wp .or. t >= self%t) then
          q = self%q
          v = self%v
-         w = self%work_done
+         w = self%input%done
          return
       end if
       s = (t - self%t_before)/h
       call cubic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%e, q, v)
-      w = self%work_before + (self%work_done - self%work_before)*s
+      w = self%input%within(s)
    end subroutine conserving_interpolate
 
    !> Saves or restores its memory.
@@ -449,9 +499,8 @@ contains
       call snapshot%keep('w_before', self%w_before)
       call snapshot%keep('increment', self%increment)
       call snapshot%keep('w', self%w)
+      call snapshot%keep('new_w', self%new_w)
       call self%means%exchange(snapshot)
-      call snapshot%exchange('work_before', self%work_before)
-      call snapshot%exchange('work_done', self%work_done)
       call snapshot%keep('motion', self%motion)
       call snapshot%keep('phi', self%phi)
       call snapshot%keep('unknown', self%unknown)

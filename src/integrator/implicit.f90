@@ -24,8 +24,6 @@ module limber_integrator_implicit
       real(wp), allocatable :: q(:), v(:), w(:), a(:), lambda(:)
       !> Coordinates and rates at the beginning of the last step, its increment of the coordinates (nw)
       real(wp), allocatable :: q_before(:), w_before(:), increment(:)
-      !> Work put in and power, at the beginning and the end of the last step
-      real(wp) :: work_before = 0.0_wp, work_done = 0.0_wp, power_before = 0.0_wp, power = 0.0_wp
       !> Scratch (nq)
       real(wp), allocatable :: change(:)
       type(tangent_type) :: tangent
@@ -44,7 +42,7 @@ module limber_integrator_implicit
       !> that of friction near rest, eq. (L3)
       real(wp) :: strictness = 1.0_wp
    contains
-      procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, heed_failure, pass_fold, work_within, &
+      procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, heed_failure, pass_fold, &
          & singular_matrix, exchange_implicit
    end type implicit_type
 
@@ -58,6 +56,7 @@ contains
       !> As in `start`
       real(wp), intent(in) :: t, duration, q(:), v(:)
       type(error_type), allocatable, intent(out) :: error
+      real(wp) :: power
       if (.not. allocated(self%q)) then
          associate (nq => system%layout%nq, nw => system%layout%nw)
             allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(system%nc), self%q_before(nq), &
@@ -65,8 +64,6 @@ contains
          end associate
          self%scales = new_scales(system, duration, .true.)
       end if
-      self%work_done = self%work_at_start
-      self%work_before = self%work_at_start
       self%h_last = 0.0_wp
       self%fresh = .false.
       self%q = q
@@ -78,7 +75,9 @@ contains
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
       call self%take_over(system, work)
-      if (system%powered) self%power = input_power(system, work, q, v)
+      power = 0.0_wp
+      if (system%powered) power = input_power(system, work, q, v)
+      call self%input%begin(self%work_at_start, power)
       self%q_before = self%q
       self%w_before = self%w
       self%increment = 0.0_wp
@@ -157,14 +156,15 @@ contains
       !> Time to the fold; not positive: there is none
       real(wp), intent(out) :: away
       logical, intent(out) :: passed
-      real(wp) :: err, residual, h
+      real(wp) :: err, residual, h, power
       integer :: nq
       nq = size(self%q)
       call find_fold(self%crossing, system, work, self%t, self%h, self%q, self%w, self%a, away)
       passed = away > 0.0_wp
       if (.not. passed) return
       h = min(2*away, stop - self%t)
-      call step_across(self%crossing, system, work, self%t, h, self%q, self%v, self%work_done, self%scales%value, err, residual)
+      call step_across(self%crossing, system, work, self%t, h, self%q, self%v, self%input%done, self%scales%value, err, &
+         & residual)
       passed = err <= across_allowed*self%tolerance .and. residual <= constraint_limit
       if (.not. passed) return
       self%h = h
@@ -176,21 +176,11 @@ contains
       self%t_before = self%t
       self%t = merge(stop, self%t + h, h >= stop - self%t)
       call self%take_over(system, work)
-      self%power_before = self%power
-      self%work_before = self%work_done
-      if (system%powered) self%power = input_power(system, work, self%q, self%v)
-      if (system%powered) self%work_done = self%crossing%y(2*nq + 1)
+      if (.not. system%powered) return
+      power = input_power(system, work, self%q, self%v)
+      call self%input%try_cubic(h, power, self%crossing%y(2*nq + 1) - self%input%done)
+      call self%input%accept(h, power)
    end subroutine pass_fold
-
-   !> Work put in at a part of the last step, whose length is h: the cubic through work and power at both ends.
-   pure real(wp) function work_within(self, part, h) result(w)
-      class(implicit_type), intent(in) :: self
-      real(wp), intent(in) :: part, h
-      associate (s => part)
-         w = self%work_before + (self%work_done - self%work_before)*s**2*(3 - 2*s) + h*s*(1 - s)*((1 - s)*self%power_before &
-            & - s*self%power)
-      end associate
-   end function work_within
 
    !> Error of a matrix without factors.
    subroutine singular_matrix(self, name, error)
@@ -217,10 +207,6 @@ contains
       call snapshot%keep('q_before', self%q_before)
       call snapshot%keep('w_before', self%w_before)
       call snapshot%keep('increment', self%increment)
-      call snapshot%exchange('work_before', self%work_before)
-      call snapshot%exchange('work_done', self%work_done)
-      call snapshot%exchange('power_before', self%power_before)
-      call snapshot%exchange('power', self%power)
       call snapshot%keep('change', self%change)
       if (sparse) call self%tangent%exchange(snapshot)
       call self%condensed_rows%exchange(snapshot)

@@ -7,6 +7,7 @@ module limber_integrator_integrator
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_integrator_statistics, only: step_statistics_type
+   use limber_integrator_work, only: work_type
    use limber_system_dynamics, only: worst_constraint
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -31,6 +32,8 @@ module limber_integrator_integrator
       real(wp) :: t_before = 0.0_wp
       !> Work put in before the start
       real(wp) :: work_at_start = 0.0_wp
+      !> Work put in by drivers and loads
+      type(work_type) :: input
       !> True if what it promises holds at the ends of its steps only: samples are then taken there, their velocities as they are
       logical :: ends_on_samples = .false.
       type(step_statistics_type) :: statistics
@@ -116,6 +119,7 @@ contains
       call snapshot%exchange('t', self%t)
       call snapshot%exchange('t_before', self%t_before)
       call snapshot%exchange('work_at_start', self%work_at_start)
+      call self%input%exchange(snapshot)
       call self%statistics%exchange(snapshot)
    end subroutine exchange_common
 

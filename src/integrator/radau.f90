@@ -10,6 +10,7 @@ module limber_integrator_radau
    use limber_integrator_implicit, only: implicit_type
    use limber_integrator_integrator, only: constraint_limit
    use limber_integrator_quintic, only: quintic_state
+   use limber_integrator_scales, only: energy_scale
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_t, radau_ti, radau_inverse, radau_weights, &
       & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
    use limber_system_algebra, only: cross
@@ -31,7 +32,7 @@ module limber_integrator_radau
    type, extends(implicit_type) :: radau_type
       !> Accelerations at the beginning and the end of the last step (nw)
       real(wp), allocatable :: a_before(:), a_end(:)
-      !> Stages: increments of rates and coordinates (nw,3), multipliers (nc,3), power (3)
+      !> Stages: increments of rates and coordinates (nw,3), multipliers (nc,3), power of what puts work in (3)
       real(wp), allocatable :: z(:, :), x(:, :), multipliers(:, :)
       real(wp) :: stage_power(3) = 0.0_wp
       !> Scratch
@@ -112,6 +113,7 @@ contains
          end if
          call estimate_error(self, system, work, err)
          accepted = err <= bound(self) .or. self%fixed_step > 0.0_wp
+         if (accepted .and. system%powered) call integrate_power(self, system, work, err, accepted)
          factor = next_factor(self, err, repeated .or. .not. accepted)
          if (.not. accepted) then
             self%statistics%rejected = self%statistics%rejected + 1
@@ -140,8 +142,14 @@ contains
    !> is as good as the tolerance, eq. (44a).
    pure real(wp) function bound(self)
       class(radau_type), intent(in) :: self
-      bound = 0.1_wp*self%tolerance**0.8_wp
+      bound = bound_of(self%tolerance)
    end function bound
+
+   !> The same of any tolerance.
+   pure real(wp) function bound_of(tolerance)
+      real(wp), intent(in) :: tolerance
+      bound_of = 0.1_wp*tolerance**0.8_wp
+   end function bound_of
 
    !> Factors of the real and the complex matrix for the present step.
    subroutine factor_both(self, done)
@@ -236,6 +244,23 @@ contains
             & - dot_product(self%multipliers(:, i), self%rate(:, i))
       end do
    end subroutine find_stage_power
+
+   !> Work of a step whose motion is good; its error must be as small.
+   subroutine integrate_power(self, system, work, err, good)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Error estimate of the motion, raised to that of the work if this is larger
+      real(wp), intent(inout) :: err
+      logical, intent(out) :: good
+      real(wp) :: own
+      call find_stage_power(self, system, work)
+      call self%input%try_stages(self%h, self%stage_power, energy_scale(system, self%scales), own)
+      own = own*bound(self)/bound_of(self%input%allowed(self%tolerance))
+      good = self%fixed_step > 0.0_wp
+      if (.not. good) good = self%input%is_within(own, bound(self))
+      if (.not. (good .and. own > bound(self))) err = max(err, own)
+   end subroutine integrate_power
 
    !> Coordinates, velocities and accelerations of a stage from the increments of its rates.
    subroutine place_stage(self, system, i)
@@ -347,7 +372,6 @@ contains
       integer :: i
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
-      if (system%powered) call find_stage_power(self, system, work)
       call place_stage(self, system, 3)
       self%q_stage_end = self%stage_q
       call settle(system, work, t, self%stage_q, self%stage_v, self%change, .false., residual, error)
@@ -360,10 +384,7 @@ contains
       self%w_before = self%w
       self%a_before = self%a_end
       self%a_end = (radau_inverse(3, 1)*self%z(:, 1) + radau_inverse(3, 2)*self%z(:, 2) + radau_inverse(3, 3)*self%z(:, 3))/self%h
-      self%power_before = self%power
-      self%power = self%stage_power(3)
-      self%work_before = self%work_done
-      self%work_done = self%work_done + self%h*dot_product(radau_a(3, :), self%stage_power)
+      if (system%powered) call self%input%accept(self%h, self%stage_power(3))
       self%t_before = self%t
       self%t = t
       self%q = self%stage_q
@@ -426,13 +447,13 @@ contains
       if (.not. h > 0.0_wp) then
          q = self%q
          v = self%v
-         w = self%work_done
+         w = self%input%done
          return
       end if
       s = (t - self%t_before)/h
       call quintic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%a_before, self%a_end, &
          & self%stage_a, self%e, q, v)
-      w = self%work_within(s, h)
+      w = self%input%within(s)
    end subroutine radau_interpolate
 
    !> Saves or restores its memory.

@@ -10,7 +10,7 @@ module limber_integrator_scales
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: scales_type, new_scales, update_scales, rate_scales
+   public :: scales_type, new_scales, update_scales, rate_scales, energy_scale
 
    !> A scale for each component of [q; v]
    type :: scales_type
@@ -110,6 +110,13 @@ contains
          rate(to + 2:to + 2 + n) = scales%value(nq + from + 3:nq + from + 3 + n)
       end do
    end subroutine rate_scales
+
+   !> Scale of the work: a tenth of an energy of the motion, for errors of the work add up.
+   pure real(wp) function energy_scale(system, scales)
+      type(system_type), intent(in) :: system
+      type(scales_type), intent(in) :: scales
+      energy_scale = 0.1_wp*sum(system%inertia(1, :))*scales%speed**2
+   end function energy_scale
 
    !> Writes the scales of all components.
    subroutine spread_scales(system, scales)

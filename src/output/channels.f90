@@ -25,6 +25,8 @@ module limber_output_channels
       type(turns_type) :: turns
       !> True if a channel needs velocities; accelerations or multipliers; energies
       logical :: needs_velocities = .false., needs_accelerations = .false., needs_energy = .false., needs_momentum = .false.
+      !> True if a channel is the work put in
+      logical :: needs_work = .false.
       !> True if a channel needs internal forces; what acts on the bodies then
       logical :: needs_sections = .false.
       type(effort_type), allocatable :: efforts(:)
@@ -70,6 +72,7 @@ contains
                case (quantity_vx, quantity_vy, quantity_spin, quantity_joint_spin, quantity_sliding_speed)
                   recorder%needs_velocities = .true.
                case (quantity_kinetic, quantity_potential); recorder%needs_energy = .true.
+               case (quantity_work); recorder%needs_work = .true.
                case (quantity_momentum_x, quantity_momentum_y, quantity_angular_momentum); recorder%needs_momentum = .true.
                end select
             end associate

@@ -31,17 +31,21 @@ module limber_system_efforts
       logical :: follower = .false.
       !> k, c, and what the law is multiplied by
       real(wp) :: stiffness = 0.0_wp, damping = 0.0_wp, factor = 0.0_wp
-      !> Whether there is a law, and whether it has an energy: a function of s alone
-      logical :: driven = .false., stores = .false.
+      !> Whether there is a law; whether it is a function of s alone, so that its work over a step follows from the ends; and whether
+      !> that counts as an energy that it stores
+      logical :: driven = .false., potential = .false., stores = .false.
       type(expression_type) :: law
       !> What each slot of the law stands for: a gauge, or 0 for the time; and whether its rate is meant
       integer, allocatable :: slots(:)
       logical, allocatable :: by_rate(:)
+      !> Of a law of s alone: each slot is sign s + shift
+      real(wp), allocatable :: sign(:), shift(:)
    contains
       procedure :: add_force => effort_add_force
       procedure :: add_tangent => effort_add_tangent
       procedure :: add_energy => effort_add_energy
       procedure :: add_power => effort_add_power
+      procedure :: add_missed_power => effort_add_missed_power
       procedure :: measure
    end type effort_load_type
 
@@ -76,9 +80,9 @@ contains
       if (self%follower) rate = dot_product(weights(:, 1), kinematics%markers(self%gauges(1)%markers(1))%velocity)
       push = -self%stiffness*value - self%damping*rate
       if (.not. self%driven) return
-      if (self%stores .and. kinematics%span > 0.0_wp) then
+      if (self%potential .and. kinematics%span > 0.0_wp) then
          call gauge_ends(self%gauges(1), kinematics, ends(1), ends(2))
-         push = push + self%factor*mean_law(self%law, size(self%slots), ends(1), ends(2))
+         push = push + self%factor*mean_law(self%law, self%sign, self%shift, ends(1), ends(2))
       else
          push = push + self%factor*law_value(self, kinematics)
       end if
@@ -203,6 +207,7 @@ contains
             by_value(self%slots(k)) = by_value(self%slots(k)) + self%factor*jet%first
          end if
       end do
+      if (self%potential .and. kinematics%span > 0.0_wp) call end_slope(self, kinematics, by_value)
       push = 0.0_wp
       do k = size(self%gauges), 1, -1
          call gauge_curvature(self%gauges(k), kinematics, curvature)
@@ -214,6 +219,23 @@ contains
          end do
       end do
    end subroutine force_derivatives
+
+   !> Over a step twice the derivative of the mean of a law of s alone by s at the end, in place of that at the middle, from which
+   !> it differs much where the law bends within the step.
+   pure subroutine end_slope(self, kinematics, by_value)
+      class(effort_load_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      !> Derivatives by the gauges; left as they are where the step is too short
+      real(wp), intent(inout) :: by_value(:)
+      real(wp), parameter :: short = 1.0e-6_wp
+      real(wp) :: ends(2), values(max_slots)
+      call gauge_ends(self%gauges(1), kinematics, ends(1), ends(2))
+      if (abs(ends(2) - ends(1)) <= short*maxval(abs(ends))) return
+      values(:size(self%sign)) = self%sign*ends(2) + self%shift
+      by_value = 0.0_wp
+      by_value(1) = 2*self%factor*(self%law%evaluate(values(:size(self%sign))) - mean_law(self%law, self%sign, self%shift, &
+         & ends(1), ends(2)))/(ends(2) - ends(1)) - self%stiffness
+   end subroutine end_slope
 
    !> A block of a curvature times a vector.
    pure function times(curvature, m, n, vector) result(product)
@@ -233,7 +255,7 @@ contains
       if (.not. (self%stores .or. self%stiffness > 0.0_wp)) return
       call read_gauge(self%gauges(1), kinematics, value, rate, weights)
       sum = sum + 0.5_wp*self%stiffness*value**2
-      if (self%stores) sum = sum - self%factor*value*mean_law(self%law, size(self%slots), 0.0_wp, value)
+      if (self%stores) sum = sum - self%factor*value*mean_law(self%law, self%sign, self%shift, 0.0_wp, value)
    end subroutine effort_add_energy
 
    !> All but what comes from the energy.
@@ -251,13 +273,30 @@ contains
       end if
    end subroutine effort_add_power
 
+   !> Of all that is neither linear in s nor a law of it alone: these the step has exactly.
+   pure subroutine effort_add_missed_power(self, mean, now, sum)
+      class(effort_load_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: mean, now
+      real(wp), intent(inout) :: sum
+      real(wp) :: value, rate, push, weights(2, 3), value_now, rate_now, push_now
+      call self%measure(mean, value, rate, push, weights)
+      call self%measure(now, value_now, rate_now, push_now, weights)
+      if (self%potential) then
+         sum = sum - self%damping*(rate_now - rate)*rate_now
+      else if (self%follower) then
+         sum = sum + push_now*rate_now - push*rate
+      else
+         sum = sum + (push_now + self%stiffness*value_now - push - self%stiffness*value)*rate_now
+      end if
+   end subroutine effort_add_missed_power
+
    !> Mean of a law of one variable between two values of it: its antiderivative's difference over theirs, by Gauss's formula on
    !> intervals that are halved until both halves agree with the whole. Kinks leave few intervals rough, however deep; where very
    !> many are, it is the law's own round-off that is seen, and halving ends.
-   pure real(wp) function mean_law(law, slots, start, end) result(mean)
+   pure real(wp) function mean_law(law, sign, shift, start, end) result(mean)
       type(expression_type), intent(in) :: law
-      !> Number of slots: all stand for the variable
-      integer, intent(in) :: slots
+      !> Each slot is sign times the variable + shift
+      real(wp), intent(in) :: sign(:), shift(:)
       real(wp), intent(in) :: start, end
       !> Ends of the intervals that are rough, and means over them
       real(wp) :: ends(2, most_rough), means(most_rough)
@@ -269,13 +308,13 @@ contains
       share = 1.0_wp
       rough = 1
       ends(:, 1) = [start, end]
-      call gauss_mean(law, slots, ends(:, 1), means(1), level)
+      call gauss_mean(law, sign, shift, ends(:, 1), means(1), level)
       do depth = 1, deepest
          found = 0
          do i = 1, rough
             middle = ends(1, i) + 0.5_wp*(ends(2, i) - ends(1, i))
-            call gauss_mean(law, slots, [ends(1, i), middle], halves(1), level)
-            call gauss_mean(law, slots, [middle, ends(2, i)], halves(2), level)
+            call gauss_mean(law, sign, shift, [ends(1, i), middle], halves(1), level)
+            call gauss_mean(law, sign, shift, [middle, ends(2, i)], halves(2), level)
             if (share*abs(0.5_wp*sum(halves) - means(i)) > 1.0e-15_wp*level) then
                next_ends(:, found + 1) = [ends(1, i), middle]
                next_ends(:, found + 2) = [middle, ends(2, i)]
@@ -295,9 +334,9 @@ contains
    end function mean_law
 
    !> Gauss's formula for the mean over an interval, and the largest value so far.
-   pure subroutine gauss_mean(law, slots, ends, mean, level)
+   pure subroutine gauss_mean(law, sign, shift, ends, mean, level)
       type(expression_type), intent(in) :: law
-      integer, intent(in) :: slots
+      real(wp), intent(in) :: sign(:), shift(:)
       real(wp), intent(in) :: ends(2)
       real(wp), intent(out) :: mean
       real(wp), intent(inout) :: level
@@ -305,8 +344,9 @@ contains
       integer :: k
       mean = 0.0_wp
       do k = 1, size(gauss)
-         values(:slots) = 0.5_wp*(ends(1) + ends(2)) + 0.5_wp*(ends(2) - ends(1))*gauss(k)
-         f = law%evaluate(values(:slots))
+         f = 0.5_wp*(ends(1) + ends(2)) + 0.5_wp*(ends(2) - ends(1))*gauss(k)
+         values(:size(sign)) = sign*f + shift
+         f = law%evaluate(values(:size(sign)))
          mean = mean + 0.5_wp*gauss_weights(k)*f
          level = max(level, abs(f))
       end do

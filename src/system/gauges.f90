@@ -7,7 +7,7 @@ module limber_system_gauges
    use limber_system_markers, only: marker_column, drift_column, angle_gradient, angle_hessian
    implicit none
    private
-   public :: gauge_type, read_gauge, gauge_ends, gauge_curvature, gauge_column, gauge_drift
+   public :: gauge_type, read_gauge, gauge_ends, gauge_curvature, gauge_column, gauge_drift, compare_gauges
 
    !> Displacement of P1 from P2 along a fixed axis; distance of P2 from P1; coordinate of P1 from P2 along a direction; angle of a
    !> direction less that of another
@@ -75,6 +75,37 @@ contains
       value = value - gauge%origin
       rate = rate_of(gauge, kinematics, weights)
    end subroutine read_gauge
+
+   !> Whether a gauge is sign times another, plus a shift, in every position.
+   pure subroutine compare_gauges(one, other, sign, shift, alike)
+      type(gauge_type), intent(in) :: one, other
+      !> other = sign one + shift
+      real(wp), intent(out) :: sign, shift
+      logical, intent(out) :: alike
+      logical :: same, swapped
+      sign = 0.0_wp
+      shift = 0.0_wp
+      alike = one%kind == other%kind
+      if (.not. alike) return
+      same = all(one%markers == other%markers)
+      swapped = all(one%markers(1:2) == other%markers(2:1:-1))
+      select case (one%kind)
+      case (gauge_angle)
+         same = all(one%angles == other%angles)
+         swapped = all(one%angles == other%angles(2:1:-1))
+         sign = merge(1.0_wp, merge(-1.0_wp, 0.0_wp, swapped), same)
+      case (gauge_shift)
+         if (same .or. swapped) sign = dot_product(one%axis, other%axis)*merge(1.0_wp, -1.0_wp, same)
+         if (abs(abs(sign) - 1) > 4*epsilon(sign)) sign = 0.0_wp
+         sign = anint(sign)
+      case (gauge_distance)
+         if (same .or. swapped) sign = 1.0_wp
+      case default
+         if (same) sign = 1.0_wp
+      end select
+      alike = abs(sign) > 0.0_wp
+      shift = sign*one%origin - other%origin
+   end subroutine compare_gauges
 
    !> Sum of weights and velocities.
    pure real(wp) function rate_of(gauge, kinematics, weights) result(rate)

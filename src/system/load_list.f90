@@ -8,7 +8,7 @@ module limber_system_load_list
    use limber_model_scene, only: model_type, force_type, torque_type, spring_type, effort_type, quantity_type, ground, &
       & effort_axis, effort_follower, effort_distance, effort_slide, effort_angle, own_elongation, own_rate, in_efforts
    use limber_system_efforts, only: effort_load_type
-   use limber_system_gauges, only: gauge_type, gauge_shift, gauge_distance, gauge_slide, gauge_angle
+   use limber_system_gauges, only: gauge_type, compare_gauges, gauge_shift, gauge_distance, gauge_slide, gauge_angle
    use limber_system_loads, only: load_type, load_item_type, dead_force_type, body_torque_type
    use limber_system_registry, only: registry_type, marker_of, direction_of, angle_of, frame_point
    use limber_system_springs, only: point_spring_type
@@ -123,7 +123,8 @@ contains
             do k = 1, size(spec%quantities)
                call read_slot(system, spec, spec%quantities(k), effort, k)
             end do
-            effort%stores = size(spec%quantities) > 0 .and. all(spec%quantities%kind == own_elongation)
+            call find_potential(effort)
+            effort%stores = effort%potential .and. all(spec%quantities%kind == own_elongation)
          else
             allocate (effort%slots(0), effort%by_rate(0))
          end if
@@ -137,6 +138,19 @@ contains
       end do
       allocate (item, source=effort)
    end subroutine add_effort
+
+   !> Whether the law of an effort depends on nothing but the gauge that it acts along, whatever name the deck has for that.
+   subroutine find_potential(effort)
+      type(effort_load_type), intent(inout) :: effort
+      integer :: k
+      allocate (effort%sign(size(effort%slots)), effort%shift(size(effort%slots)))
+      effort%potential = size(effort%slots) > 0 .and. .not. effort%follower
+      do k = 1, size(effort%slots)
+         if (effort%potential) effort%potential = effort%slots(k) > 0 .and. .not. effort%by_rate(k)
+         if (effort%potential) call compare_gauges(effort%gauges(1), effort%gauges(effort%slots(k)), effort%sign(k), &
+            & effort%shift(k), effort%potential)
+      end do
+   end subroutine find_potential
 
    !> What a slot of a law stands for.
    subroutine read_slot(system, spec, quantity, effort, slot)

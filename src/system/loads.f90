@@ -30,6 +30,8 @@ module limber_system_loads
       procedure(tangent_interface), deferred :: add_tangent
       !> Power that it puts in beside what it takes from its store
       procedure(energy_interface), deferred :: add_power
+      !> Power that its law has somewhere in a step, less that of the force that the step takes
+      procedure(missed_interface), deferred :: add_missed_power
       !> Energy that it stores
       procedure :: add_energy => store_nothing
    end type load_type
@@ -65,6 +67,17 @@ module limber_system_loads
          !> [force length], or per time
          real(wp), intent(inout) :: sum
       end subroutine energy_interface
+
+      !> Adds to a power. The integral over a step is the work that its forces do not do, whatever the way, if that ends where the
+      !> step does.
+      pure subroutine missed_interface(self, mean, now, sum)
+         import :: load_type, kinematics_type, wp
+         class(load_type), intent(in) :: self
+         !> Of the step; at an instant of it, placed and moved
+         type(kinematics_type), intent(in) :: mean, now
+         !> [force length/time]
+         real(wp), intent(inout) :: sum
+      end subroutine missed_interface
    end interface
 
    !> A force at a marker with given components along the fixed axes
@@ -77,6 +90,7 @@ module limber_system_loads
       procedure :: add_force => force_add_force
       procedure :: add_tangent => force_add_tangent
       procedure :: add_power => force_add_power
+      procedure :: add_missed_power => force_add_missed_power
    end type dead_force_type
 
    !> A torque on the frame of a body
@@ -87,6 +101,7 @@ module limber_system_loads
       procedure :: add_force => torque_add_force
       procedure :: add_tangent => torque_add_tangent
       procedure :: add_power => torque_add_power
+      procedure :: add_missed_power => torque_add_missed_power
    end type body_torque_type
 
 contains
@@ -121,6 +136,13 @@ contains
       sum = sum + dot_product(force_at(self, kinematics%time), kinematics%markers(self%marker)%velocity)
    end subroutine force_add_power
 
+   pure subroutine force_add_missed_power(self, mean, now, sum)
+      class(dead_force_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: mean, now
+      real(wp), intent(inout) :: sum
+      sum = sum + dot_product(force_at(self, now%time) - force_at(self, mean%time), now%markers(self%marker)%velocity)
+   end subroutine force_add_missed_power
+
    !> Components at a time (2).
    pure function force_at(self, t) result(force)
       class(dead_force_type), intent(in) :: self
@@ -153,6 +175,13 @@ contains
       real(wp), intent(inout) :: sum
       sum = sum + torque_at(self, kinematics%time)*kinematics%frames(self%bodies(1))%omega
    end subroutine torque_add_power
+
+   pure subroutine torque_add_missed_power(self, mean, now, sum)
+      class(body_torque_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: mean, now
+      real(wp), intent(inout) :: sum
+      sum = sum + (torque_at(self, now%time) - torque_at(self, mean%time))*now%frames(self%bodies(1))%omega
+   end subroutine torque_add_missed_power
 
    !> The torque at a time.
    pure real(wp) function torque_at(self, t) result(torque)

@@ -25,6 +25,7 @@ module limber_system_springs
       procedure :: add_tangent => spring_add_tangent
       procedure :: add_energy => spring_add_energy
       procedure :: add_power => spring_add_power
+      procedure :: add_missed_power => spring_add_missed_power
       procedure :: tension => spring_tension
       procedure :: stretch => spring_stretch
    end type point_spring_type
@@ -85,6 +86,17 @@ contains
       call measure(self, kinematics, gap, rate, length)
       sum = sum - self%damping*(dot_product(gap, rate)/length)**2
    end subroutine spring_add_power
+
+   !> Of the damper: what the length changes by in the step is what its rate of the mean says.
+   pure subroutine spring_add_missed_power(self, mean, now, sum)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: mean, now
+      real(wp), intent(inout) :: sum
+      real(wp) :: elongation, rate, rate_now
+      call self%stretch(mean, elongation, rate)
+      call self%stretch(now, elongation, rate_now)
+      sum = sum - self%damping*(rate_now - rate)*rate_now
+   end subroutine spring_add_missed_power
 
    !> Tension of spring and damper; kinematics are placed and moved.
    pure real(wp) function spring_tension(self, kinematics) result(tension)

@@ -40,6 +40,7 @@ module limber_deck_expression
       procedure :: evaluate_jet
       procedure :: evaluate_along
       procedure :: branches
+      procedure :: branches_along
       procedure :: is_constant
       procedure :: constant_value
    end type expression_type
@@ -105,6 +106,15 @@ contains
       type(jet_type) :: jet
       call walk(self, [jet_type(t, 1.0_wp, 0.0_wp)], jet, branches)
    end function branches
+
+   !> The same of any expression along a line in the space of its slots.
+   pure integer(long) function branches_along(self, line)
+      class(expression_type), intent(in) :: self
+      !> Value of each slot and its derivatives along the line, in the order of `slots`
+      type(jet_type), intent(in) :: line(:)
+      type(jet_type) :: jet
+      call walk(self, line, jet, branches_along)
+   end function branches_along
 
    !> All of these.
    pure subroutine walk(self, line, jet, branches)

@@ -408,7 +408,7 @@ contains
          missed = missed_work(self, system, work)
          exit
       end do
-      call self%input%try_known(done + missed)
+      call self%input%try_known(done, missed)
       if (self%fixed_step > 0.0_wp) return
       own = abs(missed)/self%input%scale_of(energy_scale(system, self%scales), abs(done))
       good = self%input%is_within(own, self%tolerance)

@@ -26,6 +26,8 @@ module limber_integrator_work
       real(wp) :: power_before = 0.0_wp, length = 0.0_wp
       !> Work from the beginning of the last step to a part s of it, and of the step that is tried: sum of shape(i) s^i
       real(wp) :: shape(4) = 0.0_wp, new_shape(4) = 0.0_wp
+      !> Of the work that laws do what the forces of the steps have not done: energy that the scheme feeds, or takes
+      real(wp) :: missed = 0.0_wp, new_missed = 0.0_wp
       !> Integral of the size of the power
       real(wp) :: throughput = 0.0_wp
       !> Error of the attempt before that was refused for its work; 0: none was
@@ -104,11 +106,12 @@ contains
       self%new_shape = [h*self%power, 3*done - h*(2*self%power + power), h*(self%power + power) - 2*done, 0.0_wp]
    end subroutine try_cubic
 
-   !> A step whose work is known, taken as even.
-   subroutine try_known(self, done)
+   !> A step whose work is known, taken as even: what its forces do, and what they miss of the work of their laws.
+   subroutine try_known(self, done, missed)
       class(work_type), intent(inout) :: self
-      real(wp), intent(in) :: done
-      self%new_shape = [done, 0.0_wp, 0.0_wp, 0.0_wp]
+      real(wp), intent(in) :: done, missed
+      self%new_shape = [done + missed, 0.0_wp, 0.0_wp, 0.0_wp]
+      self%new_missed = missed
    end subroutine try_known
 
    !> Scale of the work: what has gone through so far, this step included; below it a part of the energy of the motion, or all of
@@ -146,6 +149,7 @@ contains
       real(wp), intent(in) :: h, power
       self%throughput = self%throughput + 0.5_wp*h*(abs(self%power) + abs(power))
       self%shape = self%new_shape
+      self%missed = self%missed + self%new_missed
       self%before = self%done
       self%done = self%before + sum(self%shape)
       self%power_before = self%power
@@ -171,6 +175,7 @@ contains
       call snapshot%exchange('power_before', self%power_before)
       call snapshot%exchange('work_length', self%length)
       call snapshot%exchange('work_shape', self%shape)
+      call snapshot%exchange('missed', self%missed)
       call snapshot%exchange('throughput', self%throughput)
       call snapshot%exchange('refused', self%refused)
    end subroutine exchange_work

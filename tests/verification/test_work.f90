@@ -1,0 +1,227 @@
+!> The work put in by every integrator, at every sample, against closed forms: drivers whose multipliers do it, laws of time, of
+!> place and of rates; and stops that CONSERVING must not feed energy from. Usage: test_work RESULT_FILE
+program test_work
+   use limber_base_error, only: error_type
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: newline
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: channel
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   character(*), parameter :: nl = newline
+   character(10), parameter :: integrators(4) = [character(10) :: 'ADAMS', 'RADAU', 'ALPHA', 'CONSERVING']
+   real(wp), parameter :: g = 9.81_wp
+   character(256) :: results
+   type(history_reader_type) :: reader
+
+   call get_command_argument(1, results)
+   call check_cranks()
+   call check_broken_law()
+   call check_slider_crank()
+   call check_flywheel()
+   call check_stops()
+   call check_collision()
+   call finish()
+
+contains
+
+   !> Runs a deck by an integrator.
+   subroutine run(scene, dynamics, integrator, tolerance)
+      !> Blocks before and options of *DYNAMICS with the output behind; names
+      character(*), intent(in) :: scene, dynamics, integrator, tolerance
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      integer :: unit
+      open (newunit=unit, file=trim(results)//'.inp', action='write', status='replace')
+      write (unit, '(a)') '*HEADING'//nl//' work'//nl//scene//'*DYNAMICS, INTEGRATOR='//integrator//', TOLERANCE='// &
+         & tolerance//', '//dynamics
+      close (unit)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, integrator//' at '//tolerance)
+      if (allocated(error)) error stop 1
+      call reader%open(trim(results), error)
+      call check_no_error(error, 'results')
+   end subroutine run
+
+   !> An eccentric crank at constant speed: the driver does m g e sin(w t), whatever the step. Nothing but the work bounds the
+   !> steps of RADAU and ALPHA here.
+   subroutine check_cranks()
+      integer :: i
+      do i = 1, 3
+         call turn_crank(trim(integrators(i)), '1e-4', merge(4.0e-3_wp, 1.0e-3_wp, i == 3))
+         call turn_crank(trim(integrators(i)), '1e-8', merge(1.0e-6_wp, 2.0e-7_wp, i == 3))
+      end do
+      call turn_crank('RADAU', '1e-11', 1.0e-9_wp)
+      call turn_crank('CONSERVING', '1e-6', 4.0e-4_wp)
+   end subroutine check_cranks
+
+   !> One of them.
+   subroutine turn_crank(integrator, tolerance, allowed)
+      character(*), intent(in) :: integrator, tolerance
+      real(wp), intent(in) :: allowed
+      character(*), parameter :: scene = '*RIGID BODY, NAME=crank, MASS=2, INERTIA=0.01, CENTRE X=0.1'//nl// &
+         & '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' crank.origin, ground.origin'//nl// &
+         & '*DRIVER, NAME=motor, TYPE=ANGLE, BODY=crank'//nl//' 20*t'//nl//'*GRAVITY'//nl
+      character(*), parameter :: dynamics = 'END=1, OUTPUTS=500'//nl//'*OUTPUT'//nl//' work = work(system)'
+      real(wp), allocatable :: work(:)
+      real(wp) :: off
+      integer :: k
+      call run(scene, dynamics, integrator, tolerance)
+      allocate (work, source=channel(reader, 'work'))
+      off = maxval([(abs(work(k) - 2*g*0.1_wp*sin(20*0.002_wp*(k - 1))), k=1, size(work))])
+      print '(3a,es10.2)', 'crank, '//integrator, ' at ', tolerance//': work off by', off
+      call check_close(off, 0.0_wp, allowed, 'crank, '//integrator//' at '//tolerance//': work')
+      call reader%close()
+   end subroutine turn_crank
+
+   !> A force whose law of the time bends, on a point mass: the work is the kinetic energy.
+   subroutine check_broken_law()
+      character(*), parameter :: scene = '*POINT MASS, NAME=p, MASS=2'//nl//'*FORCE, NAME=f, POINT=p'//nl// &
+         & ' 3*max(0, t - 0.3), 2*abs(sin(9*t))'//nl
+      real(wp), parameter :: allowed(4) = [1.0e-6_wp, 1.0e-6_wp, 2.0e-5_wp, 1.0e-4_wp]
+      real(wp), allocatable :: work(:)
+      real(wp) :: off, t, v(2)
+      integer :: i, k
+      do i = 1, 4
+         call run(scene, 'END=1, OUTPUTS=97'//nl//'*OUTPUT'//nl//' work = work(system)', trim(integrators(i)), '1e-7')
+         allocate (work, source=channel(reader, 'work'))
+         off = 0.0_wp
+         do k = 1, size(work)
+            t = real(k - 1, wp)/97
+            v = [0.75_wp*max(0.0_wp, t - 0.3_wp)**2, integral(9*t)/9]
+            off = max(off, abs(work(k) - sum(v**2)))
+         end do
+         print '(2a,es10.2)', trim(integrators(i)), ': work of broken laws off by', off
+         call check_close(off, 0.0_wp, allowed(i), trim(integrators(i))//': work of broken laws')
+         deallocate (work)
+         call reader%close()
+      end do
+   end subroutine check_broken_law
+
+   !> Integral of |sin|.
+   pure real(wp) function integral(x)
+      real(wp), intent(in) :: x
+      real(wp), parameter :: pi = acos(-1.0_wp)
+      integral = 2*floor(x/pi) + 1 - cos(x - pi*floor(x/pi))
+   end function integral
+
+   !> A mechanism that its driver moves wholly: the work is the change of the energy, which is exact in every position.
+   subroutine check_slider_crank()
+      character(*), parameter :: scene = '*RIGID BODY, NAME=crank, MASS=1, INERTIA=0.01'//nl//' tip, 0.15, 0'//nl// &
+         & '*RIGID BODY, NAME=rod, MASS=1, INERTIA=0.02, X=0.15, CENTRE X=0.15'//nl//' end, 0.3, 0'//nl// &
+         & '*POINT MASS, NAME=slider, MASS=0.5, X=0.45'//nl//'*JOINT, NAME=a, TYPE=REVOLUTE'//nl// &
+         & ' crank.origin, ground.origin'//nl//'*JOINT, NAME=b, TYPE=REVOLUTE'//nl//' crank.tip, rod.origin'//nl// &
+         & '*JOINT, NAME=c, TYPE=REVOLUTE'//nl//' rod.end, slider'//nl//'*JOINT, NAME=d, TYPE=POINT ON LINE'//nl// &
+         & ' slider, ground.origin'//nl//'*GRAVITY'//nl//'*DRIVER, NAME=motor, TYPE='
+      character(32), parameter :: drivers(3) = [character(32) :: 'ANGLE, BODY=crank', 'ANGLE, JOINT=a', 'ANGLE, BODY=rod']
+      character(24), parameter :: laws(3) = [character(24) :: '20*t', '20*t + sin(7*t)', '0.3*sin(9*t)']
+      real(wp), parameter :: allowed(4) = [3.0e-5_wp, 3.0e-5_wp, 5.0e-4_wp, 2.0e-3_wp]
+      real(wp), allocatable :: work(:), energy(:)
+      integer :: i, k
+      do i = 1, 3
+         do k = 1, 3
+            call run(scene//trim(drivers(i))//nl//' '//trim(laws(i))//nl, 'END=0.4, OUTPUTS=200'//nl//'*OUTPUT'//nl// &
+               & ' work = work(system), energy = kinetic_energy(system) + potential_energy(system)', trim(integrators(k)), '1e-6')
+            allocate (work, source=channel(reader, 'work'))
+            allocate (energy, source=channel(reader, 'energy'))
+            print '(4a,es10.2,a,es9.1)', trim(integrators(k)), ', driver of ', drivers(i), ': energy less work', &
+               & maxval(abs(energy - energy(1) - work)), ' of', maxval(abs(work))
+            call check_close(maxval(abs(energy - energy(1) - work)), 0.0_wp, allowed(k)*max(1.0_wp, maxval(abs(work))), &
+               & trim(integrators(k))//', '//trim(drivers(i))//': energy less work')
+            deallocate (work, energy)
+            call reader%close()
+         end do
+      end do
+   end subroutine check_slider_crank
+
+   !> A heavy wheel at speed under a small torque of the time: its own scale decides, not the energy of the wheel.
+   subroutine check_flywheel()
+      character(*), parameter :: scene = '*RIGID BODY, NAME=wheel, MASS=100, INERTIA=50, SPIN=30'//nl// &
+         & '*JOINT, NAME=a, TYPE=REVOLUTE'//nl//' wheel, ground.origin'//nl//'*TORQUE, NAME=t, BODY=wheel'//nl//' sin(50*t)'//nl
+      real(wp), allocatable :: work(:)
+      real(wp) :: off, t
+      integer :: i, k
+      do i = 1, 4
+         call run(scene, 'END=1, OUTPUTS=211'//nl//'*OUTPUT'//nl//' work = work(system)', trim(integrators(i)), '1e-6')
+         allocate (work, source=channel(reader, 'work'))
+         off = 0.0_wp
+         do k = 1, size(work)
+            t = real(k - 1, wp)/211
+            off = max(off, abs(work(k) - 25*((30 + (1 - cos(50*t))/2500)**2 - 900)))
+         end do
+         print '(2a,es10.2)', trim(integrators(i)), ': small work on a heavy wheel off by', off
+         call check_close(off, 0.0_wp, merge(2.0e-3_wp, 2.0e-4_wp, i > 2), trim(integrators(i))//': small work on a heavy wheel')
+         deallocate (work)
+         call reader%close()
+      end do
+   end subroutine check_flywheel
+
+   !> Stiff stops by laws of the coordinate that they act along, however the deck names it: a ball and a wheel come back to where
+   !> they began. By samples that lie away from the stop the energy is a closed form.
+   subroutine check_stops()
+      character(*), parameter :: ball = '*POINT MASS, NAME=ball, MASS=1, Y=10'//nl//'*GRAVITY'//nl
+      character(*), parameter :: wheel = '*RIGID BODY, NAME=wheel, MASS=1, INERTIA=1, ANGLE=0.6, SPIN=-14'//nl// &
+         & '*JOINT, NAME=a, TYPE=REVOLUTE'//nl//' wheel, ground.origin'//nl
+      call meet_stop('force', ball//'*FORCE, NAME=stop, POINT=ball'//nl//' 0, max(0, -1e9*y(ball))'//nl, 98.1_wp)
+      call meet_stop('force, sideways', '*POINT MASS, NAME=ball, MASS=1, X=-10'//nl//'*GRAVITY, X=9.81, Y=0'//nl// &
+         & '*FORCE, NAME=stop, POINT=ball'//nl//' -1e9*max(0, x(ball)), 0'//nl, 98.1_wp)
+      call meet_stop('torque', wheel//'*TORQUE, NAME=stop, BODY=wheel'//nl// &
+         & ' max(0, -1e9*angle(wheel)) - max(0, 1e9*(angle(wheel) - 1))'//nl, 98.0_wp)
+      call meet_stop('torque of a joint', wheel//'*TORQUE, NAME=stop, BODY=wheel'//nl// &
+         & ' max(0, -1e9*joint_angle(a)) - max(0, 1e9*(joint_angle(a) - 1))'//nl, 98.0_wp)
+      call meet_stop('force of rate too', ball//'*FORCE, NAME=stop, POINT=ball'//nl// &
+         & ' 0, max(0, -1e9*y(ball))*(1 + 0*vy(ball))'//nl, 98.1_wp)
+      call meet_stop('force of place too', ball//'*FORCE, NAME=stop, POINT=ball'//nl// &
+         & ' 0, max(0, -1e9*y(ball))*(1 + 0*x(ball))'//nl, 98.1_wp)
+   end subroutine check_stops
+
+   !> One of them.
+   subroutine meet_stop(name, scene, energy)
+      character(*), intent(in) :: name, scene
+      real(wp), intent(in) :: energy
+      real(wp), allocatable :: values(:), work(:)
+      call run(scene, 'END=6, OUTPUTS=60'//nl//'*OUTPUT'//nl// &
+         & ' e = kinetic_energy(system) + potential_energy(system), work = work(system)', 'CONSERVING', '1e-6')
+      allocate (values, source=channel(reader, 'e'))
+      allocate (work, source=channel(reader, 'work'))
+      print '(2a,3es11.3)', 'stop by '//name, ': energy, least and largest, energy less work', minval(values), maxval(values), &
+         & maxval(abs(values - values(1) - work))
+      call check_close(maxval(abs(values - energy))/energy, 0.0_wp, 2.0e-4_wp, 'stop by '//name//': energy')
+      call reader%close()
+   end subroutine meet_stop
+
+   !> A stop with a damper, k z (1 + a z'), Hunt's law: the speed v1 behind it solves
+   !> v0 - ln(1 + a v0)/a = -v1 - ln(1 - a v1)/a, whatever k.
+   subroutine check_collision()
+      real(wp), parameter :: a = 0.08_wp, v0 = 14.0_wp
+      real(wp), parameter :: allowed(4) = [1.0e-4_wp, 1.0e-4_wp, 1.0e-3_wp, 1.0e-3_wp]
+      real(wp), allocatable :: speed(:)
+      real(wp) :: low, high, middle
+      integer :: i
+      low = 0.0_wp
+      high = v0
+      do i = 1, 60
+         middle = 0.5_wp*(low + high)
+         if (-middle - log(1 - a*middle)/a < v0 - log(1 + a*v0)/a) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+      do i = 1, 4
+         call run('*POINT MASS, NAME=ball, MASS=1, Y=1, VY=-14'//nl//'*FORCE, NAME=stop, POINT=ball'//nl// &
+            & ' 0, max(0, -1e7*y(ball))*(1 - 0.08*vy(ball))'//nl, 'END=0.5, OUTPUTS=10, MAXIMUM STEP=1e-3'//nl//'*OUTPUT'//nl// &
+            & ' speed = vy(ball), balance = kinetic_energy(system) - work(system)', trim(integrators(i)), '1e-6')
+         allocate (speed, source=channel(reader, 'speed'))
+         print '(2a,2f12.6)', trim(integrators(i)), ': speed behind a collision', speed(size(speed)), low
+         call check_close(speed(size(speed))/low, 1.0_wp, allowed(i), trim(integrators(i))//': speed behind a collision')
+         deallocate (speed)
+         allocate (speed, source=channel(reader, 'balance'))
+         call check_close(maxval(abs(speed - speed(1)))/98, 0.0_wp, allowed(i), trim(integrators(i))//': energy less work')
+         deallocate (speed)
+         call reader%close()
+      end do
+   end subroutine check_collision
+
+end program test_work

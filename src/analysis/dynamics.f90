@@ -319,6 +319,8 @@ contains
       call new_integrator(choice, other)
       other%statistics = integrator%statistics
       other%work_at_start = sample%w
+      other%input%asked = integrator%input%asked
+      other%input%throughput = integrator%input%throughput
       call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
       call move_alloc(other, integrator)
    end subroutine replace_integrator

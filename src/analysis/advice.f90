@@ -39,6 +39,10 @@ module limber_analysis_advice
    real(wp), parameter :: part_model = 0.65_wp, part_time = 0.3_wp
    !> Constants of eqs. (174) to (176), measured
    real(wp), parameter :: kg_static = 4.0_wp, kg_dynamic = 0.12_wp, full_floor = 50.0_wp, of_pieces = 15.0_wp
+   !> Of the axial strain times the squared slope, measured on a pendulum of rubber with strains of 0.1
+   real(wp), parameter :: of_strain = 20.0_wp
+   !> Part of the elongation that one axial mode of a bar leaves out, 1 - 8/pi^2
+   real(wp), parameter :: of_one_mode = 0.19_wp
    !> Slopes in the first of many pieces, in units of those of the whole beam by their number: between supports, with a free end
    real(wp), parameter :: piece_slope = 0.75_wp, free_piece_slope = 1.3_wp
    !> Parts below which a beam does not matter, relative to the target
@@ -282,41 +286,50 @@ contains
       type(prospect_type), intent(in) :: beam
       !> Of the analysis [time]
       real(wp), intent(in) :: duration
-      real(wp) :: slope, turns
+      real(wp) :: slope, turns, effect, shorter
       integer :: modes
       ! The shapes of a loaded end are two more coordinates
       modes = rung%bending + merge(2, 0, rung%shaped)
+      slope = beam%slope
+      shorter = shortening(slope)
+      effect = max(beam%effect, shorter)
       if (rung%segments > 1) then
-         error = floor_of(rung, beam) + beam%effect*min(0.2_wp, of_pieces*beam%slope**2 &
-            & /(real(rung%segments, wp)**4*rung%bending**2))
+         error = floor_of(rung, beam) + effect*min(0.2_wp, of_pieces*slope**2/(real(rung%segments, wp)**4*rung%bending**2))
+         if (rung%level == level_linear) error = error + effect*min(1.0_wp, beam%geometric)
          return
       end if
-      slope = beam%slope
       turns = beam%frequency*duration*beam%vibration
       error = norm2(beam%part(min(modes, size(beam%part)) + 1:))
       if (modes >= size(beam%part) .and. size(beam%part) > 0) error = beam%part(size(beam%part)) &
          & *(real(size(beam%part), wp)/modes)**4
       select case (rung%level)
       case (level_rigid)
-         error = beam%effect + beam%stretch
+         ! What a tension holds straight is slack where that is gone, or left out
+         error = max(beam%effect + beam%stretch, shortening(max(beam%slope, beam%slack_slope)))
       case (level_linear)
-         error = error + beam%effect*min(1.0_wp, beam%geometric + (kg_static + kg_dynamic*turns)*slope**2)
-         if (.not. rung%stretched) error = error + beam%stretch
+         error = error + merge(of_one_mode, 1.0_wp, rung%stretched)*beam%stretch + max(shortening(beam%slack_slope), shorter, &
+            & effect*min(1.0_wp, beam%geometric + (kg_static + kg_dynamic*turns)*slope**2))
       case (level_kg)
-         error = error + beam%effect*min(0.6_wp, (kg_static + kg_dynamic*turns)*slope**2)
+         error = error + max(shorter, effect*min(0.6_wp, (kg_static + kg_dynamic*turns)*slope**2))
       case (level_full)
          error = error + floor_of(rung, beam)
       end select
    end function expected_error
 
-   !> What FULL leaves out however rich its basis: the next order of the geometry, eq. (176).
+   !> What a beam that bends loses in length, however little its deflection itself does to the channels: eq. (T5).
+   pure real(wp) function shortening(slope)
+      real(wp), intent(in) :: slope
+      shortening = min(1.0_wp, 0.25_wp*slope**2)
+   end function shortening
+
+   !> What FULL leaves out however rich its basis: the next order of the geometry, eqs. (176), (T6).
    pure real(wp) function floor_of(rung, beam) result(error)
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
       real(wp) :: slope
       slope = beam%slope
       if (rung%segments > 1) slope = merge(free_piece_slope, piece_slope, rung%free_end)*slope/rung%segments
-      error = beam%effect*min(0.3_wp, full_floor*slope**4)
+      error = max(beam%effect, shortening(beam%slope))*min(0.3_wp, full_floor*slope**4 + of_strain*beam%strain*slope**2)
    end function floor_of
 
    !> The floors of all beams on their rungs.

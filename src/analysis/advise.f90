@@ -6,9 +6,9 @@ module limber_analysis_advise
    use limber_base_files, only: append_text, remove_file, rename_file
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, cost_of
+   use limber_analysis_fixed, only: free_options, free_integration, find_fixed, unverified_words
    use limber_analysis_probe, only: prospect_type
-   use limber_analysis_rungs, only: rung_type, rung_name, next_rung, can_climb, free_options, level_rigid, level_linear, &
-      & level_kg
+   use limber_analysis_rungs, only: rung_type, rung_name, next_rung, can_climb, level_rigid, level_linear, level_kg
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -55,7 +55,10 @@ contains
       report = ''
       call read_whole_deck(path, overrides, deck, error)
       if (allocated(error)) return
-      if (request%all) call free_options(deck)
+      if (request%all) then
+         call free_options(deck)
+         call free_integration(deck)
+      end if
       aim = target_of(deck)
       if (request%target > 0.0_wp) aim = request%target
       if (.not. aim > 0.0_wp) aim = usual_target
@@ -65,11 +68,23 @@ contains
       call apply_advice(advice, scene%deck)
       call build_scene(scene, diagnostics, error)
       if (allocated(error)) return
-      report = scene%warnings//path//': '//scene%system%model%heading//newline//advice_table(advice, scene)
+      report = scene%warnings//path//': '//scene%system%model%heading//newline//advice_table(advice, scene)// &
+         & fixed_lines(deck)
       if (.not. allocated(request%write)) return
       call write_deck(scene, request%write, force, error)
       if (.not. allocated(error)) report = report//newline//'   The deck with these choices is '//request%write
    end subroutine advise_deck
+
+   !> What is not in the expected errors.
+   function fixed_lines(deck) result(text)
+      type(deck_type), intent(in) :: deck
+      character(:), allocatable :: text, fixed, unverified
+      call find_fixed(deck, fixed)
+      unverified = unverified_words(deck)
+      text = ''
+      if (fixed /= '') text = newline//'   fixed by the deck; what that costs a run aside of `limber run` shows: '//fixed
+      if (unverified /= '') text = text//newline//'   not chosen and not verified: the model of '//unverified
+   end function fixed_lines
 
    !> Reads a deck whose only analysis is a dynamic one.
    subroutine read_whole_deck(path, overrides, deck, error)
@@ -134,6 +149,8 @@ contains
       !> As it will run
       type(scene_type), intent(in) :: scene
       character(:), allocatable :: text
+      !> Axial force relative to the Euler load beyond which modes of bending say little
+      real(wp), parameter :: rope = 100.0_wp
       integer :: i, width
       text = '   for a relative error of '//as_text(advice%target, 2)//' in every channel:'
       width = 4
@@ -155,6 +172,12 @@ contains
          if (advice%expected(i) <= advice%share) cycle
          text = text//newline//"   beam '"//scene%deck%blocks(advice%rungs(i)%block)%name()//"': no rung is expected to"// &
             & ' keep its share of '//as_text(advice%share, 2)//', for its slopes reach '//as_text(advice%probe%beams(i)%slope, 2)
+      end do
+      do i = 1, size(advice%rungs)
+         if (advice%probe%beams(i)%force <= rope) cycle
+         text = text//newline//"   beam '"//scene%deck%blocks(advice%rungs(i)%block)%name()//"': its axial force is "// &
+            & as_text(advice%probe%beams(i)%force, 2)//' of the Euler load: it moves as a rope, and its expected error may'// &
+            & ' be far too small; verify it by `limber run` with a TARGET'
       end do
       if (advice%probe%blind) text = text//newline//'   with rigid beams the scene does not move: these are assumptions'
       text = text//newline//'   '//as_text(advice%probe%cpu, 2)//' s CPU for the probe: '//as_text(advice%probe%steps)// &
@@ -200,7 +223,7 @@ contains
       end if
       select case (rung%level)
       case (level_rigid)
-         text = 'all that it bends and stretches makes '//as_text(beam%effect + beam%stretch, 2)//' of a channel'
+         text = 'all that it bends and stretches makes '//as_text(expected_error(rung, beam, 0.0_wp), 2)//' of a channel'
       case (level_linear)
          text = 'its axial force changes the deflection by '//as_text(beam%geometric, 2)//' ('//as_text(beam%force, 2)// &
             & ' of the Euler load, rotation '//as_text(beam%rotation, 2)//' of the first frequency)'

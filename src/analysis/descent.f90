@@ -74,7 +74,7 @@ contains
       real(wp) :: too_loose, given_up
       integer :: i, j, k, count, tries, last, look
       logical :: down, sharper
-      if (any(truth%rest >= target*truth%scale)) return
+      if (any(truth%safety*truth%rest >= target*truth%scale)) return
       tries = 0
       implicit_deck = deck
       call implicit_deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'RADAU', given=.true.)
@@ -145,7 +145,7 @@ contains
       !> Whether a second look at the truth may show that a setting that costs much less keeps the target.
       pure logical function look_may_help()
          real(wp) :: less
-         less = maxval(truth%rest/truth%scale) - rest_after_looks(target, truth)
+         less = truth%safety*(maxval(truth%rest/truth%scale) - rest_after_looks(target, truth))
          look_may_help = any(tried(:tries)%in_doubt .and. tried(:tries)%error - less <= target .and. &
             & tried(:tries)%work <= worth_a_look*best%work)
       end function look_may_help

@@ -58,6 +58,8 @@ module limber_analysis_estimate
       real(wp) :: tolerance = 0.0_wp, companion = 0.0_wp, check = 0.0_wp
       !> True if the runs that it comes of differ in the model too
       logical :: of_model = .false.
+      !> Models whose error is not in them although it is in those of other models; empty: there are none
+      character(:), allocatable :: without
       !> CPU seconds of the time loops of these runs, and that in units of the run itself
       real(wp) :: cpu = 0.0_wp, factor = 0.0_wp
    end type estimate_type
@@ -97,6 +99,7 @@ contains
       type(memory_type) :: companion, check
       character(:), allocatable :: no_check
       logical :: is_finer
+      estimate%without = ''
       estimate%tolerance = scene%system%model%dynamics%tolerance
       is_finer = estimate%tolerance/ladder >= smallest_tolerance
       estimate%companion = merge(1/ladder, ladder, is_finer)*estimate%tolerance

@@ -62,6 +62,8 @@ contains
             & ' samples, not below round-off; shrinkage from a run at check_tolerance', error)
          end if
          if (.not. (allocated(error) .or. estimate%of_model)) call history%put_attribute('/'//group, 'excluded', excluded, error)
+         if (.not. allocated(error) .and. estimate%without /= '') call history%put_attribute('/'//group, 'excluded', &
+            & 'not in them: the model of '//estimate%without, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group, 'companion_tolerance', estimate%companion, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group, 'check_tolerance', estimate%check, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group, 'cpu_seconds', estimate%cpu, error)
@@ -108,8 +110,9 @@ contains
       if (estimate%reason /= '') return
       first = maxval([7, (len(channels(i)%name), i=1, size(channels))])
       text = '   estimated errors of the time integration, from runs at TOLERANCE='//as_text(estimate%companion, 3)
-      if (estimate%of_model) text = '   verified errors, from runs one rung higher and at TOLERANCE='// &
-         & as_text(estimate%companion, 3)
+      if (estimate%of_model) text = '   verified errors, from finer runs, at TOLERANCE='//as_text(estimate%companion, 3)
+      if (estimate%without /= '') text = '   errors without that of the model of '//estimate%without// &
+         & ', from finer runs, at TOLERANCE='//as_text(estimate%companion, 3)
       if (estimate%check > 0.0_wp) text = text//' and '//as_text(estimate%check, 3)
       text = text//', '//as_text(estimate%cpu, 3)//' s CPU or '//as_text(estimate%factor, 2)//' times the run itself:'//newline// &
          & '      '//left('channel', first)//right('largest')//right('at the end')//right('error')//right('relative')

@@ -43,10 +43,16 @@ module limber_analysis_probe
       logical :: asked = .false.
       !> Relative change of the deflection by the axial force, and that force relative to the buckling load
       real(wp) :: geometric = 0.0_wp, force = 0.0_wp
+      !> Axial strain by it
+      real(wp) :: strain = 0.0_wp
       !> Largest rotation speed, relative to the first frequency
       real(wp) :: rotation = 0.0_wp
+      !> Factor by which a compression enlarges the deflection
+      real(wp) :: softening = 1.0_wp
       !> Largest deflection relative to the length, and slope
       real(wp) :: deflection = 0.0_wp, slope = 0.0_wp
+      !> The slope that it would have without the axial force
+      real(wp) :: slack_slope = 0.0_wp
       !> First frequency in the scene [1/time], and the part of the deflection that is vibration
       real(wp) :: frequency = 0.0_wp, vibration = 0.0_wp
    end type prospect_type
@@ -370,7 +376,9 @@ contains
             beam%deflection = max(beam%deflection, bend)
             beam%slope = max(beam%slope, maxval(abs(matmul(body%field%theta, eta(first:last, k)))))
          end do
+         beam%slack_slope = beam%slope
          beam%force = maxval(abs(extra))/stiffness(first)
+         beam%strain = beam%force*(acos(-1.0_wp)/body%beam%length)**2*body%beam%ei/body%beam%ea
          softening = track%spin(beam%body, :n)**2
          beam%rotation = sqrt(maxval(softening)/stiffness(first))
          beam%frequency = sqrt(mobility(first, first)*stiffness(first))
@@ -383,6 +391,7 @@ contains
             if (beam%geometric > 0.01_wp) then
                beam%deflection = min(1.0_wp, bend*beam%deflection)
                beam%slope = min(1.0_wp, bend*beam%slope)
+               beam%softening = max(1.0_wp, bend)
             end if
             beam%vibration = min(1.0_wp, maxval(abs(eta(first, :) - track%forces(first, :n)/stiffness(first))) &
                & /max(maxval(abs(eta(first, :))), tiny(largest)))
@@ -470,6 +479,8 @@ contains
             if (beam%axial > 0) beam%stretch = max(beam%stretch, sum(slope(c, beam%first + beam%bending: &
                & beam%first + beam%bending + beam%axial - 1))/whole)
          end do
+         beam%part = min(1.0_wp, beam%softening*beam%part)
+         beam%effect = min(1.0_wp, beam%softening*beam%effect)
          if (beam%asked) beam%effect = 1.0_wp
       end subroutine weigh
 

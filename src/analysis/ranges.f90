@@ -93,19 +93,14 @@ contains
 
    !> Warnings of a run, one line after another, for each kind of indicator one, of the body that is worst; empty if all is within
    !> range.
-   function range_warnings(indicators, model, rigid_only) result(text)
+   function range_warnings(indicators, model) result(text)
       type(indicators_type), intent(in) :: indicators
       type(model_type), intent(in) :: model
-      !> Whether rigid beams only count
-      logical, intent(in), optional :: rigid_only
       character(:), allocatable :: text
-      logical :: counts(size(indicators%bodies))
       real(wp) :: most, value, largest
       integer :: kind, i, worst, others
       text = ''
       largest = 0.0_wp
-      counts = .true.
-      if (present(rigid_only)) counts = indicators%bodies%is_rigid .or. .not. rigid_only
       do i = 1, size(indicators%bodies)
          if (indicators%bodies(i)%is_rigid) cycle
          largest = max(largest, indicator_value(indicators%bodies(i), indicator_deflection)*indicators%bodies(i)%length)
@@ -116,7 +111,7 @@ contains
          others = -1
          do i = 1, size(indicators%bodies)
             value = excess(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind)
-            if (.not. (value > 1.0_wp .and. counts(i))) cycle
+            if (.not. value > 1.0_wp) cycle
             if (all(kind /= [indicator_rotation, indicator_compression]) .and. indicators%bodies(i)%length &
                & *indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
             others = others + 1

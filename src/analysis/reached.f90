@@ -36,6 +36,9 @@ module limber_analysis_reached
       real(wp), allocatable :: of_beam(:)
       !> Parts of the beams when they were last verified in one frame; zero: never (rungs)
       real(wp), allocatable :: before(:)
+      !> What the deck fixes of beams, and the error of that, relative; models that nothing verifies. Empty: there are none
+      character(:), allocatable :: fixed, unverified
+      real(wp) :: of_fixed = 0.0_wp
       !> Number of runs, of climbs, and CPU seconds of all but the last
       integer :: runs = 0, climbs = 0
       real(wp) :: cpu = 0.0_wp
@@ -63,9 +66,11 @@ contains
          allocate (estimate%values(size(truth%scale), n), estimate%ratio(size(truth%scale)), estimate%stuck(size(truth%scale)))
          allocate (estimate%scale, source=truth%scale)
          do i = 1, size(truth%scale)
-            estimate%values(i, :) = envelope(candidate%samples%values(i, :n) - truth%values(i, :), reach) + truth%rest(i)
+            estimate%values(i, :) = truth%safety*(envelope(candidate%samples%values(i, :n) - truth%values(i, :), reach) &
+               & + truth%rest(i))
          end do
          estimate%ratio = unknown_ratio
+         estimate%without = reached%unverified
          estimate%stuck = .false.
          estimate%tolerance = reached%advice%tolerance
          estimate%companion = truth%tolerance
@@ -86,6 +91,8 @@ contains
             reached%reason = reached%reason//'the run one rung higher that is to verify it fails'
          end if
       end if
+      if (reached%fixed /= '' .and. reached%of_fixed <= 0.0_wp) reached%reason = reached%reason//newline// &
+         & '   The deck fixes '//reached%fixed//': leave it open'
       if (.not. any(reached%advice%floor > 0.5_wp*target)) return
       reached%reason = reached%reason//newline//'   Slopes of '//as_text(maxval(reached%advice%probe%beams%slope), 2)// &
          & ' are more than one floating frame describes to that accuracy: '

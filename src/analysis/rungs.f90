@@ -10,7 +10,7 @@ module limber_analysis_rungs
    implicit none
    private
    public :: rung_type, find_rungs, bare_deck, apply_rung, next_rung, better_rung, can_climb, rung_name, has_option, functions_of
-   public :: free_options, enough_derivatives, all_derivatives, in_pieces, lower_rungs, bound_rung, rest_beyond
+   public :: given_rung, enough_derivatives, all_derivatives, in_pieces, lower_rungs, bound_rung, rest_beyond
 
    !> Levels of the ladder
    integer, parameter, public :: level_rigid = 0, level_linear = 1, level_kg = 2, level_full = 3
@@ -91,6 +91,7 @@ contains
          rung%given_elements = block%given('ELEMENTS')
          rung%free_end = index(block%word('SUPPORT'), 'FREE') > 0
          if (rung%given_elements) rung%elements = block%integer('ELEMENTS')
+         if (block%given('MODES')) rung%bending = max(1, block%integer('MODES') - 1)
          if (block%given('BENDING MODES')) rung%bending = block%integer('BENDING MODES')
          if (has_option('SEGMENTS') .and. block%given('SEGMENTS')) rung%segments = block%integer('SEGMENTS')
          rung%pulled = holds_end(deck, block%name()) .or. block%word('SUPPORT') == 'FREE-FREE'
@@ -115,24 +116,33 @@ contains
       end do
    end function damped_by_modes
 
-   !> Whether a joint, spring or mass holds a beam anywhere but at its start.
+   !> Whether a joint, spring, force or torque acts on a beam anywhere but at its start.
    pure logical function holds_end(deck, name)
       type(deck_type), intent(in) :: deck
       character(*), intent(in) :: name
       integer :: i, j, k
-      character(:), allocatable :: text
       holds_end = .false.
       do i = 1, size(deck%blocks)
-         if (deck%blocks(i)%keyword /= 'JOINT' .and. deck%blocks(i)%keyword /= 'SPRING' .and. &
-            & deck%blocks(i)%keyword /= 'BUSHING') cycle
-         do j = 1, size(deck%blocks(i)%lines)
-            do k = 1, min(2, deck%blocks(i)%lines(j)%count())
-               text = deck%blocks(i)%lines(j)%text(k)
-               if (index(text, name//'.') /= 1) cycle
-               if (text /= name//'.start' .and. text /= name//'.origin') holds_end = .true.
+         select case (deck%blocks(i)%keyword)
+         case ('FORCE', 'TORQUE')
+            if (beyond_start(deck%blocks(i)%text('POINT'))) holds_end = .true.
+         case ('JOINT', 'SPRING', 'BUSHING')
+            do j = 1, size(deck%blocks(i)%lines)
+               do k = 1, min(2, deck%blocks(i)%lines(j)%count())
+                  if (beyond_start(deck%blocks(i)%lines(j)%text(k))) holds_end = .true.
+               end do
             end do
-         end do
+         end select
       end do
+
+   contains
+
+      !> Whether a point of the beam is not its start.
+      pure logical function beyond_start(point)
+         character(*), intent(in) :: point
+         beyond_start = index(point, name//'.') == 1 .and. point /= name//'.start' .and. point /= name//'.origin'
+      end function beyond_start
+
    end function holds_end
 
    !> Whether beams have an option at all.
@@ -167,32 +177,6 @@ contains
          i = deck%find('DAMPING', i)
       end do
    end subroutine keep_damping
-
-   !> Takes back what the deck says of the fidelity of its beams and of the integration.
-   pure subroutine free_options(deck)
-      type(deck_type), intent(inout) :: deck
-      character(20), parameter :: free(*) = [character(20) :: 'GEOMETRIC', 'MODES', 'BENDING MODES', 'AXIAL MODES', &
-         & 'AXIAL BASIS', 'END FORCE', 'CENTRIFUGAL', 'MODAL DERIVATIVES', 'ELEMENTS', 'GEOMETRIC ELEMENTS', &
-         & 'GEOMETRIC INTEGRAL', 'SEGMENTS', 'AXIAL DYNAMICS', 'INTEGRATOR', 'TOLERANCE']
-      integer :: i, j
-      do i = 1, size(deck%blocks)
-         if (deck%blocks(i)%keyword /= 'BEAM' .and. deck%blocks(i)%keyword /= 'DYNAMICS') cycle
-         do j = 1, size(deck%blocks(i)%options)
-            associate (option => deck%blocks(i)%options(j))
-               if (.not. any(free == option%name)) cycle
-               option%given = .false.
-               if (option%name == 'AXIAL BASIS' .or. option%name == 'BENDING MODES' .or. option%name == 'AXIAL MODES') then
-                  option%has_value = .false.
-                  option%text = ''
-               else if (option%name == 'GEOMETRIC INTEGRAL') then
-                  option%text = 'EXACT'
-               else if (option%name == 'INTEGRATOR') then
-                  option%text = 'AUTO'
-               end if
-            end associate
-         end do
-      end do
-   end subroutine free_options
 
    !> The deck without outputs, damping and given deflections, which ask for coordinates that a rung need not have.
    subroutine bare_deck(deck, bare)

@@ -6,6 +6,7 @@ module limber_analysis_target
    use limber_analysis_advice, only: advice_type, make_advice, find_floors
    use limber_analysis_climb, only: take_seen, climb, climb_all
    use limber_analysis_descent, only: descend
+   use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
    use limber_analysis_reached, only: reached_type, record_errors, say_why
    use limber_analysis_trial, only: trial_type, run_trial, take_samples, take_outcome
    use limber_analysis_truth, only: truth_type, error_against
@@ -65,6 +66,8 @@ contains
       logical :: climbed, on
       reached%reason = ''
       reached%path = ''
+      call find_fixed(deck, reached%fixed)
+      reached%unverified = unverified_words(deck)
       call make_advice(deck, target, reached%advice, error)
       if (allocated(error)) return
       allocate (reached%of_beam(size(reached%advice%rungs)), reached%before(size(reached%advice%rungs)))
@@ -99,6 +102,10 @@ contains
                call verify(deck, target, quiet, on, candidate, reached, truth, error)
                if (allocated(error)) return
                reached%done = reached%reason == '' .and. reached%error <= target
+            end if
+            if (reached%done) then
+               call verify_fixed(deck, target, quiet, candidate, reached, truth, error)
+               if (allocated(error) .or. .not. reached%done) exit
             end if
             if (reached%done) call descend(deck, target, quiet, truth, reached, candidate, error)
             if (reached%done .or. allocated(error)) exit

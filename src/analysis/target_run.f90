@@ -20,6 +20,7 @@ module limber_analysis_target_run
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scalars, only: add_usual_scalars
+   use limber_output_history, only: history_type
    implicit none
    private
    public :: run_to_target
@@ -68,9 +69,12 @@ contains
       if (allocated(error)) return
       batch%error = reached%error
       if (allocated(reached%outcome%warnings)) scene%warnings = scene%warnings//reached%outcome%warnings
-      call bound_rigid(reached, scene)
-      if (allocated(reached%outcome%indicators)) scene%warnings = scene%warnings// &
-         & range_warnings(reached%outcome%indicators, scene%system%model, rigid_only=.true.)
+      ! What finer runs have verified needs no range
+      if (allocated(reached%outcome%indicators) .and. (reached%unverified /= '' .or. .not. reached%done)) scene%warnings = &
+         & scene%warnings//range_warnings(reached%outcome%indicators, scene%system%model)
+      if (reached%done) scene%warnings = scene%warnings//unverified_warning(reached)
+      call record_target(reached, history%history_type, error)
+      if (allocated(error)) return
       scene%warnings = scene%warnings//energy_warning(reached%outcome)
       call new_integrator(scene%system%model%dynamics, integrator)
       integrator%statistics = reached%statistics
@@ -93,7 +97,8 @@ contains
       call record_outcome(scene, reached%outcome, reached%statistics, '', history%history_type, error)
       table = estimate_table(reached%estimate, scene%system%model%channels, reached%samples)
       report = scene%warnings//closing_report(path, scene, reached%outcome, integrator, results)// &
-         & scalar_lines(scene%system%model, history)//newline//advice_table(reached%advice, scene)//reached%path//newline//table
+         & scalar_lines(scene%system%model, history)//newline//advice_table(reached%advice, scene)//reached%path// &
+         & verified_line(reached)//newline//table
    end subroutine run_to_target
 
    !> What a search had found when a signal ended it, and what can be done with that.
@@ -105,7 +110,7 @@ contains
       text = 'the search for TARGET='//as_text(reached%advice%target, 2)//' was '//reached%interruption//', after '// &
          & as_text(reached%runs)//' runs; it has no checkpoints and begins anew'//newline
       if (reached%done) then
-         text = text//'   The target is kept, with an error of '//as_text(reached%error, 2)// &
+         text = text//'   The target is '//status_words(reached)//', with an error of '//as_text(reached%error, 2)// &
             & ', by this setting; whether less would do was still being tried.'
       else
          text = text//'   This setting was being tried; none was found so far that keeps the target.'
@@ -135,23 +140,48 @@ contains
          & ' is there already; use --force to replace it', status_deck)
    end subroutine check_target
 
-   !> Beams that the deck makes rigid may leave out no more than the target; those that limber has made so are verified.
-   subroutine bound_rigid(reached, scene)
-      type(reached_type), intent(inout) :: reached
-      type(scene_type), intent(in) :: scene
-      integer :: i, k
-      if (.not. allocated(reached%outcome%indicators)) return
-      associate (seen => reached%outcome%indicators%bodies)
-         do i = 1, size(seen)
-            if (.not. seen(i)%is_rigid) cycle
-            seen(i)%allowed = min(seen(i)%allowed, reached%advice%target)
-            do k = 1, size(reached%advice%rungs)
-               if (scene%deck%blocks(reached%advice%rungs(k)%block)%name() == scene%system%model%bodies(seen(i)%body)%name) &
-                  & seen(i)%allowed = huge(1.0_wp)
-            end do
-         end do
-      end associate
-   end subroutine bound_rigid
+   !> A warning of what the estimated errors do not contain; empty if they contain all.
+   function unverified_warning(reached) result(text)
+      type(reached_type), intent(in) :: reached
+      character(:), allocatable :: text
+      text = ''
+      if (reached%unverified == '') return
+      text = 'warning: TARGET='//as_text(reached%advice%target, 2)//' is kept by the integration'
+      if (size(reached%advice%rungs) > 0) text = text//' and by the models that limber chooses'
+      text = text//' only: the model of '//reached%unverified//' is fixed by the deck and not verified; compare with more'// &
+         & ' modes and elements; damp by RAYLEIGH BETA'//newline
+   end function unverified_warning
+
+   !> What was asked for, and whether it is kept, in words: 'kept', 'of the integration only', 'not kept'.
+   subroutine record_target(reached, history, error)
+      type(reached_type), intent(in) :: reached
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      call history%put_attribute('/run', 'target', reached%advice%target, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'target_error', reached%error, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'target_status', status_words(reached), error)
+      if (.not. allocated(error) .and. reached%unverified /= '') &
+         & call history%put_attribute('/run', 'target_unverified', reached%unverified, error)
+   end subroutine record_target
+
+   pure function status_words(reached) result(text)
+      type(reached_type), intent(in) :: reached
+      character(:), allocatable :: text
+      text = 'kept'
+      if (reached%unverified /= '') text = 'of the integration only'
+      if (reached%unverified /= '' .and. size(reached%advice%rungs) > 0) text = 'of the integration and of chosen models only'
+      if (.not. reached%done) text = 'not kept'
+   end function status_words
+
+   !> What was verified, a line of the report.
+   function verified_line(reached) result(text)
+      type(reached_type), intent(in) :: reached
+      character(:), allocatable :: text
+      text = newline//'   TARGET='//as_text(reached%advice%target, 2)//': '//status_words(reached)//', with an error of '// &
+         & as_text(reached%error, 2)
+      if (reached%fixed /= '') text = text//newline//'   what the deck fixes of '//reached%fixed//' makes '// &
+         & as_text(reached%of_fixed, 2)//' of it, by a run aside with more'
+   end function verified_line
 
    !> The scene as it was run at last.
    subroutine build_reached(reached, scene, error)

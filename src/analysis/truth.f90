@@ -3,6 +3,7 @@
 module limber_analysis_truth
    use limber_base_kinds, only: wp
    use limber_analysis_rungs, only: rung_type
+   use limber_deck_content, only: deck_type
    implicit none
    private
    public :: truth_type, error_against, largest_difference
@@ -28,8 +29,14 @@ module limber_analysis_truth
       !> no such run shows, relative to the scale, and all (channels)
       real(wp), allocatable :: of_time(:), of_model(:), rest(:)
       real(wp) :: left_out = 0.0_wp
+      !> What estimated errors are multiplied by, eq. (T4)
+      real(wp) :: safety = 1.0_wp
       !> Whether its integration and its models have been looked at a second time
       logical :: sharp_time = .false., sharp_model = .false.
+      !> The deck with all free that it fixes of the fidelity, and the beams that are open in it alone; allocated if the truth is a
+      !> run of it
+      type(deck_type), allocatable :: freed
+      type(rung_type), allocatable :: aside(:)
    contains
       procedure :: start
       procedure :: refine
@@ -48,6 +55,9 @@ contains
       if (allocated(self%rungs)) deallocate (self%verified, self%rungs, self%values, self%finest, self%scale, self%of_time, &
          & self%of_model, self%rest)
       if (allocated(self%coarse)) deallocate (self%coarse)
+      if (allocated(self%freed)) deallocate (self%freed)
+      if (allocated(self%aside)) deallocate (self%aside)
+      allocate (self%aside(0))
       allocate (self%verified, source=rungs)
       allocate (self%rungs, source=rungs)
       allocate (self%values, source=values)
@@ -61,6 +71,7 @@ contains
       self%tolerance = tolerance
       self%verified_work = work
       self%work = work
+      self%safety = 1.0_wp
       self%sharp_time = .false.
       self%sharp_model = .false.
       self%known = .true.
@@ -77,7 +88,7 @@ contains
       self%work = work
    end subroutine refine
 
-   !> Largest error of a run over channels and samples, relative: its difference from the truth, and the error of that.
+   !> Largest error of a run over channels and samples, relative: its difference from the truth, and the error of that; eq. (T4).
    pure real(wp) function error_against(truth, values) result(error)
       type(truth_type), intent(in) :: truth
       !> At least its channels (channels, samples)
@@ -88,6 +99,7 @@ contains
       do c = 1, size(truth%scale)
          error = max(error, (maxval(abs(values(c, :n) - truth%values(c, :))) + truth%rest(c))/truth%scale(c))
       end do
+      error = truth%safety*error
    end function error_against
 
    !> Largest difference of two runs in each channel.

@@ -14,7 +14,7 @@ module limber_analysis_verification
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: verify, sharpen, rest_after_looks, matters
+   public :: verify, sharpen, rest_after_looks, matters, run_check, sum_up
 
    !> Least tolerance
    real(wp), parameter, public :: least_tolerance = 1.0e-13_wp
@@ -34,6 +34,9 @@ module limber_analysis_verification
    !> Part of the target that the truth of a scene with beams is taken to err at least, for how much it errs is an estimate; when it
    !> has been looked at a second time, in its integration or in its models, and in both
    real(wp), parameter :: doubt(0:2) = [0.1_wp, 0.07_wp, 0.05_wp]
+   !> Slope beyond which a beam bends far, so that errors fall more slowly than is taken for granted, and what estimates are
+   !> multiplied by then, measured: doc/fidelity.md
+   real(wp), parameter :: far = 0.3_wp, safety_far = 2.2_wp
 
 contains
 
@@ -88,7 +91,8 @@ contains
          ! Elements cost nothing in the time loop: those of all beams are twice as many in the truth
          where (.not. truth%rungs%given_elements) truth%rungs%elements = min(most_elements, 2*truth%rungs%elements)
          do i = 1, size(advice%rungs)
-            if (.not. (can_climb(advice%rungs(i)) .and. matters(advice, i, target))) cycle
+            if (.not. matters(advice, i, target)) cycle
+            if (.not. (can_climb(advice%rungs(i)) .or. advice%rungs(i)%open_modes)) cycle
             rung = truth%rungs(i)
             truth%rungs(i) = check_rung(i)
             if (on .and. truth%rungs(i)%segments > rung%segments .and. rung%segments == 1) then
@@ -180,6 +184,8 @@ contains
          associate (rung => reached%advice%rungs(i))
             check_rung = next_rung(rung)
             check_rung%elements = truth%rungs(i)%elements
+            ! Beyond the richest, so that it is verified too
+            if (.not. can_climb(rung)) check_rung%bending = rung%bending + max(1, rung%bending/3)
             if (rung%segments > 1 .or. rung%level < level_full .or. .not. rung%open_segments) return
             if (reached%advice%floor(i) <= unseen*target) return
             check_rung = in_pieces(rung, first_pieces, min(most_piece_modes, max(3, rung%bending/2 + 1)))
@@ -242,6 +248,7 @@ contains
       subroutine sharpen_models()
          type(trial_type) :: check
          type(rung_type) :: rungs(size(truth%rungs))
+         type(deck_type) :: higher
          real(wp) :: part
          integer :: i, n, channels
          if (truth%sharp_model) return
@@ -256,7 +263,12 @@ contains
          end do
          if (part <= 0.0_wp) return
          if (truth%work*sum(cost_of(rungs))/sum(cost_of(truth%rungs)) > part_of_search*reached%work) return
-         call run_check(higher_deck(deck, reached), rungs, truth%verified_tolerance, truth%tolerance/truth%verified_tolerance, &
+         if (allocated(truth%freed)) then
+            higher = truth%freed
+         else
+            higher = higher_deck(deck, reached)
+         end if
+         call run_check(higher, [rungs, truth%aside], truth%verified_tolerance, truth%tolerance/truth%verified_tolerance, &
             & 2*reached%cpu, .false., quiet, 'second look at the models', reached, check, error)
          if (allocated(error) .or. check%reason /= '') return
          channels = size(truth%scale)
@@ -328,12 +340,14 @@ contains
       type(truth_type), intent(inout) :: truth
       integer :: i
       truth%left_out = 0.0_wp
+      truth%safety = 1.0_wp
+      if (any(reached%advice%probe%beams%slope > far .and. reached%advice%rungs%level > level_rigid)) truth%safety = safety_far
       do i = 1, size(truth%rungs)
          if (truth%rungs(i)%level == level_full) truth%left_out = truth%left_out + &
             & floor_of(truth%rungs(i), reached%advice%probe%beams(i))
       end do
       truth%rest = truth%of_time + truth%of_model + truth%left_out*truth%scale
-      if (size(truth%rungs) > 0) truth%rest = &
+      if (size(truth%rungs) + size(truth%aside) > 0) truth%rest = &
          & max(truth%rest, doubt(count([truth%sharp_time, truth%sharp_model]))*target*truth%scale)
    end subroutine sum_up
 

@@ -5,7 +5,8 @@ program test_advice
    use limber_base_error, only: error_type
    use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, floor_of, cost_of
    use limber_analysis_advise, only: read_whole_deck
-   use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, next_rung, better_rung, can_climb, rung_name, free_options, &
+   use limber_analysis_fixed, only: free_options
+   use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, next_rung, better_rung, can_climb, rung_name, &
       & lower_rungs, bound_rung, rest_beyond, most_lower, level_rigid, level_linear, level_kg, level_full
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes

@@ -1,0 +1,177 @@
+!> What a target promises: what the deck fixes of beams is verified by a run aside or refused, what no run verifies is named, and
+!> nothing of it reads as kept; likewise the advice. Truths: closed forms. Usage, in tests/: test_targets RESULT_FILE
+program test_targets
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_advise, only: advise_deck, advice_request_type
+   use limber_analysis_run, only: run_deck
+   use limber_deck_parameters, only: override_type
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: channel
+   use testing, only: check, check_no_error, finish
+   implicit none
+   character(*), parameter :: unit_beam = '*MATERIAL, NAME=unit, YOUNG=1e6, DENSITY=1'//newline// &
+      & '*SECTION, NAME=slender, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'//newline//'*BEAM, NAME=bar, MATERIAL=unit, SECTION=slender, '
+   character(*), parameter :: weld = newline//'*JOINT, NAME=hub, TYPE=WELD'//newline//' bar.start, ground.origin'//newline
+   character(*), parameter :: slow = '*DYNAMICS, END=16, OUTPUTS=40'//newline
+   !> No value of a parameter in place of the deck's
+   type(override_type) :: none(0)
+   character(256) :: results
+   character(:), allocatable :: report, status, warnings
+
+   call get_command_argument(1, results)
+   call test_tension()
+   call test_elements()
+   call test_rigid()
+   call test_damped()
+   call test_frame()
+   call test_rope()
+   call finish()
+
+contains
+
+   !> A cantilever under a tension T = 30 and a force F across at its end: w = F/T (L - tanh(k L)/k), k^2 = T. LINEAR bends 12 times
+   !> as far.
+   subroutine test_tension()
+      character(*), parameter :: pull = '*FORCE, NAME=pull, POINT=bar.end'//newline// &
+         & ' 30*smoothstep(t/12), 0.03*smoothstep(t/12)'//newline//slow
+      real(wp), parameter :: k = sqrt(30.0_wp), truth = 0.03_wp/30*(1 - tanh(k)/k)
+      call run_for('LINEAR', 'LENGTH=1, SUPPORT=CLAMPED-FREE, GEOMETRIC=LINEAR'//weld//pull, '1e-2', '')
+      call check(status == 'not kept', 'LINEAR under tension: '//status)
+      call check(index(report, 'beam ''bar'' (GEOMETRIC=LINEAR)') > 0, 'why: '//report)
+      call run_for('LINEAR, all fixed', 'LENGTH=1, SUPPORT=CLAMPED-FREE, BENDING MODES=4, AXIAL MODES=1, GEOMETRIC=LINEAR'//weld// &
+         & pull, '1e-2', '')
+      call check(status == 'not kept', 'LINEAR and modes under tension: '//status)
+      call run_for('open', 'LENGTH=1, SUPPORT=CLAMPED-FREE'//weld//pull, '1e-2', '')
+      call check(status == 'kept' .and. warnings == '', 'open: '//status//warnings)
+      call compare('open', truth, 1.0e-2_wp)
+      call run_for('K_G', 'LENGTH=1, SUPPORT=CLAMPED-FREE, GEOMETRIC=K_G, ELEMENTS=40'//weld//pull, '1e-2', '')
+      call check(status == 'kept', 'K_G is enough, and shown to be: '//status)
+      call check(index(report, 'by a run aside') > 0, 'what the deck fixes is shown: '//report)
+      call compare('K_G', truth, 1.0e-2_wp)
+   end subroutine test_tension
+
+   !> Two elements, two modes below a limit: F L^3/(3 E I), and the vibration that a sudden force makes is in neither.
+   subroutine test_elements()
+      character(*), parameter :: push = '*FORCE, NAME=push, POINT=bar.end'//newline//' 0, 0.01*step(t)'//newline// &
+         & '*DYNAMICS, END=6, OUTPUTS=60'//newline
+      call run_for('two elements', 'LENGTH=1, SUPPORT=CLAMPED-FREE, ELEMENTS=2, BENDING MODES=2'//weld//push, '1e-2', '')
+      call check(status == 'not kept' .and. index(report, 'ELEMENTS=2') > 0, 'two elements: '//status//report)
+      call run_for('a limit', 'LENGTH=1, SUPPORT=PINNED-ROLLER, FREQUENCY LIMIT=45'//weld//push, '1e-2', '')
+      call check(status == 'not kept', 'modes below a limit: '//status//report)
+   end subroutine test_elements
+
+   !> A bar that the deck makes rigid bends by F L^3/(3 E I).
+   subroutine test_rigid()
+      call run_for('RIGID', 'LENGTH=1, SUPPORT=CLAMPED-FREE, GEOMETRIC=RIGID'//newline//'*JOINT, NAME=hub, TYPE=REVOLUTE'// &
+         & newline//' bar.start, ground.origin'//newline//'*DRIVER, NAME=d, TYPE=ANGLE, BODY=bar'// &
+         & newline//' 0.1*smoothstep(t/6)'//newline//'*FORCE, NAME=push, POINT=bar.end'//newline// &
+         & ' 0, 0.012*smoothstep(t/6)'//newline//'*DYNAMICS, END=8, OUTPUTS=20'//newline, '1e-2', '')
+      call check(status == 'not kept' .and. index(report, 'GEOMETRIC=RIGID') > 0, 'RIGID: '//status//report)
+   end subroutine test_rigid
+
+   !> Damping by modes: pins in place of a weld never get there; a cantilever does, and it is said that its damping depends on them.
+   subroutine test_damped()
+      character(*), parameter :: push = '*FORCE, NAME=push, POINT=bar.end'//newline//' 0, 0.03*step(t)'//newline// &
+         & '*DAMPING, BODY=bar, RATIO=0.02'//newline//'*DYNAMICS, END=20, OUTPUTS=50'//newline
+      call run_for('pins', 'LENGTH=1'//weld//push, '1e-2', '')
+      call check(status == 'not kept', 'damped modes of pins: '//status)
+      call run_for('clamped', 'LENGTH=1, SUPPORT=CLAMPED-FREE'//weld//push, '1e-2', '')
+      call check(status == 'of the integration and of chosen models only', 'damped modes: '//status)
+      call check(index(warnings, "the model of beam 'bar', which is damped by its modes") > 0, warnings)
+   end subroutine test_damped
+
+   !> A column as a frame at 0.9 of its critical load, 2.467: it bends ten times as far as under the force across alone.
+   subroutine test_frame()
+      call run_for('frame', '', '1e-2', '*MATERIAL, NAME=unit, YOUNG=1e6, DENSITY=1'//newline// &
+         & '*SECTION, NAME=slender, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'//newline// &
+         & '*FRAME, NAME=bar, MATERIAL=unit, SECTION=slender, MODES=6'//newline//'*NODE'//newline//' 1, 0, 0, foot'//newline// &
+         & ' 2, 0, 1, end'//newline//'*ELEMENT'//newline//' 1, 1, 2'//newline//'*BOUNDARY'//newline//' 1, 1, 6'//newline// &
+         & '*JOINT, NAME=anchor, TYPE=WELD'//newline//' bar.foot, ground.origin'//newline//'*FORCE, NAME=top, POINT=bar.end'// &
+         & newline//' 1e-3*smoothstep(t/40), -2.22*smoothstep(t/40)'//newline//'*DYNAMICS, END=60, OUTPUTS=60'//newline)
+      call check(status == 'of the integration only', 'frame: '//status)
+      call check(index(warnings, 'kept by the integration only: the model of frame ''bar'' is fixed by the deck') > 0, warnings)
+   end subroutine test_frame
+
+   !> A rope: no advice of a model that leaves out its tension, 3.9e5 times its Euler load, and the deck that is written runs.
+   subroutine test_rope()
+      type(advice_request_type) :: request
+      type(error_type), allocatable :: error
+      call write_deck('*GRAVITY, Y=-9.81'//newline//'*MATERIAL, NAME=m, YOUNG=5e6, DENSITY=1000'//newline// &
+         & '*SECTION, NAME=bar, SHAPE=CIRCLE, DIAMETER=5e-3'//newline// &
+         & '*BEAM, NAME=bar, MATERIAL=m, SECTION=bar, LENGTH=1'//newline//'*JOINT, NAME=hinge, TYPE=REVOLUTE'//newline// &
+         & ' bar.start, ground.origin'//newline//'*POINT MASS, NAME=bob, MASS=1, X=1'//newline// &
+         & '*JOINT, NAME=pin, TYPE=REVOLUTE'//newline//' bar.end, bob'//newline//'*DYNAMICS, END=1, OUTPUTS=100'//newline// &
+         & '*OUTPUT'//newline//' x(bob), y(bob)'//newline)
+      request%target = 1.0e-2_wp
+      request%write = trim(results)//'_written.inp'
+      call advise_deck(trim(results)//'.inp', none, request, .true., report, error)
+      call check_no_error(error, 'advice on a rope')
+      call check(index(report, 'LINEAR 1 +') == 0, 'not LINEAR: '//report)
+      call check(index(report, 'it moves as a rope') > 0, 'it is a rope: '//report)
+      call run_deck(trim(results)//'_written.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, 'the written deck')
+      ! What the deck fixes is named
+      request%target = 1.0e-2_wp
+      deallocate (request%write)
+      call write_deck(unit_beam//'LENGTH=1, SUPPORT=CLAMPED-FREE, GEOMETRIC=LINEAR'//weld//slow//'*OUTPUT'//newline// &
+         & ' y(bar.end)'//newline)
+      call advise_deck(trim(results)//'.inp', none, request, .true., report, error)
+      call check_no_error(error, 'advice on a LINEAR beam')
+      call check(index(report, "fixed by the deck; what that costs") > 0, 'it is named: '//report)
+   end subroutine test_rope
+
+   !> Runs a beam or another deck for a target and takes what it says.
+   subroutine run_for(name, beam, target, deck)
+      character(*), intent(in) :: name
+      !> Options of the beam and what follows it; or the whole deck
+      character(*), intent(in) :: beam, target, deck
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: failure, error
+      character(*), parameter :: output = newline//'*OUTPUT'//newline//' x = x(bar.end), y = y(bar.end)'//newline
+      if (deck == '') then
+         call write_deck(unit_beam//beam//'*ACCURACY, TARGET='//target//output)
+      else
+         call write_deck(deck//'*ACCURACY, TARGET='//target//output)
+      end if
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, failure)
+      if (allocated(failure)) then
+         report = failure%message
+         call check(failure%status == 3, name//': status 3: '//report)
+      end if
+      call reader%open(trim(results), error)
+      call check_no_error(error, name//': results')
+      call check(reader%complete .eqv. .not. allocated(failure), name//': complete if kept')
+      call reader%read_label('/run', 'target_status', status, error)
+      call check_no_error(error, name//': status')
+      call reader%read_text('/run/warnings', warnings, error)
+      if (allocated(error)) warnings = ''
+      print '(a)', name//': '//status
+      call reader%close()
+   end subroutine run_for
+
+   !> Compares the last deflection with the truth.
+   subroutine compare(name, truth, error)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: truth, error
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: failure
+      real(wp), allocatable :: values(:)
+      call reader%open(trim(results), failure)
+      call check_no_error(failure, name)
+      values = channel(reader, 'y')
+      print '(a,2es12.4)', name//': deflection, truth', values(size(values)), truth
+      call check(abs(values(size(values)) - truth) <= error*truth, name//': deflection '//as_text(values(size(values)), 5))
+      call reader%close()
+   end subroutine compare
+
+   subroutine write_deck(text)
+      character(*), intent(in) :: text
+      integer :: unit
+      open (newunit=unit, file=trim(results)//'.inp', action='write', status='replace')
+      write (unit, '(a)') '*HEADING', ' A target', text
+      close (unit)
+   end subroutine write_deck
+
+end program test_targets

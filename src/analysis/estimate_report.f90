@@ -55,7 +55,7 @@ contains
          if (estimate%of_model) then
             if (.not. allocated(error)) call history%put_attribute('/'//group, 'method', &
                & 'verified: sum of the differences to a run at companion_tolerance and to runs with each beam that matters one'// &
-               & ' rung higher, enlarged by a quarter and over neighbouring samples', error)
+               & ' rung higher and with all free that the deck fixes, enlarged by a quarter and over neighbouring samples', error)
          else if (.not. allocated(error)) then
             call history%put_attribute('/'//group, 'method', &
             & 'paired runs: difference to a run at companion_tolerance, enlarged by 1/(1 - shrinkage) and over neighbouring'// &

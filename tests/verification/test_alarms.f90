@@ -21,7 +21,6 @@ program test_alarms
 
    call get_command_argument(1, results)
    call test_forced('RADAU, TOLERANCE=1e-3')
-   call test_forced('ADAMS, TOLERANCE=1e-3')
    call test_forced('ALPHA, TOLERANCE=1e-5')
    call test_rest()
    call test_loss()

@@ -39,10 +39,14 @@ contains
       real(wp), intent(in) :: q(:)
       type(turns_type) :: turns
       type(jet_type) :: motion
+      logical, allocatable :: asked(:)
       integer :: i, n
       n = size(system%model%bodies)
       allocate (turns%angle(n), turns%spin(n), turns%drivers(n))
-      turns%bodies = pack([(i, i=1, n)], [(any(bodies == i), i=1, n)])
+      allocate (asked(n), source=.false.)
+      asked(bodies) = .true.
+      allocate (turns%bodies(count(asked)))
+      turns%bodies(:) = pack([(i, i=1, n)], asked)
       turns%drivers = 0
       turns%spin = 0.0_wp
       turns%angle = system%model%bodies%angle

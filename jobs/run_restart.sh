@@ -14,9 +14,13 @@
 #SBATCH --open-mode=append
 #SBATCH --output=%x-%j.log
 set -u
+# A name that begins with a dash is no option
 deck=$1
-results=${2:-$(basename "${deck%.*}").h5}
-"${LIMBER:-limber}" run "$deck" -o "$results" --restart --quiet ${LIMBER_OPTIONS:-} &
+case $deck in -*) deck=./$deck ;; esac
+name=${deck##*/}
+results=${2:-${name%.*}.h5}
+read -ra options <<< "${LIMBER_OPTIONS:-}"
+"${LIMBER:-limber}" run "$deck" -o "$results" --restart --quiet "${options[@]}" &
 run=$!
 # Slurm warns this script only: it passes the signal on, and waits for the run once more, for the first wait ends with the signal
 warned=

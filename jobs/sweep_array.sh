@@ -10,6 +10,9 @@
 #SBATCH --time=01:00:00
 #SBATCH --output=%x-%A_%a.log
 set -u
+# A name that begins with a dash is no option
 deck=$1
-summary=${2:-$(basename "${deck%.*}").sweep.h5}
+case $deck in -*) deck=./$deck ;; esac
+name=${deck##*/}
+summary=${2:-${name%.*}.sweep.h5}
 exec "${LIMBER:-limber}" sweep "$deck" -o "$summary" --part auto --quiet

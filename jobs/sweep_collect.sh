@@ -4,6 +4,9 @@
 #SBATCH --time=00:10:00
 #SBATCH --output=%x-%j.log
 set -u
+# A name that begins with a dash is no option
 deck=$1
-summary=${2:-$(basename "${deck%.*}").sweep.h5}
+case $deck in -*) deck=./$deck ;; esac
+name=${deck##*/}
+summary=${2:-${name%.*}.sweep.h5}
 exec "${LIMBER:-limber}" sweep "$deck" -o "$summary" --collect

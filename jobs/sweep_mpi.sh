@@ -8,8 +8,11 @@
 #SBATCH --time=01:00:00
 #SBATCH --output=%x-%j.log
 set -u
+# A name that begins with a dash is no option
 deck=$1
-summary=${2:-$(basename "${deck%.*}").sweep.h5}
+case $deck in -*) deck=./$deck ;; esac
+name=${deck##*/}
+summary=${2:-${name%.*}.sweep.h5}
 limber=${LIMBER:-limber}
 srun --kill-on-bad-exit=0 "$limber" sweep "$deck" -o "$summary" --part auto --jobs 1 --quiet
 exec "$limber" sweep "$deck" -o "$summary" --collect

@@ -1,7 +1,8 @@
-# What `limber export --motion` prints -> work/paths.txt and work/0.txt, work/1.txt, ..., a file for each sample; on standard output
-# what draw.gp must know: the layers that there are, the box of all points, heading, unit and times
-function quoted(text) { gsub(/'/, "''", text); return "'" text "'" }
-BEGIN { frames = 0; file = work "/paths.txt"; layer = "" }
+# What `limber export --motion` prints -> paths.txt and 0.txt, 1.txt, ..., a file for each sample, in the working folder; on standard
+# output what draw.gp must know: the layers that there are, the box of all points, heading, unit and times. Texts come from the
+# results: gnuplot evaluates nothing between single quotes, numbers are written as numbers
+function quoted(text) { gsub(/[\001-\037\177]/, " ", text); gsub(/'/, "''", text); return "'" text "'" }
+BEGIN { frames = 0; file = "paths.txt"; layer = "" }
 # A heading longer than a line ends at a mark, or else at a blank
 /^# heading / {
   heading = substr($0, 11)
@@ -14,14 +15,14 @@ BEGIN { frames = 0; file = work "/paths.txt"; layer = "" }
   next
 }
 /^# unit / { unit = substr($0, 8); next }
-/^# symbol / { symbol = $3; next }
+/^# symbol / { symbol = $3 + 0; next }
 /^# sample / {
   if (frames > 0) close(file)
-  file = work "/" frames ".txt"
+  file = frames ".txt"
   time[++frames] = substr($0, index($0, ",") + 2)
   next
 }
-/^# / { layer = $2; if (!(layer in known)) { known[layer] = 1; layers = layers " " layer } }
+/^# [a-z]+$/ { layer = $2; if (!(layer in known)) { known[layer] = 1; layers = layers " " layer } }
 NF >= 3 && layer != "" && !/^#/ {
   r = NF > 3 ? $4 : 0
   if (!boxed) { left = right = $1; bottom = top = $2; boxed = 1 }
@@ -32,8 +33,8 @@ NF >= 3 && layer != "" && !/^#/ {
 }
 { print > file }
 END {
-  printf "frames = %d\nlayers = '%s'\nheading = %s\nunit = %s\nsymbol = %s\nfactor = '%s'\narray time[%d]\n", \
-    frames, layers, quoted(heading), quoted(unit), symbol, factor, frames
+  printf "frames = %d\nlayers = '%s'\nheading = %s\nunit = %s\nsymbol = %.9e\nfactor = %s\narray time[%d]\n", \
+    frames, layers, quoted(heading), quoted(unit), symbol, quoted(ENVIRON["factor"]), frames
   printf "left = %.9e; right = %.9e; bottom = %.9e; top = %.9e\n", left, right, bottom, top
   for (i = 1; i <= frames; i++) printf "time[%d] = %s\n", i, quoted(time[i])
 }

@@ -1,7 +1,7 @@
-# A mechanism: postproc/draw makes the files of its frames and scene.gp.
-# gnuplot -c draw.gp png|svg|gif|webm FOLDER OUTPUT_FILE
-format = ARG1; folder = ARG2; output_file = ARG3
-load folder.'/scene.gp'
+# A mechanism: postproc/draw makes the files of its frames and scene.gp, in the working folder.
+# gnuplot -c draw.gp png|svg|gif|webm FOLDER_OF_STYLE OUTPUT_FILE
+format = ARG1; postproc = ARG2; output_file = ARG3
+load 'scene.gp'
 has(layer) = strstrt(layers.' ', ' '.layer.' ') > 0
 # The box with a margin, and not too slender; equal axes
 margin = 0.05*(right - left > top - bottom ? right - left : top - bottom)
@@ -15,12 +15,12 @@ plot_height = plot_width*(top - bottom)/(right - left)
 if (plot_height > 14) { plot_height = 14; plot_width = plot_height*(right - left)/(top - bottom) }
 width = 16; height = plot_height + room_bottom + room_top
 from = room_left + 0.5*(16 - room_left - room_right - plot_width)
-load 'style.gp'
+load postproc.'/style.gp'
 set xrange [left:right]
 set yrange [bottom:top]
 eval panel(from, from + plot_width, room_bottom, room_bottom + plot_height)
-eval x_label(from + 0.5*plot_width, 'x ['.unit.']')
-set label 'y ['.unit.']' at screen (from - 1.45)/width,(room_bottom + 0.5*plot_height)/height center rotate
+set label 'x ['.unit.']' noenhanced at screen (from + 0.5*plot_width)/width,0.4/height center
+set label 'y ['.unit.']' noenhanced at screen (from - 1.45)/width,(room_bottom + 0.5*plot_height)/height center rotate
 set label heading noenhanced at screen 0.5,1 - 0.45/height center
 # The same tics along both axes, at most eight
 rough = (right - left > top - bottom ? right - left : top - bottom)/8
@@ -43,7 +43,7 @@ thin = thin > 1 ? 1 : thin < 0.4 ? 0.4 : thin
 wide(points) = sprintf('linewidth %g', points*thin)
 
 # Commands of the layers of frame `frame`, whitened by `part`
-file(frame) = sprintf("'%s/%d.txt'", folder, frame)
+file(frame) = sprintf("'%d.txt'", frame)
 layer(frame, name, how) = has(name) ? sprintf("%s index '%s' %s, ", file(frame), name, how) : ''
 stroke(part, line) = sprintf('using 1:2:(colour($3, %g)) with lines %s dashtype solid linecolor rgb variable', part, line)
 fills(frame, name, part) = has(name) ? sum_fills(frame, name, part, 0) : ''
@@ -64,11 +64,11 @@ drawn(frame, part) = fills(frame, 'wheels', part).layer(frame, 'wheels', stroke(
    .fills(frame, 'blocks', part).layer(frame, 'blocks', stroke(part, wide(1.6))) \
    .layer(frame, 'masses', sprintf('using 1:2:4:(colour($3, %g)) with circles fillstyle solid 1 noborder linecolor rgb variable', part)) \
    .layer(frame, 'joints', disc(mixed(0x202020, part), 1.0)).layer(frame, 'joints', disc(0xFFFFFF, 0.66))
-paths = has('paths') ? sprintf("'%s/paths.txt' index 'paths' using 1:2:(colour($3, 0.2)) with lines linewidth 1.2 dashtype (2,3) linecolor rgb variable, ", folder) : ''
+paths = has('paths') ? "'paths.txt' index 'paths' using 1:2:(colour($3, 0.2)) with lines linewidth 1.2 dashtype (2,3) linecolor rgb variable, " : ''
 
 if (format eq 'gif' || format eq 'webm') {
    do for [i = 0:frames - 1] {
-      if (format eq 'webm') { set output sprintf('%s/%d.png', folder, i) }
+      if (format eq 'webm') { set output sprintf('%d.png', i) }
       eval 'set label 100 time[i + 1].magnified_by '.time_label
       commands = drawn(i, 0.0).paths
       eval 'plot '.commands[:strlen(commands) - 2]

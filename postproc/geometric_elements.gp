@@ -3,7 +3,7 @@ format = ARG1; columns = ARG2; output_file = ARG3
 width = 16; height = 14
 load 'style.gp'
 file(n) = sprintf('%s/kg_%d.txt', columns, n)
-difference(n) = sprintf('< paste "%s" "%s"', file(n), file(10))
+difference(n) = sprintf('%s/kg_%d_10.txt', columns, n)
 set multiplot
 eval key_line(2.4, 2, '1 k_G element').key_line(7.2, 1, '2').key_line(9.8, 4, '5').key_line(12.4, 3, '10')
 eval x_label(8.85, crank_angle).y_label(10.4, 'v/L [–]').y_label(4.4, '1000 (v − v_{10})/L [–]')

@@ -29,13 +29,17 @@ set linetype 3 linecolor rgb '#000000' linewidth 0.8 dashtype solid pointtype 6
 set linetype 4 linecolor rgb '#009E73' linewidth 2.0 dashtype (9,4,2,4) pointtype 9
 set linetype 9 linecolor rgb '#999999' linewidth 0.6 dashtype solid
 
+# A text as gnuplot evaluates it to itself: between single quotes
+quoted(text) = "'".doubled(text, 1)."'"
+doubled(text, i) = i > strlen(text) ? '' : (text[i:i] eq "'" ? "''" : text[i:i]).doubled(text, i + 1)
+
 # Places in cm from the left and from the bottom of the figure, for `eval`
 panel(left, right, bottom, top) = sprintf("set lmargin at screen %f; set rmargin at screen %f; \
    set bmargin at screen %f; set tmargin at screen %f;", left/width, right/width, bottom/height, top/height)
-x_label(at, text) = sprintf("set label \"%s\" at screen %f,%f center;", text, at/width, 0.4/height)
-y_label(at, text) = sprintf("set label \"%s\" at screen %f,%f center rotate;", text, 0.45/width, at/height)
+x_label(at, text) = sprintf("set label %s at screen %f,%f center;", quoted(text), at/width, 0.4/height)
+y_label(at, text) = sprintf("set label %s at screen %f,%f center rotate;", quoted(text), 0.45/width, at/height)
 # Gnuplot's own key gives all entries the width of the longest and knows it badly in SVG
-key_text(at, text) = sprintf("set label \"%s\" at screen %f,%f;", text, (at + 1.3)/width, 1 - 0.5/height)
+key_text(at, text) = sprintf("set label %s at screen %f,%f;", quoted(text), (at + 1.3)/width, 1 - 0.5/height)
 key_line(at, type, text) = sprintf("set arrow from screen %f,%f rto screen %f,0 nohead linetype %d;", \
    at/width, 1 - 0.5/height, 1.1/width, type).key_text(at, text)
 key_point(at, type, text) = sprintf("set label '' at screen %f,%f point linetype %d;", (at + 0.9)/width, 1 - 0.5/height, type) \

@@ -111,6 +111,11 @@ contains
       i = 1
       do while (i <= command_argument_count())
          call get_command_argument(i, word, length)
+         if (length /= len_trim(word) .and. length <= longest) then
+            call raise(error, "the argument '"//word(:length)//"' ends in a blank, which limber does not keep: give another name", &
+               & status_deck)
+            return
+         end if
          if (length > longest) then
             call raise(error, 'an argument is longer than 4096 characters', status_deck)
             return

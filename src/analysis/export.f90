@@ -3,7 +3,7 @@
 module limber_analysis_export
    use limber_base_error, only: error_type, raise
    use limber_base_kinds, only: wp
-   use limber_base_text, only: as_text
+   use limber_base_text, only: as_text, one_line
    use limber_output_history_reader, only: channel_type, history_reader_type
    implicit none
    private
@@ -33,7 +33,7 @@ contains
       call find_wanted(reader, names, wanted, error)
       if (.not. allocated(error)) call read_table(reader, wanted, table, error)
       if (.not. allocated(error)) then
-         write (unit, '(a)', iostat=status) header(reader, wanted)
+         write (unit, '(a)', iostat=status) one_line(header(reader, wanted))
          do sample = 1, reader%samples
             if (status /= 0) exit
             ! Three digits of exponent: without them Fortran drops the E of 1e-100

@@ -2,6 +2,7 @@
 !> Floor: analysis; `limber_analysis_drawing` leads it.
 module limber_analysis_pen
    use limber_base_kinds, only: wp
+   use limber_base_text, only: one_line
    implicit none
    private
    public :: pen_type
@@ -23,13 +24,13 @@ module limber_analysis_pen
 
 contains
 
-   !> A line that gnuplot does not read.
+   !> A line that gnuplot does not read; a text of several lines becomes one.
    subroutine remark(self, text)
       class(pen_type), intent(inout) :: self
       character(*), intent(in) :: text
       call put(self, '')
       call put(self, '')
-      call put(self, '# '//text)
+      call put(self, '# '//one_line(text))
       self%any_started = .false.
    end subroutine remark
 

@@ -137,7 +137,7 @@ contains
             lines = lines//','
             if (rows(i)%state == row_done) lines = lines//as_text(rows(i)%scalars(k))
          end do
-         lines = lines//','//kept(sweep, rows, folder, i)//',"'//doubled(rows(i)%message)//'"'//newline
+         lines = lines//','//field_of(kept(sweep, rows, folder, i))//',"'//doubled(rows(i)%message)//'"'//newline
          if (len(lines) < enough .or. .not. ok) cycle
          call append_text(path, lines, ok)
          lines = ''
@@ -145,6 +145,14 @@ contains
       if (ok) call append_text(path, lines, ok)
       if (.not. ok) call raise(error, 'cannot write '//path//': is the disk full?')
    end subroutine write_text
+
+   !> A text as a field of a table: in quotes where something in it would end the field.
+   pure function field_of(text) result(field)
+      character(*), intent(in) :: text
+      character(:), allocatable :: field
+      field = text
+      if (scan(text, ',"'//newline) > 0) field = '"'//doubled(text)//'"'
+   end function field_of
 
    !> A text whose quotes stand twice.
    pure function doubled(text) result(quoted)

@@ -4,7 +4,7 @@ module limber_base_text
    use limber_base_kinds, only: wp, long
    implicit none
    private
-   public :: lowercase, uppercase, as_text, nearest_name, first_line, newline
+   public :: lowercase, uppercase, as_text, nearest_name, first_line, one_line, newline
 
    !> Line separator of every text that limber writes
    character(1), parameter :: newline = new_line('a')
@@ -49,6 +49,17 @@ contains
       character(:), allocatable :: line
       line = text(:index(text//newline, newline) - 1)
    end function first_line
+
+   !> A text from outside in one line and without control characters: a blank in place of each.
+   pure function one_line(text) result(line)
+      character(*), intent(in) :: text
+      character(len(text)) :: line
+      integer :: i
+      line = text
+      do i = 1, len(line)
+         if (iachar(line(i:i)) < 32 .or. iachar(line(i:i)) == 127) line(i:i) = ' '
+      end do
+   end function one_line
 
    pure function integer_as_text(value) result(text)
       integer, intent(in) :: value

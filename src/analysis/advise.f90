@@ -3,7 +3,7 @@
 module limber_analysis_advise
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_files, only: append_text, remove_file, rename_file
+   use limber_base_files, only: append_text, remove_file, rename_file, unused_name, kind_of_path, path_free
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, cost_of
    use limber_analysis_fixed, only: free_options, free_integration, find_fixed, unverified_words
@@ -16,6 +16,7 @@ module limber_analysis_advise
    use limber_deck_parameters, only: override_type
    use limber_deck_reader, only: read_deck
    use limber_model_analyses, only: kind_names
+   use limber_output_places, only: check_place
    implicit none
    private
    public :: advice_request_type, advise_deck, advice_table, target_of, read_whole_deck
@@ -54,6 +55,7 @@ contains
       real(wp) :: aim
       report = ''
       call read_whole_deck(path, overrides, deck, error)
+      if (.not. allocated(error) .and. allocated(request%write)) call check_write(request%write, deck%source%paths(), force, error)
       if (allocated(error)) return
       if (request%all) then
          call free_options(deck)
@@ -71,7 +73,7 @@ contains
       report = scene%warnings//path//': '//scene%system%model%heading//newline//advice_table(advice, scene)// &
          & fixed_lines(deck)
       if (.not. allocated(request%write)) return
-      call write_deck(scene, request%write, force, error)
+      call write_deck(scene, request%write, error)
       if (.not. allocated(error)) report = report//newline//'   The deck with these choices is '//request%write
    end subroutine advise_deck
 
@@ -115,31 +117,39 @@ contains
       if (block > 0) target = deck%blocks(block)%real('TARGET')
    end function target_of
 
-   !> Writes the deck with all choices, and no longer with the target that they were made for.
-   subroutine write_deck(scene, path, force, error)
-      type(scene_type), intent(in) :: scene
+   !> Refuses a place for the deck with all choices, before they are made.
+   subroutine check_write(path, sources, force, error)
       character(*), intent(in) :: path
+      !> Files of the deck
+      character(*), intent(in) :: sources(:)
       logical, intent(in) :: force
       type(error_type), allocatable, intent(out) :: error
+      call check_place(path, sources, error)
+      if (allocated(error) .or. force) return
+      if (kind_of_path(path) == path_free) return
+      call raise(error, path//': exists already; use --force to replace it', status_deck)
+   end subroutine check_write
+
+   !> Writes the deck with all choices, and no longer with the target that they were made for.
+   subroutine write_deck(scene, path, error)
+      type(scene_type), intent(in) :: scene
+      character(*), intent(in) :: path
+      type(error_type), allocatable, intent(out) :: error
       type(deck_type) :: deck
+      character(:), allocatable :: new
       integer :: block
-      logical :: exists, ok
-      inquire (file=path, exist=exists)
-      if (exists .and. .not. force) then
-         call raise(error, path//': exists already; use --force to replace it', status_deck)
-         return
-      end if
+      logical :: ok
       deck = scene%deck
       deck%repeats = deck%repeats(:0)
       block = deck%find('ACCURACY')
       if (block > 0) where (deck%blocks(block)%options%name == 'TARGET') deck%blocks(block)%options%has_value = .false.
       call deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', scene%system%model%dynamics%integrator)
       ! Beside what has the name already, until it is whole
-      call remove_file(path//'.new')
-      call append_text(path//'.new', effective_deck(deck), ok)
-      if (ok) call rename_file(path//'.new', path, ok)
+      new = unused_name(path, '.new')
+      call append_text(new, effective_deck(deck), ok)
+      if (ok) call rename_file(new, path, ok)
       if (ok) return
-      call remove_file(path//'.new')
+      call remove_file(new)
       call raise(error, path//': cannot be written: is there room, and may you write there?', status_deck)
    end subroutine write_deck
 

@@ -1,5 +1,6 @@
 !> The command line: which command, its files and options. Floor: analysis.
 module limber_analysis_command
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: nearest_name, newline
    use limber_base_kinds, only: wp
@@ -293,7 +294,10 @@ contains
       real(wp), intent(out) :: value
       type(error_type), allocatable, intent(out) :: error
       integer :: status
-      read (text, *, iostat=status) value
+      value = 0.0_wp
+      status = verify(trim(text), '0123456789+-.eEdD')
+      if (status == 0) read (text, *, iostat=status) value
+      if (status == 0 .and. .not. ieee_is_finite(value)) status = 1
       if (status /= 0) call raise(error, "'"//trim(text)//"' is not a number", status_deck)
    end subroutine read_real
 

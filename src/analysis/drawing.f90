@@ -124,7 +124,7 @@ contains
       if (choice%at_time .and. n > 0) then
          first = minloc(abs(time - choice%time), 1)
       else if (choice%sample >= 0) then
-         first = choice%sample + 1
+         first = min(choice%sample, n) + 1
       else
          wanted = n
          if (choice%samples > 0) wanted = min(n, choice%samples)
@@ -222,7 +222,7 @@ contains
       real(wp), allocatable, intent(out) :: bodies(:, :)
       integer :: i
       associate (g => motion%geometry)
-         allocate (bodies(2, size(g%bodies)))
+         allocate (bodies(2, size(g%bodies)), source=0.0_wp)
          do i = 1, size(g%place_bodies)
             if (g%place_bodies(i) > 0) bodies(:, g%place_bodies(i)) = places(:, i)
          end do

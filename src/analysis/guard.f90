@@ -3,16 +3,17 @@
 !> at least the samples that there were then. Floor: analysis.
 module limber_analysis_guard
    use limber_base_error, only: error_type, raise, status_deck, status_run, status_interrupted
-   use limber_base_files, only: remove_file
    use limber_base_kinds, only: wp, long
    use limber_base_process, only: own_number
    use limber_base_signals, only: catch_signals, release_signals, signal_came, signal_name
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_base_version, only: version, commit, compiler, compiler_options
-   use limber_output_checkpoint, only: checkpoint_type, write_checkpoint, read_checkpoint, checkpoint_name
+   use limber_output_checkpoint, only: checkpoint_type, write_checkpoint, read_checkpoint, checkpoint_name, checkpoint_format
    use limber_output_history_reader, only: history_reader_type
    use limber_output_hdf5, only: check_unused
+   use limber_output_own, only: remove_own
+   use limber_output_places, only: check_results_place
    use limber_output_sink, only: sink_type
    use limber_output_working_file, only: working_name
    implicit none
@@ -65,10 +66,10 @@ module limber_analysis_guard
 contains
 
    !> Looks for what an earlier run has left: whether this one is to go on from there, may begin, or must not. Nothing is changed.
-   subroutine find(self, results, deck, request, force, done, error)
+   subroutine find(self, results, deck, sources, request, force, done, error)
       class(guard_type), intent(inout) :: self
-      !> Name of the results, and the deck that is to be run
-      character(*), intent(in) :: results, deck
+      !> Name of the results, the deck that is to be run, and its files
+      character(*), intent(in) :: results, deck, sources(:)
       type(request_type), intent(in) :: request
       !> Whether results may be replaced
       logical, intent(in) :: force
@@ -86,6 +87,8 @@ contains
       self%checkpoint%run = new_number()
       self%trouble = ''
       self%note = ''
+      call check_results_place(results, sources, request%restart, error)
+      if (allocated(error)) return
       inquire (file=results, exist=exists)
       if (.not. request%restart) then
          if (exists .and. .not. force) call refuse_unfinished(self%continuable, results, error)
@@ -127,8 +130,8 @@ contains
       if (.not. allocated(error)) call reader%read_label('/run', 'number', run, error)
       if (allocated(error)) return
       if (found%run /= run) return
-      call remove_file(path)
-      call remove_file(path//'.new')
+      call remove_own(path, checkpoint_format)
+      call remove_own(path//'.new', '')
    end subroutine clear_away
 
    !> Says of results that are there what they are, if they are those of a run that did not finish.
@@ -350,9 +353,9 @@ contains
       logical, intent(in) :: done
       call release_signals()
       if (.not. done) return
-      call remove_file(self%path)
+      call remove_own(self%path, checkpoint_format)
       ! What a kill has left while a checkpoint was written
-      call remove_file(self%path//'.new')
+      call remove_own(self%path//'.new', '')
    end subroutine finish
 
    !> A warning if the last checkpoint could not be written; empty if all is well.

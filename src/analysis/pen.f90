@@ -21,6 +21,8 @@ module limber_analysis_pen
 
    !> Strokes of the hatch under a foot
    integer, parameter :: strokes_of_foot = 5
+   !> Strokes of the hatch of a line, at most
+   real(wp), parameter :: most_strokes = 300.0_wp
 
 contains
 
@@ -89,7 +91,7 @@ contains
       real(wp) :: from(2)
       integer :: i, n
       call self%stroke(reshape([middle - half*along, middle + half*along], [2, 2]), 0)
-      n = max(strokes_of_foot, nint(2*half/(0.7_wp*size)))
+      n = max(strokes_of_foot, nint(min(2*half/(0.7_wp*size), most_strokes)))
       do i = 1, n
          from = middle + (2*half*i/n - half)*along
          call self%stroke(reshape([from, from + 0.65_wp*size*(down - along)], [2, 2]), 0)

@@ -147,7 +147,8 @@ contains
       if (.not. batch%guarded) return
       guard%continuable = continuable
       if (continuable) guard%estimates = scene%system%model%accuracy%estimate .and. single_dynamics(scene%system%model)
-      call guard%find(results, effective_deck(scene%deck), batch%request, force, done, error)
+      call guard%find(results, effective_deck(scene%deck), scene%deck%source%paths(), batch%request, force, done, &
+         & error)
       if (done) report = path//': '//results//' is complete; there is nothing left to do'
    end subroutine begin_guard
 
@@ -163,6 +164,7 @@ contains
       if (guard%restarting) then
          call open_history(scene, results, force, history%history_type, error, resume=guard%checkpoint%samples)
          history%safe = guard%samples
+         if (allocated(error)) call drop_history(history)
          return
       end if
       call open_history(scene, results, force, history%history_type, error, batch%in_memory)
@@ -171,6 +173,14 @@ contains
       call history%put_attribute('/run', 'number', guard%checkpoint%run, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'checkpoints', 0, error)
    end subroutine open_results
+
+   !> Closes a history that nothing is to be kept of: what stands under its name stays as it is.
+   subroutine drop_history(history)
+      type(kept_type), intent(inout) :: history
+      type(error_type), allocatable :: ignored
+      history%failed = .true.
+      call history%finish(.false., '', ignored)
+   end subroutine drop_history
 
    !> Runs a motion in time, and estimates its errors if that is asked for.
    subroutine run_motion(path, results, quiet, batch, scene, guard, history, report, error)
@@ -200,6 +210,8 @@ contains
          call run_dynamics(scene, integrator, history, progress, outcome, error)
       end if
       call add_fault(error)
+      ! Of a checkpoint that does not fit nothing is kept
+      if (allocated(guard%snapshot%missing)) history%failed = .true.
       if (.not. quiet) call progress%finish()
       if (allocated(outcome%warnings)) scene%warnings = scene%warnings//outcome%warnings
       scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)//energy_warning(outcome)
@@ -242,6 +254,8 @@ contains
          call run_steps(scene, path, quiet, history, passed, outcome, statistics, lines, error)
       end if
       call add_fault(error)
+      ! Of a checkpoint that does not fit nothing is kept
+      if (allocated(guard%snapshot%missing)) history%failed = .true.
       if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
       call record_steps(scene, passed, history%history_type, write_error)
       report = scene%warnings//guard%note_line(path)//path//': '//scene%system%model%heading//lines//newline//'   '// &

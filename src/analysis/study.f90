@@ -3,6 +3,7 @@
 module limber_analysis_study
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
+   use limber_base_files, only: longest_path
    use limber_base_text, only: newline
    use limber_analysis_study_plan, only: plan_type, setting_type, read_plan, axis_modes, axis_fidelity
    use limber_analysis_study_reference, only: reference_type, read_reference
@@ -10,6 +11,7 @@ module limber_analysis_study
    use limber_analysis_study_results, only: open_results, add_runs
    use limber_analysis_study_runs, only: run_type, make_reference, fine_setting, run_grid, run_family
    use limber_output_history, only: history_type
+   use limber_output_places, only: check_place
    use limber_output_progress, only: progress_type
    implicit none
    private
@@ -40,6 +42,8 @@ contains
       if (allocated(error)) return
       results = output
       if (results == '') results = 'study.h5'
+      call check_place(results, [character(longest_path) :: plan%deck%source%paths(), plan%reference], error)
+      if (allocated(error)) return
       if (plan%reference /= '') call read_reference(plan, reference, error)
       if (allocated(error)) return
       call open_results(plan, results, force, file, error)

@@ -3,6 +3,7 @@
 module limber_analysis_study_reference
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_files, only: kind_of_path, path_file
    use limber_base_text, only: as_text
    use limber_analysis_errors, only: magnitude
    use limber_analysis_study_plan, only: plan_type
@@ -79,6 +80,10 @@ contains
       integer :: unit, status, pass, count
       allocate (names(0))
       place = 0
+      if (kind_of_path(plan%reference) /= path_file) then
+         call raise(error, plan%reference//': is no file', status_deck)
+         return
+      end if
       open (newunit=unit, file=plan%reference, status='old', action='read', iostat=status)
       if (status /= 0) then
          call raise(error, plan%reference//': cannot be read', status_deck)

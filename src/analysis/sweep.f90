@@ -9,7 +9,8 @@ module limber_analysis_sweep
    use limber_analysis_sweep_plan, only: sweep_type, axis_type, plan_sweep
    use limber_analysis_sweep_pool, only: run_rows
    use limber_analysis_sweep_rows, only: row_type, read_journals, row_done, row_missing
-   use limber_analysis_sweep_summary, only: write_summary, summary_report
+   use limber_analysis_sweep_summary, only: write_summary, summary_report, is_table
+   use limber_output_places, only: check_place
    implicit none
    private
    public :: sweep_deck, sweep_request_type
@@ -57,7 +58,7 @@ contains
          if (base(len(base) - 2:) == '.h5') base = base(:len(base) - 3)
       end if
       folder = base//'.rows'
-      call check_place(results, folder, force, error)
+      call check_places(results, base//'.csv', folder, sweep%sources, force, error)
       if (allocated(error)) return
       call read_journals(folder, sweep, rows)
       waiting = pack([(i, i=1, size(rows))], rows%state /= row_done)
@@ -109,18 +110,31 @@ contains
    end subroutine sweep_deck
 
    !> The place for the summary: with `force` what is there is forgotten, and a file of another kind is kept without it.
-   subroutine check_place(results, folder, force, error)
-      character(*), intent(in) :: results, folder
+   subroutine check_places(results, csv, folder, sources, force, error)
+      character(*), intent(in) :: results, csv, folder
+      !> Files of the deck
+      character(*), intent(in) :: sources(:)
       logical, intent(in) :: force
       type(error_type), allocatable, intent(out) :: error
       character(longest_path), allocatable :: journals(:)
-      logical :: exists
+      logical :: exists, fits
       integer :: i
+      call check_place(results, sources, error)
+      if (.not. allocated(error)) call check_place(csv, sources, error)
+      if (.not. allocated(error)) call check_place(csv//'.new', sources, error)
+      if (allocated(error)) return
       call files_like(folder, '.journal', journals)
       inquire (file=results, exist=exists)
       if (exists .and. size(journals) == 0 .and. .not. force) then
          call raise(error, results//' exists, and is no summary of rows in '//folder// &
             & '; give --force to overwrite it or -o for another name', status_deck)
+         return
+      end if
+      fits = is_table(csv) .or. force
+      if (fits) fits = is_table(csv//'.new')
+      if (.not. fits) then
+         call raise(error, csv//' or '//csv//'.new exists, and is no table of a sweep; move it away, or give -o for another name', &
+            & status_deck)
          return
       end if
       if (force) then
@@ -129,7 +143,7 @@ contains
          end do
       end if
       call make_folder(folder)
-   end subroutine check_place
+   end subroutine check_places
 
    !> Part of the rows that belongs to this task of a job array, or to this rank of a parallel job.
    subroutine ask_scheduler(request)

@@ -1,6 +1,7 @@
 !> What a sweep runs: the values of parameters row by row, from *SWEEP and the command line. Floor: analysis; deck -> plan.
 module limber_analysis_sweep_plan
    use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_files, only: longest_path
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text, lowercase, newline
    use limber_base_version, only: version, commit
@@ -43,6 +44,8 @@ module limber_analysis_sweep_plan
       !> Whether histories are kept, and CPU time after which a run is given up [s]
       logical :: keep = .false.
       real(wp) :: limit = huge(1.0_wp)
+      !> Its files, those that it includes and reads among them, padded with blanks
+      character(longest_path), allocatable :: sources(:)
       !> Text of the deck
       character(:), allocatable :: text
    end type sweep_type
@@ -81,6 +84,7 @@ contains
       end associate
       associate (source => scene%deck%source)
          sweep%text = source%text_of(1, 1, size(source%files(1)%lines))
+         allocate (sweep%sources, source=source%paths())
       end associate
       call make_keys(scene%deck, sweep)
    end subroutine plan_sweep

@@ -3,7 +3,7 @@
 !> Floor: analysis.
 module limber_analysis_sweep_rows
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_files, only: append_text, files_like, longest_path
+   use limber_base_files, only: append_text, files_like, longest_path, kind_of_path, path_file
    use limber_base_kinds, only: wp
    use limber_base_names, only: name_index_type
    use limber_base_process, only: host_name, own_number
@@ -126,6 +126,7 @@ contains
       type(row_type), intent(inout) :: rows(:)
       character(longest) :: line
       integer :: unit, status
+      if (kind_of_path(path) /= path_file) return
       open (newunit=unit, file=path, action='read', recl=longest, iostat=status)
       if (status /= 0) return
       do

@@ -2,7 +2,7 @@
 !> commas. Floor: analysis.
 module limber_analysis_sweep_summary
    use limber_base_error, only: error_type, raise
-   use limber_base_files, only: append_text, rename_file, remove_file
+   use limber_base_files, only: append_text, rename_file, remove_file, first_bytes
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
    use limber_base_version, only: version, commit
@@ -10,9 +10,10 @@ module limber_analysis_sweep_summary
    use limber_analysis_sweep_pool, only: history_name
    use limber_analysis_sweep_rows, only: row_type, row_states, row_missing, row_done, row_refused, row_failed, row_crashed
    use limber_output_history, only: history_type
+   use limber_output_own, only: remove_own
    implicit none
    private
-   public :: write_summary, summary_report
+   public :: write_summary, summary_report, is_table
 
 contains
 
@@ -29,7 +30,7 @@ contains
       call write_results(sweep, rows, folder, path//'.new', error)
       if (.not. allocated(error)) call write_text(sweep, rows, folder, csv//'.new', error)
       if (allocated(error)) then
-         call remove_file(path//'.new')
+         call remove_own(path//'.new', '')
          call remove_file(csv//'.new')
          return
       end if
@@ -37,6 +38,14 @@ contains
       if (ok) call rename_file(csv//'.new', csv, ok)
       if (.not. ok) call raise(error, 'cannot give '//path//'.new its name')
    end subroutine write_summary
+
+   !> Whether a file is a table of a sweep, or nothing is there.
+   logical function is_table(path)
+      character(*), intent(in) :: path
+      character(:), allocatable :: bytes
+      bytes = first_bytes(path, 4)
+      is_table = bytes == 'row,' .or. len(bytes) == 0
+   end function is_table
 
    subroutine write_results(sweep, rows, folder, path, error)
       type(sweep_type), intent(in) :: sweep
@@ -46,7 +55,7 @@ contains
       type(history_type) :: file
       type(error_type), allocatable :: close_error
       integer :: i
-      call remove_file(path)
+      call remove_own(path, '')
       call file%create(path, .false., version, error)
       if (.not. allocated(error)) call file%define_time('row', error)
       do i = 1, size(sweep%names)

@@ -1,13 +1,16 @@
 !> Files and folders, as POSIX has them: names, lists. Floor: base.
 module limber_base_files
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, c_null_char, c_null_funptr, c_null_ptr, &
-      & c_funptr, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int16_t, c_int32_t, c_int64_t, c_loc, &
+      & c_null_char, c_null_funptr, c_null_ptr, c_funptr, c_ptr, c_size_t
    implicit none
    private
    public :: rename_file, copy_file, append_text, make_folder, files_like, remove_file, is_folder, may_write, is_locked
+   public :: kind_of_path, same_file, unused_name, first_bytes
 
    !> Longest path
    integer, parameter, public :: longest_path = 4096
+   !> What stands under a path: nothing, a file with content, a folder, anything else (a pipe, a device, a socket)
+   integer, parameter, public :: path_free = 0, path_file = 1, path_folder = 2, path_other = 3
    !> Bytes that are copied at a time
    integer(c_size_t), parameter :: block_size = 1048576
 
@@ -18,7 +21,27 @@ module limber_base_files
       integer(c_size_t) :: rest(32) = 0
    end type glob_type
 
+   !> The beginning of Linux' struct statx, the same on all processors, and room for the rest
+   type, bind(c) :: status_type
+      integer(c_int32_t) :: mask = 0, block_size = 0
+      integer(c_int64_t) :: attributes = 0
+      integer(c_int32_t) :: links = 0, user = 0, group = 0
+      !> The kind of the file in its high bits
+      integer(c_int16_t) :: mode = 0, spare = 0
+      integer(c_int64_t) :: number = 0, length = 0
+      integer(c_int64_t) :: until_device(11) = 0
+      integer(c_int32_t) :: device(2) = 0
+      integer(c_int64_t) :: rest(16) = 0
+   end type status_type
+
    interface
+      integer(c_int) function c_statx(folder, path, flags, mask, status) bind(c, name='statx')
+         import :: c_char, c_int, status_type
+         integer(c_int), value :: folder
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), value :: flags, mask
+         type(status_type), intent(inout) :: status
+      end function c_statx
       integer(c_int) function c_rename(old, new) bind(c, name='rename')
          import :: c_char, c_int
          character(kind=c_char), intent(in) :: old(*), new(*)
@@ -147,10 +170,81 @@ contains
       reason = trim(text)
    end function last_reason
 
+   !> What the system says of a path; nothing is opened, for that would wait at a pipe.
+   subroutine ask_status(path, status, ok)
+      character(*), intent(in) :: path
+      type(status_type), intent(out) :: status
+      !> False if there is nothing
+      logical, intent(out) :: ok
+      integer(c_int), parameter :: working_folder = -100, basic = 2047
+      ok = c_statx(working_folder, path//c_null_char, 0_c_int, basic, status) == 0
+   end subroutine ask_status
+
+   !> What stands under a path, links followed: one of path_free, path_file, path_folder, path_other.
+   integer function kind_of_path(path) result(kind)
+      character(*), intent(in) :: path
+      type(status_type) :: status
+      logical :: ok
+      kind = path_free
+      call ask_status(path, status, ok)
+      if (.not. ok) return
+      select case (iand(ishft(iand(int(status%mode), 65535), -12), 15))
+      case (8); kind = path_file
+      case (4); kind = path_folder
+      case default; kind = path_other
+      end select
+   end function kind_of_path
+
+   !> Whether two paths lead to the same file.
+   logical function same_file(a, b)
+      character(*), intent(in) :: a, b
+      type(status_type) :: of_a, of_b
+      logical :: ok(2)
+      call ask_status(a, of_a, ok(1))
+      call ask_status(b, of_b, ok(2))
+      same_file = .false.
+      if (all(ok)) same_file = of_a%number == of_b%number .and. all(of_a%device == of_b%device)
+   end function same_file
+
+   !> A name beside a path that nothing has: with the ending, or with a number behind that.
+   function unused_name(path, ending) result(name)
+      character(*), intent(in) :: path, ending
+      character(:), allocatable :: name
+      character(12) :: number
+      integer :: i
+      name = path//ending
+      do i = 2, 1000000
+         if (kind_of_path(name) == path_free) return
+         write (number, '(i0)') i
+         name = path//ending//trim(number)
+      end do
+   end function unused_name
+
+   !> The first bytes of a file; fewer if it is shorter, none if it cannot be read.
+   function first_bytes(path, count) result(bytes)
+      character(*), intent(in) :: path
+      integer, intent(in) :: count
+      character(:), allocatable :: bytes
+      character(kind=c_char), target :: buffer(count)
+      type(c_ptr) :: stream
+      integer(c_size_t) :: length
+      integer(c_int) :: ignored
+      integer :: i
+      bytes = ''
+      if (kind_of_path(path) /= path_file) return
+      stream = c_fopen(path//c_null_char, 'r'//c_null_char)
+      if (.not. c_associated(stream)) return
+      length = c_fread(c_loc(buffer), 1_c_size_t, int(count, c_size_t), stream)
+      ignored = c_fclose(stream)
+      do i = 1, int(length)
+         bytes = bytes//buffer(i)
+      end do
+   end function first_bytes
+
    !> Whether a path is that of a folder.
    logical function is_folder(path)
       character(*), intent(in) :: path
-      inquire (file=path//'/.', exist=is_folder)
+      is_folder = kind_of_path(path) == path_folder
    end function is_folder
 
    !> Whether this user may write a file that is there.
@@ -167,6 +261,7 @@ contains
       type(c_ptr) :: stream
       integer(c_int) :: ignored
       is_locked = .false.
+      if (kind_of_path(path) /= path_file) return
       stream = c_fopen(path//c_null_char, 'r'//c_null_char)
       if (.not. c_associated(stream)) return
       is_locked = c_flock(c_fileno(stream), shared_without_waiting) /= 0

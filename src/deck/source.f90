@@ -2,6 +2,7 @@
 !> may have to be shown. Floor: deck.
 module limber_deck_source
    use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_files, only: kind_of_path, longest_path, path_free, path_folder, path_other
    use limber_base_text, only: as_text, newline
    use limber_base_kinds, only: long
    use limber_deck_origin, only: origin_type
@@ -50,6 +51,7 @@ module limber_deck_source
       procedure :: text_of
       procedure :: line_at
       procedure :: path_of
+      procedure :: paths
    end type source_type
 
 contains
@@ -165,6 +167,16 @@ contains
       if (origin%file >= 1 .and. origin%file <= self%count) path = self%files(origin%file)%path
    end function path_of
 
+   !> Paths of all files, padded with blanks.
+   pure function paths(self) result(list)
+      class(source_type), intent(in) :: self
+      character(longest_path) :: list(self%count)
+      integer :: i
+      do i = 1, self%count
+         list(i) = self%files(i)%path
+      end do
+   end function paths
+
    !> Reads a whole file into a text.
    subroutine slurp(path, text, error)
       character(*), intent(in) :: path
@@ -173,17 +185,8 @@ contains
       character(200) :: reason
       integer :: unit, status
       integer(long) :: bytes
-      logical :: exists
-      inquire (file=path, exist=exists)
-      if (len_trim(path) == 0 .or. .not. exists) then
-         call raise(error, "there is no file '"//path//"'", status_deck)
-         return
-      end if
-      inquire (file=path//'/.', exist=exists)
-      if (exists) then
-         call raise(error, "cannot read '"//path//"': it is a folder", status_deck)
-         return
-      end if
+      call check_readable(path, error)
+      if (allocated(error)) return
       reason = ''
       open (newunit=unit, file=path, access='stream', form='unformatted', status='old', action='read', &
          & iostat=status, iomsg=reason)
@@ -204,6 +207,20 @@ contains
       end if
       close (unit, iostat=status)
    end subroutine slurp
+
+   !> Refuses what is no file with content: a pipe would be waited for.
+   subroutine check_readable(path, error)
+      character(*), intent(in) :: path
+      type(error_type), allocatable, intent(out) :: error
+      integer :: kind
+      kind = path_free
+      if (len_trim(path) > 0) kind = kind_of_path(path)
+      select case (kind)
+      case (path_free); call raise(error, "there is no file '"//path//"'", status_deck)
+      case (path_folder); call raise(error, "cannot read '"//path//"': it is a folder", status_deck)
+      case (path_other); call raise(error, "cannot read '"//path//"': it is a pipe or a device, not a file", status_deck)
+      end select
+   end subroutine check_readable
 
    !> Cuts a text into lines; a byte-order mark and carriage returns before a line end are dropped.
    subroutine split_lines(text, lines)

@@ -1,9 +1,13 @@
 !> A file with all that a run remembers, beside its results, by which it can go on later. It is written under another name and then
 !> takes the place of the one before, so that there is always a whole one. Floor: output.
 !>
-!>     /                  attributes format = "limber-checkpoint", format_version, program, run, samples, time
+!>     /                  attributes format = "limber-checkpoint", format_version, samples, time
+!>     /program, /run     texts: version and build of limber, number of the run
 !>     /deck              text: the deck that is run
 !>     /reals, /integers  the snapshot
+!>
+!> All of it is checked where it is read: the datasets by a checksum each (Fletcher32), the attributes and what leads to them by those
+!> of HDF5's own structures (of version 1.10, `create_file`). A file of which a bit has changed is refused.
 module limber_output_checkpoint
    use hdf5, only: hid_t
    use limber_base_error, only: error_type, raise, status_deck
@@ -11,15 +15,16 @@ module limber_output_checkpoint
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_output_hdf5, only: create_file, open_file, close_file, write_attribute, write_dataset
+   use limber_output_hdf5, only: create_file, open_file, close_file, write_attribute
+   use limber_output_hdf5_checked, only: write_checked, write_checked_label
    use limber_output_hdf5_error, only: no_id
    use limber_output_hdf5_read, only: read_attribute, read_dataset
    implicit none
    private
-   public :: checkpoint_type, write_checkpoint, read_checkpoint, checkpoint_name
+   public :: checkpoint_type, write_checkpoint, read_checkpoint, checkpoint_name, checkpoint_format
 
    character(*), parameter :: checkpoint_format = 'limber-checkpoint'
-   integer, parameter :: checkpoint_version = 1
+   integer, parameter :: checkpoint_version = 2
 
    !> What it says of its run
    type :: checkpoint_type
@@ -54,17 +59,17 @@ contains
       type(error_type), allocatable :: close_error
       integer(hid_t) :: file
       logical :: ok
-      call create_file(path//'.new', .true., file, error)
+      call create_file(path//'.new', .true., file, error, checked=.true.)
       if (allocated(error)) return
-      call write_attribute(file, '/', 'format', checkpoint_format, error)
+      call write_checked_label(file, 'format', checkpoint_format, error)
       if (.not. allocated(error)) call write_attribute(file, '/', 'format_version', checkpoint_version, error)
-      if (.not. allocated(error)) call write_attribute(file, '/', 'program', checkpoint%program, error)
-      if (.not. allocated(error)) call write_attribute(file, '/', 'run', checkpoint%run, error)
       if (.not. allocated(error)) call write_attribute(file, '/', 'samples', checkpoint%samples, error)
       if (.not. allocated(error)) call write_attribute(file, '/', 'time', checkpoint%time, error)
-      if (.not. allocated(error)) call write_dataset(file, '/deck', checkpoint%deck, error)
-      if (.not. allocated(error)) call write_dataset(file, '/reals', snapshot%reals(:snapshot%real_count), error)
-      if (.not. allocated(error)) call write_dataset(file, '/integers', snapshot%integers(:snapshot%integer_count), error)
+      if (.not. allocated(error)) call write_checked(file, '/program', checkpoint%program, error)
+      if (.not. allocated(error)) call write_checked(file, '/run', checkpoint%run, error)
+      if (.not. allocated(error)) call write_checked(file, '/deck', checkpoint%deck, error)
+      if (.not. allocated(error)) call write_checked(file, '/reals', snapshot%reals(:snapshot%real_count), error)
+      if (.not. allocated(error)) call write_checked(file, '/integers', snapshot%integers(:snapshot%integer_count), error)
       call close_file(path//'.new', file, close_error)
       if (allocated(close_error) .and. .not. allocated(error)) call move_alloc(close_error, error)
       if (.not. allocated(error)) then
@@ -100,14 +105,17 @@ contains
          if (version /= checkpoint_version) call raise(error, path//' has version '//as_text(version)// &
             & ' of the format of checkpoints; this limber reads version '//as_text(checkpoint_version), status_deck)
       end if
-      if (.not. allocated(error)) call read_attribute(file, '/', 'program', checkpoint%program, error)
-      if (.not. allocated(error)) call read_attribute(file, '/', 'run', checkpoint%run, error)
       if (.not. allocated(error)) call read_attribute(file, '/', 'samples', checkpoint%samples, error)
       if (.not. allocated(error)) call read_attribute(file, '/', 'time', checkpoint%time, error)
+      if (.not. allocated(error)) call read_dataset(file, '/program', checkpoint%program, error)
+      if (.not. allocated(error)) call read_dataset(file, '/run', checkpoint%run, error)
       if (.not. allocated(error)) call read_dataset(file, '/deck', checkpoint%deck, error)
       if (.not. allocated(error)) call read_dataset(file, '/reals', snapshot%reals, error)
       if (.not. allocated(error)) call read_dataset(file, '/integers', numbers, error)
       if (.not. allocated(error)) allocate (snapshot%integers, source=nint(numbers))
+      if (allocated(error)) then
+         if (index(error%message, path) /= 1) error%message = path//' is damaged: '//error%message
+      end if
       call close_file(path, file, ignored)
    end subroutine read_checkpoint
 

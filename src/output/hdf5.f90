@@ -11,7 +11,7 @@ module limber_output_hdf5
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
    use hdf5, only: hid_t, hsize_t, size_t, h5pset_fapl_core_f, h5fcreate_f, h5fopen_f, h5fclose_f, h5fis_hdf5_f, &
       & h5f_acc_excl_f, h5f_acc_trunc_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_close_strong_f, &
-      & h5f_libver_v18_f, h5pcreate_f, h5pclose_f, &
+      & h5f_libver_v18_f, h5f_libver_latest_f, h5pcreate_f, h5pclose_f, &
       & h5pset_fclose_degree_f, h5pset_libver_bounds_f, h5pset_link_creation_order_f, h5p_crt_order_indexed_f, &
       & h5p_crt_order_tracked_f, h5p_file_access_f, h5p_file_create_f, h5p_group_create_f, h5gcreate_f, h5gclose_f, &
       & h5ldelete_f, h5oopen_f, h5oclose_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, &
@@ -20,13 +20,14 @@ module limber_output_hdf5
       & h5t_ieee_f64le
    use h5lt, only: h5ltmake_dataset_double_f, h5ltmake_dataset_int_f, h5ltpath_valid_f
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_files, only: is_locked, remove_file
+   use limber_base_files, only: is_locked, remove_file, kind_of_path, path_free, path_folder, path_other
    use limber_base_kinds, only: wp, long
    use limber_output_hdf5_error, only: hdf5_error, no_id, open_library, reason_in_use, stack_reason
+   use limber_output_hdf5_inside, only: check_inside
    implicit none
    private
    public :: create_file, check_unused, open_file, reopen_file, close_file, create_group, object_exists, write_attribute, &
-      & write_dataset
+      & write_dataset, clear_the_way
 
    !> Sets an attribute of an object, replacing an older value:
    !> `call write_attribute(file, path, name, value, error)`; value is a text, integer, long, real or real (:)
@@ -46,7 +47,7 @@ contains
    !> Creates a file. Nothing is touched unless it can be created; with `overwrite` an existing file is emptied
    !> at once. The file keeps to the format of HDF5 1.8, which has no mark of "open for writing" that would have
    !> to be cleared after a kill, and which lets the list of a scale's users grow past 64 kB.
-   subroutine create_file(path, overwrite, file, error, in_memory)
+   subroutine create_file(path, overwrite, file, error, in_memory, checked)
       !> Name of the file
       character(*), intent(in) :: path
       !> Whether an existing file may be replaced
@@ -57,6 +58,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Whether it stays in memory, and is lost when it is closed; false if absent
       logical, intent(in), optional :: in_memory
+      !> Whether all structures have checksums, as those of HDF5 1.10 have: of no use to what is read while it is written
+      logical, intent(in), optional :: checked
       integer(hid_t) :: creation, access
       integer :: status, tracked
       logical :: exists, stays
@@ -79,6 +82,9 @@ contains
       call h5pset_link_creation_order_f(creation, tracked, status)
       call h5pcreate_f(h5p_file_access_f, access, status)
       call h5pset_libver_bounds_f(access, h5f_libver_v18_f, h5f_libver_v18_f, status)
+      if (present(checked)) then
+         if (checked) call h5pset_libver_bounds_f(access, h5f_libver_latest_f, h5f_libver_latest_f, status)
+      end if
       call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
       if (stays) call h5pset_fapl_core_f(access, 65536_size_t, .false., status)
       call h5fcreate_f(path, merge(h5f_acc_trunc_f, h5f_acc_excl_f, overwrite), file, status, creation, access)
@@ -113,15 +119,15 @@ contains
       !> Allocated if it is missing, no HDF5 file, or damaged
       type(error_type), allocatable, intent(out) :: error
       integer :: status
-      logical :: exists, is_hdf5
+      logical :: is_hdf5
       file = no_id
       call open_library(error)
       if (allocated(error)) return
-      inquire (file=path, exist=exists)
-      if (.not. exists) then
-         call raise(error, path//' does not exist', status_deck)
-         return
-      end if
+      select case (kind_of_path(path))
+      case (path_free); call raise(error, path//' does not exist', status_deck)
+      case (path_folder, path_other); call raise(error, path//' is not an HDF5 file', status_deck)
+      end select
+      if (allocated(error)) return
       call h5fis_hdf5_f(path, is_hdf5, status)
       if (status >= 0 .and. .not. is_hdf5) then
          call raise(error, path//' is not an HDF5 file', status_deck)
@@ -131,7 +137,12 @@ contains
       if (status < 0) then
          file = no_id
          call raise(error, 'cannot open '//path//': '//stack_reason(), status_deck)
+         return
       end if
+      call check_inside(path, file, error)
+      if (.not. allocated(error)) return
+      call h5fclose_f(file, status)
+      file = no_id
    end subroutine open_file
 
    !> Opens a file that is there for writing.

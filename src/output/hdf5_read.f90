@@ -10,7 +10,7 @@ module limber_output_hdf5_read
       & h5t_native_integer, h5t_native_double, h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, &
       & h5t_string_f
    use h5lt, only: h5ltread_dataset_double_f
-   use limber_base_error, only: error_type, raise, status_deck
+   use limber_base_error, only: error_type, raise, status_deck, status_run
    use limber_base_kinds, only: wp
    use limber_output_hdf5_error, only: hdf5_error, text_of
    implicit none
@@ -227,9 +227,11 @@ contains
       character(:), allocatable, intent(out) :: value
       type(error_type), allocatable, intent(out) :: error
       integer(hid_t) :: dataset, string, space
+      integer(size_t) :: length
       integer :: status
       type(c_ptr), target :: pointer_to_text
       type(c_ptr) :: place
+      character(:), allocatable, target :: buffer
       value = ''
       call h5dopen_f(file, path, dataset, status)
       if (status < 0) then
@@ -244,6 +246,18 @@ contains
          call h5dread_f(dataset, string, place, status)
          if (status < 0) call hdf5_error(error, file, 'cannot read '//path, status_deck)
          call take_text(pointer_to_text, string, space, value)
+      else if (kind_of_text(string, space) == fixed_text) then
+         call h5tget_size_f(string, length, status)
+         allocate (character(length) :: buffer, stat=status)
+         if (status == 0) then
+            place = c_loc(buffer(1:1))
+            call h5dread_f(dataset, string, place, status)
+         end if
+         if (status == 0) then
+            value = buffer(:index(buffer//achar(0), achar(0)) - 1)
+         else
+            call hdf5_error(error, file, 'cannot read '//path, status_deck)
+         end if
       else
          call raise(error, path//' is not a text', status_deck)
       end if
@@ -265,7 +279,11 @@ contains
          call raise(error, path//' does not have one dimension', status_deck)
          return
       end if
-      allocate (value(extent(1)))
+      allocate (value(extent(1)), stat=status)
+      if (status /= 0) then
+         call raise(error, path//' is too large for the memory', status_run)
+         return
+      end if
       call h5ltread_dataset_double_f(file, path, value, extent, status)
       if (status < 0) call hdf5_error(error, file, 'cannot read '//path, status_deck)
    end subroutine read_dataset_reals
@@ -284,7 +302,11 @@ contains
          call raise(error, path//' has neither one nor two dimensions', status_deck)
          return
       end if
-      allocate (value(extent(1), extent(2)))
+      allocate (value(extent(1), extent(2)), stat=status)
+      if (status /= 0) then
+         call raise(error, path//' is too large for the memory', status_run)
+         return
+      end if
       call h5ltread_dataset_double_f(file, path, value, extent, status)
       if (status < 0) call hdf5_error(error, file, 'cannot read '//path, status_deck)
    end subroutine read_dataset_table

@@ -2,12 +2,12 @@
 !> Source: HDF5 1.10 User's Guide, chunked storage and hyperslabs.
 module limber_output_hdf5_series
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_c_binding, only: c_loc
-   use hdf5, only: hid_t, hsize_t, h5pcreate_f, h5pclose_f, h5pset_chunk_f, h5pset_fill_value_f, &
+   use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
+   use hdf5, only: hid_t, hsize_t, h5pcreate_f, h5pclose_f, h5pset_chunk_f, h5pset_fill_value_f, h5pset_fletcher32_f, h5dread_f, &
       & h5p_dataset_create_f, h5dcreate_f, h5dopen_f, h5dwrite_f, h5dclose_f, h5dset_extent_f, h5dget_space_f, &
       & h5screate_simple_f, h5sclose_f, h5sselect_hyperslab_f, h5s_select_set_f, h5s_unlimited_f, &
       & h5t_ieee_f64le, h5t_native_double
-   use limber_base_error, only: error_type
+   use limber_base_error, only: error_type, status_deck
    use limber_base_kinds, only: wp
    use limber_output_hdf5_error, only: hdf5_error, no_id
    implicit none
@@ -26,7 +26,8 @@ module limber_output_hdf5_series
 
 contains
 
-   !> Creates an empty extendible dataset of reals; rows that a kill leaves unwritten read as NaN.
+   !> Creates an empty extendible dataset of reals; rows that a kill leaves unwritten read as NaN, and a checksum of
+   !> each chunk keeps damaged ones from being read.
    subroutine create_series(file, path, width, chunk_rows, series, error)
       !> Open file
       integer(hid_t), intent(in) :: file
@@ -50,6 +51,7 @@ contains
       call h5screate_simple_f(rank, extent(3 - rank:), space, ignored, limit(3 - rank:))
       call h5pcreate_f(h5p_dataset_create_f, creation, ignored)
       call h5pset_chunk_f(creation, rank, chunk(3 - rank:), ignored)
+      call h5pset_fletcher32_f(creation, ignored)
       call h5pset_fill_value_f(creation, h5t_native_double, ieee_value(0.0_wp, ieee_quiet_nan), ignored)
       call h5dcreate_f(file, path, h5t_ieee_f64le, space, series%id, status, dcpl_id=creation)
       if (status < 0) then
@@ -61,7 +63,7 @@ contains
       call h5sclose_f(space, ignored)
    end subroutine create_series
 
-   !> Opens a series that is there, and cuts it off behind some rows.
+   !> Opens a series that is there, reads it once for its checksums, and cuts it off behind some rows.
    subroutine reopen_series(file, path, width, rows, series, error)
       !> Open file
       integer(hid_t), intent(in) :: file
@@ -80,12 +82,45 @@ contains
          series%id = no_id
          return
       end if
+      series%width = width
+      call check_rows(series, path, rows, error)
+      if (allocated(error)) return
       extent = [width, rows]
       call h5dset_extent_f(series%id, extent(merge(2, 1, width == 1):), status)
       if (status < 0) call hdf5_error(error, file, 'cannot cut off '//path)
-      series%width = width
       series%rows = rows
    end subroutine reopen_series
+
+   !> Reads the rows that are to be left.
+   subroutine check_rows(series, path, rows, error)
+      type(series_type), intent(in) :: series
+      !> For the error
+      character(*), intent(in) :: path
+      integer, intent(in) :: rows
+      !> Allocated if they are damaged
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: at_once = 256
+      real(wp), allocatable, target :: values(:)
+      integer(hsize_t) :: offset(2), extent(2)
+      integer(hid_t) :: memory_space, file_space
+      type(c_ptr) :: place
+      integer :: status, ignored, skip, first
+      allocate (values(series%width*at_once))
+      skip = merge(1, 0, series%width == 1)
+      do first = 0, rows - 1, at_once
+         extent = [series%width, min(at_once, rows - first)]
+         offset = [0, first]
+         call h5screate_simple_f(2 - skip, extent(1 + skip:), memory_space, ignored)
+         call h5dget_space_f(series%id, file_space, ignored)
+         call h5sselect_hyperslab_f(file_space, h5s_select_set_f, offset(1 + skip:), extent(1 + skip:), ignored)
+         place = c_loc(values)
+         call h5dread_f(series%id, h5t_native_double, place, status, memory_space, file_space)
+         if (status < 0) call hdf5_error(error, series%id, 'the samples of '//path//' are damaged', status_deck)
+         call h5sclose_f(file_space, ignored)
+         call h5sclose_f(memory_space, ignored)
+         if (allocated(error)) return
+      end do
+   end subroutine check_rows
 
    !> Appends rows to a series.
    subroutine append_rows(series, rows, values, error)

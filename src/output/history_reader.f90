@@ -107,6 +107,10 @@ contains
       if (.not. allocated(error)) call read_attribute(self%file, '/time', 'units', self%time_units, error)
       if (.not. allocated(error)) call dataset_shape(self%file, '/time', extent, error)
       if (allocated(error)) return
+      if (size(extent) /= 1) then
+         call raise(error, self%path//': /time is not an axis of time', status_deck)
+         return
+      end if
       self%complete = complete /= 0
       self%samples = int(extent(size(extent)))
    end subroutine read_header

@@ -16,6 +16,7 @@
 !>     /motion/connection_angles      (connection): direction of a line, in the frame of the second place's body [rad]
 !>     /motion/connection_radii       pairs of radii of wheels around the two places, 0 where there is none
 module limber_output_motion
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_kinds, only: wp
    use limber_base_text, only: newline
@@ -62,6 +63,9 @@ module limber_output_motion
       !> Heading of its deck, units of length and time
       character(:), allocatable :: heading, length_units, time_units
    end type motion_type
+
+   !> What is farther than this is nowhere: its square would be no number
+   real(wp), parameter :: far = 1.0e100_wp
 
 contains
 
@@ -231,6 +235,7 @@ contains
          call read_reals('connection_places', pairs)
          call read_reals('connection_angles', g%connection_angles)
          call read_reals('connection_radii', radii)
+         if (.not. allocated(error)) call check_motion(reader%path, motion, pairs, radii, error)
          if (allocated(error)) return
          if (size(motion%time) > size(motion%coordinates, 2)) motion%time = motion%time(:size(motion%coordinates, 2))
          allocate (g%connection_places(2, size(pairs)/2), g%connection_radii(2, size(pairs)/2))
@@ -258,6 +263,11 @@ contains
          real(wp), allocatable :: numbers(:)
          call read_reals(name, numbers)
          if (allocated(error)) return
+         if (.not. are_whole(numbers)) then
+            call raise(error, reader%path//': /motion/'//name//' has other numbers than whole ones: the file is damaged', &
+               & status_deck)
+            return
+         end if
          allocate (values(size(numbers)))
          values = nint(numbers)
       end subroutine read_integers
@@ -272,6 +282,84 @@ contains
       end subroutine read_lines
 
    end subroutine read_motion
+
+   !> Whether all are whole numbers that an integer can be.
+   pure logical function are_whole(numbers)
+      real(wp), intent(in) :: numbers(:)
+      are_whole = all(ieee_is_finite(numbers))
+      if (are_whole) are_whole = all(abs(numbers) <= 1.0e9_wp)
+      if (are_whole) are_whole = all(abs(numbers - anint(numbers)) <= 0.0_wp)
+   end function are_whole
+
+   !> Whether all are numbers that can be drawn.
+   elemental logical function is_near(number)
+      real(wp), intent(in) :: number
+      is_near = ieee_is_finite(number)
+      if (is_near) is_near = abs(number) < far
+   end function is_near
+
+   !> Refuses lists that do not fit together, numbers of places and bodies that there are not, and what is no number.
+   subroutine check_motion(path, motion, pairs, radii, error)
+      !> Name of the file
+      character(*), intent(in) :: path
+      type(motion_type), intent(in) :: motion
+      !> Places and radii of connections, one after another
+      real(wp), intent(in) :: pairs(:), radii(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: bodies, places, connections
+      associate (g => motion%geometry)
+         bodies = size(g%bodies)
+         places = size(g%place_names)
+         connections = size(g%connections)
+         call need(size(g%widths) == bodies .and. all(g%widths == 2 .or. g%widths >= 4), 'body_widths')
+         call need(sum(real(g%widths, wp)) <= 1.0e9_wp, 'body_widths')
+         if (.not. allocated(error)) call need(sum(g%widths) == size(motion%coordinates, 1), 'coordinates')
+         call need(all(is_near(motion%coordinates)) .and. all(is_near(motion%time)), 'coordinates')
+         call need(size(g%place_bodies) == places .and. all(g%place_bodies >= 0 .and. g%place_bodies <= bodies), 'place_bodies')
+         call need(size(g%places, 1) == 2 .and. size(g%places, 2) == places .and. all(is_near(g%places)), 'places')
+         if (.not. allocated(error)) call need(size(g%shapes) == 2*all_deflections(g) .and. all(is_near(g%shapes)), 'shapes')
+         call need(size(g%stroke_closed) == size(g%stroke_widths) .and. all(g%stroke_widths >= 0), 'stroke_widths')
+         call need(nint(min(sum(real(g%stroke_widths, wp)), 2.0e9_wp)) == size(g%stroke_places), 'stroke_widths')
+         call need(all(g%stroke_places >= 1 .and. g%stroke_places <= places), 'stroke_places')
+         call need(size(g%connection_types) == connections, 'connection_types')
+         call need(size(pairs) == 2*connections .and. are_whole(pairs), 'connection_places')
+         if (.not. allocated(error)) call need(all(pairs >= 1 .and. pairs <= places), 'connection_places')
+         call need(size(g%connection_angles) == connections .and. all(is_near(g%connection_angles)), 'connection_angles')
+         call need(size(radii) == 2*connections .and. all(is_near(radii)), 'connection_radii')
+         if (.not. allocated(error)) call check_pieces(g)
+      end associate
+
+   contains
+
+      subroutine need(fits, name)
+         logical, intent(in) :: fits
+         character(*), intent(in) :: name
+         if (.not. (fits .or. allocated(error))) call raise(error, path//': /motion/'//name// &
+            & ' does not fit the rest of the motion: the file is damaged', status_deck)
+      end subroutine need
+
+      !> Numbers of deflections of the bodies of all places.
+      integer function all_deflections(g) result(count)
+         type(geometry_type), intent(in) :: g
+         integer :: i
+         count = 0
+         do i = 1, size(g%place_bodies)
+            count = count + deflections(g, g%place_bodies(i))
+         end do
+      end function all_deflections
+
+      !> Pieces of a beam are two bodies.
+      subroutine check_pieces(g)
+         type(geometry_type), intent(in) :: g
+         integer :: i, pieces(2)
+         do i = 1, connections
+            if (g%connection_types(i) /= 'SEGMENTS') cycle
+            pieces = g%place_bodies(nint(pairs(2*i - 1:2*i)))
+            call need(all(pieces > 0) .and. pieces(1) /= pieces(2), 'connection_places')
+         end do
+      end subroutine check_pieces
+
+   end subroutine check_motion
 
    !> First axis of a body's frame, in space (2); of the ground and of point masses along x.
    pure function frame_axis(geometry, coordinates, body) result(axis)

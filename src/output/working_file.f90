@@ -7,8 +7,9 @@
 !> the time at most.
 module limber_output_working_file
    use limber_base_error, only: error_type, raise, status_deck
-   use limber_base_files, only: rename_file, remove_file, copy_file, is_folder, may_write
+   use limber_base_files, only: rename_file, remove_file, copy_file, is_folder, may_write, kind_of_path, path_other
    use limber_base_kinds, only: wp, long
+   use limber_output_own, only: check_own, remove_own
    implicit none
    private
    public :: working_file_type, working_name
@@ -56,11 +57,15 @@ contains
       writable = may_write(path)
       if (is_folder(path)) then
          call raise(error, 'cannot create '//path//': Is a directory', status_deck)
+      else if (kind_of_path(path) == path_other) then
+         call raise(error, 'cannot write '//path//': it is a pipe or a device, not a file', status_deck)
       else if (exists .and. .not. overwrite) then
          call raise(error, path//' exists; give --force to overwrite it or -o for another name', status_deck)
       else if (exists .and. .not. writable) then
          call raise(error, 'cannot overwrite '//path//': Permission denied', status_deck)
       end if
+      if (.not. allocated(error)) call check_own(self%working, '', error)
+      if (.not. allocated(error)) call check_own(path//'.new', '', error)
    end subroutine begin
 
    !> Takes a copy of a file that is there, to go on with.
@@ -113,7 +118,7 @@ contains
       if (ok) then
          self%published = .true.
          ! What a kill has left while a copy was made
-         call remove_file(self%path//'.new')
+         call remove_own(self%path//'.new', '')
       else
          call raise(error, 'cannot give '//self%working//' the name '//self%path//'; the results are in the former')
       end if

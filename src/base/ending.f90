@@ -1,5 +1,6 @@
-!> The end of the program: by `leave` only. A library that ends the process itself (a run-time error, memory that is not to be had, an
-!> abort) would give a status that means something else to limber; here it becomes that of a run that could not finish. Floor: base.
+!> The end of the program: by `leave` only. A library that ends the process itself (a run-time error, memory that is not to be
+!> had, an abort) would give a status that means something else to limber; here it becomes that of a run that could not finish.
+!> Floor: base.
 module limber_base_ending
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_size_t
    use limber_base_error, only: status_run

@@ -6,8 +6,8 @@
 !>     /deck              text: the deck that is run
 !>     /reals, /integers  the snapshot
 !>
-!> All of it is checked where it is read: the datasets by a checksum each (Fletcher32), the attributes and what leads to them by those
-!> of HDF5's own structures (of version 1.10, `create_file`). A file of which a bit has changed is refused.
+!> All of it is checked where it is read: the datasets by a checksum each (Fletcher32), the attributes and what leads to them by
+!> those of HDF5's own structures (of version 1.10, `create_file`). A file of which a bit has changed is refused.
 module limber_output_checkpoint
    use hdf5, only: hid_t
    use limber_base_error, only: error_type, raise, status_deck

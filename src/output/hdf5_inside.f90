@@ -1,9 +1,9 @@
-!> Whether all of an HDF5 file is in the file itself: no link leads elsewhere, and no dataset keeps its numbers in another file. limber
-!> writes none of these, and follows none: they let a results file show what another file holds. Floor: output.
+!> Whether all of an HDF5 file is in the file itself: no link leads elsewhere, and no dataset keeps its numbers in another file.
+!> limber writes none of these, and follows none: they let a results file show what another file holds. Floor: output.
 !> Source: HDF5 1.10 Reference Manual, H5L, H5O, H5P.
 module limber_output_hdf5_inside
    use hdf5, only: hid_t, hsize_t, size_t, h5d_virtual_f, h5dget_create_plist_f, h5gget_info_f, h5gopen_f, h5gclose_f, &
-      & h5i_dataset_f, h5i_group_f, h5iget_type_f, h5l_type_hard_f, h5lget_info_by_idx_f, h5_index_name_f, h5_iter_inc_f, &
+      & h5i_dataset_f, h5i_group_f, h5iget_type_f, h5l_type_hard_f, h5lget_info_by_idx_f, h5_index_name_f, h5_iter_native_f, &
       & h5oclose_f, h5oopen_by_idx_f, h5pclose_f, h5pget_external_count_f, h5pget_layout_f
    use limber_base_error, only: error_type, raise, status_deck
    implicit none
@@ -45,15 +45,16 @@ contains
       logical :: ordered
       call h5gget_info_f(group, storage, count, order, status)
       if (status >= 0 .and. depth > deepest) status = -1
+      ! In the order that HDF5 keeps: it would sort all names anew for each of them in another
       do i = 1, merge(count, 0, status >= 0)
-         call h5lget_info_by_idx_f(group, '.', h5_index_name_f, h5_iter_inc_f, i - 1, link, ordered, order, characters, address, &
-            & length, status)
+         call h5lget_info_by_idx_f(group, '.', h5_index_name_f, h5_iter_native_f, i - 1, link, ordered, order, characters, &
+            & address, length, status)
          if (status >= 0 .and. link /= h5l_type_hard_f) then
             call raise(error, path//': a link in it leads elsewhere, which limber does not follow; '// &
                & 'copy what it leads to into the file', status_deck)
             return
          end if
-         if (status >= 0) call h5oopen_by_idx_f(group, '.', h5_index_name_f, h5_iter_inc_f, i - 1, object, status)
+         if (status >= 0) call h5oopen_by_idx_f(group, '.', h5_index_name_f, h5_iter_native_f, i - 1, object, status)
          if (status < 0) exit
          call h5iget_type_f(object, kind, status)
          if (kind == h5i_dataset_f) call check_dataset(path, object, error)

@@ -171,6 +171,7 @@ contains
       integer :: k
       takes_time = step%dynamics%end > step%dynamics%start
       call try_start(scene, step, statics)
+      if (.not. statics%known .and. step%ramp) call fall_into_place(scene, step, statics)
       if (takes_time) call sample(scene, step, statics, history, outcome, error)
       do k = 1, step%dynamics%outputs
          if (allocated(error)) return
@@ -205,6 +206,32 @@ contains
          call accept(scene, statics, 0.0_wp)
       end associate
    end subroutine try_start
+
+   !> Stable equilibrium under a small part of the loads, where there is none without them, as of what hangs: found at once, so that
+   !> it does not depend on the increments of the deck. Where none is found the state is left as it is.
+   subroutine fall_into_place(scene, step, statics)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      real(wp), parameter :: first_part = 1.0e-3_wp
+      real(wp) :: t
+      logical :: done
+      t = time_of(step, first_part)
+      associate (system => scene%system, work => scene%work, balance => statics%balance)
+         call load_scene(scene, step, first_part, statics)
+         statics%trial = statics%q
+         statics%trial_lambda = statics%lambda
+         call descend(system, work, balance, t, .true., statics%trial, statics%trial_lambda, done)
+         if (.not. done .or. .not. balance%stable) return
+         call judge(system, work, balance, statics%trial_lambda)
+         if (.not. balance%stable) return
+         if (balance%has_left .and. step%instability /= leave_unstable) return
+         if (balance%has_left) call tell_of_leaving(scene, statics, t)
+         statics%known = .true.
+         statics%stable = .true.
+         call accept(scene, statics, first_part)
+      end associate
+   end subroutine fall_into_place
 
    !> Makes the trial the state.
    subroutine accept(scene, statics, part)
@@ -379,8 +406,7 @@ contains
          call raise_neutral(scene, time_of(step, goal), statics%balance%softest, error)
          return
       else if (statics%balance%has_left) then
-         call tell(statics, 'at t = '//as_text(time_of(step, goal), 8)//' the loads were in balance, but not stably, as at a'// &
-            & ' dead centre: '//motion_text(scene%system, statics%balance%left)//'; left for a stable equilibrium')
+         call tell_of_leaving(scene, statics, time_of(step, goal))
       end if
       call judge(scene%system, scene%work, statics%balance, statics%trial_lambda)
       if (statics%balance%flutters) then
@@ -417,6 +443,14 @@ contains
       text = 'flutter: vibrations at '//as_text(statics%balance%frequency, 5)//' rad/'//scene%system%model%units%time// &
          & ' grow; *DYNAMICS shows where they lead'
    end function flutter_text
+
+   subroutine tell_of_leaving(scene, statics, t)
+      type(scene_type), intent(in) :: scene
+      type(statics_type), intent(inout) :: statics
+      real(wp), intent(in) :: t
+      call tell(statics, 'at t = '//as_text(t, 8)//' the loads were in balance, but not stably, as at a dead centre: '// &
+         & motion_text(scene%system, statics%balance%left)//'; left for a stable equilibrium')
+   end subroutine tell_of_leaving
 
    !> The instant, and the part of the loads where they grow.
    function place_text(step, statics) result(text)

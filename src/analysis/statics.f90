@@ -1,55 +1,33 @@
 !> The static analysis: equilibrium under loads that grow, increment by increment, with its stability. Where it turns unstable
 !> the instant is found, and the scene goes on to a stable equilibrium, without a hint of where that is. Floor: analysis.
-!> Source: doc/theory, eqs. (105)-(109).
+!> Source: doc/theory, eqs. (105)-(109), (S3).
 module limber_analysis_statics
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
-   use limber_base_text, only: as_text, newline
+   use limber_base_text, only: as_text
+   use limber_analysis_branch, only: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, &
+      & find_critical, loads_drive, tell, tell_of_leaving
    use limber_analysis_indicators, only: start_indicators
    use limber_analysis_observation, only: observe
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_model_scene, only: step_type, leave_unstable, stop_unstable
-   use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
+   use limber_output_channels, only: new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
-   use limber_output_turns, only: follow_places
-   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium, linearise_balance, judge, &
-      & descend, steady_motion, is_near, extent
+   use limber_system_equilibrium, only: new_equilibrium, judge, descend, steady_motion, extent
    use limber_system_freedom, only: motion_text
-   use limber_system_kinematics, only: advance, place_frames, move_frames, settle_angles
-   use limber_system_efforts, only: effort_load_type
-   use limber_system_loads, only: load_type, dead_force_type, body_torque_type
+   use limber_system_kinematics, only: advance, place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians
    implicit none
    private
    public :: run_statics
 
-   !> Increment, beside the part of the step that is done, below which it is not divided further; that below which it is taken
-   !> where the stiffness jumps; and the least of a step
-   real(wp), parameter :: least_part = 1.0e-9_wp, kink_part = 1.0e-6_wp, least_of_step = 1.0e-13_wp
+   !> Increment, beside the part of the step that is done, below which it is not divided further; and the least of a step
+   real(wp), parameter :: least_part = 1.0e-9_wp, least_of_step = 1.0e-13_wp
    !> Most attempts in one increment of the deck
    integer, parameter :: most_tries = 3000
-
-   !> A static analysis under way
-   type :: statics_type
-      type(equilibrium_type) :: balance
-      type(recorder_type) :: recorder
-      !> Part of the step that is done, and the state there: coordinates (nq), multipliers (nc); a trial of both
-      real(wp) :: part = 0.0_wp
-      real(wp), allocatable :: q(:), lambda(:), trial(:), trial_lambda(:), values(:)
-      !> Whether equilibrium was stable there; and whether that is known
-      logical :: stable = .false., known = .false.
-      !> True if the step ends before its time; and once it goes on along an equilibrium about which vibrations grow
-      logical :: stopped = .false., flutters = .false.
-      !> The last increment that was taken, and the change of the scene in it by its length; zero: none
-      real(wp) :: increment = 0.0_wp, pace = 0.0_wp
-      !> Weight of the deck (2), and rotation at the start of the step
-      real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
-      !> What the user is told
-      character(:), allocatable :: report
-   end type statics_type
 
 contains
 
@@ -109,55 +87,6 @@ contains
       statics%report = ''
    end subroutine start
 
-   !> Sets time-dependent loads, the part of constant ones, and the rotation, to a part of the step.
-   subroutine load_scene(scene, step, part, statics)
-      type(scene_type), intent(inout) :: scene
-      type(step_type), intent(in) :: step
-      real(wp), intent(in) :: part
-      type(statics_type), intent(inout) :: statics
-      if (step%ramp) then
-         scene%system%model%gravity = part*statics%gravity
-         call scale_loads(scene, .true., part)
-      end if
-      statics%balance%rotation = statics%first_rotation + part*(step%rotation - statics%first_rotation)
-      statics%balance%centre = step%centre
-   end subroutine load_scene
-
-   !> Multiplies loads that are constant in time.
-   subroutine scale_loads(scene, is_scaled, factor)
-      type(scene_type), intent(inout) :: scene
-      logical, intent(in) :: is_scaled
-      real(wp), intent(in) :: factor
-      integer :: i
-      do i = 1, size(scene%system%loads)
-         associate (load => scene%system%loads(i)%item)
-            if (.not. is_steady(load)) cycle
-            load%is_scaled = is_scaled
-            load%share = factor
-         end associate
-      end do
-   end subroutine scale_loads
-
-   !> Whether a load is constant in time, so that it may grow from zero.
-   logical function is_steady(load)
-      class(load_type), intent(in) :: load
-      is_steady = .false.
-      select type (load)
-      type is (dead_force_type); is_steady = load%law_x%is_constant() .and. load%law_y%is_constant()
-      type is (body_torque_type); is_steady = load%law%is_constant()
-      type is (effort_load_type)
-         is_steady = load%driven .and. .not. (load%stores .or. load%stiffness > 0.0_wp .or. load%damping > 0.0_wp)
-         if (is_steady) is_steady = load%law%is_constant()
-      end select
-   end function is_steady
-
-   pure real(wp) function time_of(step, part) result(t)
-      type(step_type), intent(in) :: step
-      real(wp), intent(in) :: part
-      t = step%dynamics%start + part*(step%dynamics%end - step%dynamics%start)
-      if (part >= 1.0_wp) t = step%dynamics%end
-   end function time_of
-
    !> All increments, with a sample at the end of each.
    subroutine pass_increments(scene, step, statics, history, progress, outcome, error)
       type(scene_type), intent(inout) :: scene
@@ -185,67 +114,6 @@ contains
       if (.not. allocated(error) .and. statics%stopped .and. .not. takes_time) &
          & call sample(scene, step, statics, history, outcome, error)
    end subroutine pass_increments
-
-   !> Equilibrium at the start of the step, if there is one: a scene that is nowhere near it is left as it is.
-   subroutine try_start(scene, step, statics)
-      type(scene_type), intent(inout) :: scene
-      type(step_type), intent(in) :: step
-      type(statics_type), intent(inout) :: statics
-      logical :: done
-      associate (balance => statics%balance)
-         call load_scene(scene, step, 0.0_wp, statics)
-         statics%trial = statics%q
-         statics%trial_lambda = statics%lambda
-         call find_equilibrium(scene%system, scene%work, balance, time_of(step, 0.0_wp), statics%trial, statics%trial_lambda, &
-            & .false., done)
-         if (.not. done) return
-         call judge(scene%system, scene%work, balance, statics%trial_lambda)
-         if (.not. balance%stable) return
-         statics%known = .true.
-         statics%stable = .true.
-         call accept(scene, statics, 0.0_wp)
-      end associate
-   end subroutine try_start
-
-   !> Stable equilibrium under a small part of the loads, where there is none without them, as of what hangs: found at once, so that
-   !> it does not depend on the increments of the deck. Where none is found the state is left as it is.
-   subroutine fall_into_place(scene, step, statics)
-      type(scene_type), intent(inout) :: scene
-      type(step_type), intent(in) :: step
-      type(statics_type), intent(inout) :: statics
-      real(wp), parameter :: first_part = 1.0e-3_wp
-      real(wp) :: t
-      logical :: done
-      t = time_of(step, first_part)
-      associate (system => scene%system, work => scene%work, balance => statics%balance)
-         call load_scene(scene, step, first_part, statics)
-         statics%trial = statics%q
-         statics%trial_lambda = statics%lambda
-         call descend(system, work, balance, t, .true., statics%trial, statics%trial_lambda, done)
-         if (.not. done .or. .not. balance%stable) return
-         call judge(system, work, balance, statics%trial_lambda)
-         if (.not. balance%stable) return
-         if (balance%has_left .and. step%instability /= leave_unstable) return
-         if (balance%has_left) call tell_of_leaving(scene, statics, t)
-         statics%known = .true.
-         statics%stable = .true.
-         call accept(scene, statics, first_part)
-      end associate
-   end subroutine fall_into_place
-
-   !> Makes the trial the state.
-   subroutine accept(scene, statics, part)
-      type(scene_type), intent(inout) :: scene
-      type(statics_type), intent(inout) :: statics
-      real(wp), intent(in) :: part
-      statics%q = statics%trial
-      statics%lambda = statics%trial_lambda
-      statics%part = part
-      call follow_places(statics%recorder%turns, scene%system, statics%q)
-      if (size(scene%work%kinematics%angles) == 0) return
-      call place_frames(scene%system%model, scene%system%layout, scene%work%kinematics%time, statics%q, scene%work%kinematics)
-      call settle_angles(scene%work%kinematics, .false.)
-   end subroutine accept
 
    !> Equilibrium at a part of the step; increments are divided where the branch of equilibria cannot be followed.
    subroutine advance_to(scene, step, target, statics, history, takes_time, outcome, error)
@@ -312,36 +180,6 @@ contains
       end if
    end function is_acceptable
 
-   !> Newton's method at a part of the step from the present state, and the stability there. From an equilibrium it must stay on
-   !> its branch.
-   subroutine try(scene, step, part, statics, done)
-      type(scene_type), intent(inout) :: scene
-      type(step_type), intent(in) :: step
-      real(wp), intent(in) :: part
-      type(statics_type), intent(inout) :: statics
-      logical, intent(out) :: done
-      !> Most by which the scene may soften at once
-      real(wp), parameter :: softer = 1.0e3_wp
-      associate (system => scene%system, work => scene%work, balance => statics%balance)
-         statics%trial = statics%q
-         statics%trial_lambda = statics%lambda
-         call load_scene(scene, step, part, statics)
-         call find_equilibrium(system, work, balance, time_of(step, part), statics%trial, statics%trial_lambda, statics%known, done)
-         if (.not. done) return
-         if (statics%known) then
-            call load_scene(scene, step, statics%part, statics)
-            call is_near(system, work, balance, time_of(step, statics%part), statics%trial, statics%trial_lambda, done)
-            ! Where a law has a corner the tangents differ, however small the increment
-            if (part - statics%part <= kink_part*part .and. statics%pace > 0.0_wp) done = done .or. &
-               & extent(balance, balance%change) <= softer*statics%pace*(part - statics%part)
-            call load_scene(scene, step, part, statics)
-            if (.not. done) return
-            call linearise_balance(system, work, balance, time_of(step, part), statics%trial, statics%trial_lambda)
-         end if
-         call judge(system, work, balance, statics%trial_lambda)
-      end associate
-   end subroutine try
-
    !> What happens where the next equilibrium is unstable, or there is none.
    subroutine pass_instability(scene, step, next, target, found, statics, history, takes_time, outcome, error)
       type(scene_type), intent(inout) :: scene
@@ -369,7 +207,7 @@ contains
          if (found) then
             call find_critical(scene, step, next, statics)
             motion = statics%balance%softest
-            kind = 'bifurcation: another equilibrium branches off'
+            if (.not. loads_drive(scene, step, statics)) kind = 'bifurcation: another equilibrium branches off'
             if (.not. statics%balance%potential) kind = 'divergence: it is left without vibrating'
             if (statics%balance%flutters) kind = flutter_text(scene, statics)
          end if
@@ -444,14 +282,6 @@ contains
          & ' grow; *DYNAMICS shows where they lead'
    end function flutter_text
 
-   subroutine tell_of_leaving(scene, statics, t)
-      type(scene_type), intent(in) :: scene
-      type(statics_type), intent(inout) :: statics
-      real(wp), intent(in) :: t
-      call tell(statics, 'at t = '//as_text(t, 8)//' the loads were in balance, but not stably, as at a dead centre: '// &
-         & motion_text(scene%system, statics%balance%left)//'; left for a stable equilibrium')
-   end subroutine tell_of_leaving
-
    !> The instant, and the part of the loads where they grow.
    function place_text(step, statics) result(text)
       type(step_type), intent(in) :: step
@@ -469,86 +299,6 @@ contains
          & ' freely, without a force against it (a free motion, or a dead centre, where the loads have no leverage); add a'// &
          & ' driver, a spring or a joint')
    end subroutine raise_neutral
-
-   !> The last part of the step where equilibrium is stable, between the present state and an unstable one: it becomes the present
-   !> state. Regula falsi with halved weights (Illinois) on the lowest stiffness; bisection where loads have no potential. The
-   !> motion that turns unstable is left in the balance.
-   subroutine find_critical(scene, step, next, statics)
-      type(scene_type), intent(inout) :: scene
-      type(step_type), intent(in) :: step
-      real(wp), intent(in) :: next
-      type(statics_type), intent(inout) :: statics
-      integer, parameter :: most = 100
-      real(wp), parameter :: critical_part = 1.0e-12_wp
-      real(wp) :: left, right, of_left, of_right, middle, width, share, frequency
-      real(wp), allocatable :: softest(:)
-      logical :: done, flutters, by_stiffness
-      integer :: round, side
-      left = statics%part
-      right = next
-      share = 1.0_wp
-      of_right = statics%balance%lowest
-      call keep_unstable()
-      by_stiffness = statics%balance%potential
-      call try(scene, step, left, statics, done)
-      if (.not. done) return
-      of_left = statics%balance%lowest
-      by_stiffness = by_stiffness .and. of_left > 0.0_wp .and. of_right < 0.0_wp
-      side = 0
-      do round = 1, most
-         width = right - left
-         if (width <= critical_part*right) exit
-         middle = left + 0.5_wp*width
-         if (by_stiffness .and. round <= 30) middle = left + width*of_left/(of_left - of_right)
-         if (middle <= left .or. middle >= right) middle = left + 0.5_wp*width
-         middle = left + share*(middle - left)
-         call try(scene, step, middle, statics, done)
-         share = min(1.0_wp, 2*share)
-         if (.not. done) then
-            share = 0.25_wp*share
-            if (share < 1.0e-6_wp) exit
-            cycle
-         end if
-         if (by_stiffness .and. abs(statics%balance%lowest) <= 1.0e-14_wp*statics%balance%largest) then
-            call accept(scene, statics, middle)
-            call keep_unstable()
-            exit
-         end if
-         if (statics%balance%stable .or. (by_stiffness .and. statics%balance%lowest > 0.0_wp)) then
-            left = middle
-            of_left = statics%balance%lowest
-            if (side == 1) of_right = 0.5_wp*of_right
-            side = 1
-            call accept(scene, statics, middle)
-         else
-            right = middle
-            of_right = statics%balance%lowest
-            if (side == -1) of_left = 0.5_wp*of_left
-            side = -1
-            call keep_unstable()
-         end if
-      end do
-      call load_scene(scene, step, statics%part, statics)
-      statics%balance%softest = softest
-      statics%balance%flutters = flutters
-      statics%balance%frequency = frequency
-
-   contains
-
-      subroutine keep_unstable()
-         softest = statics%balance%softest
-         flutters = statics%balance%flutters
-         frequency = statics%balance%frequency
-      end subroutine keep_unstable
-
-   end subroutine find_critical
-
-   !> Adds a line to what the user is told.
-   pure subroutine tell(statics, text)
-      type(statics_type), intent(inout) :: statics
-      character(*), intent(in) :: text
-      statics%report = statics%report//newline//'      '//text
-   end subroutine tell
 
    !> The channels at the present state.
    subroutine sample(scene, step, statics, history, outcome, error)

@@ -262,7 +262,7 @@ contains
       real(wp), intent(in) :: t, q(:), lambda(:)
       logical, intent(out) :: near
       !> Difference from the mean of the tangents, and between the two, beside the change of a coordinate and beside the largest
-      real(wp), parameter :: of_own(2) = [0.1_wp, 0.6_wp], of_largest(2) = [0.005_wp, 0.05_wp]
+      real(wp), parameter :: of_own(2) = [0.1_wp, 0.6_wp], of_largest(2) = [5.0e-4_wp, 0.05_wp]
       !> Change that is round-off
       real(wp), parameter :: none = 1.0e-9_wp
       real(wp) :: size_of, largest, own(system%layout%nw), back(system%layout%nw)

@@ -13,6 +13,7 @@ program test_stability
 
    call get_command_argument(1, results)
    call check_toggle()
+   call check_click()
    call check_leap()
    call check_portal()
    call check_ziegler()
@@ -74,6 +75,26 @@ contains
          end do
       end do
    end subroutine check_toggle
+
+   !> A click of 2 mm beside a crank of 2 m that turns by much more.
+   subroutine check_click()
+      integer, parameter :: increments(3) = [1, 4, 40]
+      character(6), parameter :: load(2) = ['P = .1', 'P = 1 ']
+      real(wp), parameter :: critical(2) = [0.03829878864504365_wp, 0.0038298788645043653_wp]
+      character(13) :: changed(2)
+      character(:), allocatable :: report
+      real(wp) :: last
+      integer :: i, j
+      do i = 1, size(increments)
+         do j = 1, size(load)
+            changed(1) = load(j)
+            changed(2) = 'INCREMENTS='//as_text(increments(i))
+            call last_instant('click.inp', [character(13) :: 'P = 0.05', 'INCREMENTS=10'], changed, last, report)
+            call check_close(last/critical(j), 1.0_wp, 1.0e-7_wp, 'a small click beside a large crank, '//trim(changed(2)))
+            call check(index(report, 'limit point, snap-through') > 0, 'it is named: '//report)
+         end do
+      end do
+   end subroutine check_click
 
    !> Without STOP the leap is told, and leads to equilibrium on the other side.
    subroutine check_leap()

@@ -8,6 +8,7 @@ module limber_analysis_scene
    use limber_analysis_laws, only: check_laws
    use limber_analysis_axial, only: axial_verdict_type, axial_target, judge_axial
    use limber_analysis_choice, only: choose_integrator
+   use limber_analysis_given, only: changed_place, changed_velocity
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
@@ -202,12 +203,10 @@ contains
       type(scene_type), intent(inout) :: scene
       type(diagnostics_type), intent(inout) :: diagnostics
       type(error_type), allocatable :: error
-      real(wp), allocatable :: guess(:)
       integer :: culprit
       allocate (scene%q(scene%system%layout%nq), scene%v(scene%system%layout%nq))
       associate (model => scene%system%model)
          call first_guess(scene%system, model%dynamics%start, scene%q, scene%v)
-         allocate (guess, source=scene%v)
          call assemble(scene%system, scene%work, model%dynamics%start, scene%q, scene%v, error, culprit, scene%assembly)
       end associate
       if (allocated(error)) then
@@ -216,7 +215,7 @@ contains
       end if
       call warn_of_redundancy(scene, diagnostics)
       call warn_of_turn(scene, diagnostics)
-      call warn_of_velocities(scene, guess, diagnostics)
+      call warn_of_changes(scene, diagnostics)
       call warn_of_springs(scene, diagnostics)
       if (scene%assembly%rank < scene%assembly%equations) then
          call soften_constraints(scene%system)
@@ -379,49 +378,41 @@ contains
       end associate
    end subroutine warn_of_springs
 
-   !> Says which body that was given a velocity starts with another one, the one that has changed most.
-   subroutine warn_of_velocities(scene, guess, diagnostics)
+   !> Says which body does not start as the deck gives it, the one that has changed most: its place if the motion depends on it, and
+   !> its velocity.
+   subroutine warn_of_changes(scene, diagnostics)
       type(scene_type), intent(in) :: scene
-      !> Velocities as guessed (nq)
-      real(wp), intent(in) :: guess(:)
       type(diagnostics_type), intent(inout) :: diagnostics
-      !> Part of what is given that may change without a word
-      real(wp), parameter :: little = 1.0e-2_wp
+      character(:), allocatable :: text
+      real(wp) :: off
+      integer :: body
+      logical :: matters
+      matters = scene%assembly%rank < sum(scene%system%layout%rates) .and. starts_with_dynamics(scene%system%model)
+      call changed_place(scene%system, scene%q, body, text)
+      ! Of one that has turned far there has been a warning
+      if (scene%assembly%turned > scene%system%model%assembly%largest_turn) matters = matters .and. body /= scene%assembly%body
+      if (matters .and. body > 0) call diagnostics%warn(place_of_body(scene, body), "body '"// &
+         & name_in_deck(scene%system%model, body)//"' does not start where it is given, which its joints do not allow"// &
+         & ' together with what is given of the other bodies: '//text, &
+         & 'give X=, Y= and ANGLE= that its joints allow, or of fewer bodies')
+      call changed_velocity(scene%system, scene%q, scene%v, body, off, text)
+      if (body > 0) call diagnostics%warn(place_of_body(scene, body), "body '"//name_in_deck(scene%system%model, body)// &
+         & "' does not start with the velocity that it is given, which its joints do not allow together with those of the"// &
+         & ' other bodies: it is off by '//as_text(100*off, 2)//' % ('//text//')', &
+         & 'give VX=, VY= and SPIN= as the joints let them move, or of fewer bodies')
+   end subroutine warn_of_changes
+
+   !> Where a body stands in the deck.
+   pure function place_of_body(scene, body) result(origin)
+      type(scene_type), intent(in) :: scene
+      !> Its index
+      integer, intent(in) :: body
       type(origin_type) :: origin
-      character(:), allocatable :: name
-      real(wp) :: v(3), most, found(3)
-      integer :: i, first, worst, block
-      worst = 0
-      most = little
-      associate (model => scene%system%model, layout => scene%system%layout)
-         do i = 1, size(layout%q)
-            first = layout%q(i)
-            v = [guess(first:first + 1), 0.0_wp]
-            found(:2) = scene%v(first:first + 1)
-            found(3) = 0.0_wp
-            if (layout%framed(i)) then
-               v(3) = model%bodies(i)%spin
-               found(3) = cross(scene%q(first + 2:first + 3), scene%v(first + 2:first + 3))
-            end if
-            if (norm2(found(:2) - v(:2)) > most*norm2(v(:2)) .and. norm2(v(:2)) > 0.0_wp) then
-               most = norm2(found(:2) - v(:2))/norm2(v(:2))
-               worst = i
-            end if
-            if (abs(found(3) - v(3)) > most*abs(v(3)) .and. abs(v(3)) > 0.0_wp) then
-               most = abs(found(3) - v(3))/abs(v(3))
-               worst = i
-            end if
-         end do
-         if (worst == 0) return
-         name = name_in_deck(model, worst)
-      end associate
+      integer :: block
       origin = origin_type(file=1)
-      block = scene%deck%find_named('RIGID BODY|POINT MASS|BEAM|FRAME', name)
+      block = scene%deck%find_named('RIGID BODY|POINT MASS|BEAM|FRAME', name_in_deck(scene%system%model, body))
       if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
-      call diagnostics%warn(origin, "body '"//name//"' does not start with the velocity that it is given, which its joints do"// &
-         & ' not allow together with those of the other bodies: it is off by '//as_text(100*most, 2)//' %', &
-         & 'give VX=, VY= and SPIN= of all bodies as the joints let them move')
-   end subroutine warn_of_velocities
+   end function place_of_body
 
    !> What the constraints leave free: degrees of freedom, rank, and the count of Gruebler.
    pure function mobility_line(found, inner) result(text)

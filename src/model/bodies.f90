@@ -27,6 +27,9 @@ contains
       body%velocity = [block%real('VX'), block%real('VY')]
       body%angle = block%real('ANGLE')
       body%spin = block%real('SPIN')
+      body%given = [block%given('X'), block%given('Y'), .false., block%given('VX'), block%given('VY'), .false.]
+      if (kind /= body_point) body%given(3) = block%given('ANGLE')
+      if (kind /= body_point) body%given(6) = block%given('SPIN')
    end function new_body
 
    subroutine add_rigid_body(block, model, diagnostics)

@@ -82,6 +82,8 @@ module limber_model_scene
       type(reduced_type) :: reduced
       !> Guess of the frame's origin [length], its angle [rad], and their rates
       real(wp) :: position(2) = 0.0_wp, angle = 0.0_wp, velocity(2) = 0.0_wp, spin = 0.0_wp
+      !> Which of them the deck gives: X, Y, ANGLE, VX, VY, SPIN
+      logical :: given(6) = .false.
       !> Largest distance between two of its points or nodes [length]
       real(wp) :: size = 0.0_wp
       !> Largest entry of its coordinates' shapes [1/sqrt(mass)]

@@ -11,9 +11,10 @@ module limber_system_assembly
    use limber_model_scene, only: driver_angle
    use limber_system_algebra, only: turn, cross
    use limber_system_closure, only: close_positions, close_velocities, approach, change_between
-   use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
+   use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, hold_columns, given_columns
    use limber_system_dynamics, only: position_residual, velocity_residual
-   use limber_system_kinematics, only: place_frames
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_multiplier, only: update_jacobians
    use limber_system_rank, only: assembly_type, check_rank, check_branch
    use limber_system_redundancy, only: constraint_names
    use limber_system_system, only: system_type, workspace_type
@@ -75,7 +76,7 @@ contains
       start = q
       call new_constraint_matrix(system, .false., frames, dense)
       call new_constraint_matrix(system, .true., bodies, dense)
-      call close_positions(system, work, frames, t, q, done)
+      call close_kept(system, work, frames, t, .false., q, v, done)
       if (.not. done) then
          q = start
          call close_positions(system, work, bodies, t, q, done)
@@ -92,7 +93,7 @@ contains
       if (allocated(error)) return
       frames%truncation = bodies%truncation
       start = v
-      call close_velocities(system, work, frames, q, v, done)
+      call close_kept(system, work, frames, t, .true., q, v, done)
       if (.not. done) then
          v = start
          call close_velocities(system, work, bodies, q, v, done)
@@ -105,6 +106,72 @@ contains
          call check_branch(system, work, bodies, q, v, result, error, culprit)
       end if
    end subroutine put_together
+
+   !> Satisfies the constraints, or the velocity equations, by the frames, and keeps what the deck gives: all of it, or what can be
+   !> kept together of that, angles before places, in the order of the bodies, eq. (L4).
+   subroutine close_kept(system, work, frames, t, rates, q, v, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(constraint_matrix_type), intent(inout) :: frames
+      real(wp), intent(in) :: t
+      !> Whether the velocity equations are meant
+      logical, intent(in) :: rates
+      !> Coordinates and velocities (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      logical, intent(out) :: done
+      !> Numbers of given columns that are tried one by one
+      integer, parameter :: most = 12
+      real(wp) :: start(size(q)), kept(size(q))
+      integer, allocatable :: given(:)
+      logical :: held(frames%columns), any_kept
+      integer :: i
+      start = merge(v, q, rates)
+      allocate (given, source=given_columns(system, frames, rates))
+      held = .false.
+      held(given) = .true.
+      any_kept = .false.
+      if (size(given) > 0) call try(any_kept)
+      if (.not. any_kept) then
+         held = .false.
+         do i = 1, min(most, size(given))
+            held(given(i)) = .true.
+            call try(done)
+            any_kept = any_kept .or. done
+            held(given(i)) = done
+         end do
+      end if
+      done = any_kept
+      held = .false.
+      if (.not. any_kept) then
+         call try(done)
+      else if (rates) then
+         v = kept
+         call move_frames(system%model, system%layout, q, v, work%kinematics)
+      else
+         q = kept
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         call update_jacobians(system, work)
+      end if
+      call hold_columns(frames, [(.false., i=1, frames%columns)])
+
+   contains
+
+      !> Closes with the columns held; what is found is kept.
+      subroutine try(closed)
+         logical, intent(out) :: closed
+         call hold_columns(frames, held)
+         if (rates) then
+            v = start
+            call close_velocities(system, work, frames, q, v, closed)
+            if (closed) kept = v
+         else
+            q = start
+            call close_positions(system, work, frames, t, q, closed)
+            if (closed) kept = q
+         end if
+      end subroutine try
+
+   end subroutine close_kept
 
    !> Turns the rates of the frames' vectors along with the frames: the guessed angular velocities stay.
    pure subroutine turn_rates(system, before, q, v)

@@ -30,21 +30,28 @@ contains
       real(wp), intent(inout) :: q(:)
       logical, intent(out) :: done
       integer, parameter :: most = 200
+      !> Rounds without any progress after which there will be none where columns are held
+      integer, parameter :: patience = 10
       real(wp), allocatable :: step(:), best(:)
       real(wp) :: residual, least
-      integer :: round
+      integer :: round, since
+      logical :: partly
       allocate (step(size(q)))
       least = huge(least)
+      since = 0
+      partly = any(abs(matrix%scale - matrix%unweighted) > 0.0_wp)
       allocate (best, source=q)
       do round = 1, most
          call place_frames(system%model, system%layout, t, q, work%kinematics)
          call update_jacobians(system, work)
          residual = position_residual(system, work)
          if (.not. residual <= huge(residual)) exit
+         since = since + 1
          if (residual < least) then
             least = residual
             best = q
-         else if (least <= enough(system, q)) then
+            since = 0
+         else if (least <= enough(system, q) .or. (partly .and. since > patience)) then
             exit
          end if
          if (residual <= aim) exit

@@ -15,7 +15,7 @@ module limber_system_constraint_matrix
    implicit none
    private
    public :: constraint_matrix_type, new_constraint_matrix, fill, least_step, damped_step, solve_damped
-   public :: times, transposed_times, full_matrix, small_square
+   public :: hold_columns, given_columns, times, transposed_times, full_matrix, small_square
 
    !> Constraint equations up to which a scene is small
    integer, parameter, public :: small_scene = 120
@@ -30,6 +30,8 @@ module limber_system_constraint_matrix
       !> Place of each column in the layout of q and its scale (columns); scale of each row (rows)
       integer, allocatable :: place(:)
       real(wp), allocatable :: scale(:), row_scale(:)
+      !> The scales of the columns if none is held (columns)
+      real(wp), allocatable :: unweighted(:)
       !> Row, column and value of each entry
       integer, allocatable :: row(:), column(:)
       real(wp), allocatable :: value(:)
@@ -99,12 +101,47 @@ contains
             self%scale(self%columns) = system%model%length/system%model%bodies(body)%largest_shape
          end do
       end do
+      allocate (self%unweighted, source=self%scale)
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
             self%row_scale(item%first:item%first + item%rows - 1) = item%scale
          end associate
       end do
    end subroutine find_columns
+
+   !> Holds some columns, or none: a least step leaves them as they are, eq. (L4). `fill` comes behind it.
+   pure subroutine hold_columns(self, held)
+      type(constraint_matrix_type), intent(inout) :: self
+      !> Which (columns)
+      logical, intent(in) :: held(:)
+      self%scale = merge(0.0_wp, self%unweighted, held)
+   end subroutine hold_columns
+
+   !> Columns of what the deck gives, in the order in which they are to be kept: angles, then places of bodies.
+   pure function given_columns(system, self, rates) result(columns)
+      type(system_type), intent(in) :: system
+      type(constraint_matrix_type), intent(in) :: self
+      !> Whether given velocities are meant, else given places
+      logical, intent(in) :: rates
+      integer, allocatable :: columns(:)
+      integer :: body, i, k, n
+      logical :: angle(self%columns), place(self%columns)
+      angle = .false.
+      place = .false.
+      i = 0
+      do body = 1, size(system%layout%q)
+         do k = 1, system%layout%rates(body)
+            i = i + 1
+            if (.not. system%model%bodies(body)%given(merge(3, 0, rates) + k)) cycle
+            angle(i) = k == 3
+            place(i) = k < 3
+         end do
+         n = 0
+         if (self%flexible) n = system%layout%n(body)
+         i = i + n
+      end do
+      columns = [pack([(i, i=1, self%columns)], angle), pack([(i, i=1, self%columns)], place)]
+   end function given_columns
 
    !> Rows and columns of the entries, in the order in which `fill` goes through them.
    subroutine find_entries(system, self)

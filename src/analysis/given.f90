@@ -1,0 +1,105 @@
+!> What the deck gives of the first state and the assembly has changed: which body, what it was and what it is. Floor: analysis.
+module limber_analysis_given
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_system_algebra, only: cross
+   use limber_system_system, only: system_type
+   implicit none
+   private
+   public :: changed_place, changed_velocity
+
+   character(*), parameter :: names(6) = [character(5) :: 'X', 'Y', 'ANGLE', 'VX', 'VY', 'SPIN']
+   real(wp), parameter :: turn = 2*acos(-1.0_wp)
+
+contains
+
+   !> The body whose given place has changed most, relative to the scene or in radians; 0 if none has by more than a little.
+   subroutine changed_place(system, q, body, text)
+      type(system_type), intent(in) :: system
+      !> Assembled coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      integer, intent(out) :: body
+      !> 'ANGLE=0.5 becomes 0.411'
+      character(:), allocatable, intent(out) :: text
+      !> Change that is no more than a rounded number in the deck
+      real(wp), parameter :: little = 1.0e-3_wp
+      real(wp) :: old(3), new(3), change(3), most
+      integer :: i, k, first
+      body = 0
+      most = little
+      text = ''
+      do i = 1, size(system%layout%q)
+         associate (given => system%model%bodies(i)%given(:3))
+            if (.not. any(given)) cycle
+            first = system%layout%q(i)
+            old = [system%model%bodies(i)%position, system%model%bodies(i)%angle]
+            new = [q(first:first + 1), old(3)]
+            if (system%layout%framed(i)) new(3) = nearest_angle(old(3), atan2(q(first + 3), q(first + 2)))
+            change = merge(abs(new - old), 0.0_wp, given)
+            change(:2) = change(:2)/system%model%length
+            if (maxval(change) <= most) cycle
+            most = maxval(change)
+            body = i
+            text = ''
+            do k = 1, 3
+               if (change(k) > little) text = text//', '//trim(names(k))//'='//as_text(old(k), 5)//' becomes '//as_text(new(k), 5)
+            end do
+            text = text(3:)
+         end associate
+      end do
+   end subroutine changed_place
+
+   !> The same for velocities, relative to what is given, or to the fastest of the scene where that is little.
+   subroutine changed_velocity(system, q, v, body, off, text)
+      type(system_type), intent(in) :: system
+      !> Assembled coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      integer, intent(out) :: body
+      !> Relative change
+      real(wp), intent(out) :: off
+      character(:), allocatable, intent(out) :: text
+      !> Change without a word, and part of the fastest velocity that counts as little
+      real(wp), parameter :: little = 1.0e-2_wp, slow = 1.0e-2_wp
+      real(wp) :: old(3), new(3), change(3), least(2), speed
+      integer :: i, k, first
+      body = 0
+      off = little
+      text = ''
+      least = 0.0_wp
+      do i = 1, size(system%layout%q)
+         least(1) = max(least(1), norm2(system%model%bodies(i)%velocity))
+         if (system%layout%framed(i)) least(2) = max(least(2), abs(system%model%bodies(i)%spin))
+      end do
+      least = slow*max(least, [least(2)*system%model%length, least(1)/system%model%length])
+      do i = 1, size(system%layout%q)
+         associate (given => system%model%bodies(i)%given(4:))
+            if (.not. any(given)) cycle
+            first = system%layout%q(i)
+            old = [system%model%bodies(i)%velocity, system%model%bodies(i)%spin]
+            new = [v(first:first + 1), 0.0_wp]
+            if (system%layout%framed(i)) new(3) = cross(q(first + 2:first + 3), v(first + 2:first + 3))
+            change = merge(abs(new - old), 0.0_wp, given)
+            speed = max(least(1), norm2(old(:2)))
+            if (speed > 0.0_wp) change(:2) = change(:2)/speed
+            speed = max(least(2), abs(old(3)))
+            if (speed > 0.0_wp) change(3) = change(3)/speed
+            if (maxval(change) <= off) cycle
+            off = maxval(change)
+            body = i
+            text = ''
+            do k = 1, 3
+               if (change(k) > little) text = text//', '//trim(names(3 + k))//'='//as_text(old(k), 5)//' becomes '// &
+                  & as_text(new(k), 5)
+            end do
+            text = text(3:)
+         end associate
+      end do
+   end subroutine changed_velocity
+
+   !> The angle that differs from another one by whole turns and is nearest to a third.
+   pure real(wp) function nearest_angle(goal, angle) result(near)
+      real(wp), intent(in) :: goal, angle
+      near = angle + turn*anint((goal - angle)/turn)
+   end function nearest_angle
+
+end module limber_analysis_given

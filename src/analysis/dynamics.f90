@@ -15,7 +15,8 @@ module limber_analysis_dynamics
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_text
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
-   use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning
+   use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
+      & phase_warning
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -218,6 +219,10 @@ contains
       end if
       outcome%reached = integrator%t
       text = scale_warning(watch, scene%system, integrator%tolerance, integrator%t)
+      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
+      text = ''
+      if (allocated(outcome%turned)) text = phase_warning(scene%system, integrator%tolerance, maxval(abs(outcome%turned)), &
+         & dynamics%end - dynamics%start, outcome%ahead)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       call report_axial(scene, axial, outcome)
 

@@ -33,6 +33,10 @@ module limber_analysis_outcome
       !> energy that counts as none: round-off, and a motion of almost nothing
       real(wp), allocatable :: net_work(:)
       real(wp) :: summed = 0.0_wp, no_energy = 0.0_wp
+      !> Time by which the motion is ahead for the energy that it has too much, eq. (L6)
+      real(wp) :: ahead = 0.0_wp
+      !> Angle by which each body has turned, from its spin at the samples (bodies) [rad]
+      real(wp), allocatable :: turned(:)
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
       !> What is left out where axial coordinates follow at rest, a line for each such beam; not allocated if there is none
@@ -68,6 +72,8 @@ contains
       call snapshot%exchange('largest_energy', self%largest_energy)
       call snapshot%keep('net_work', self%net_work)
       call snapshot%exchange('summed', self%summed)
+      call snapshot%exchange('ahead', self%ahead)
+      call snapshot%keep('turned', self%turned)
       call snapshot%exchange('no_energy', self%no_energy)
       call snapshot%keep('warnings', self%warnings)
       if (allocated(self%indicators)) call self%indicators%exchange(snapshot)

@@ -10,6 +10,7 @@ module limber_analysis_sampling
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, channel_values, gather_balance
    use limber_output_sink, only: sink_type
+   use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
       & add_parts_of_power, worst_constraint
    use limber_system_projection, only: harmless, settle, settle_position, settle_stretched
@@ -161,6 +162,8 @@ contains
       real(wp), intent(in) :: t
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
+      !> Part of the largest energy below which the kinetic energy says nothing of how fast a motion goes on
+      real(wp), parameter :: turning_back = 0.02_wp
       real(wp) :: kinetic, potential
       if (outcome%samples == 0) then
          call find_no_energy(scene, sample, outcome)
@@ -174,8 +177,27 @@ contains
       outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))
       if (outcome%imbalance > allowed_imbalance*max(outcome%largest_energy, outcome%no_energy)) &
          & call add_exchange(scene, t, sample, outcome)
+      call add_turn(scene, t - outcome%summed, sample, outcome)
+      if (outcome%largest_energy > 0.0_wp) outcome%ahead = outcome%ahead + (t - outcome%summed)*(kinetic + potential &
+         & - outcome%first_energy - sample%w)/(2*max(kinetic, turning_back*outcome%largest_energy))
       outcome%summed = t
    end subroutine check_energy
+
+   !> Adds the turn that each body has made since the last look.
+   subroutine add_turn(scene, duration, sample, outcome)
+      type(scene_type), intent(in) :: scene
+      !> Since then
+      real(wp), intent(in) :: duration
+      type(sample_type), intent(in) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      integer :: i, first
+      if (.not. allocated(outcome%turned)) allocate (outcome%turned(size(scene%system%layout%q)), source=0.0_wp)
+      do i = 1, size(outcome%turned)
+         if (.not. scene%system%layout%framed(i)) cycle
+         first = scene%system%layout%q(i) + 2
+         outcome%turned(i) = outcome%turned(i) + duration*cross(sample%q(first:first + 1), sample%v(first:first + 1))
+      end do
+   end subroutine add_turn
 
    !> Sums up the net work of drivers, loads and damping, eq. (T1): only where the balance is off, for it costs an evaluation, which
    !> is not counted.

@@ -11,7 +11,7 @@ module limber_analysis_watch
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning
+   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning
 
    !> Velocities that change faster than a motion changes them
    type :: jump_watch_type
@@ -141,6 +141,27 @@ contains
          & ', sets the scale of the errors: what follows is '//as_text(self%latest/self%speed, 1)//' as fast and is not known'// &
          & ' to the tolerance; use a smaller TOLERANCE, or two analyses, one for each'
    end function scale_warning
+
+   !> A warning if what turns is no longer where it should be, for the energy that a run has gained or lost lets it turn too fast or
+   !> too slowly, eq. (L6). Where drivers set the pace there is none.
+   function phase_warning(system, tolerance, turned, duration, ahead) result(text)
+      type(system_type), intent(in) :: system
+      !> Local error allowed; angle by which the body has turned that has turned most [rad]; time of the run; time by which the
+      !> motion is ahead
+      real(wp), intent(in) :: tolerance, turned, duration, ahead
+      !> Empty if all is well
+      character(:), allocatable :: text
+      !> Angle that does not matter [rad]
+      real(wp), parameter :: little = 0.02_wp, whole = 2*acos(-1.0_wp)
+      real(wp) :: angle
+      text = ''
+      if (turned < whole .or. size(system%model%drivers) > 0) return
+      angle = turned*abs(ahead)/duration
+      if (angle <= max(little, tolerance*turned)) return
+      text = 'errors of the energy have added up over '//as_text(turned/whole, 2)//' turns: at the end the motion is '// &
+         & trim(merge('ahead ', 'behind', ahead > 0.0_wp))//' by about '//as_text(angle, 2)//' rad of its fastest body; use'// &
+         & ' TOLERANCE='//as_text(max(1.0e-13_wp, 0.1_wp*tolerance), 1)//' or less'
+   end function phase_warning
 
    !> Text about a jump, if constraints have lost their grip there.
    subroutine explain(system, work, t, q, body, text)

@@ -52,6 +52,8 @@ module limber_integrator_adams
       type(recursion_type) :: tree
       !> Next step, last step
       real(wp) :: h = 0.0_wp, h_last = 0.0_wp
+      !> Length of the whole analysis; local error allowed in the present step, eq. (L5)
+      real(wp) :: duration = 0.0_wp, bound = 0.0_wp
       !> Next order, last order, steps taken with the same h
       integer :: k = 1, k_last = 0, ns = 0
       !> Steps in a row of order 4 or less: many are a sign of stiffness
@@ -107,6 +109,8 @@ contains
       if (.not. allocated(self%scales%value)) self%scales = new_scales(system, duration, .false.)
       call update_scales(system, q, v, self%scales)
       call keep_scales(self, system)
+      self%duration = duration
+      self%bound = self%tolerance
       call evaluate(self, system, work, t, self%y, self%yp, error)
       if (allocated(error)) return
       self%phi = 0.0_wp
@@ -227,6 +231,11 @@ contains
 
       wanted = self%h
       failures = 0
+      if (self%whole) then
+         self%bound = turning_bound(self, system, self%y(:self%nq), self%y(self%nq + 1:2*self%nq))
+      else
+         self%bound = turning_bound(self, system, self%q, self%v)
+      end if
       do
          if (self%maximum_step > 0.0_wp) self%h = min(self%h, self%maximum_step)
          if (self%fixed_step > 0.0_wp .and. failures == 0) self%h = self%fixed_step
@@ -252,7 +261,7 @@ contains
          call evaluate(self, system, work, t, self%p, self%yp, error)
          if (allocated(error)) return
          call estimate_errors(self, estimate, err, k_next)
-         accepted = err <= self%tolerance .or. self%fixed_step > 0.0_wp
+         accepted = err <= self%bound .or. self%fixed_step > 0.0_wp
          if (accepted) then
             call correct(self, system, work, t, accepted, error)
             if (allocated(error)) return
@@ -283,6 +292,28 @@ contains
       if (self%input%asked .and. system%powered) self%input%throughput = self%input%throughput + self%h_last*abs(self%yp(self%ny))
       if (raised .or. self%input%asked) call keep_scales(self, system)
    end subroutine adams_step
+
+   !> Local error allowed in a step: errors of the speed of what turns add up turn by turn, and those of its angle with the square
+   !> of that, so that a long run of many turns needs smaller ones, eq. (L5).
+   pure real(wp) function turning_bound(self, system, q, v) result(bound)
+      class(adams_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      !> Turns in the whole time up to which the tolerance is kept as it is; least error
+      real(wp), parameter :: turns = 3.0_wp, least = 1.0e-13_wp
+      real(wp) :: spin
+      integer :: i, first
+      spin = 0.0_wp
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i) .or. system%tree%driver(i) > 0) cycle
+         first = system%layout%q(i) + 2
+         spin = max(spin, abs(q(first)*v(first + 1) - q(first + 1)*v(first)))
+      end do
+      spin = spin*self%duration
+      bound = self%tolerance
+      if (spin > 2*acos(-1.0_wp)*turns) bound = max(min(bound, least), bound*2*acos(-1.0_wp)*turns/spin)
+   end function turning_bound
 
    !> Local error of this step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).
    subroutine estimate_errors(self, estimate, err, k_next)
@@ -331,7 +362,7 @@ contains
          self%psi(i - 1) = self%psi(i) - self%h
       end do
       factor = 0.5_wp
-      if (failures > 3 .and. 0.5_wp*self%tolerance < 0.25_wp*estimate) factor = sqrt(0.5_wp*self%tolerance/estimate)
+      if (failures > 3 .and. 0.5_wp*self%bound < 0.25_wp*estimate) factor = sqrt(0.5_wp*self%bound/estimate)
       self%k = k_next
       if (failures >= 3) self%k = 1
       self%h = factor*self%h
@@ -431,10 +462,10 @@ contains
             chosen = raised
          end if
       end if
-      if (self%starting .or. 0.5_wp*self%tolerance >= chosen*2.0_wp**(self%k + 1)) then
+      if (self%starting .or. 0.5_wp*self%bound >= chosen*2.0_wp**(self%k + 1)) then
          self%h = 2*self%h
-      else if (0.5_wp*self%tolerance < chosen) then
-         self%h = self%h*max(0.5_wp, min(0.9_wp, (0.5_wp*self%tolerance/chosen)**(1.0_wp/(self%k + 1))))
+      else if (0.5_wp*self%bound < chosen) then
+         self%h = self%h*max(0.5_wp, min(0.9_wp, (0.5_wp*self%bound/chosen)**(1.0_wp/(self%k + 1))))
       end if
    end subroutine next_order_and_step
 
@@ -495,6 +526,8 @@ contains
       if (self%tree%usable) call self%tree%exchange(snapshot)
       call snapshot%exchange('h', self%h)
       call snapshot%exchange('h_last', self%h_last)
+      call snapshot%exchange('duration', self%duration)
+      call snapshot%exchange('bound', self%bound)
       call snapshot%exchange('k', self%k)
       call snapshot%exchange('k_last', self%k_last)
       call snapshot%exchange('ns', self%ns)

@@ -11,8 +11,10 @@
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
+   use limber_analysis_surveys, only: surveys_type, start_surveys
    use limber_base_error, only: error_type
    use limber_flex_quasistatic, only: quasistatic_type, new_quasistatic
+   use limber_flex_reduced, only: reduced_type
    use limber_flex_stations, only: stations_type, new_stations
    use limber_model_scene, only: ground, body_rigid, body_type, joint_point_on_line, joint_translational, joint_curve, &
       & joint_sliding, joint_revolute, joint_weld
@@ -26,12 +28,12 @@ module limber_analysis_indicators
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
-      & indicator_drift = 14, indicator_count = 14
+      & indicator_drift = 14, indicator_elongation = 15, indicator_count = 15
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
-      & 'shortening', 'drift']
+      & 'shortening', 'drift', 'elongation']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -46,12 +48,14 @@ module limber_analysis_indicators
       & 'relative deflection that the variation of the axial force within the k_G elements makes', &
       & 'error of frequencies and deflections by the lumped masses', &
       & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending', &
-      & 'shift of the vibrations / largest deflection, by what the model lacks of the shortening']
+      & 'shift of the vibrations / largest deflection, by what the model lacks of the shortening', &
+      & 'elongation by the axial force that the axial functions lack / largest elongation or deflection']
 
    !> Maxima that the indicators are made of
    integer, parameter, public :: peak_deflection = 1, peak_slope = 2, peak_rotation = 3, peak_compression = 4, peak_tension = 5, &
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
-      & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peaks = 15
+      & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peak_stretch = 16, &
+      & peak_unstretched = 17, peaks = 17
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and the
    !> work on the bending of tension that is there only because the shortening cannot be carried
@@ -60,7 +64,7 @@ module limber_analysis_indicators
 
    !> One flexible body, or one rigid beam
    type :: body_indicators_type
-      !> Index of the body in the model, and whether it is a straight beam: a frame has no indicators of axial forces and loads
+      !> Index of the body in the model, and whether it is a straight beam: a frame is watched by its survey instead
       integer :: body = 0
       logical :: is_beam = .false.
       !> Whether its model is FULL
@@ -90,6 +94,13 @@ module limber_analysis_indicators
       integer :: anchor = 0
       !> Relative error of each bending frequency by the lumped masses (bending)
       real(wp), allocatable :: lumping(:)
+      !> Of a frame: motions that strain it as the joints with the ground hold it, u.K u = 1: rotation, coordinates that are
+      !> watched (0:chosen, motions); made when it is first observed
+      real(wp), allocatable :: strained(:, :)
+      !> Scratch of a frame: work of the axial forces on slopes (0:chosen, 0:chosen), on the motions (motions, motions), eigenvalues
+      !> of that and room for them, elastic force (n), products of coordinates and their tension (pairs), forces that are lacking
+      !> (0:chosen)
+      real(wp), allocatable :: slope_work(:, :), loaded(:, :), value(:), room(:), elastic(:), z(:), s(:), lacking(:)
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
       real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
@@ -130,6 +141,8 @@ module limber_analysis_indicators
       logical, allocatable :: turned(:)
       !> Of the forces of a load
       real(wp), allocatable :: scratch(:)
+      !> Axial forces in frames, and what these cannot carry
+      type(surveys_type) :: surveys
    contains
       procedure :: exchange => exchange_indicators
    end type indicators_type
@@ -176,6 +189,7 @@ contains
          end do
       end do
       call list_contacts(self, system, first, contacts)
+      call start_surveys(self%surveys, system, frames_only=.true.)
       do i = 1, size(self%of)
          if (self%of(i) > 0) call start_body(self, system, i, contacts(first(i):first(i + 1) - 1), self%bodies(self%of(i)))
       end do
@@ -250,6 +264,7 @@ contains
          body%modal = 0.0_wp
          body%modal_time = 0.0_wp
          allocate (body%moving, source=body%modal)
+         if (flexible%is_frame) call start_frame(self, index, flexible%reduced, body)
          if (.not. body%is_beam) return
          call find_places(self, system, index, contacts, place, jointed, held)
          call find_set(self, system, index, place, jointed, held, body%set)
@@ -266,6 +281,23 @@ contains
          end associate
       end associate
    end subroutine start_body
+
+   !> Room for what a frame is watched with; none if it has no survey.
+   subroutine start_frame(self, index, reduced, body)
+      type(indicators_type), intent(in) :: self
+      integer, intent(in) :: index
+      type(reduced_type), intent(in) :: reduced
+      type(body_indicators_type), intent(inout) :: body
+      integer :: m
+      if (self%surveys%of(index) == 0) return
+      associate (survey => self%surveys%bodies(self%surveys%of(index))%survey)
+         m = size(survey%chosen)
+         allocate (body%slope_work(0:m, 0:m), body%lacking(0:m), body%elastic(reduced%n), body%z(size(reduced%cubic, 1)), &
+            & body%s(size(reduced%cubic, 1)), body%lumping(reduced%n))
+         body%lumping = 0.0_wp
+         body%lumping(survey%chosen) = survey%lumping
+      end associate
+   end subroutine start_frame
 
    !> The set of constants of a beam: that of an earlier one if it is the same, else a new one; 0 if they cannot be made.
    subroutine find_set(self, system, index, place, jointed, held, set)
@@ -485,10 +517,11 @@ contains
          case (indicator_coarseness); value = sqrt(ratio(peak(peak_coarse), peak(peak_stiffness)))
          case (indicator_lumping)
             value = 0.0_wp
-            if (self%is_beam) value = max(ratio(maxval(min(self%modal, self%moving)*self%lumping), peak(peak_energy)), &
+            if (allocated(self%lumping)) value = max(ratio(maxval(min(self%modal, self%moving)*self%lumping), peak(peak_energy)), &
                & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
          case (indicator_shortening); value = ratio(peak(peak_quartic), peak(peak_stiffness))
          case (indicator_drift); value = drift(self)
+         case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))
          case default; value = peak(kind)
          end select
       end associate
@@ -535,6 +568,7 @@ contains
          if (self%is_beam) t = self%time(peak_lost)
       case (indicator_shortening); t = self%time(peak_quartic)
       case (indicator_drift); t = max(0.0_wp, self%span(2))
+      case (indicator_elongation); t = self%time(peak_unstretched)
       case default; t = self%time(kind)
       end select
    end function indicator_time

@@ -4,6 +4,7 @@ module limber_analysis_modes
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
+   use limber_analysis_mode_checks, only: mode_warnings
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
@@ -17,6 +18,7 @@ module limber_analysis_modes
    use limber_system_held, only: held_type, new_held, rest_multipliers
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_krylov, only: is_large
+   use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type
    use limber_system_tangent, only: gather
    use limber_system_vibrations, only: vibrations_type, find_vibrations, find_large_vibrations, kind_of_growth, &
@@ -59,6 +61,7 @@ contains
       if (size(vibrations%frequency) == 0) call warn(outcome, "nothing can vibrate in *MODES '"//step%name// &
          & "': joints and drivers leave the scene no free motion; no modes are written. Remove *MODES, or a joint or driver")
       call sample(scene, step, balance, history, outcome, error)
+      if (.not. allocated(error)) call check_frequencies(scene, step, balance, vibrations, outcome)
       if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
       if (allocated(error)) return
       report = table(scene, vibrations, step%damped)
@@ -159,6 +162,19 @@ contains
       call history%take(step%dynamics%start, values, error)
       outcome%samples = 1
    end subroutine sample
+
+   !> Warns of frequencies that the models of bodies make wrong.
+   subroutine check_frequencies(scene, step, balance, vibrations, outcome)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(equilibrium_type), intent(in) :: balance
+      type(vibrations_type), intent(in) :: vibrations
+      type(outcome_type), intent(inout) :: outcome
+      call update_jacobians(scene%system, scene%work)
+      if (.not. allocated(outcome%warnings)) outcome%warnings = ''
+      outcome%warnings = outcome%warnings//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
+         & balance%rotation, vibrations, step%name)
+   end subroutine check_frequencies
 
    !> Writes frequencies, damping ratios and shapes.
    subroutine record_modes(scene, step, balance, vibrations, history, error)

@@ -5,9 +5,11 @@ module limber_analysis_observation
    use limber_flex_quasistatic, only: find_deflection
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
-      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, sum_kinetic, sum_elastic, sum_shortening, sum_locked, &
+      & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
+      & peak_unstretched, sum_kinetic, sum_elastic, sum_shortening, sum_locked, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
+   use limber_analysis_frame_watch, only: observe_frames
    use limber_model_scene, only: body_type, ground
    use limber_system_algebra, only: cross
    use limber_system_kinematics, only: point_position
@@ -15,6 +17,9 @@ module limber_analysis_observation
    implicit none
    private
    public :: observe
+
+   !> Least part of the stiffness that a compression leaves, of which an error is a part
+   real(wp), parameter :: softest = 0.02_wp
 
 contains
 
@@ -50,6 +55,7 @@ contains
       end do
       call add_reactions(self, system, work, q)
       call add_loads(self, system, work, q)
+      call observe_frames(self, system, work, t, q, v, a)
       do i = 1, size(self%bodies)
          if (self%bodies(i)%is_rigid) then
             first = system%layout%q(self%bodies(i)%body)
@@ -366,7 +372,8 @@ contains
          work = work + stations%weight(s)*self%force(s)*self%slope(s)**2
          quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
       end do
-      call compare_tension(self, stations, body, eta, lack, coarse)
+      call compare_tension(self, stations, body, 1/max(softest, 1 + min(load, 0.0_wp)), eta, lack, coarse)
+      call compare_length(self, stations, body, t, eta)
       ! Axial coordinates that follow at rest hold no stretch in the motion: limber_analysis_axial judges these
       if (body%reduced%condensed) lack = 0.0_wp
       elastic = 0.0_wp
@@ -400,10 +407,12 @@ contains
 
    !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about
    !> them; squares of the change: in energy, of what FULL lacks in deflection, eqs. (160), (161).
-   pure subroutine compare_tension(self, stations, body, eta, lack, coarse)
+   pure subroutine compare_tension(self, stations, body, growth, eta, lack, coarse)
       type(body_indicators_type), intent(inout) :: self
       type(stations_type), intent(in) :: stations
       type(body_type), intent(in) :: body
+      !> How many times a compression makes a change of the deflection larger
+      real(wp), intent(in) :: growth
       real(wp), intent(in) :: eta(:)
       real(wp), intent(out) :: lack, coarse
       real(wp) :: length, mean, tilt, own, tension, part
@@ -452,6 +461,30 @@ contains
          lack = lack + merge((self%push(1, j)/part)**2, self%push(1, j)**2/part, body%reduced%full)
          coarse = coarse + self%push(2, j)**2/part
       end do
+      lack = growth**2*lack
+      coarse = growth**2*coarse
    end subroutine compare_tension
+
+   !> How much longer the axial forces make a beam, and how much of that its axial functions do not have, eq. (R11).
+   pure subroutine compare_length(self, stations, body, t, eta)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      type(body_type), intent(in) :: body
+      real(wp), intent(in) :: t, eta(:)
+      real(wp) :: elongation, own
+      integer :: s, k
+      if (body%reduced%condensed .or. self%held) return
+      elongation = 0.0_wp
+      own = 0.0_wp
+      do s = 1, stations%count
+         elongation = elongation + stations%weight(s)*self%force(s)/body%beam%ea
+         if (body%reduced%full) own = own + 0.5_wp*stations%weight(s)*self%slope(s)**2
+      end do
+      do k = 1, stations%axial
+         own = own + stations%stretch(k)*eta(stations%bending + k)
+      end do
+      call raise_peak(self, peak_stretch, abs(elongation)/self%length, t)
+      call raise_peak(self, peak_unstretched, abs(elongation - own)/self%length, t)
+   end subroutine compare_length
 
 end module limber_analysis_observation

@@ -6,9 +6,10 @@ module limber_analysis_ranges
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
-      & indicator_names, indicator_meanings, indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
+      & indicator_names, indicator_meanings, peak_unstretched, &
+      & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
-      & indicator_lumping, indicator_shortening, indicator_drift
+      & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -63,11 +64,15 @@ contains
          limit = 0.05_wp
       case (indicator_shortening)
          limit = 0.03_wp
-      case (indicator_drift)
+      case (indicator_drift, indicator_elongation)
          limit = 0.05_wp
       end select
       excess = indicator_value(indicators, kind)/limit
       if (any(kind == [indicator_rotation, indicator_compression])) return
+      if (kind == indicator_elongation) then
+         if (.not. indicators%peak(peak_unstretched) > nothing) excess = 0.0_wp
+         return
+      end if
       if (.not. indicator_value(indicators, indicator_deflection) > nothing) excess = 0.0_wp
    end function excess
 
@@ -112,7 +117,7 @@ contains
          do i = 1, size(indicators%bodies)
             value = excess(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind)
             if (.not. value > 1.0_wp) cycle
-            if (all(kind /= [indicator_rotation, indicator_compression]) .and. indicators%bodies(i)%length &
+            if (all(kind /= [indicator_rotation, indicator_compression, indicator_elongation]) .and. indicators%bodies(i)%length &
                & *indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
             others = others + 1
             if (.not. value > most) cycle
@@ -134,7 +139,8 @@ contains
       type(body_type), intent(in) :: body
       integer, intent(in) :: kind
       character(:), allocatable :: text
-      character(:), allocatable :: value, percent, when
+      character(:), allocatable :: value, percent, when, linear
+      linear = 'a LINEAR '//trim(merge('frame', 'beam ', body%is_frame))
       value = as_text(indicator_value(indicators, kind), 2)
       percent = as_text(100*indicator_value(indicators, kind), 2)//' %'
       when = ' at t = '//as_text(indicator_time(indicators, kind), 4)
@@ -157,16 +163,16 @@ contains
       case (indicator_slope)
          text = 'has slopes up to '//value//' in its frame'//when//', beyond the 0.3 that one frame is for'
       case (indicator_rotation)
-         text = 'rotates at '//value//' times its first frequency'//when//', and a LINEAR beam is not stiffened by the tension'// &
+         text = 'rotates at '//value//' times its first frequency'//when//', and '//linear//' is not stiffened by the tension'// &
             & ' that rotation makes'
       case (indicator_compression)
-         text = 'is compressed by '//value//" times its Euler load"//when
+         text = 'is compressed by '//value//" times its "//trim(merge('buckling load', 'Euler load   ', body%is_frame))//when
          if (body%reduced%full) text = text//'; how far a beam buckles, one frame describes badly'
          if (body%reduced%geometric .and. .not. body%reduced%full) text = text//', where K_G has nothing that ends the buckling'
-         if (.not. body%reduced%geometric) text = text//', and a LINEAR beam does not buckle'
+         if (.not. body%reduced%geometric) text = text//', and '//linear//' does not buckle'
       case (indicator_geometric)
          text = 'deflects under axial forces whose work on the bending is '//percent//' of its elastic energy'//when// &
-            & ', and a LINEAR beam leaves it out'
+            & ', and '//linear//' leaves it out'
       case (indicator_axial)
          text = 'lacks axial force that changes its deflection by about '//percent//when
          if (indicators%held) then
@@ -181,7 +187,7 @@ contains
             & ' changes its deflection by about '//percent//when
       case (indicator_residual)
          text = 'bends under the forces and couples of its joints and loads by '//percent//' of the energy in ways that its '// &
-            & as_text(body%reduced%bending)//' bending coordinates cannot'//when
+            & as_text(body%reduced%bending)//trim(merge('        ', ' bending', body%is_frame))//' coordinates cannot'//when
       case (indicator_lumping)
          text = 'has too few elements: with the mass in the nodes its deflection errs by about '//percent//when
       case (indicator_drift)
@@ -189,6 +195,11 @@ contains
             & ' of the largest deflection'//when//': its axial functions cannot carry all of the shortening by bending'
          if (.not. body%reduced%full) text = 'vibrates long enough for the inertia of its shortening, which '// &
             & fidelity(body)//' leaves out, to shift the vibrations by about '//percent//' of the largest deflection'//when
+      case (indicator_elongation)
+         text = 'is longer or shorter under its axial forces than its axial functions can follow, by '//percent// &
+            & ' of the largest elongation or deflection'//when
+         if (body%reduced%n == body%reduced%bending) text = 'has no axial coordinate: the change of its length by its axial'// &
+            & ' forces, '//percent//' of the largest elongation or deflection, is left out'//when
       case default
          text = 'has large slopes under an axial force'//when//': the shortening that one frame leaves out does work of '// &
             & percent//' of the energy of bending'
@@ -207,6 +218,10 @@ contains
          text = 'let it be flexible: GEOMETRIC=K_G or FULL'
          return
       end if
+      if (body%is_frame) then
+         text = cure_of_frame(body, kind, over)
+         return
+      end if
       select case (kind)
       case (indicator_drift)
          text = 'use GEOMETRIC=FULL'
@@ -223,6 +238,8 @@ contains
          text = 'use AXIAL BASIS=STATIC or ELEMENTS'
          if (indicators%held) text = 'use GEOMETRIC=FULL'
          if (body%reduced%n == body%reduced%bending) text = 'give it AXIAL MODES, or AXIAL BASIS=STATIC'
+      case (indicator_elongation)
+         text = 'use AXIAL BASIS=STATIC or ELEMENTS'
       case (indicator_coarseness)
          text = 'use GEOMETRIC ELEMENTS='//as_text(ceiling(1.2_wp*indicators%elements*sqrt(over)))
          if (.not. body%reduced%full) text = text//', or GEOMETRIC INTEGRAL=LINEAR'
@@ -233,6 +250,26 @@ contains
       case default; text = 'divide the beam into SEGMENTS'
       end select
    end function what_to_do
+
+   !> The same of a frame.
+   pure function cure_of_frame(body, kind, over) result(text)
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: kind
+      real(wp), intent(in) :: over
+      character(:), allocatable :: text
+      integer :: divisions
+      divisions = maxval(body%mesh%first(2:) - body%mesh%first(:size(body%mesh%first) - 1))
+      select case (kind)
+      case (indicator_axial); text = 'use CORRECTIONS=YES, or *ATTACHMENT where forces act along members'
+      case (indicator_residual); text = 'use CORRECTIONS=YES, more MODES, or a *BOUNDARY that is like its joints'
+      case (indicator_lumping); text = 'use DIVISIONS='//as_text(ceiling(1.2_wp*divisions*sqrt(over)))
+      case (indicator_rotation, indicator_geometric); text = 'use GEOMETRIC=K_G or FULL'
+      case (indicator_compression)
+         text = 'use beams in SEGMENTS for its members'
+         if (.not. body%reduced%geometric) text = 'use GEOMETRIC=K_G'
+      case default; text = 'use GEOMETRIC=FULL, or beams in SEGMENTS for its members'
+      end select
+   end function cure_of_frame
 
    pure function fidelity(body) result(name)
       type(body_type), intent(in) :: body

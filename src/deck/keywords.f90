@@ -151,8 +151,8 @@ module limber_deck_keywords
       &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000), &
       & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
       &    '', '', 'number of bending modes; given, it replaces MODES', most=1000), &
-      & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', '', '', 'number of axial modes; given, it replaces MODES', &
-      &    most=1000), &
+      & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', &
+      &    '', '', 'number of axial modes; given without BENDING MODES, MODES is the number of bending modes', most=1000), &
       & option_spec_type('BEAM', 'FREQUENCY LIMIT', kind_positive, '', &
       &    'rad/s', '', 'all modes below it, at most BENDING MODES and AXIAL MODES; given, it replaces MODES'), &
       & option_spec_type('BEAM', 'BASIS', kind_word, bases, &
@@ -170,7 +170,7 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &
       &    '', 'EXACT', 'slope in an element: from its two ends, or integrated; LINEAR: and tension not constant (K_G only)'), &
       & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|ELEMENTS|STATIC', &
-      &    '', '', 'modes, a function for each geometric element, or static functions; default STATIC with FULL, else MODES'), &
+      &    '', '', 'modes, one function for each geometric element, or static functions: default, unless modes are counted'), &
       & option_spec_type('BEAM', 'END FORCE', kind_yes, '', '', 'YES', 'STATIC: include the response to an end force'), &
       & option_spec_type('BEAM', 'CENTRIFUGAL', kind_yes, '', &
       &    '', 'YES', 'STATIC: include the response to a centrifugal load'), &
@@ -319,7 +319,7 @@ module limber_deck_keywords
       & option_spec_type('DISTRIBUTED LOAD', 'BODY', kind_reference, 'BEAM|FRAME', '', needed, 'beam or frame that it acts on'), &
       & option_spec_type('DISTRIBUTED LOAD', 'MEMBER', kind_counting, '', '', '', 'number of the member of the frame'), &
       & option_spec_type('DISTRIBUTED LOAD', 'FOLLOWER', kind_yes, '', &
-      &    '', 'NO', 'components along and across the undeformed beam or member in the floating frame, not the axes of space'), &
+      &    '', 'NO', 'components along and across each section, with which they turn, not along the axes of space'), &
       & option_spec_type('DISTRIBUTED LOAD', 'START', kind_nonnegative, '', 'm', '0', 'coordinate s where it begins'), &
       & option_spec_type('DISTRIBUTED LOAD', 'END', kind_positive, '', &
       &    'm', '', 'coordinate s where it ends; if not given, the end of the beam or member'), &

@@ -8,7 +8,7 @@ module limber_flex_frame
    implicit none
    private
    public :: frame_type, member_type, new_frame, beam_frame, beam_nodes, element_at, member_field, member_length
-   public :: element_stiffness, strain_energy, element_forces, unit_load
+   public :: element_stiffness, strain_energy, element_forces, own_displacements, unit_load
 
    !> A straight member between two corners
    type :: member_type

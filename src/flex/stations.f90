@@ -46,6 +46,8 @@ module limber_flex_stations
       !> acceleration, one about the origin of the frame, and those of the coordinates put on each (bending, 2 + bending),
       !> eqs. (164), (165)
       real(wp), allocatable :: lumping(:), lost(:, :)
+      !> Elongation of the whole beam for unit axial coordinates (axial)
+      real(wp), allocatable :: stretch(:)
       !> E A / 2 length of a beam whose ends cannot approach each other while its model lets them, otherwise zero
       real(wp) :: membrane = 0.0_wp
    end type stations_type
@@ -74,6 +76,8 @@ contains
       stations%elements = choice%geometric_elements
       stations%linear = choice%linear
       allocate (stations%place, source=place)
+      allocate (stations%stretch(stations%axial))
+      stations%stretch = field%u(beam%elements, :) - field%u(0, :)
       if (.not. body%full .and. (held .or. (choice%support%u_start .and. choice%support%u_end))) &
          & stations%membrane = 0.5_wp*beam%ea/beam%length
       call divide(beam, stations)

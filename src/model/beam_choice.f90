@@ -48,8 +48,7 @@ contains
       rigid(1) = body%beam%rho_a*body%beam%length
       rigid(2:3) = [0.5_wp*body%beam%length, body%beam%rho_a*body%beam%length**3/12]
       call read_masses(deck, index, piece, pieces, body, rigid, diagnostics)
-      if (deck%blocks(index)%word('AXIAL BASIS') == '') call deck%set_option(index, 'AXIAL BASIS', &
-         & merge('STATIC', 'MODES ', deck%blocks(index)%word('GEOMETRIC') == 'FULL'))
+      call settle_axial_basis(deck, index)
       associate (block => deck%blocks(index))
          body%choice = new_choice(block)
          call choose_attachments(deck, index, piece, pieces, body%choice, diagnostics)
@@ -101,6 +100,23 @@ contains
          end do
       end do
    end subroutine read_masses
+
+   !> Axial functions where the deck leaves them open: static ones, so that a beam stretches and stiffens whatever the number of its
+   !> modes is; modal derivatives, which carry the shortening by bending, with FULL only.
+   subroutine settle_axial_basis(deck, index)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: index
+      logical :: full, static
+      if (deck%blocks(index)%word('AXIAL BASIS') /= '') return
+      associate (block => deck%blocks(index))
+         full = block%word('GEOMETRIC') == 'FULL'
+         static = .not. (block%given('BENDING MODES') .or. block%given('AXIAL MODES') .or. block%given('FREQUENCY LIMIT') &
+            & .or. block%word('BASIS') == 'CRAIG-BAMPTON' .or. block%yes('CORRECTIONS'))
+         static = static .and. .not. block%given('MODAL DERIVATIVES')
+      end associate
+      call deck%set_option(index, 'AXIAL BASIS', merge('STATIC', 'MODES ', full .or. static))
+      if (static .and. .not. full) call deck%set_number(index, 'MODAL DERIVATIVES', 0.0_wp)
+   end subroutine settle_axial_basis
 
    !> Coordinate along a beam that the first field of a line gives as a number or as the name of a point.
    real(wp) function beam_place(block, line, diagnostics) result(x)
@@ -256,6 +272,7 @@ contains
       if (block%given('BENDING MODES') .or. block%given('AXIAL MODES')) then
          choice%bending = block%integer('BENDING MODES')
          choice%axial = block%integer('AXIAL MODES')
+         if (.not. block%given('BENDING MODES')) choice%bending = block%integer('MODES')
          ! With a limit, those whose number is not given are all below it
          if (block%given('FREQUENCY LIMIT') .and. .not. block%given('BENDING MODES')) choice%bending = huge(1)
          if (block%given('FREQUENCY LIMIT') .and. .not. block%given('AXIAL MODES')) choice%axial = huge(1)

@@ -110,7 +110,6 @@ contains
          if (deck%blocks(i)%keyword == 'SCALAR' .and. whole) call add_scalars(deck%blocks(i), model, diagnostics)
       end do
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
-      deallocate (model%spreads)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_model

@@ -1,5 +1,5 @@
 !> Loads along beams and members of frames: each becomes forces at points that move as the load's share of the body does on
-!> average, and keeps its parts for the internal forces. Floor: model. Source: doc/theory, eq. (98).
+!> average, and keeps its parts for the internal forces. Floor: model. Source: doc/theory, eqs. (98), (R1).
 module limber_model_spreads
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -105,6 +105,10 @@ contains
       if (.not. ends(2) > ends(1)) return
       allocate (shape(2, model%bodies(body)%reduced%n))
       associate (law => line%fields(component)%expression)
+         if (block%yes('FOLLOWER') .and. model%bodies(body)%reduced%n > 0) then
+            call follow_sections()
+            return
+         end if
          call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, place, shape)
          if (.not. absolute > 0.0_wp) return
          if (abs(total) >= 0.01_wp*absolute) then
@@ -127,16 +131,52 @@ contains
          real(wp), intent(in) :: added, total
          !> Of the load
          real(wp), intent(in), optional :: factor
-         type(effort_type) :: effort
-         real(wp) :: psi(size(shape, 2)), origin(2), axis(2), force
+         real(wp) :: psi(size(shape, 2)), force
          psi = 0.0_wp
          force = total
          if (present(factor)) force = factor*total
-         call line_of(model%bodies(body), member, origin, axis)
-         call add_point(model, ' '//block%name(), body, origin + axis*place/total, shape/total, psi)
-         model%points(model%counts%points)%member = member
-         model%points(model%counts%points)%along = place/total
+         call act(place/total, shape/total, psi, force)
          call append_spread(model, law, start, added, total, member, ends)
+      end subroutine push
+
+      !> The forces at the stations of Gauss's formula, each of which turns with its section, eq. (R1); for the internal forces
+      !> each stands for the load on its own part of the length, as long as its weight.
+      subroutine follow_sections()
+         real(wp), allocatable :: edges(:), s(:), q(:), phi(:, :), psi(:)
+         real(wp) :: cut, ignored, share
+         integer :: i, k
+         associate (law => line%fields(component)%expression)
+            call follower_edges(model%bodies(body), member, law, start, ends, edges)
+            call sample(law, start, 0.0_wp, edges, s, q)
+            if (.not. sum(abs(q)) > 0.0_wp) return
+            cut = edges(1)
+            do i = 1, size(s)
+               k = (i - 1)/5 + 1
+               ends(1) = cut
+               cut = cut + 0.5_wp*weights(modulo(i - 1, 5) + 1)*(edges(k + 1) - edges(k))
+               ends(2) = min(cut, edges(size(edges)))
+               if (.not. abs(q(i)) > tiny(1.0_wp)) cycle
+               call section_shape(model%bodies(body), member, s(i), phi, psi)
+               call act(s(i), phi, psi, q(i))
+               call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, ignored, shape)
+               share = abs(total)/max(absolute, tiny(1.0_wp))
+               ! A part whose load cancels stays where its station is
+               if (share > 0.01_wp) call append_spread(model, law, start, 0.0_wp, total, member, ends)
+            end do
+         end associate
+      end subroutine follow_sections
+
+      !> A force at a point that stands for a load.
+      subroutine act(along, phi, psi, force)
+         !> Coordinate along the beam or member [length]; shapes of the point and of its section (2, n), (n)
+         real(wp), intent(in) :: along, phi(:, :), psi(:)
+         real(wp), intent(in) :: force
+         type(effort_type) :: effort
+         real(wp) :: origin(2), axis(2)
+         call line_of(model%bodies(body), member, origin, axis)
+         call add_point(model, ' '//block%name(), body, origin + axis*along, phi, psi)
+         model%points(model%counts%points)%member = member
+         model%points(model%counts%points)%along = along
          effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), model%counts%points, 0)
          effort%angle = (component - 1)*quarter
          if (block%yes('FOLLOWER')) effort%angle = effort%angle + atan2(axis(2), axis(1))
@@ -146,7 +186,7 @@ contains
             call set_law(effort, constant(1.0_wp), force)
          end if
          call append_effort(model, effort)
-      end subroutine push
+      end subroutine act
 
    end subroutine add_share
 
@@ -203,14 +243,54 @@ contains
       shape = 0.0_wp
       if (body%kind /= body_flexible) return
       do g = 1, size(s)
-         if (body%is_frame) then
-            call frame_point_shape(body%mesh, body%shape, member, s(g), phi, psi)
-         else
-            call point_shape(body%field, s(g), phi, psi)
-         end if
+         call section_shape(body, member, s(g), phi, psi)
          shape = shape + q(g)*phi
       end do
    end subroutine weigh
+
+   !> Displacement (2, n) and rotation (n) of a section of a beam or member for each coordinate.
+   pure subroutine section_shape(body, member, s, phi, psi)
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: member
+      !> Coordinate along it [length]
+      real(wp), intent(in) :: s
+      real(wp), allocatable, intent(out) :: phi(:, :), psi(:)
+      if (body%is_frame) then
+         call frame_point_shape(body%mesh, body%shape, member, s, phi, psi)
+      else
+         call point_shape(body%field, s, phi, psi)
+      end if
+   end subroutine section_shape
+
+   !> Ends of equal intervals for a load that follows the sections: so many that Gauss's formula has the coordinates' products, and
+   !> the load's force and moment as the elements have them.
+   subroutine follower_edges(body, member, law, start, ends, edges)
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: member
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, ends(2)
+      real(wp), allocatable, intent(out) :: edges(:)
+      !> Coordinates that an interval is enough for, most intervals, part of the load that may be lost
+      integer, parameter :: coordinates = 3, most = 32
+      real(wp), parameter :: little = 1.0e-6_wp
+      real(wp), allocatable :: s(:), q(:)
+      real(wp) :: force, moment, largest
+      integer :: count, i
+      call sample(law, start, 0.0_wp, edges_of(body, member, ends), s, q)
+      force = sum(q)
+      moment = sum(q*s)
+      largest = sum(abs(q))
+      count = 1 + body%reduced%bending/coordinates
+      do
+         if (allocated(edges)) deallocate (edges)
+         allocate (edges(count + 1))
+         edges(:) = [(ends(1) + (ends(2) - ends(1))*i/count, i=0, count)]
+         call sample(law, start, 0.0_wp, edges, s, q)
+         if (2*count > most) return
+         if (abs(sum(q) - force) <= little*largest .and. abs(sum(q*s) - moment) <= little*largest*(ends(2) - ends(1))) return
+         count = 2*count
+      end do
+   end subroutine follower_edges
 
    !> Places along the member and parts of a load, whose sum is 1; no part reaches over a section.
    subroutine spread_parts(spread, body, sections, at, part)

@@ -1,0 +1,209 @@
+!> Takes states into the indicators of frames: axial forces in all members against those under which the frame, as joints hold it
+!> on the ground, would buckle; what its model lacks of them; loads that its coordinates cannot carry. Floor: analysis.
+!> Source: doc/theory, section 43, eqs. (R2)-(R4), (R9), (R10).
+module limber_analysis_frame_watch
+   use limber_base_kinds, only: wp
+   use limber_base_finite, only: dsyev
+   use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
+      & peak_left_out, peak_geometric, peak_axial, peak_stiffness
+   use limber_analysis_surveys, only: body_survey_type, take_amplitudes
+   use limber_flex_elastic, only: elastic_force
+   use limber_flex_reduced, only: reduced_type
+   use limber_flex_survey, only: axial_work
+   use limber_model_scene, only: ground
+
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: observe_frames
+
+   !> Least part of the stiffness that a compression leaves, of which an error is a part
+   real(wp), parameter :: least = 0.02_wp
+
+contains
+
+   !> All frames. Kinematics are placed and moved in the state; Jacobians and multipliers are its own.
+   subroutine observe_frames(self, system, work, t, q, v, a)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Time; coordinates, velocities, accelerations (nq)
+      real(wp), intent(in) :: t, q(:), v(:), a(:)
+      integer :: i, first, last
+      if (size(self%surveys%bodies) == 0) return
+      call take_amplitudes(self%surveys, system, work, q, v, a)
+      do i = 1, size(self%surveys%bodies)
+         associate (survey => self%surveys%bodies(i), body => self%surveys%bodies(i)%body)
+            if (self%surveys%of(body) == 0) cycle
+            first = system%layout%q(body)
+            last = first + 3 + system%layout%n(body)
+            if (.not. allocated(self%bodies(self%of(body))%strained)) call hold(system, work, survey, &
+               & self%bodies(self%of(body)))
+            call observe_frame(self%bodies(self%of(body)), survey, system%model%bodies(body)%reduced, t, q(first + 4:last))
+         end associate
+      end do
+   end subroutine observe_frames
+
+   !> The motions that strain a frame as its joints with the ground hold it; without any, those of its coordinates alone.
+   subroutine hold(system, work, own, body)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(body_survey_type), intent(in) :: own
+      type(body_indicators_type), intent(inout) :: body
+      real(wp), allocatable :: rows(:, :), gram(:, :), value(:), room(:), stiffness(:, :), free(:, :)
+      real(wp) :: scale(3 + size(own%survey%chosen))
+      integer :: m, count, i, side, row, info, k, free_count
+      m = size(own%survey%chosen)
+      scale = 1.0_wp
+      associate (reduced => system%model%bodies(own%body)%reduced)
+         scale(1:3) = [1/sqrt(reduced%mass), 1/sqrt(reduced%mass), 1/sqrt(max(reduced%i0, tiny(1.0_wp)))]
+      end associate
+      allocate (rows(system%nc, 3 + m))
+      count = 0
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, 2
+               if (item%bodies(side) /= own%body .or. item%bodies(3 - side) /= ground) cycle
+               do row = 1, item%rows
+                  count = count + 1
+                  rows(count, :3) = work%jacobians(side, i)%z(row, 1:3)*scale(1:3)
+                  rows(count, 4:) = work%jacobians(side, i)%eta(row, own%survey%chosen)
+                  rows(count, :) = rows(count, :)/max(norm2(rows(count, :)), tiny(1.0_wp))
+               end do
+            end do
+         end associate
+      end do
+      if (count == 0) then
+         allocate (free(3 + m, m))
+         free = 0.0_wp
+         do k = 1, m
+            free(3 + k, k) = 1.0_wp
+         end do
+      else
+         allocate (gram(3 + m, 3 + m), value(3 + m), room(8*(3 + m)))
+         gram = matmul(transpose(rows(:count, :)), rows(:count, :))
+         call dsyev('V', 'L', 3 + m, gram, 3 + m, value, room, size(room), info)
+         free_count = 0
+         do k = 1, 3 + m
+            if (value(k) < 1.0e-10_wp) free_count = k
+         end do
+         if (info /= 0) free_count = 0
+         allocate (free, source=gram(:, :free_count))
+         deallocate (value, room)
+      end if
+      k = size(free, 2)
+      allocate (stiffness(k, k), value(k), room(max(1, 8*k)))
+      do i = 1, k
+         stiffness(:, i) = matmul(own%survey%omega2*free(4:, i), free(4:, :))
+      end do
+      info = 0
+      if (k > 0) call dsyev('V', 'L', k, stiffness, k, value, room, size(room), info)
+      count = 0
+      if (k > 0 .and. info == 0) count = size(pack(value, value > max(1.0e-12_wp*value(k), 1.0e-9_wp*minval(own%survey%omega2))))
+      allocate (body%strained(0:m, count))
+      do i = 1, count
+         associate (vector => matmul(free, stiffness(:, k - count + i)))
+            body%strained(0, i) = vector(3)*scale(3)/sqrt(value(k - count + i))
+            body%strained(1:, i) = vector(4:)/sqrt(value(k - count + i))
+         end associate
+      end do
+      allocate (body%loaded(count, count), body%value(count), body%room(max(1, 8*count)))
+   end subroutine hold
+
+   !> The peaks of one frame.
+   subroutine observe_frame(self, own, reduced, t, eta)
+      type(body_indicators_type), intent(inout) :: self
+      type(body_survey_type), intent(in) :: own
+      type(reduced_type), intent(in) :: reduced
+      !> Time; coordinates (n)
+      real(wp), intent(in) :: t, eta(:)
+      real(wp) :: work, elastic, lack, left_out, part, weakest
+      integer :: i, k, m, info
+      m = size(own%survey%chosen)
+      call axial_work(own%survey, own%amplitude, self%slope_work)
+      elastic = 0.0_wp
+      do k = 1, m
+         do i = 1, m
+            elastic = elastic + eta(own%survey%chosen(i))*own%survey%bending(i, k)*eta(own%survey%chosen(k))
+         end do
+      end do
+      work = 0.0_wp
+      self%elastic = 0.0_wp
+      if (reduced%geometric .and. .not. reduced%full) then
+         call elastic_force(reduced, eta, self%elastic, self%z, self%s)
+         self%elastic = self%elastic - reduced%omega2*eta
+      end if
+      self%lacking(0) = 0.0_wp
+      do i = 1, m
+         part = 0.0_wp
+         do k = 1, m
+            part = part + self%slope_work(i, k)*eta(own%survey%chosen(k))
+         end do
+         work = work + part*eta(own%survey%chosen(i))
+         self%lacking(i) = part - self%elastic(own%survey%chosen(i))
+      end do
+      call load_motions(self)
+      if (size(self%value) == 0) return
+      call dsyev('V', 'L', size(self%value), self%loaded, size(self%value), self%value, self%room, size(self%room), info)
+      if (info /= 0) return
+      weakest = max(least, 1 + self%value(1))
+      lack = 0.0_wp
+      do i = 1, size(self%value)
+         part = 0.0_wp
+         do k = 1, size(self%value)
+            part = part + self%loaded(k, i)*dot_product(self%strained(:, k), self%lacking)
+         end do
+         part = part**2
+         lack = lack + merge(part/max(least, 1 + self%value(i))**2, part/(1 + max(self%value(i), 0.0_wp)), self%value(i) < 0.0_wp)
+      end do
+      if (reduced%full) lack = 0.0_wp
+      left_out = left_out_work(own)/min(1.0_wp, weakest)
+      call raise_peak(self, peak_compression, -self%value(1), t)
+      call raise_peak(self, peak_tension, self%value(size(self%value)), t)
+      call raise_peak(self, peak_geometric, abs(work), t)
+      call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
+      call raise_peak(self, peak_axial, lack, t)
+      call raise_peak(self, peak_left_out, left_out, t)
+   end subroutine observe_frame
+
+   !> Work of the axial forces on the motions that strain the frame.
+   pure subroutine load_motions(self)
+      type(body_indicators_type), intent(inout) :: self
+      real(wp) :: part
+      integer :: i, j, k
+      do j = 1, size(self%value)
+         do i = 1, size(self%value)
+            part = 0.0_wp
+            do k = 0, ubound(self%slope_work, 2)
+               part = part + dot_product(self%strained(:, i), self%slope_work(:, k))*self%strained(k, j)
+            end do
+            self%loaded(i, j) = part
+         end do
+      end do
+   end subroutine load_motions
+
+   !> Twice the energy of what the coordinates cannot carry of the loads, eq. (R4).
+   pure real(wp) function left_out_work(own) result(energy)
+      type(body_survey_type), intent(in) :: own
+      integer :: i, j, n, from
+      n = size(own%survey%left_out, 1)
+      from = size(own%amplitude) - n
+      energy = 0.0_wp
+      do j = 1, n
+         do i = 1, n
+            energy = energy + own%survey%left_out(i, j)*own%amplitude(at(i))*own%amplitude(at(j))
+         end do
+      end do
+
+   contains
+
+      !> Place of an acceleration or a load among the amplitudes.
+      pure integer function at(i)
+         integer, intent(in) :: i
+         at = i
+         if (i > 3) at = from + i
+      end function at
+
+   end function left_out_work
+
+end module limber_analysis_frame_watch

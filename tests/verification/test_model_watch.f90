@@ -1,0 +1,228 @@
+!> No silent wrong answers of frames, of modal analyses, and of defaults: each is right against an independent value and without a
+!> warning, or warned of with cause and remedy. Sources: stability functions of beam-columns (slope and deflection), frequencies of
+!> beams under tension in closed form, Leipholz' column (40.05). Usage, in tests/: test_model_watch RESULT_FILE
+program test_model_watch
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, channel
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   character(*), parameter :: rich = 'SECTION=bar@*NODE > SECTION=bar, MODES=20, CORRECTIONS=YES, GEOMETRIC ELEMENTS=4@*NODE'
+   real(wp), parameter :: pi = acos(-1.0_wp), critical = 7.379_wp
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_portal()
+   call check_modes()
+   call check_defaults()
+   call check_follower()
+   call finish()
+
+contains
+
+   !> The sway of the portal near its critical load, and under tension; the first frequency where the loads are small.
+   subroutine check_portal()
+      call judge_portal('default at 0.9 of the critical load', 0.9_wp*critical, '', 'lacks axial force')
+      call judge_portal('what the warning says', 0.9_wp*critical, rich, '')
+      call judge_portal('LINEAR at 0.9 of it', 0.9_wp*critical, rich//'; MODES=20 > GEOMETRIC=LINEAR, MODES=20', &
+         & 'a LINEAR frame leaves it out')
+      call judge_portal('default under tension', -5*critical, '', 'lacks axial force')
+      call judge_portal('the same, rich', -5*critical, rich, '')
+      call judge_portal('rich without loads', 0.0_wp, rich, '')
+      call judge_portal('two divisions of a member', 0.0_wp, 'SECTION=bar@*NODE > SECTION=bar, MODES=3, CORRECTIONS=YES,'// &
+         & ' DIVISIONS=2@*NODE', '', 'frame ''portal'' has too few elements')
+   end subroutine check_portal
+
+   !> Sway against slope and deflection, of columns with stability functions.
+   subroutine judge_portal(name, load, words, warning, modal)
+      character(*), intent(in) :: name, words, warning
+      real(wp), intent(in) :: load
+      !> Another text that warnings hold
+      character(*), intent(in), optional :: modal
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: sway(:)
+      real(wp) :: truth, off
+      call run_words('verification/watch_portal.inp', 'load = 1 > load = '//as_text(load, 17)//'; '//words, reader)
+      allocate (sway, source=channel(reader, 'sway'))
+      truth = 1.0e-3_wp/sway_stiffness(load)
+      off = abs(sway(size(sway))/truth - 1)
+      print '(2a,3es12.4)', name, ': sway, truth, error', sway(size(sway)), truth, off
+      if (warning /= '') then
+         call check(off > 0.1_wp, 'portal, '//name//': wrong')
+      else
+         call check(off < 0.02_wp, 'portal, '//name//': right to 2 %')
+      end if
+      if (present(modal)) then
+         call check_warning(reader, modal, 'portal, '//name)
+      else
+         call check_warning(reader, warning, 'portal, '//name)
+      end if
+      call reader%close()
+   end subroutine judge_portal
+
+   !> Force on the side of the portal for a unit sway.
+   pure real(wp) function sway_stiffness(load) result(stiffness)
+      !> On each column
+      real(wp), intent(in) :: load
+      complex(wp) :: root, below
+      real(wp) :: s, carried
+      root = sqrt(cmplx(load, 0.0_wp, wp))
+      if (abs(load) < 1.0e-6_wp) then
+         s = 4.0_wp
+         carried = 2.0_wp
+      else
+         below = 2 - 2*cos(root) - root*sin(root)
+         s = real(root*(sin(root) - root*cos(root))/below, wp)
+         carried = real(root*(root - sin(root))/below, wp)
+      end if
+      stiffness = 2*(2*(s + carried) - load - (s + carried)**2/(s + 6))
+   end function sway_stiffness
+
+   !> Tension a thousand times Euler's load, welds on the modes of pins, few elements.
+   subroutine check_modes()
+      character(*), parameter :: string = 'TYPE=WELD > TYPE=REVOLUTE; *FORCE > *JOINT, NAME=roller, TYPE=POINT ON LINE'// &
+         & '@ beam.end, ground.origin@*FORCE; pull = 0 > pull = 9869.6044; YOUNG=1e4 > YOUNG=1e8; INERTIA=1e-4 > INERTIA=1e-8;'
+      call judge_mode('LINEAR under tension', string//'LENGTH=1 > LENGTH=1, ELEMENTS=40, GEOMETRIC=LINEAR', &
+         & pi**2*sqrt(1001.0_wp), 'carries axial forces that LINEAR leaves out; use GEOMETRIC=K_G or FULL')
+      call judge_mode('K_G under tension', string//'LENGTH=1 > LENGTH=1, ELEMENTS=40, AXIAL BASIS=STATIC', &
+         & pi**2*sqrt(1001.0_wp), '')
+      call judge_mode('modes of pins with a weld', '', 3.5160153_wp, 'cannot take this shape with its 7 coordinates; use more'// &
+         & ' BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints')
+      call judge_mode('the same with shapes of its ends', 'LENGTH=1 > LENGTH=1, END SHAPES=YES', 3.5160153_wp, '')
+      call judge_mode('modes of a cantilever', 'LENGTH=1 > LENGTH=1, SUPPORT=CLAMPED-FREE', 3.5160153_wp, '')
+      call judge_mode('two elements', 'LENGTH=1 > LENGTH=1, SUPPORT=CLAMPED-FREE, ELEMENTS=2, MODES=1', 3.5160153_wp, &
+         & 'too few elements: its mass is in their nodes; use ELEMENTS=')
+   end subroutine check_modes
+
+   !> The first frequency against its true value.
+   subroutine judge_mode(name, words, truth, warning)
+      character(*), intent(in) :: name, words, warning
+      real(wp), intent(in) :: truth
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:)
+      real(wp) :: off
+      call run_words('verification/watch_beam.inp', words, reader)
+      call reader%read_numbers('/modes/small/frequency', frequency, error)
+      call check_no_error(error, name)
+      off = abs(frequency(1)/truth - 1)
+      print '(2a,3es12.4)', name, ': frequency, truth, error', frequency(1), truth, off
+      if (warning == '') then
+         call check(off < 0.02_wp, name//': right to 2 %')
+      else
+         call check(off > 0.02_wp, name//': wrong by more than 2 %')
+      end if
+      call check_warning(reader, warning, name)
+      call reader%close()
+   end subroutine judge_mode
+
+   !> A beam with default options bends, stretches and stiffens; what cannot is warned of.
+   subroutine check_defaults()
+      character(*), parameter :: clamped = 'LENGTH=1 > LENGTH=1, SUPPORT=CLAMPED-FREE'
+      character(*), parameter :: pulled = '; pull = 0 > pull = 10; push = 0 > push = 1e-3'
+      real(wp), parameter :: root = sqrt(10.0_wp)
+      call judge_tip('defaults', clamped//pulled, 1.0e-3_wp*(1 - tanh(root)/root)/10, 1.0e-3_wp, '')
+      call judge_tip('AXIAL MODES=1, as a warning says', clamped//', AXIAL MODES=1'//pulled, 1.0e-3_wp*(1 - tanh(root)/root)/10, &
+         & 8.1e-4_wp, 'longer or shorter')
+      call judge_tip('LINEAR', clamped//', GEOMETRIC=LINEAR; pull = 0 > pull = 10', 0.0_wp, 1.0e-3_wp, '')
+      call judge_tip('FULL', clamped//', GEOMETRIC=FULL; pull = 0 > pull = 10', 0.0_wp, 1.0e-3_wp, '')
+      call judge_tip('bending modes alone', clamped//', GEOMETRIC=LINEAR, BENDING MODES=3; pull = 0 > pull = 10', 0.0_wp, &
+         & 0.0_wp, 'has no axial coordinate')
+      call judge_tip('pieces', clamped//', GEOMETRIC=LINEAR, SEGMENTS=2; pull = 0 > pull = 10', 0.0_wp, 1.0e-3_wp, '')
+   end subroutine check_defaults
+
+   !> Deflection and elongation of the cantilever.
+   subroutine judge_tip(name, words, deflection, elongation, warning)
+      character(*), intent(in) :: name, words, warning
+      real(wp), intent(in) :: deflection, elongation
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: tip(:), stretch(:)
+      call run_words('verification/watch_beam.inp', words//'; *MODES, NAME=small, NUMBER=1 > ** no modes', reader)
+      allocate (tip, source=channel(reader, 'tip'))
+      allocate (stretch, source=channel(reader, 'stretch'))
+      print '(2a,2es12.4)', name, ': deflection, elongation', tip(size(tip)), stretch(size(stretch))
+      if (warning == '') then
+         call check(abs(tip(size(tip)) - deflection) <= 0.02_wp*abs(deflection) + 1.0e-12_wp, name//': deflection')
+      else
+         call check(tip(size(tip)) >= deflection, name//': it bends')
+      end if
+      call check(abs(stretch(size(stretch)) - elongation) <= 0.01_wp*elongation + 1.0e-7_wp, name//': elongation')
+      call check_warning(reader, warning, name)
+      call reader%close()
+   end subroutine judge_tip
+
+   !> Leipholz' column flutters at 40.05, whatever the basis is.
+   subroutine check_follower()
+      call judge_flutter('clamped', '')
+      call judge_flutter('pins, with the shapes of the ends', 'SUPPORT=CLAMPED-FREE > SUPPORT=PINNED-ROLLER, END SHAPES=YES')
+      call judge_flutter('free', 'SUPPORT=CLAMPED-FREE > SUPPORT=FREE-FREE, END SHAPES=YES')
+      call judge_flutter('FULL', 'GEOMETRIC ELEMENTS=16 > GEOMETRIC ELEMENTS=16, GEOMETRIC=FULL')
+   end subroutine check_follower
+
+   subroutine judge_flutter(name, words)
+      character(*), intent(in) :: name, words
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: growth(:)
+      real(wp) :: below, above
+      call run_words('verification/watch_follower.inp', 'push = 40 > push = 39.65; '//words, reader)
+      call reader%read_numbers('/modes/small/growth', growth, error)
+      call check_no_error(error, name)
+      below = maxval(growth)
+      call reader%close()
+      call run_words('verification/watch_follower.inp', 'push = 40 > push = 40.45; '//words, reader)
+      call reader%read_numbers('/modes/small/growth', growth, error)
+      above = maxval(growth)
+      call reader%close()
+      print '(2a,2es12.4)', name, ': growth at 0.99 and 1.01 of the critical load', below, above
+      call check(below < 1.0e-3_wp, 'Leipholz'' column, '//name//': at rest below 40.05')
+      call check(above > 0.1_wp, 'Leipholz'' column, '//name//': flutter above 40.05')
+   end subroutine judge_flutter
+
+   !> Runs a deck with words exchanged, 'old > new; old > new'; @ is a new line.
+   subroutine run_words(deck, words, reader)
+      character(*), intent(in) :: deck, words
+      type(history_reader_type), intent(out) :: reader
+      character(200) :: old(8), new(8)
+      character(len(words)) :: rest
+      integer :: count, at, arrow, i, k
+      rest = words
+      do i = 1, len(rest)
+         if (rest(i:i) == '@') rest(i:i) = achar(10)
+      end do
+      count = 0
+      do while (len_trim(rest) > 0)
+         at = index(rest, ';')
+         if (at == 0) at = len(rest) + 1
+         arrow = index(rest(:at - 1), '>')
+         if (arrow > 0) then
+            count = count + 1
+            old(count) = adjustl(rest(:arrow - 1))
+            new(count) = adjustl(rest(arrow + 1:at - 1))
+         end if
+         do k = 1, min(at, len(rest))
+            rest(k:k) = ' '
+         end do
+         rest = adjustl(rest)
+      end do
+      call run_changed(deck, trim(results), old(:count), new(:count), reader)
+   end subroutine run_words
+
+   !> Checks that a run has a warning with a text, or none.
+   subroutine check_warning(reader, warning, name)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: warning, name
+      character(:), allocatable :: text
+      type(error_type), allocatable :: error
+      call reader%read_text('/run/warnings', text, error)
+      call check_no_error(error, name//': warnings')
+      if (warning == '') then
+         call check(text == '', name//' has no warning, but: '//text)
+      else
+         call check(index(text, warning) > 0, name//' is warned of: '//text)
+      end if
+   end subroutine check_warning
+
+end program test_model_watch

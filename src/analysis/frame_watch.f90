@@ -5,7 +5,7 @@ module limber_analysis_frame_watch
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
-      & peak_left_out, peak_geometric, peak_axial, peak_stiffness
+      & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness
    use limber_analysis_surveys, only: body_survey_type, take_amplitudes
    use limber_flex_elastic, only: elastic_force
    use limber_flex_reduced, only: reduced_type
@@ -117,7 +117,7 @@ contains
       type(reduced_type), intent(in) :: reduced
       !> Time; coordinates (n)
       real(wp), intent(in) :: t, eta(:)
-      real(wp) :: work, elastic, lack, left_out, part, weakest
+      real(wp) :: work, elastic, lack, quick, left_out, part, weakest
       integer :: i, k, m, info
       m = size(own%survey%chosen)
       call axial_work(own%survey, own%amplitude, self%slope_work)
@@ -148,21 +148,27 @@ contains
       if (info /= 0) return
       weakest = max(least, 1 + self%value(1))
       lack = 0.0_wp
+      quick = 0.0_wp
       do i = 1, size(self%value)
          part = 0.0_wp
          do k = 1, size(self%value)
             part = part + self%loaded(k, i)*dot_product(self%strained(:, k), self%lacking)
          end do
          part = part**2
+         quick = quick + part/(1 + max(self%value(i), 0.0_wp))
          lack = lack + merge(part/max(least, 1 + self%value(i))**2, part/(1 + max(self%value(i), 0.0_wp)), self%value(i) < 0.0_wp)
       end do
-      if (reduced%full) lack = 0.0_wp
+      if (reduced%full) then
+         lack = 0.0_wp
+         quick = 0.0_wp
+      end if
       left_out = left_out_work(own)/min(1.0_wp, weakest)
       call raise_peak(self, peak_compression, -self%value(1), t)
       call raise_peak(self, peak_tension, self%value(size(self%value)), t)
       call raise_peak(self, peak_geometric, abs(work), t)
       call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
-      call raise_peak(self, peak_axial, lack, t)
+      call raise_peak(self, peak_axial, quick, t)
+      call raise_peak(self, peak_axial_grown, lack, t)
       call raise_peak(self, peak_left_out, left_out, t)
    end subroutine observe_frame
 

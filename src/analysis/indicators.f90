@@ -28,12 +28,13 @@ module limber_analysis_indicators
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
-      & indicator_drift = 14, indicator_elongation = 15, indicator_count = 15
+      & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, &
+      & indicator_count = 16
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
-      & 'shortening', 'drift', 'elongation']
+      & 'shortening', 'drift', 'elongation', 'recoil']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -49,13 +50,18 @@ module limber_analysis_indicators
       & 'error of frequencies and deflections by the lumped masses', &
       & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending', &
       & 'shift of the vibrations / largest deflection, by what the model lacks of the shortening', &
-      & 'elongation by the axial force that the axial functions lack / largest elongation or deflection']
+      & 'elongation by the axial force that the axial functions lack / largest elongation or deflection', &
+      & 'work on the bending of the inertia that the shortening has and the model lacks / energy of bending']
+
+   !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
+   real(wp), parameter, public :: slow = 0.3_wp
 
    !> Maxima that the indicators are made of
    integer, parameter, public :: peak_deflection = 1, peak_slope = 2, peak_rotation = 3, peak_compression = 4, peak_tension = 5, &
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
       & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peak_stretch = 16, &
-      & peak_unstretched = 17, peaks = 17
+      & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
+      & peak_coarse_grown = 20, peaks = 20
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and the
    !> work on the bending of tension that is there only because the shortening cannot be carried
@@ -513,14 +519,18 @@ contains
             if (size(self%modal) > 0) value = ratio(self%modal(size(self%modal)), peak(peak_energy))
          case (indicator_residual); value = ratio(peak(peak_left_out), peak(peak_left_out) + peak(peak_energy))
          case (indicator_geometric); value = ratio(peak(peak_geometric), peak(peak_stiffness))
-         case (indicator_axial); value = sqrt(ratio(peak(peak_axial), peak(merge(peak_bent, peak_stiffness, self%is_full))))
-         case (indicator_coarseness); value = sqrt(ratio(peak(peak_coarse), peak(peak_stiffness)))
+         case (indicator_axial)
+            value = sqrt(ratio(peak(merge(peak_axial_grown, peak_axial, is_slow(self))), &
+               & peak(merge(peak_bent, peak_stiffness, self%is_full))))
+         case (indicator_coarseness)
+            value = sqrt(ratio(peak(merge(peak_coarse_grown, peak_coarse, is_slow(self))), peak(peak_stiffness)))
          case (indicator_lumping)
             value = 0.0_wp
             if (allocated(self%lumping)) value = max(ratio(maxval(min(self%modal, self%moving)*self%lumping), peak(peak_energy)), &
                & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
          case (indicator_shortening); value = ratio(peak(peak_quartic), peak(peak_stiffness))
          case (indicator_drift); value = drift(self)
+         case (indicator_recoil); value = ratio(peak(peak_recoil), peak(peak_stiffness))
          case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))
          case default; value = peak(kind)
          end select
@@ -568,10 +578,17 @@ contains
          if (self%is_beam) t = self%time(peak_lost)
       case (indicator_shortening); t = self%time(peak_quartic)
       case (indicator_drift); t = max(0.0_wp, self%span(2))
+      case (indicator_recoil); t = self%time(peak_recoil)
       case (indicator_elongation); t = self%time(peak_unstretched)
       case default; t = self%time(kind)
       end select
    end function indicator_time
+
+   !> Whether the bending follows its loads as at rest, so that a compression has the time to make it larger.
+   pure logical function is_slow(self)
+      type(body_indicators_type), intent(in) :: self
+      is_slow = sqrt(ratio(self%peak(peak_kinetic), self%peak(peak_energy))) < slow
+   end function is_slow
 
    pure real(wp) function ratio(part, whole)
       real(wp), intent(in) :: part, whole

@@ -6,7 +6,7 @@ module limber_analysis_observation
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
-      & peak_unstretched, sum_kinetic, sum_elastic, sum_shortening, sum_locked, &
+      & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_kinetic, sum_elastic, sum_shortening, sum_locked, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
    use limber_analysis_frame_watch, only: observe_frames
@@ -49,6 +49,7 @@ contains
                associate (body => system%model%bodies(self%bodies(i)%body))
                   call add_vibration(self%bodies(i), stations%bending, body, t, eta, rate, a(first + 4:last))
                   if (.not. self%bodies(i)%is_full) call add_shortening(self%bodies(i), stations, body, rate)
+                  if (.not. self%bodies(i)%is_full) call observe_recoil(self%bodies(i), stations, body, t, rate, a(first + 4:last))
                end associate
             end associate
          end associate
@@ -187,6 +188,73 @@ contains
       end function speed_at
 
    end subroutine add_shortening
+
+   !> Work on the bending of the axial force that the inertia of the shortening makes, eq. (R14). A K_G beam does not have it, and
+   !> it is all that ends the growth of a bending which an axial vibration feeds.
+   pure subroutine observe_recoil(self, stations, body, t, rate, acceleration)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      type(body_type), intent(in) :: body
+      !> Time; rates and accelerations of the coordinates (n)
+      real(wp), intent(in) :: t, rate(:), acceleration(:)
+      real(wp) :: part, fixed, force, work, faster, turned
+      integer :: s, k, at
+      ! Scratch: how much the stations are drawn in, a unit of time squared
+      fixed = 0.0_wp
+      do s = 1, stations%count
+         turned = 0.0_wp
+         faster = 0.0_wp
+         do k = 1, stations%bending
+            turned = turned + stations%slope(k, s)*rate(k)
+            faster = faster + stations%slope(k, s)*acceleration(k)
+         end do
+         part = 0.5_wp*stations%weight(s)*(turned**2 + self%slope(s)*faster)
+         self%force(s) = fixed + part
+         fixed = self%force(s) + part
+      end do
+      fixed = 0.0_wp
+      if (self%anchor > 0) fixed = self%force(nearest(stations, self%anchor))
+      force = 0.0_wp
+      work = 0.0_wp
+      do s = stations%count, 1, -1
+         do k = 1, stations%places
+            at = nearest(stations, k)
+            if (at == s .and. k /= self%anchor) force = force + self%carried(k)*(self%force(s) - fixed)
+         end do
+         part = 0.5_wp*stations%weight(s)*body%beam%rho_a*(self%force(s) - fixed)
+         force = force + part
+         work = work + stations%weight(s)*force*self%slope(s)**2
+         force = force + part
+         if (self%anchor == 0) cycle
+         ! The ground takes what is beyond: from there on the other side counts
+         if (nearest(stations, self%anchor) == s) force = -drawn_before(self, stations, body, s, fixed)
+      end do
+      call raise_peak(self, peak_recoil, abs(work), t)
+   end subroutine observe_recoil
+
+   !> Force that draws in what lies before a station.
+   pure real(wp) function drawn_before(self, stations, body, station, fixed) result(force)
+      type(body_indicators_type), intent(in) :: self
+      type(stations_type), intent(in) :: stations
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: station
+      real(wp), intent(in) :: fixed
+      integer :: s, k
+      force = 0.0_wp
+      do s = 1, station - 1
+         force = force + stations%weight(s)*body%beam%rho_a*(self%force(s) - fixed)
+      end do
+      do k = 1, stations%places
+         if (nearest(stations, k) < station) force = force + self%carried(k)*(self%force(nearest(stations, k)) - fixed)
+      end do
+   end function drawn_before
+
+   !> The station next to a place.
+   pure integer function nearest(stations, place)
+      type(stations_type), intent(in) :: stations
+      integer, intent(in) :: place
+      nearest = minloc(abs(stations%x - stations%place(place)), dim=1)
+   end function nearest
 
    !> Deflection and slope of a beam at its stations.
    pure subroutine bend(self, stations, t, eta)
@@ -355,7 +423,7 @@ contains
       type(stations_type), intent(in) :: stations
       type(body_type), intent(in) :: body
       real(wp), intent(in) :: t, eta(:)
-      real(wp) :: load, work, lack, coarse, elastic, left_out, lost, row, foreshortening, quartic
+      real(wp) :: load, work, lack, coarse, growth, elastic, left_out, lost, row, foreshortening, quartic
       integer :: s, k
       load = 0.0_wp
       work = 0.0_wp
@@ -372,7 +440,8 @@ contains
          work = work + stations%weight(s)*self%force(s)*self%slope(s)**2
          quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
       end do
-      call compare_tension(self, stations, body, 1/max(softest, 1 + min(load, 0.0_wp)), eta, lack, coarse)
+      call compare_tension(self, stations, body, eta, lack, coarse)
+      growth = 1/max(softest, 1 + min(load, 0.0_wp))**2
       call compare_length(self, stations, body, t, eta)
       ! Axial coordinates that follow at rest hold no stretch in the motion: limber_analysis_axial judges these
       if (body%reduced%condensed) lack = 0.0_wp
@@ -400,6 +469,9 @@ contains
       call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)
       call raise_peak(self, peak_axial, lack, t)
       call raise_peak(self, peak_coarse, coarse, t)
+      ! Where the bending follows slowly, a compression makes changes of the deflection larger
+      call raise_peak(self, peak_axial_grown, growth*lack, t)
+      call raise_peak(self, peak_coarse_grown, growth*coarse, t)
       call raise_peak(self, peak_left_out, left_out, t)
       call raise_peak(self, peak_lost, lost, t)
       call raise_peak(self, peak_quartic, abs(quartic), t)
@@ -407,12 +479,10 @@ contains
 
    !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about
    !> them; squares of the change: in energy, of what FULL lacks in deflection, eqs. (160), (161).
-   pure subroutine compare_tension(self, stations, body, growth, eta, lack, coarse)
+   pure subroutine compare_tension(self, stations, body, eta, lack, coarse)
       type(body_indicators_type), intent(inout) :: self
       type(stations_type), intent(in) :: stations
       type(body_type), intent(in) :: body
-      !> How many times a compression makes a change of the deflection larger
-      real(wp), intent(in) :: growth
       real(wp), intent(in) :: eta(:)
       real(wp), intent(out) :: lack, coarse
       real(wp) :: length, mean, tilt, own, tension, part
@@ -461,8 +531,6 @@ contains
          lack = lack + merge((self%push(1, j)/part)**2, self%push(1, j)**2/part, body%reduced%full)
          coarse = coarse + self%push(2, j)**2/part
       end do
-      lack = growth**2*lack
-      coarse = growth**2*coarse
    end subroutine compare_tension
 
    !> How much longer the axial forces make a beam, and how much of that its axial functions do not have, eq. (R11).

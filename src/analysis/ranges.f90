@@ -6,10 +6,10 @@ module limber_analysis_ranges
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
-      & indicator_names, indicator_meanings, peak_unstretched, &
+      & indicator_names, indicator_meanings, peak_unstretched, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
-      & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation
+      & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -18,8 +18,6 @@ module limber_analysis_ranges
 
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
-   !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
-   real(wp), parameter :: slow = 0.3_wp
    !> Of a rigid beam: frequency of loads, relative to the first one, from which its deflection is more than at rest, and how much
    !> more at most
    real(wp), parameter :: quick = 0.5_wp, resonant = 10.0_wp
@@ -64,7 +62,7 @@ contains
          limit = 0.05_wp
       case (indicator_shortening)
          limit = 0.03_wp
-      case (indicator_drift, indicator_elongation)
+      case (indicator_drift, indicator_elongation, indicator_recoil)
          limit = 0.05_wp
       end select
       excess = indicator_value(indicators, kind)/limit
@@ -195,6 +193,10 @@ contains
             & ' of the largest deflection'//when//': its axial functions cannot carry all of the shortening by bending'
          if (.not. body%reduced%full) text = 'vibrates long enough for the inertia of its shortening, which '// &
             & fidelity(body)//' leaves out, to shift the vibrations by about '//percent//' of the largest deflection'//when
+      case (indicator_recoil)
+         text = 'bends so quickly that the inertia of its shortening, which '//fidelity(body)//' leaves out, does work of '// &
+            & percent//' of the energy of bending'//when
+         if (body%reduced%geometric) text = text//": nothing else ends what axial vibrations feed to the bending of K_G"
       case (indicator_elongation)
          text = 'is longer or shorter under its axial forces than its axial functions can follow, by '//percent// &
             & ' of the largest elongation or deflection'//when
@@ -223,6 +225,7 @@ contains
          return
       end if
       select case (kind)
+      case (indicator_recoil); text = 'use GEOMETRIC=FULL'
       case (indicator_drift)
          text = 'use GEOMETRIC=FULL'
          if (body%reduced%full) text = 'use AXIAL BASIS=ELEMENTS, or more MODAL DERIVATIVES'

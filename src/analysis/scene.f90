@@ -27,6 +27,7 @@ module limber_analysis_scene
    use limber_system_algebra, only: cross
    use limber_system_kinematics, only: point_position
    use limber_system_massless, only: find_massless
+   use limber_system_modal_damping, only: any_modal, find_damping
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
@@ -217,12 +218,34 @@ contains
       call warn_of_turn(scene, diagnostics)
       call warn_of_changes(scene, diagnostics)
       call warn_of_springs(scene, diagnostics)
+      call damp_modes(scene, diagnostics)
       if (scene%assembly%rank < scene%assembly%equations) then
          call soften_constraints(scene%system)
          call new_workspace(scene%system, scene%work)
       end if
       if (scene%system%model%assembly%static_deflections) call settle_deflections(scene, diagnostics)
    end subroutine assemble_scene
+
+   !> Damping ratios are those of the modes of a body as the scene holds it, which is known from here on.
+   subroutine damp_modes(scene, diagnostics)
+      type(scene_type), intent(inout) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(model_type) :: model
+      logical, allocatable :: missed(:)
+      integer :: i, block
+      if (.not. any_modal(scene%system%model)) return
+      model = scene%system%model
+      call find_damping(scene%system, scene%work, model, scene%q, missed)
+      do i = 1, size(missed)
+         if (.not. missed(i)) cycle
+         block = scene%deck%find('DAMPING')
+         call diagnostics%warn(scene%deck%blocks(block)%origin, "damping of '"//model%bodies(i)%name//"' is that of its"// &
+            & ' coordinates, not of its modes as the scene holds it: the scene is too large to find these', &
+            & 'RAYLEIGH BETA means the same in any coordinates')
+      end do
+      scene%system = new_system(model)
+      call new_workspace(scene%system, scene%work)
+   end subroutine damp_modes
 
    !> Deflections in equilibrium at the first time: with free frames by their own stiffness, and where drivers hold all frames
    !> together with the joints.

@@ -6,6 +6,7 @@ module limber_flex_reduced
    use limber_base_text, only: as_text
    implicit none
    private
+   public :: add_damping, damping_power
    public :: reduced_type, rigid_reduced, start_inertia, add_inertia, add_rotary, rotary_row, rotary_square, bytes_of
    public :: check_size, check_slopes, check_operations
 
@@ -42,9 +43,9 @@ module limber_flex_reduced
       logical :: geometric = .false.
       !> True if the geometric part is the gradient of an energy (model full)
       logical :: full = .false.
-      !> True if the coordinates are damped, each by itself, and the factors of their rates then (n) [1/time]
+      !> True if the coordinates are damped, and the factors of their rates then, symmetric (n, n) [1/time]
       logical :: damped = .false.
-      real(wp), allocatable :: damping(:)
+      real(wp), allocatable :: damping(:, :)
       !> Geometric part (pairs, n - offset) and (pairs, pairs), pairs = bending (bending + 1)/2; see limber_flex_geometric
       real(wp), allocatable :: cubic(:, :), quartic(:, :)
       !> True if the axial coordinates of a straight beam follow at rest (STATIC); then what bending makes of them, the
@@ -174,6 +175,33 @@ contains
          body%rotary(:, k) = body%rotary(:, k) + inertia*psi*psi(k)
       end do
    end subroutine add_rotary
+
+   !> Adds the damping, times a factor, to forces on the coordinates; of a damped body only.
+   pure subroutine add_damping(body, factor, rate, force)
+      type(reduced_type), intent(in) :: body
+      !> Of the damping; rates of the coordinates (n)
+      real(wp), intent(in) :: factor, rate(:)
+      !> (n)
+      real(wp), intent(inout) :: force(:)
+      integer :: j, k
+      do k = 1, body%n
+         do j = 1, body%n
+            force(j) = force(j) + factor*body%damping(j, k)*rate(k)
+         end do
+      end do
+   end subroutine add_damping
+
+   !> Power that the damping takes; of a damped body only.
+   pure real(wp) function damping_power(body, rate) result(power)
+      type(reduced_type), intent(in) :: body
+      !> Rates of the coordinates (n)
+      real(wp), intent(in) :: rate(:)
+      integer :: k
+      power = 0.0_wp
+      do k = 1, body%n
+         power = power + rate(k)*dot_product(body%damping(:, k), rate)
+      end do
+   end function damping_power
 
    !> eta.R eta; of a spinning body only.
    pure real(wp) function rotary_square(body, eta) result(square)

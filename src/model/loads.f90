@@ -233,8 +233,17 @@ contains
          end do
          if (reduced%n == 0) return
          reduced%damped = .true.
-         allocate (reduced%damping(reduced%n))
-         reduced%damping = 2*ratio*sqrt(reduced%omega2) + block%real('RAYLEIGH ALPHA') + block%real('RAYLEIGH BETA')*reduced%omega2
+         allocate (reduced%damping(reduced%n, reduced%n))
+         reduced%damping = 0.0_wp
+         do i = 1, reduced%n
+            reduced%damping(i, i) = 2*ratio(i)*sqrt(reduced%omega2(i)) + block%real('RAYLEIGH ALPHA') &
+               & + block%real('RAYLEIGH BETA')*reduced%omega2(i)
+         end do
+         ! That of its modes as it is held is found once the scene is assembled
+         if (model%bodies(body)%whole > 0) return
+         if (.not. (maxval(ratio) > 0.0_wp .or. block%real('RAYLEIGH ALPHA') > 0.0_wp)) return
+         allocate (model%bodies(body)%ratio, source=ratio)
+         model%bodies(body)%rayleigh = [block%real('RAYLEIGH ALPHA'), block%real('RAYLEIGH BETA')]
       end associate
    end subroutine damp
 

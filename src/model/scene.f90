@@ -94,6 +94,10 @@ module limber_model_scene
       type(field_type) :: field
       !> Functions of its basis that were left out because they depend on others; empty if none were
       character(:), allocatable :: note
+      !> Parts of the critical damping of its modes as it is held (n), allocated if it is damped by its modes; Rayleigh's factors of
+      !> mass and stiffness [1/time], [time]
+      real(wp), allocatable :: ratio(:)
+      real(wp) :: rayleigh(2) = 0.0_wp
       !> Indices of the points at a beam's two ends
       integer :: start_point = 0, end_point = 0
       !> True for a frame; its mesh, what was chosen of it, and its shapes at the nodes (3, nodes, n)

@@ -8,6 +8,7 @@
 module limber_system_discrete
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent
+   use limber_flex_reduced, only: damping_power
    use limber_model_scene, only: ground
    use limber_system_algebra, only: turn, along, cross
    use limber_system_body, only: body_mass, centre_moment
@@ -139,7 +140,7 @@ contains
          do k = 1, n
             motion(at + 2 + k) = (step%new_p(at + 2 + k) - step%p(at + 2 + k))/h - motion(at + 2 + k) &
                & + work%bodies(i)%eta_force(k) - dot_product(along(body%c(:, k), stretch), gravity)
-            if (body%damped) motion(at + 2 + k) = motion(at + 2 + k) + body%damping(k)*y(at + 2 + k)/h
+            if (body%damped) motion(at + 2 + k) = motion(at + 2 + k) + dot_product(body%damping(:, k), y(at + 3:last))/h
          end do
       end associate
    end subroutine body_residual
@@ -241,7 +242,7 @@ contains
          do k = 1, n
             stiffness(3, 3 + k) = -cross(along(body%c(:, k), u1), gravity)
             stiffness(3 + k, 3) = -cross(along(body%c(:, k), u0), gravity)
-            if (body%damped) tangent%bodies(i)%damping(3 + k, 3 + k) = body%damping(k)
+            if (body%damped) tangent%bodies(i)%damping(4:3 + n, 3 + k) = body%damping(:, k)
          end do
          if (n > 0) call add_elastic_tangent(system, work, step, i, y, tangent)
       end associate
@@ -322,7 +323,7 @@ contains
       do i = 1, size(work%bodies)
          associate (body => system%model%bodies(i)%reduced)
             at = system%layout%w(i) + 2
-            if (body%damped) done = done - sum(body%damping*y(at + 1:at + body%n)**2)/step%h
+            if (body%damped) done = done - damping_power(body, y(at + 1:at + body%n))/step%h
             if (body%full .or. .not. body%geometric) cycle
             call mean_elastic_force(system, work, step, i, y)
             first = system%layout%q(i) + 3

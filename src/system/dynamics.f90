@@ -5,6 +5,7 @@ module limber_system_dynamics
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
+   use limber_flex_reduced, only: add_damping, damping_power
    use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn, cross
    use limber_system_condensation, only: update_folds, project_vector, condense_forces, gather_loads, push_bending, axial_posture
@@ -156,7 +157,7 @@ contains
                body%eta_force = 0.0_wp
                call elastic_force(reduced, q(first:last), body%eta_force, body%z, body%s)
                body%eta_force = -body%eta_force
-               if (reduced%damped) body%eta_force = body%eta_force - reduced%damping*v(first:last)
+               if (reduced%damped) call add_damping(reduced, -1.0_wp, v(first:last), body%eta_force)
             end if
             call velocity_forces(reduced, frame%u, frame%omega, q(first:last), v(first:last), body%force, body%eta_force)
             if (heavy) call gravity_forces(reduced, system%model%gravity, frame%u, q(first:last), body%force, body%eta_force)
@@ -375,7 +376,7 @@ contains
          else
             call geometric_power(reduced, q(first:last), v(first:last), body%z, body%s, taken)
          end if
-         if (reduced%damped) taken = taken + sum(reduced%damping*v(first:last)**2)
+         if (reduced%damped) taken = taken + damping_power(reduced, v(first:last))
       end associate
    end function body_loss
 

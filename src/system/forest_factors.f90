@@ -75,7 +75,7 @@ contains
          forest%block(4:3 + n, 4:3 + n, k) = forest%block(4:3 + n, 4:3 + n, k) + stiffness*forest%tangent(:n, :n)
          if (.not. reduced%damped) return
          do i = 1, n
-            forest%block(3 + i, 3 + i, k) = forest%block(3 + i, 3 + i, k) + reduced%damping(i)
+            forest%block(4:3 + n, 3 + i, k) = forest%block(4:3 + n, 3 + i, k) + reduced%damping(:, i)
          end do
       end associate
    end subroutine start_newton

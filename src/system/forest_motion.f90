@@ -4,7 +4,7 @@
 module limber_system_forest_motion
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, geometric_power
-   use limber_flex_reduced, only: reduced_type
+   use limber_flex_reduced, only: add_damping, damping_power, reduced_type
    use limber_model_scene, only: model_type
    use limber_system_forest, only: forest_type
    implicit none
@@ -101,7 +101,7 @@ contains
       real(wp), contiguous, intent(in) :: eta(:), rate(:)
       real(wp), contiguous, intent(inout) :: motion(:)
       call elastic_force(body, eta, motion, forest%pairs(:, 1), forest%pairs(:, 2))
-      if (body%damped) motion = motion + body%damping*rate
+      if (body%damped) call add_damping(body, 1.0_wp, rate, motion)
    end subroutine add_elastic
 
    !> Adds a force at a pin to the forces of its body, and the velocity of the pin to that of a gap.
@@ -260,7 +260,7 @@ contains
             call geometric_power(reduced, q(place%q + 4:place%q + 3 + place%n), w(place%w + 3:place%w + 2 + place%n), &
                & forest%pairs(:, 1), forest%pairs(:, 2), taken)
             power = power - taken
-            if (reduced%damped) power = power - sum(reduced%damping*w(place%w + 3:place%w + 2 + place%n)**2)
+            if (reduced%damped) power = power - damping_power(reduced, w(place%w + 3:place%w + 2 + place%n))
          end associate
       end do
    end function forest_power

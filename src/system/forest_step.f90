@@ -4,7 +4,7 @@
 module limber_system_forest_step
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent
-   use limber_flex_reduced, only: reduced_type
+   use limber_flex_reduced, only: add_damping, reduced_type
    use limber_model_scene, only: model_type
    use limber_system_algebra, only: turn, along, cross
    use limber_system_body, only: body_mass
@@ -140,9 +140,7 @@ contains
          motion(k) = motion(k) + force(k)/size(gauss)
       end do
       if (.not. body%damped) return
-      do k = 1, n
-         motion(k) = motion(k) + body%damping(k)*change(k)/h
-      end do
+      call add_damping(body, 1/h, change, motion)
    end subroutine add_mean_elastic
 
    !> Adds the force at a pin over the step to a body, eq. (53), and the place of the pin at the end to a gap.
@@ -250,7 +248,7 @@ contains
             do j = 1, n
                block(3, 3 + j) = block(3, 3 + j) - 0.5_wp*cross(along(body%c(:, j), u1), gravity)
                block(3 + j, 3) = block(3 + j, 3) - 0.5_wp*cross(along(body%c(:, j), u0), gravity)
-               if (body%damped) block(3 + j, 3 + j) = block(3 + j, 3 + j) + body%damping(j)/h
+               if (body%damped) block(4:3 + n, 3 + j) = block(4:3 + n, 3 + j) + body%damping(:, j)/h
             end do
             do point = 1, size(gauss)
                between(:n) = step%q(first:first + n - 1) + gauss(point)*y(at + 3:last)

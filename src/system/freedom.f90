@@ -42,18 +42,20 @@ contains
    end function rate_scales
 
    !> Finds the motions that are left at the Jacobians in the workspace.
-   subroutine find_freedom(system, work, held, freedom)
+   subroutine find_freedom(system, work, held, freedom, but)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       !> True if deflections are held: frames alone move
       logical, intent(in) :: held
       type(freedom_type), intent(inout) :: freedom
+      !> The one body that deflects all the same
+      integer, intent(in), optional :: but
       real(wp), allocatable :: rows(:, :), tau(:), scratch(:), scale(:)
       integer, allocatable :: pivot(:), columns(:)
       integer :: n, m, i, info
       allocate (scale(system%layout%nw))
       scale = rate_scales(system)
-      call free_columns(system, held, columns)
+      call free_columns(system, held, columns, but)
       n = size(columns)
       m = system%nc
       allocate (rows(n, max(n, m)), tau(min(n, m)), scratch(64*(n + m + 2)), pivot(m))
@@ -75,14 +77,19 @@ contains
    end subroutine find_freedom
 
    !> The rates that can change.
-   subroutine free_columns(system, held, columns)
+   subroutine free_columns(system, held, columns, but)
       type(system_type), intent(in) :: system
       logical, intent(in) :: held
       integer, allocatable, intent(out) :: columns(:)
+      !> The one body that deflects all the same
+      integer, intent(in), optional :: but
       logical :: moves(system%layout%nw)
       integer :: i, first
       moves = .true.
       do i = 1, size(system%layout%w)
+         if (present(but)) then
+            if (i == but) cycle
+         end if
          first = system%layout%w(i) + system%layout%rates(i)
          if (held) moves(first:first + system%layout%n(i) - 1) = .false.
       end do

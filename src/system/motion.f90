@@ -161,7 +161,7 @@ contains
             & body%slope)
          if (.not. reduced%damped) return
          do k = 1, n
-            body%damping(3 + k, 3 + k) = body%damping(3 + k, 3 + k) + reduced%damping(k)
+            body%damping(4:3 + n, 3 + k) = body%damping(4:3 + n, 3 + k) + reduced%damping(:, k)
          end do
       end associate
    end subroutine linearise_body

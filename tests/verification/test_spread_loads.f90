@@ -17,7 +17,7 @@ contains
 
    !> What is behind a section, at rest: polynomials, few modes, sections within elements, members at an angle.
    subroutine check_statics()
-      real(wp), parameter :: l = 2.0_wp, q = 0.03_wp, c = 0.6_wp, d = 0.8_wp, all = q*l
+      real(wp), parameter :: l = 2.0_wp, q = 3.0e-8_wp, c = 0.6_wp, d = 0.8_wp, all = q*l
       type(history_reader_type) :: reader
       real(wp) :: pull(2), press
       call run_changed('verification/spread_loads.inp', trim(results), [character(4) :: 'l = '], [character(4) :: 'l = '], reader)

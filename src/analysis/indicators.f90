@@ -66,7 +66,7 @@ module limber_analysis_indicators
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and the
    !> work on the bending of tension that is there only because the shortening cannot be carried
    integer, parameter, public :: sum_kinetic = 1, sum_elastic = 2, sum_shortening = 3, sum_acceleration = 4, &
-      & sum_locked = 5, sums = 5
+      & sum_locked = 5, sum_bent = 6, sums = 6
 
    !> One flexible body, or one rigid beam
    type :: body_indicators_type
@@ -556,7 +556,8 @@ contains
          else
             shift = total(sum_shortening)/total(sum_kinetic)
          end if
-         drift = vibrating*frequency*count*shift*min(1.0_wp, total(sum_kinetic)/total(sum_elastic))
+         ! Of a deflection that follows its loads little vibrates freely
+         drift = vibrating*frequency*count*shift*min(1.0_wp, frequency*sqrt(total(sum_bent)/total(sum_elastic)))
       end associate
    end function drift
 

@@ -6,7 +6,8 @@ module limber_analysis_observation
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
-      & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_kinetic, sum_elastic, sum_shortening, sum_locked, &
+      & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_kinetic, sum_elastic, sum_shortening, &
+      & sum_locked, sum_bent, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
    use limber_analysis_frame_watch, only: observe_frames
@@ -134,6 +135,7 @@ contains
       integer :: k
       self%total(sum_kinetic) = self%total(sum_kinetic) + dot_product(rate(:bending), rate(:bending))
       self%total(sum_acceleration) = self%total(sum_acceleration) + dot_product(acceleration(:bending), acceleration(:bending))
+      self%total(sum_bent) = self%total(sum_bent) + dot_product(eta(:bending), eta(:bending))
       do k = 1, bending
          self%total(sum_elastic) = self%total(sum_elastic) + body%reduced%omega2(k)*eta(k)**2
       end do
@@ -213,12 +215,12 @@ contains
          fixed = self%force(s) + part
       end do
       fixed = 0.0_wp
-      if (self%anchor > 0) fixed = self%force(nearest(stations, self%anchor))
+      if (self%anchor > 0) fixed = self%force(station_at(stations, self%anchor))
       force = 0.0_wp
       work = 0.0_wp
       do s = stations%count, 1, -1
          do k = 1, stations%places
-            at = nearest(stations, k)
+            at = station_at(stations, k)
             if (at == s .and. k /= self%anchor) force = force + self%carried(k)*(self%force(s) - fixed)
          end do
          part = 0.5_wp*stations%weight(s)*body%beam%rho_a*(self%force(s) - fixed)
@@ -227,7 +229,7 @@ contains
          force = force + part
          if (self%anchor == 0) cycle
          ! The ground takes what is beyond: from there on the other side counts
-         if (nearest(stations, self%anchor) == s) force = -drawn_before(self, stations, body, s, fixed)
+         if (station_at(stations, self%anchor) == s) force = -drawn_before(self, stations, body, s, fixed)
       end do
       call raise_peak(self, peak_recoil, abs(work), t)
    end subroutine observe_recoil
@@ -245,16 +247,16 @@ contains
          force = force + stations%weight(s)*body%beam%rho_a*(self%force(s) - fixed)
       end do
       do k = 1, stations%places
-         if (nearest(stations, k) < station) force = force + self%carried(k)*(self%force(nearest(stations, k)) - fixed)
+         if (station_at(stations, k) < station) force = force + self%carried(k)*(self%force(station_at(stations, k)) - fixed)
       end do
    end function drawn_before
 
    !> The station next to a place.
-   pure integer function nearest(stations, place)
+   pure integer function station_at(stations, place)
       type(stations_type), intent(in) :: stations
       integer, intent(in) :: place
-      nearest = minloc(abs(stations%x - stations%place(place)), dim=1)
-   end function nearest
+      station_at = minloc(abs(stations%x - stations%place(place)), dim=1)
+   end function station_at
 
    !> Deflection and slope of a beam at its stations.
    pure subroutine bend(self, stations, t, eta)

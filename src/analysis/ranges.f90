@@ -62,7 +62,9 @@ contains
          limit = 0.05_wp
       case (indicator_shortening)
          limit = 0.03_wp
-      case (indicator_drift, indicator_elongation, indicator_recoil)
+      case (indicator_drift)
+         limit = 0.02_wp
+      case (indicator_elongation, indicator_recoil)
          limit = 0.05_wp
       end select
       excess = indicator_value(indicators, kind)/limit

@@ -163,6 +163,8 @@ module limber_model_scene
       !> whole [force]
       type(expression_type) :: law
       real(wp) :: start = 0.0_wp, added = 0.0_wp, total = 1.0_wp
+      !> Number of Gauss's station between the ends whose part of the load it is, by Lagrange's polynomial; 0: all of it
+      integer :: station = 0
    end type spread_type
 
    !> A term of a coupler

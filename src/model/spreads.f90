@@ -19,6 +19,8 @@ module limber_model_spreads
    public :: add_distributed, spread_parts
 
    real(wp), parameter :: quarter = 0.5_wp*acos(-1.0_wp)
+   !> Bending coordinates for each interval of a load that follows the sections
+   integer, parameter :: follower_coordinates = 3
    !> Gauss's formula in an interval from -1 to 1
    real(wp), parameter :: points(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
       & 0.906179845938663993_wp]
@@ -139,29 +141,29 @@ contains
          call append_spread(model, law, start, added, total, member, ends)
       end subroutine push
 
-      !> The forces at the stations of Gauss's formula, each of which turns with its section, eq. (R1); for the internal forces
-      !> each stands for the load on its own part of the length, as long as its weight.
+      !> Forces that turn with the sections at the stations of Gauss's formula, eq. (R1): the load is divided by Lagrange's
+      !> polynomials of the stations in each interval, whose sum is one, so that force, moment and work at rest stay what they are.
       subroutine follow_sections()
-         real(wp), allocatable :: edges(:), s(:), q(:), phi(:, :), psi(:)
-         real(wp) :: cut, ignored, share
-         integer :: i, k
+         real(wp), allocatable :: phi(:, :), psi(:)
+         real(wp) :: whole(2), s(size(points))
+         integer :: i, k, count
+         count = 1 + model%bodies(body)%reduced%bending/follower_coordinates
+         whole = ends
          associate (law => line%fields(component)%expression)
-            call follower_edges(model%bodies(body), member, law, start, ends, edges)
-            call sample(law, start, 0.0_wp, edges, s, q)
-            if (.not. sum(abs(q)) > 0.0_wp) return
-            cut = edges(1)
-            do i = 1, size(s)
-               k = (i - 1)/5 + 1
-               ends(1) = cut
-               cut = cut + 0.5_wp*weights(modulo(i - 1, 5) + 1)*(edges(k + 1) - edges(k))
-               ends(2) = min(cut, edges(size(edges)))
-               if (.not. abs(q(i)) > tiny(1.0_wp)) cycle
-               call section_shape(model%bodies(body), member, s(i), phi, psi)
-               call act(s(i), phi, psi, q(i))
-               call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, ignored, shape)
-               share = abs(total)/max(absolute, tiny(1.0_wp))
-               ! A part whose load cancels stays where its station is
-               if (share > 0.01_wp) call append_spread(model, law, start, 0.0_wp, total, member, ends)
+            do k = 1, count
+               ends = whole(1) + (whole(2) - whole(1))*[k - 1, k]/real(count, wp)
+               s(:) = 0.5_wp*(ends(1) + ends(2)) + 0.5_wp*(ends(2) - ends(1))*points
+               do i = 1, size(points)
+                  call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, place, shape, i)
+                  if (.not. absolute > 0.0_wp) cycle
+                  call section_shape(model%bodies(body), member, s(i), phi, psi)
+                  if (abs(total) > 0.01_wp*absolute) then
+                     call act(place/total, shape/total, psi, total)
+                     call append_spread(model, law, start, 0.0_wp, total, member, ends, i)
+                  else
+                     call act(s(i), phi, psi, total)
+                  end if
+               end do
             end do
          end associate
       end subroutine follow_sections
@@ -205,11 +207,13 @@ contains
    end subroutine line_of
 
    !> The point that was added last stands for a load.
-   subroutine append_spread(model, law, start, added, total, member, ends)
+   subroutine append_spread(model, law, start, added, total, member, ends, station)
       type(model_type), intent(inout) :: model
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, added, total, ends(2)
       integer, intent(in) :: member
+      !> Whose part of the load it is; without it the whole
+      integer, intent(in), optional :: station
       type(spread_type), allocatable :: longer(:)
       integer :: n
       n = size(model%spreads) + 1
@@ -222,11 +226,12 @@ contains
       longer(n)%start = start
       longer(n)%added = added
       longer(n)%total = total
+      if (present(station)) longer(n)%station = station
       call move_alloc(longer, model%spreads)
    end subroutine append_spread
 
    !> Integrals along a member of a load and of its magnitude, and of the places and shapes times the load.
-   subroutine weigh(body, member, law, start, added, ends, total, absolute, place, shape)
+   subroutine weigh(body, member, law, start, added, ends, total, absolute, place, shape, station)
       type(body_type), intent(in) :: body
       integer, intent(in) :: member
       !> Load, of the coordinate s along the beam or member, where the body begins there, and what is added [force/length]
@@ -234,9 +239,12 @@ contains
       real(wp), intent(in) :: start, added, ends(2)
       !> [force], [force length]; shape (2, n)
       real(wp), intent(out) :: total, absolute, place, shape(:, :)
+      !> Whose part of the load is meant; without it the whole
+      integer, intent(in), optional :: station
       real(wp), allocatable :: s(:), q(:), phi(:, :), psi(:)
       integer :: g
       call sample(law, start, added, edges_of(body, member, ends), s, q)
+      if (present(station)) q = q*part_of_station(station, ends, s)
       total = sum(q)
       absolute = sum(abs(q))
       place = sum(q*s)
@@ -262,36 +270,6 @@ contains
       end if
    end subroutine section_shape
 
-   !> Ends of equal intervals for a load that follows the sections: so many that Gauss's formula has the coordinates' products, and
-   !> the load's force and moment as the elements have them.
-   subroutine follower_edges(body, member, law, start, ends, edges)
-      type(body_type), intent(in) :: body
-      integer, intent(in) :: member
-      type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: start, ends(2)
-      real(wp), allocatable, intent(out) :: edges(:)
-      !> Coordinates that an interval is enough for, most intervals, part of the load that may be lost
-      integer, parameter :: coordinates = 3, most = 32
-      real(wp), parameter :: little = 1.0e-6_wp
-      real(wp), allocatable :: s(:), q(:)
-      real(wp) :: force, moment, largest
-      integer :: count, i
-      call sample(law, start, 0.0_wp, edges_of(body, member, ends), s, q)
-      force = sum(q)
-      moment = sum(q*s)
-      largest = sum(abs(q))
-      count = 1 + body%reduced%bending/coordinates
-      do
-         if (allocated(edges)) deallocate (edges)
-         allocate (edges(count + 1))
-         edges(:) = [(ends(1) + (ends(2) - ends(1))*i/count, i=0, count)]
-         call sample(law, start, 0.0_wp, edges, s, q)
-         if (2*count > most) return
-         if (abs(sum(q) - force) <= little*largest .and. abs(sum(q*s) - moment) <= little*largest*(ends(2) - ends(1))) return
-         count = 2*count
-      end do
-   end subroutine follower_edges
-
    !> Places along the member and parts of a load, whose sum is 1; no part reaches over a section.
    subroutine spread_parts(spread, body, sections, at, part)
       type(spread_type), intent(in) :: spread
@@ -310,8 +288,29 @@ contains
          edges = [edges(:k), cut, edges(k + 1:)]
       end do
       call sample(spread%law, spread%start, spread%added, edges, at, part)
+      if (spread%station > 0) part = part*part_of_station(spread%station, spread%ends, at)
       part = part/spread%total
    end subroutine spread_parts
+
+   !> Lagrange's polynomial of one of Gauss's stations in an interval.
+   elemental real(wp) function lagrange(station, x) result(value)
+      integer, intent(in) :: station
+      !> From -1 to 1
+      real(wp), intent(in) :: x
+      integer :: i
+      value = 1.0_wp
+      do i = 1, size(points)
+         if (i /= station) value = value*(x - points(i))/(points(station) - points(i))
+      end do
+   end function lagrange
+
+   !> The part of a load at places that belongs to a station of the interval.
+   pure function part_of_station(station, ends, s) result(part)
+      integer, intent(in) :: station
+      real(wp), intent(in) :: ends(2), s(:)
+      real(wp) :: part(size(s))
+      part = lagrange(station, (2*s - ends(1) - ends(2))/(ends(2) - ends(1)))
+   end function part_of_station
 
    !> Ends of the intervals of a load within the elements of its member.
    pure function edges_of(body, member, ends) result(edges)

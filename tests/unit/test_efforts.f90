@@ -133,7 +133,7 @@ contains
       real(wp) :: none(0), largest
       integer :: j, k, n, trial
       call build(bodies//driven//stored, system, work)
-      call check(size(system%loads) == 35, 'all loads are there')
+      call check(size(system%loads) == 50, 'all loads are there, each follower along the arm at five stations')
       call new_tangent(system, tangent)
       n = system%layout%nw
       allocate (a(n), v(system%layout%nq), motion(n, -2:2), unit(n), column(n), difference(n))

@@ -63,7 +63,7 @@ contains
       case (indicator_shortening)
          limit = 0.03_wp
       case (indicator_drift)
-         limit = 0.02_wp
+         limit = 0.015_wp
       case (indicator_elongation, indicator_recoil)
          limit = 0.05_wp
       end select

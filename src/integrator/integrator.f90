@@ -9,6 +9,7 @@ module limber_integrator_integrator
    use limber_integrator_statistics, only: step_statistics_type
    use limber_integrator_work, only: work_type
    use limber_system_dynamics, only: worst_constraint
+   use limber_system_redundancy, only: constraint_names
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -156,13 +157,19 @@ contains
       integer, intent(in) :: body
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: where_it_is
-      integer :: culprit
+      integer :: culprit, i
       real(wp) :: residual
+      logical, allocatable :: drives(:)
       where_it_is = ''
       if (size(system%constraints) > 0) then
          call worst_constraint(system, work, culprit, residual)
          if (residual > constraint_limit*system%constraints(culprit)%item%scale) where_it_is = '; '// &
             & system%constraints(culprit)%item%label//' cannot be kept (residual '//as_text(residual, 3)//')'
+         ! Constraints stand in the order of the model: joints, then drivers
+         drives = [(i > size(system%model%joints) .and. i <= size(system%model%joints) + size(system%model%drivers), &
+            & i=1, size(system%constraints))]
+         if (where_it_is /= '' .and. any(drives)) where_it_is = where_it_is//'; the scene is driven by '// &
+            & constraint_names(system, drives)//', which its joints may not follow from there'
       end if
       call raise(error, 'the step has shrunk to nothing at t = '//as_text(self%t, 10)//where_it_is//"; body '"// &
          & system%model%bodies(body)%name//"' has the largest local error. The motion may be diverging or at a singular"// &

@@ -8,9 +8,9 @@ module limber_system_assembly
    use limber_base_text, only: as_text
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: driver_angle
+   use limber_model_scene, only: driver_angle, driver_joint_angle
    use limber_system_algebra, only: turn, cross
-   use limber_system_closure, only: close_positions, close_velocities, approach, change_between
+   use limber_system_closure, only: close_positions, close_velocities, approach, move, change_between
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, hold_columns, given_columns
    use limber_system_dynamics, only: position_residual, velocity_residual
    use limber_system_kinematics, only: place_frames, move_frames
@@ -105,6 +105,8 @@ contains
       else if (result%singular%count > 0) then
          call check_branch(system, work, bodies, q, v, result, error, culprit)
       end if
+      if (.not. allocated(error) .and. result%rank < result%equations) &
+         & call look_ahead(system, work, frames, t, q, v, error, culprit)
    end subroutine put_together
 
    !> Satisfies the constraints, or the velocity equations, by the frames, and keeps what the deck gives: all of it, or what can be
@@ -243,6 +245,64 @@ contains
       end do
    end subroutine find_turn
 
+   !> An error if drivers ask for a motion that the joints do not follow, which at a singular position, as a dead centre, velocities do
+   !> not show: a little later no position satisfies all of them.
+   subroutine look_ahead(system, work, frames, t, q, v, error, culprit)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(constraint_matrix_type), intent(inout) :: frames
+      real(wp), intent(in) :: t
+      !> Assembled coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer, intent(inout) :: culprit
+      !> Way of the fastest driver, as an angle or relative to the scene; residual relative to the scene that is no round-off
+      real(wp), parameter :: way = 0.05_wp, open = 1.0e-5_wp
+      real(wp), allocatable :: other(:), step(:)
+      character(:), allocatable :: others
+      real(wp) :: rate, later, residual
+      integer :: i, first
+      rate = fastest_driver(system, t)
+      if (.not. rate > 0.0_wp) return
+      later = t + way/rate
+      allocate (other, source=q)
+      allocate (step, source=(way/rate)*v)
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         first = system%layout%q(i) + 2
+         step(first) = (way/rate)*cross(q(first:first + 1), v(first:first + 1))
+      end do
+      call move(system, step, other)
+      call approach(system, work, frames, later, other)
+      residual = position_residual(system, work)
+      if (residual > open) then
+         call find_parties(system, work%phi, culprit, residual, others)
+         call raise(error, system%constraints(culprit)%item%label//' is at a dead centre or another singular position at t = '// &
+            & as_text(t, 6)//', from where drivers and joints contradict each other'//others//'; '//as_text(residual, 3)// &
+            & ' is left open at t = '//as_text(later, 6)//'. Remove one of the drivers, or let them agree')
+         return
+      end if
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call move_frames(system%model, system%layout, q, v, work%kinematics)
+      call update_jacobians(system, work)
+   end subroutine look_ahead
+
+   !> The largest rate of the drivers, angles or ways relative to the scene [1/time].
+   real(wp) function fastest_driver(system, t) result(rate)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: t
+      type(jet_type) :: theta
+      real(wp) :: unit
+      integer :: i
+      rate = 0.0_wp
+      do i = 1, size(system%model%drivers)
+         theta = driven_motion(system%model%drivers(i), t)
+         unit = system%model%length
+         if (any(system%model%drivers(i)%kind == [driver_angle, driver_joint_angle])) unit = 1.0_wp
+         rate = max(rate, abs(theta%first)/unit, sqrt(abs(theta%second)/unit))
+      end do
+   end function fastest_driver
+
    !> Error of rates that do not exist.
    subroutine report_rates(system, work, t, v, error, culprit)
       type(system_type), intent(in) :: system
@@ -285,7 +345,7 @@ contains
       !> Text with the names of the others; empty if there are none
       character(:), allocatable, intent(out) :: others
       real(wp) :: part(size(system%constraints))
-      logical :: other(size(part))
+      logical :: other(size(part)), drives(size(part))
       integer :: i
       do i = 1, size(part)
          associate (item => system%constraints(i)%item)
@@ -304,6 +364,11 @@ contains
       end do
       others = ''
       if (any(other)) others = ': it contradicts '//constraint_names(system, other)
+      ! At a dead centre a driver has no share: it is named all the same, for without it the others might go on
+      other(culprit) = .true.
+      drives = [(i > size(system%model%joints) .and. i <= size(system%model%joints) + size(system%model%drivers), &
+         & i=1, size(part))]
+      if (any(drives .and. .not. other)) others = others//' (the scene is driven by '//constraint_names(system, drives)//')'
    end subroutine find_parties
 
 end module limber_system_assembly

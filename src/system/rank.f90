@@ -135,7 +135,7 @@ contains
             end associate
          end do
          do stuck_group = 1, size(wanted)
-            if (wanted(stuck_group) > 0.1_wp*far .and. made(stuck_group) < 0.05_wp*wanted(stuck_group)) return
+            if (wanted(stuck_group) > 0.1_wp*far .and. made(stuck_group) < 0.3_wp*wanted(stuck_group)) return
          end do
          stuck_group = 0
       end function stuck_group

@@ -19,9 +19,36 @@ program test_given
       & ' other bodies: ANGLE=1.9 becomes ')
    call check_start(trim(argument), 'X=base', 'X=base, SPIN=3', 1.0_wp, 'SPIN=3 becomes ')
    call check_start(trim(argument), 'ANGLE=0.5, SPIN=10', 'ANGLE=-0.5, SPIN=-10', -1.0_wp, '')
+   ! Drivers that disagree at a dead centre: by speeds, and in the second order; those that agree; racks that cannot roll
+   call check_refused(trim(argument), 'verification/dead_drivers.inp', '10*t', '10*t', "driver 'turning' and driver 'pushing'")
+   call check_refused(trim(argument), 'verification/dead_drivers.inp', 'r + l + 0.1*t', 'r + l', &
+      & "driver 'turning' and driver 'pushing'")
+   call check_refused(trim(argument), 'verification/dead_drivers.inp', 'r + l + 0.1*t', &
+      & 'r*cos(10*t) + sqrt(l**2 - (r*sin(10*t))**2)', '')
+   call check_refused(trim(argument), 'verification/stuck_rack.inp', 'lever, 0.3, 0', 'lever, 0.3, 0', &
+      & "joint 'hinge' and joint 'rack' let it move by an infinitely small way only")
+   call check_refused(trim(argument), 'verification/stuck_rack.inp', 'lever, 0.3, 0', 'lever, 0, 3', &
+      & "joint 'hinge' and joint 'rack' let it move by an infinitely small way only")
    call finish()
 
 contains
+
+   !> A deck that is refused by name, or is not.
+   subroutine check_refused(results, deck, old, new, names)
+      character(*), intent(in) :: results, deck, old, new
+      !> What the error says; empty: there is none
+      character(*), intent(in) :: names
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call change_deck(deck, results//'.inp', [old], [new])
+      call run_deck(results//'.inp', results, .true., .true., report, error)
+      if (names == '') then
+         call check_no_error(error, deck//', '//new)
+      else
+         call check(allocated(error), deck//', '//new//' is refused')
+         if (allocated(error)) call check(index(error%message, names) > 0, deck//', '//new//': '//error%message)
+      end if
+   end subroutine check_refused
 
    !> The first sample, and the warning.
    subroutine check_start(results, old, new, sense, warning)

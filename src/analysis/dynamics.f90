@@ -16,7 +16,7 @@ module limber_analysis_dynamics
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_text
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
-      & phase_warning
+      & phase_warning, ringing_warning
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -90,6 +90,7 @@ contains
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
          integrator%input%asked = recorder%needs_work
+         if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)
          outcome%reached = dynamics%start
          call start_axial(scene, axial, sample%change, error)
          if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &
@@ -224,6 +225,8 @@ contains
       if (allocated(outcome%turned)) text = phase_warning(scene%system, integrator%tolerance, maxval(abs(outcome%turned)), &
          & dynamics%end - dynamics%start, outcome%ahead)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
+      text = ringing_warning(integrator%ringing, scene%system, dynamics%integrator)
+      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       call report_axial(scene, axial, outcome)
 
    contains
@@ -325,6 +328,7 @@ contains
       other%statistics = integrator%statistics
       other%work_at_start = sample%w
       other%input%asked = integrator%input%asked
+      other%ringing = integrator%ringing
       other%input%throughput = integrator%input%throughput
       call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
       call move_alloc(other, integrator)

@@ -5,13 +5,14 @@ module limber_analysis_watch
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_weakest, weak
+   use limber_integrator_ringing, only: ringing_type
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise
    use limber_system_redundancy, only: constraint_names
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning
+   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning, ringing_warning
 
    !> Velocities that change faster than a motion changes them
    type :: jump_watch_type
@@ -162,6 +163,30 @@ contains
          & trim(merge('ahead ', 'behind', ahead > 0.0_wp))//' by about '//as_text(angle, 2)//' rad of its fastest body; use'// &
          & ' TOLERANCE='//as_text(max(1.0e-13_wp, 0.1_wp*tolerance), 1)//' or less'
    end function phase_warning
+
+   !> A warning if accelerations lack vibrations that the integrator does not follow, eq. (W4).
+   function ringing_warning(ringing, system, integrator) result(text)
+      type(ringing_type), intent(in) :: ringing
+      type(system_type), intent(in) :: system
+      !> Its name
+      character(*), intent(in) :: integrator
+      !> Empty if all is well
+      character(:), allocatable :: text
+      !> Part of the largest acceleration that may be lost
+      real(wp), parameter :: allowed = 1.0e-2_wp
+      real(wp) :: share, omega
+      integer :: body
+      text = ''
+      call ringing%worst(system, body, share, omega)
+      if (share <= allowed) return
+      ! A run of ADAMS that has it has gone over to RADAU
+      text = 'RADAU'
+      if (integrator /= 'ADAMS') text = integrator
+      text = text//" does not follow a vibration of body '"//system%model%bodies(body)%name//"' (about "// &
+         & as_text(omega, 2)//' rad/'//system%model%units%time//'), whose deflection is below the tolerance, but not its'// &
+         & ' acceleration: accelerations, reactions and section forces there may err by '//as_text(100*share, 2)// &
+         & ' % of the largest acceleration; use INTEGRATOR=ADAMS, or a smaller TOLERANCE'
+   end function ringing_warning
 
    !> Text about a jump, if constraints have lost their grip there.
    subroutine explain(system, work, t, q, body, text)

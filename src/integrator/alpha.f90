@@ -136,6 +136,7 @@ contains
          self%h = self%h*min(factor, 0.9_wp)
          repeated = .true.
       end do
+      call self%ringing%note(system, self%h, self%a, 1.0_wp/12 + 0.5_wp*abs(self%alpha_m - self%alpha_f), 3)
       call self%count_step(self%h, 2)
       self%h_last = self%h
       if (repeated) factor = min(factor, 1.0_wp)

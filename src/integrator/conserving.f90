@@ -92,6 +92,7 @@ contains
          self%scales = new_scales(system, duration, .true.)
       end if
       call self%input%begin(self%work_at_start, 0.0_wp)
+      call self%ringing%forget()
       self%h_factors = 0.0_wp
       self%rounding = 0.0_wp
       self%q = q
@@ -447,6 +448,10 @@ contains
       real(wp), intent(in) :: stop
       associate (trial => self%trial, statistics => self%statistics)
          if (system%powered) call self%input%accept(trial%h, sum(self%input%new_shape)/trial%h)
+         if (self%ringing%watched) then
+            self%e = (self%new_w - self%w)/trial%h
+            call self%ringing%note(system, trial%h, self%e, 1.0_wp/12, 3)
+         end if
          call note_mean(self%means, self%t, trial%h, self%b, trial%new_b, self%lambda, statistics%steps > 0)
          self%q_before = self%q
          self%w_before = self%w

@@ -65,6 +65,7 @@ contains
          self%scales = new_scales(system, duration, .true.)
       end if
       self%h_last = 0.0_wp
+      call self%ringing%forget()
       self%fresh = .false.
       self%q = q
       self%v = v

@@ -6,6 +6,7 @@ module limber_integrator_integrator
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
+   use limber_integrator_ringing, only: ringing_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_integrator_work, only: work_type
    use limber_system_dynamics, only: worst_constraint
@@ -35,6 +36,8 @@ module limber_integrator_integrator
       real(wp) :: work_at_start = 0.0_wp
       !> Work put in by drivers and loads
       type(work_type) :: input
+      !> What it loses of vibrations that it does not follow
+      type(ringing_type) :: ringing
       !> True if what it promises holds at the ends of its steps only: samples are then taken there, their velocities as they are
       logical :: ends_on_samples = .false.
       type(step_statistics_type) :: statistics
@@ -121,6 +124,7 @@ contains
       call snapshot%exchange('t_before', self%t_before)
       call snapshot%exchange('work_at_start', self%work_at_start)
       call self%input%exchange(snapshot)
+      call self%ringing%exchange(snapshot)
       call self%statistics%exchange(snapshot)
    end subroutine exchange_common
 

@@ -131,6 +131,8 @@ contains
       self%error_last = max(err, 1.0e-2_wp*bound(self))
       self%h_accepted = self%h
       self%h_last = self%h
+      ! The function of stability of the method is exp(z) to z^6/7200
+      call self%ringing%note(system, self%h, self%a, 1/7200.0_wp, 6)
       call self%count_step(self%h, 5)
       self%h = self%h*factor
       if (self%t >= stop .and. .not. repeated) self%h = max(self%h, wanted)

@@ -1,5 +1,6 @@
 !> The work put in by every integrator, at every sample, against closed forms: drivers whose multipliers do it, laws of time, of
-!> place and of rates; and stops that CONSERVING must not feed energy from. Usage: test_work RESULT_FILE
+!> place and of rates; stops that CONSERVING must not feed energy from; and accelerations that an integrator does not follow.
+!> Usage: test_work RESULT_FILE
 program test_work
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
@@ -13,6 +14,7 @@ program test_work
    character(10), parameter :: integrators(4) = [character(10) :: 'ADAMS', 'RADAU', 'ALPHA', 'CONSERVING']
    real(wp), parameter :: g = 9.81_wp
    character(256) :: results
+   character(:), allocatable :: report
    type(history_reader_type) :: reader
 
    call get_command_argument(1, results)
@@ -22,6 +24,7 @@ program test_work
    call check_flywheel()
    call check_stops()
    call check_collision()
+   call check_ringing()
    call finish()
 
 contains
@@ -31,7 +34,6 @@ contains
       !> Blocks before and options of *DYNAMICS with the output behind; names
       character(*), intent(in) :: scene, dynamics, integrator, tolerance
       type(error_type), allocatable :: error
-      character(:), allocatable :: report
       integer :: unit
       open (newunit=unit, file=trim(results)//'.inp', action='write', status='replace')
       write (unit, '(a)') '*HEADING'//nl//' work'//nl//scene//'*DYNAMICS, INTEGRATOR='//integrator//', TOLERANCE='// &
@@ -223,5 +225,38 @@ contains
          call reader%close()
       end do
    end subroutine check_collision
+
+   !> A blade behind a gear, rung by a torque that sets in: its accelerations are those of ADAMS to a hundredth, or there is a
+   !> warning, and none where they are.
+   subroutine check_ringing()
+      character(*), parameter :: scene = '*MATERIAL, NAME=m, YOUNG=2e11, DENSITY=7800'//nl// &
+         & '*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.02'//nl//'*GROUND'//nl//' b, 0.5, 0'//nl// &
+         & '*RIGID BODY, NAME=small, MASS=1, INERTIA=0.1'//nl//'*BEAM, NAME=blade, MATERIAL=m, SECTION=s, LENGTH=0.5, '// &
+         & 'SUPPORT=CLAMPED-FREE, ELEMENTS=20,'//nl//' BENDING MODES=6, GEOMETRIC=LINEAR, X=0.5'//nl// &
+         & '*JOINT, NAME=j1, TYPE=REVOLUTE'//nl//' small, ground.origin'//nl//'*JOINT, NAME=j2, TYPE=REVOLUTE'//nl// &
+         & ' blade.start, ground.b'//nl//'*JOINT, NAME=mesh, TYPE=GEAR, FIRST RADIUS=0.2, SECOND RADIUS=0.3'//nl// &
+         & ' small, blade.start'//nl//'*TORQUE, NAME=t, BODY=small'//nl//' 5*cos(6*t)'//nl//'*GRAVITY'//nl
+      character(*), parameter :: dynamics = 'END=0.05, OUTPUTS=60'//nl//'*OUTPUT'//nl//' a = ay(blade.end)'
+      character(*), parameter :: names(4) = [character(5) :: 'RADAU', 'RADAU', 'RADAU', 'ALPHA']
+      character(*), parameter :: tolerances(4) = [character(5) :: '1e-4', '1e-7', '1e-10', '1e-6']
+      real(wp), allocatable :: truth(:), values(:)
+      real(wp) :: off
+      integer :: i
+      logical :: told
+      call run(scene, dynamics, 'ADAMS', '1e-10')
+      allocate (truth, source=channel(reader, 'a'))
+      call reader%close()
+      do i = 1, size(names)
+         call run(scene, dynamics, trim(names(i)), trim(tolerances(i)))
+         allocate (values, source=channel(reader, 'a'))
+         off = maxval(abs(values - truth))/maxval(abs(truth))
+         told = index(report, 'does not follow a vibration') > 0
+         print '(4a,es9.1,l2)', names(i), ' at ', tolerances(i), ': acceleration behind a gear off by, told', off, told
+         call check(told .or. off < 1.0e-2_wp, names(i)//' at '//tolerances(i)//': an acceleration is right, or there is a warning')
+         call check(.not. told .or. off > 2.0e-3_wp, names(i)//' at '//tolerances(i)//': no warning where it is right')
+         deallocate (values)
+         call reader%close()
+      end do
+   end subroutine check_ringing
 
 end program test_work

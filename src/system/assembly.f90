@@ -245,7 +245,7 @@ contains
       end do
    end subroutine find_turn
 
-   !> An error if drivers ask for a motion that the joints do not follow. At a singular position, as a dead centre, velocities do not
+   !> An error if drivers ask for a motion that the joints do not follow. At a singular position (a dead centre) velocities do not
    !> show that: a little later no position satisfies all of them.
    subroutine look_ahead(system, work, frames, t, q, v, error, culprit)
       type(system_type), intent(in) :: system

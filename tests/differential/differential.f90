@@ -1,0 +1,84 @@
+!> Scenes by chance that are run in many ways which must all tell the same: by two integrators and tolerances, with and without
+!> elimination, mirrored, turned, moved, in other units, under other names, in another order, at another time. A scene follows
+!> from its number alone.
+!>
+!>    differential [--show] [--all] [--reduce] [--slow] FIRST COUNT
+!>
+!> --show prints the decks of all views; --all a line for each scene; --reduce leaves out of a scene that disagrees whatever is not needed for it, and leaves
+!> its two decks in the working folder, as NUMBER-a.inp and NUMBER-b.inp; --slow has ten times the patience.
+program differential
+   use, intrinsic :: iso_fortran_env, only: output_unit
+   use limber_base_text, only: as_text, newline
+   use drafts, only: draft_type
+   use inventions, only: invent
+   use reductions, only: judge_apart, reduce, line_of, patience_for_all
+   use verdicts, only: verdict_type, plan_type, make_plan, deck_of
+   implicit none
+
+
+   character(*), parameter :: kinds(*) = [character(10) :: 'same', 'warned', 'estimated', 'refused', 'failed', 'values', 'status', &
+      & 'warnings', 'slow', 'crash', 'hang']
+   integer, parameter :: peaceful = 5
+   call main()
+
+contains
+
+   subroutine main()
+      type(draft_type) :: draft
+      type(plan_type) :: plan
+      type(verdict_type) :: verdict
+      character(64) :: word
+      logical :: shows, lists, reduces
+      integer :: arguments, first, count, seed, tally(size(kinds)), i
+      shows = .false.
+      reduces = .false.
+      lists = .false.
+      arguments = 0
+      do
+         call get_command_argument(arguments + 1, word)
+         if (word == '--show') shows = .true.
+         if (word == '--all') lists = .true.
+         if (word == '--reduce') reduces = .true.
+         if (word == '--slow') patience_for_all = 10*patience_for_all
+         if (word(1:2) /= '--') exit
+         arguments = arguments + 1
+      end do
+      read (word, *) first
+      call get_command_argument(arguments + 2, word)
+      read (word, *) count
+      tally = 0
+      do seed = first, first + count - 1
+         call invent(seed, draft)
+         call make_plan(seed, draft, plan)
+         if (shows) call show(draft, plan)
+         call judge_apart(draft, plan, verdict)
+         do i = 1, size(kinds)
+            if (verdict%kind == kinds(i)) exit
+         end do
+         i = min(i, size(kinds))
+         tally(i) = tally(i) + 1
+         if (i <= peaceful .and. .not. lists) cycle
+         write (output_unit, '(a)') line_of(seed, draft, plan, verdict)
+         flush (output_unit)
+         if (reduces .and. i > peaceful) call reduce(seed, draft, plan, verdict)
+      end do
+      write (output_unit, '(a)', advance='no') as_text(count)//' scenes:'
+      do i = 1, size(kinds)
+         if (tally(i) > 0) write (output_unit, '(a)', advance='no') ' '//as_text(tally(i))//' '//trim(kinds(i))
+      end do
+      write (output_unit, '(a)') ''
+      if (sum(tally(peaceful + 1:)) > 0) stop 1
+   end subroutine main
+
+   subroutine show(draft, plan)
+      type(draft_type), intent(in) :: draft
+      type(plan_type), intent(in) :: plan
+      integer :: i
+      write (output_unit, '(a)') '** base'//newline//deck_of(draft, plan%base)
+      write (output_unit, '(a)') '** reference'//newline//deck_of(draft, plan%reference)
+      do i = 1, size(plan%others)
+         write (output_unit, '(a)') '** '//trim(plan%others(i)%name)//newline//deck_of(draft, plan%others(i))
+      end do
+   end subroutine show
+
+end program differential

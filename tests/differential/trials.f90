@@ -1,0 +1,180 @@
+!> A deck as text, run into memory as `limber run` does it, and what comes of it.
+module trials
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: newline
+   use limber_analysis_closing, only: energy_warning
+   use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
+   use limber_analysis_estimate_report, only: estimate_warning
+   use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_ranges, only: range_warnings
+   use limber_analysis_record, only: open_history, record_outcome, record_steps
+   use limber_analysis_scene, only: scene_type, build_scene
+   use limber_analysis_steps, only: run_steps, passed_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_reader, only: read_deck_text
+   use limber_flex_library, only: library_type
+   use limber_integrator_statistics, only: step_statistics_type
+   use limber_model_analyses, only: single_dynamics
+   implicit none
+   private
+   public :: trial_type, try, kinds_of_warnings
+
+   !> CPU seconds after which a run is given up
+   real(wp), parameter, public :: patience = 5.0_wp
+
+   !> A run
+   type :: trial_type
+      !> As the command ends: 0, 2 for a deck that cannot be used, 3 for a run that could not finish
+      integer :: status = 0
+      !> Why, and what is warned of
+      character(:), allocatable :: message, warnings
+      !> Channels (channels, samples); their estimated errors, if they were asked for
+      real(wp), allocatable :: values(:, :), errors(:, :)
+      !> Frequencies of *MODES, all analyses one after another, with damping ratios behind them (2, modes)
+      real(wp), allocatable :: modes(:, :)
+      real(wp) :: cpu = 0.0_wp
+   end type trial_type
+
+   !> Reductions of beams that earlier runs have made
+   type(library_type) :: library
+
+contains
+
+   !> Runs a deck.
+   subroutine try(text, trial)
+      character(*), intent(in) :: text
+      type(trial_type), intent(out) :: trial
+      type(scene_type) :: scene
+      type(diagnostics_type) :: diagnostics
+      type(error_type), allocatable :: error
+      type(kept_type) :: history
+      type(passed_type) :: passed
+      type(outcome_type) :: outcome
+      type(step_statistics_type) :: statistics
+      type(error_type), allocatable :: ignored
+      character(:), allocatable :: lines
+      real(wp) :: before
+      integer :: i, samples
+      trial%message = ''
+      trial%warnings = ''
+      allocate (trial%modes(2, 0))
+      call cpu_time(before)
+      call read_deck_text('scene.inp', text, scene%deck, diagnostics)
+      call build_scene(scene, diagnostics, error, library)
+      if (allocated(error)) then
+         trial%status = 2
+         if (error%status > 0) trial%status = error%status
+         trial%message = error%message
+         allocate (trial%values(0, 0))
+         return
+      end if
+      if (.not. scene%system%model%dynamics%wanted) then
+         trial%status = 2
+         trial%message = 'nothing to run'
+         allocate (trial%values(0, 0))
+         return
+      end if
+      history%keeps = .true.
+      samples = 0
+      do i = 1, size(scene%system%model%steps)
+         samples = samples + scene%system%model%steps(i)%dynamics%outputs + 1
+      end do
+      call history%memory%start(size(scene%system%model%channels), samples + 100, huge(1.0_wp))
+      call history%watch_limit(patience)
+      call open_history(scene, 'scene.h5', .true., history%history_type, error, in_memory=.true.)
+      if (.not. allocated(error)) call run_steps(scene, 'scene.inp', .true., history, passed, outcome, statistics, lines, error)
+      call record_steps(scene, passed, history%history_type, ignored)
+      call cpu_time(trial%cpu)
+      trial%cpu = trial%cpu - before
+      if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
+      if (single_dynamics(scene%system%model)) scene%warnings = scene%warnings//energy_warning(outcome)
+      allocate (trial%values, source=history%memory%values(:, :history%memory%samples))
+      if (allocated(lines)) call read_modes(lines, trial%modes)
+      if (allocated(error)) then
+         trial%status = 3
+         trial%message = error%message
+      else if (.not. all(ieee_is_finite(trial%values))) then
+         trial%status = 99
+         trial%message = 'a channel is not finite'
+      else if (scene%system%model%accuracy%estimate .and. single_dynamics(scene%system%model)) then
+         call estimate_errors()
+      end if
+      trial%warnings = scene%warnings
+      call record_outcome(scene, outcome, statistics, 'in memory', history%history_type, ignored)
+
+   contains
+
+      subroutine estimate_errors()
+         type(estimate_type) :: estimate
+         call make_estimate(scene, history%memory, statistics%steps, outcome%cpu, .true., estimate)
+         scene%warnings = scene%warnings//estimate_warning(estimate, scene%system%model%channels)
+         if (estimate%reason == '') trial%errors = estimate%values
+      end subroutine estimate_errors
+
+   end subroutine try
+
+   !> Frequencies and damping ratios from the tables of a report.
+   subroutine read_modes(lines, modes)
+      character(*), intent(in) :: lines
+      real(wp), allocatable, intent(inout) :: modes(:, :)
+      real(wp) :: row(4)
+      integer :: first, last, status
+      logical :: inside
+      first = 1
+      inside = .false.
+      do while (first <= len(lines))
+         last = first + index(lines(first:)//newline, newline) - 2
+         if (inside) then
+            read (lines(first:last), *, iostat=status) row
+            if (status == 0) then
+               modes = reshape([modes, row([2, 4])], [2, size(modes, 2) + 1])
+            else
+               inside = .false.
+            end if
+         end if
+         if (index(lines(first:last), 'mode   frequency') > 0) inside = .true.
+         first = last + 2
+      end do
+   end subroutine read_modes
+
+   !> Warnings without names in quotes and without numbers, each once, one in a line.
+   function kinds_of_warnings(warnings) result(kinds)
+      character(*), intent(in) :: warnings
+      character(:), allocatable :: kinds, plain
+      integer :: first, last
+      kinds = newline
+      plain = ''
+      first = 1
+      do while (first <= len(warnings))
+         last = first + index(warnings(first:)//newline, newline) - 2
+         if (warnings(first:min(last, first + 7)) == 'warning:' .or. index(warnings(first:last), ': warning:') > 0) then
+            plain = without_numbers(warnings(first + index(warnings(first:last), 'warning:') - 1:last))
+            if (index(kinds, newline//plain//newline) == 0) kinds = kinds//plain//newline
+         end if
+         first = last + 2
+      end do
+   end function kinds_of_warnings
+
+   !> The beginning of a message without names in quotes, numbers and what joins them.
+   pure function without_numbers(message) result(plain)
+      character(*), intent(in) :: message
+      character(:), allocatable :: plain
+      character(60) :: line
+      logical :: quoted
+      integer :: i, n
+      quoted = .false.
+      line = ''
+      n = 0
+      do i = 1, len(message)
+         if (message(i:i) == "'") quoted = .not. quoted
+         if (quoted .or. scan(message(i:i), '0123456789.-+') > 0) cycle
+         n = n + 1
+         line(n:n) = message(i:i)
+         if (n == len(line)) exit
+      end do
+      plain = line(:n)
+   end function without_numbers
+
+end module trials

@@ -44,8 +44,6 @@ contains
             text = text//newline//' <N|'//ref(draft, first, one)//'>, <N|'//ref(draft, second, two)//'>'
          end if
       end associate
-      draft%bodies(first)%held = .true.
-      draft%bodies(second)%held = .true.
       call add(draft, name, text)
       call ask_joint(draft, name, type, first, second, swaps)
    end subroutine add_joint
@@ -170,7 +168,6 @@ contains
          text = text//newline//' <N|'//ref(draft, first, one)//'>, <N|'//ref(draft, second, two)//'>'
       end associate
       call add(draft, name, text)
-      draft%bodies([first, second])%held = .true.
       call add_channel(draft, name, of_vector, forces, 'force_x(<N|'//name//'>)', 'force_y(<N|'//name//'>)', [1, 1, -2])
       if (all(draft%bodies([first, second])%kind /= is_point)) call add_channel(draft, name, of_number, moments, &
          & 'moment(<N|'//name//'>)', dimension=[1, 2, -2], sign=-1.0_wp)
@@ -257,6 +254,7 @@ contains
       character(:), allocatable :: name, text, law
       real(wp) :: size
       if (draft%bodies(body)%kind == is_point .or. draft%bodies(other)%kind == is_point) return
+      if (.not. draft%bodies(body)%whole) return
       name = new_name(draft, 'w')
       size = decades(0.05_wp, 3.0_wp)
       text = '*TORQUE, NAME=<N|'//name//'>, BODY=<N|'//trim(draft%bodies(body)%name)//'>'
@@ -378,7 +376,7 @@ contains
             if (b%kind == is_point) cycle
             call add_channel(draft, name, of_number, angles, 'angle(<N|'//name//'>)', sign=-1.0_wp, turned=1.0_wp)
             call add_channel(draft, name, of_number, spins, 'spin(<N|'//name//'>)', dimension=[0, 0, -1], sign=-1.0_wp)
-            if (b%kind == is_rigid) cycle
+            if (b%kind == is_rigid .or. .not. b%bends) cycle
             if (b%kind == is_beam) then
                at = '(<N|'//ref(draft, i, 3)//'>)'
                call add_channel(draft, name, of_number, deflections, 'deflection'//at, dimension=[0, 1, 0], sign=-1.0_wp)

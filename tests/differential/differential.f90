@@ -60,7 +60,7 @@ contains
          if (i <= peaceful .and. .not. lists) cycle
          write (output_unit, '(a)') line_of(seed, draft, plan, verdict)
          flush (output_unit)
-         if (reduces .and. i > peaceful) call reduce(seed, draft, plan, verdict)
+         if (reduces .and. i > peaceful .and. verdict%kind /= 'slow' .and. verdict%kind /= 'hang') call reduce(seed, draft, plan, verdict)
       end do
       write (output_unit, '(a)', advance='no') as_text(count)//' scenes:'
       do i = 1, size(kinds)

@@ -22,8 +22,8 @@ module drafts
       integer :: points = 0
       character(12) :: point(40) = ''
       real(wp) :: local(2, 40) = 0.0_wp
-      !> Whether something holds it, or moves it wholly
-      logical :: held = .false., moved = .false.
+      !> Of a beam: whether it bends, and is in one piece
+      logical :: bends = .true., whole = .true.
    end type body_type
 
    type :: draft_type
@@ -253,7 +253,7 @@ contains
       character(*), intent(in) :: support
       real(wp), intent(in), optional :: velocity(2), spin
       type(body_type) :: body
-      character(:), allocatable :: text
+      character(:), allocatable :: text, rung
       body%name = new_name(draft, 'b')
       body%kind = is_beam
       body%place = place
@@ -263,11 +263,14 @@ contains
       call add_named(body, 'end', length, 0.0_wp)
       call add_named(body, 'middle', length/2, 0.0_wp)
       call add_named(body, 'third', length/4, 0.0_wp)
+      rung = rung_of(support)
+      body%bends = index(rung, 'RIGID') == 0
+      body%whole = index(rung, 'SEGMENTS') == 0
       text = '*BEAM, NAME=<N|'//trim(body%name)//'>'//new_stuff(draft, length)//', LENGTH=<D|0,1,0|+|'//t(length)//'>'// &
-         & rung_of(support)//stand(place, angle)//motion_of(velocity, spin)//newline//' third, <D|0,1,0|+|'//t(length/4)//'>'
+         & rung//stand(place, angle)//motion_of(velocity, spin)//newline//' third, <D|0,1,0|+|'//t(length/4)//'>'
       call add(draft, body%name, text)
       index = kept(draft, body)
-      if (likely(3)) call add(draft, '', '*DAMPING, BODY=<N|'//trim(body%name)//'>, '//trim(damping()))
+      if (body%bends .and. likely(3)) call add(draft, '', '*DAMPING, BODY=<N|'//trim(body%name)//'>, '//trim(damping()))
    end function add_beam
 
    function damping() result(text)
@@ -316,6 +319,7 @@ contains
       far = [length*between(0.7_wp, 1.0_wp), length*between(0.3_wp, 0.6_wp)]
       call add_named(body, 'foot', 0.0_wp, 0.0_wp)
       call add_named(body, 'far', far(1), far(2))
+      call add_named(body, 'post', length*0.3_wp, 0.0_wp)
       call add_named(body, 'knee', length*0.5_wp, 0.0_wp)
       text = '*FRAME, NAME=<N|'//trim(body%name)//'>'//new_stuff(draft, length)//', DIVISIONS=4, MODES='//as_text(1 + pick(4))
       select case (pick(4))
@@ -324,7 +328,7 @@ contains
       case (3); text = text//', GEOMETRIC=K_G, CORRECTIONS=YES'
       case default; text = text//', GEOMETRIC=K_G'
       end select
-      text = text//stand(place, angle)//newline//'*NODE, BODY=<N|'//trim(body%name)//'>'//newline//' 1, 0, 0, foot'//newline// &
+      text = text//stand(place, angle)//newline//' post, 1, <D|0,1,0|+|'//t(length*0.3_wp)//'>'//newline//'*NODE, BODY=<N|'//trim(body%name)//'>'//newline//' 1, 0, 0, foot'//newline// &
          & ' 2, <D|0,1,0|+|'//t(length*0.5_wp)//'>, 0, knee'//newline//' 3, <D|0,1,0|+|'//t(far(1))//'>, <D|0,1,0|-|'// &
          & t(far(2))//'>, far'//newline//'*ELEMENT, BODY=<N|'//trim(body%name)//'>'//newline//' 1, 1, 2'//newline//' 2, 2, 3'
       text = text//newline//'*BOUNDARY, BODY=<N|'//trim(body%name)//'>'//newline//' 1, 1, 6'

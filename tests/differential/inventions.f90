@@ -50,7 +50,7 @@ contains
       type(draft_type), intent(inout) :: draft
       real(wp), intent(in) :: longest
       draft%end = between(0.3_wp*longest, longest)
-      if (draft%elastic) draft%end = 0.3_wp*draft%end
+      if (draft%elastic) draft%end = 0.2_wp*draft%end
       call add(draft, '', '*DYNAMICS, START=<Z|0>, END=<Z|'//t(draft%end)//'>, OUTPUTS='//as_text(draft%outputs)//'<O>', 3)
    end subroutine run_in_time
 

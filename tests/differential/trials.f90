@@ -22,7 +22,7 @@ module trials
    public :: trial_type, try, kinds_of_warnings
 
    !> CPU seconds after which a run is given up
-   real(wp), parameter, public :: patience = 5.0_wp
+   real(wp), parameter, public :: patience = 4.0_wp
 
    !> A run
    type :: trial_type

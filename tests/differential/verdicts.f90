@@ -18,7 +18,7 @@ module verdicts
    real(wp), parameter :: small_change = 1.0e-6_wp, large_change = 3.0e-2_wp
    !> What a channel of each group counts as at least
    real(wp), parameter :: floors(14) = [1.0e-3_wp, 1.0e-3_wp, 1.0e-2_wp, 1.0e-2_wp, 1.0e-3_wp, 1.0e-4_wp, 1.0e-3_wp, 1.0e-2_wp, &
-      & 1.0e-6_wp, 1.0e-6_wp, 1.0e3_wp, 1.0e-3_wp, 1.0e-4_wp, 1.0e-4_wp]
+      & 1.0e-6_wp, 1.0e-6_wp, 1.0e3_wp, 1.0e-3_wp, 1.0e-3_wp, 1.0e-3_wp]
    !> The same of accelerations and forces where bodies vibrate
    real(wp), parameter :: elastic_acceleration = 10.0_wp, elastic_force = 1.0_wp, elastic_moment = 0.1_wp
    !> Multiple of an estimated error that a channel may be off

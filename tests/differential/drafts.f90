@@ -246,12 +246,13 @@ contains
    end function new_stuff
 
    !> A beam: points start, end, middle and one at a third; how its ends are held decides its functions.
-   integer function add_beam(draft, place, angle, length, support, velocity, spin) result(index)
+   integer function add_beam(draft, place, angle, length, support, velocity, spin, in_one_piece) result(index)
       type(draft_type), intent(inout) :: draft
       real(wp), intent(in) :: place(2), angle, length
       !> PINNED, CLAMPED or FREE
       character(*), intent(in) :: support
       real(wp), intent(in), optional :: velocity(2), spin
+      logical, intent(in), optional :: in_one_piece
       type(body_type) :: body
       character(:), allocatable :: text, rung
       body%name = new_name(draft, 'b')
@@ -264,14 +265,20 @@ contains
       call add_named(body, 'middle', length/2, 0.0_wp)
       call add_named(body, 'third', length/4, 0.0_wp)
       rung = rung_of(support)
-      body%bends = index(rung, 'RIGID') == 0
-      body%whole = index(rung, 'SEGMENTS') == 0
+      if (present(in_one_piece) .and. has(rung, 'SEGMENTS')) rung = ', GEOMETRIC=LINEAR, BENDING MODES=3, AXIAL MODES=1'
+      body%bends = .not. has(rung, 'RIGID')
+      body%whole = .not. has(rung, 'SEGMENTS')
       text = '*BEAM, NAME=<N|'//trim(body%name)//'>'//new_stuff(draft, length)//', LENGTH=<D|0,1,0|+|'//t(length)//'>'// &
          & rung//stand(place, angle)//motion_of(velocity, spin)//newline//' third, <D|0,1,0|+|'//t(length/4)//'>'
       call add(draft, body%name, text)
       index = kept(draft, body)
       if (body%bends .and. likely(3)) call add(draft, '', '*DAMPING, BODY=<N|'//trim(body%name)//'>, '//trim(damping()))
    end function add_beam
+
+   pure logical function has(text, word)
+      character(*), intent(in) :: text, word
+      has = index(text, word) > 0
+   end function has
 
    function damping() result(text)
       character(:), allocatable :: text
@@ -328,7 +335,8 @@ contains
       case (3); text = text//', GEOMETRIC=K_G, CORRECTIONS=YES'
       case default; text = text//', GEOMETRIC=K_G'
       end select
-      text = text//stand(place, angle)//newline//' post, 1, <D|0,1,0|+|'//t(length*0.3_wp)//'>'//newline//'*NODE, BODY=<N|'//trim(body%name)//'>'//newline//' 1, 0, 0, foot'//newline// &
+      text = text//stand(place, angle)//newline//' post, 1, <D|0,1,0|+|'//t(length*0.3_wp)//'>'//newline// &
+         & '*NODE, BODY=<N|'//trim(body%name)//'>'//newline//' 1, 0, 0, foot'//newline// &
          & ' 2, <D|0,1,0|+|'//t(length*0.5_wp)//'>, 0, knee'//newline//' 3, <D|0,1,0|+|'//t(far(1))//'>, <D|0,1,0|-|'// &
          & t(far(2))//'>, far'//newline//'*ELEMENT, BODY=<N|'//trim(body%name)//'>'//newline//' 1, 1, 2'//newline//' 2, 2, 3'
       text = text//newline//'*BOUNDARY, BODY=<N|'//trim(body%name)//'>'//newline//' 1, 1, 6'

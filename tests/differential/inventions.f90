@@ -372,7 +372,7 @@ contains
       length = between(0.6_wp, 1.2_wp)
       angle = between(-0.5_wp, 0.5_wp)
       along = [cos(angle), sin(angle)]
-      beam = add_beam(draft, [0.0_wp, 0.0_wp], angle, length, 'PINNED')
+      beam = add_beam(draft, [0.0_wp, 0.0_wp], angle, length, 'PINNED', in_one_piece=.true.)
       x = length*between(0.2_wp, 0.5_wp)
       mass = add_point(draft, x*along, between(-0.5_wp, 1.0_wp)*along)
       call add_joint(other, draft, 'REVOLUTE', beam, 1, 0, 1)

@@ -195,13 +195,51 @@ contains
          length = max(length, model%wholes(i)%length)
       end do
       if (length > 0.0_wp) return
+      length = extent(model)
+      if (length > 0.0_wp) return
       do i = 1, size(model%bodies)
          length = max(length, norm2(model%bodies(i)%position))
       end do
-      do i = 1, size(model%points)
-         if (model%points(i)%body == ground) length = max(length, norm2(model%points(i)%p0))
-      end do
       if (.not. length > 0.0_wp) length = 1.0_wp
    end function scene_length
+
+   !> Twice the largest distance of a place of a body, or of a point of the ground that the deck names, from the middle of them all:
+   !> the same wherever the origin is. Zero if there is one place only.
+   pure real(wp) function extent(model)
+      type(model_type), intent(in) :: model
+      !> Part of the distance from the origin within which places are one
+      real(wp), parameter :: together = 1.0e-9_wp
+      real(wp) :: middle(2), farthest
+      integer :: i, count
+      middle = 0.0_wp
+      count = 0
+      do i = 1, size(model%bodies)
+         middle = middle + model%bodies(i)%position
+         count = count + 1
+      end do
+      do i = 1, size(model%points)
+         if (.not. is_place(i)) cycle
+         middle = middle + model%points(i)%p0
+         count = count + 1
+      end do
+      middle = middle/max(1, count)
+      farthest = 0.0_wp
+      do i = 1, size(model%bodies)
+         farthest = max(farthest, norm2(model%bodies(i)%position - middle))
+      end do
+      do i = 1, size(model%points)
+         if (is_place(i)) farthest = max(farthest, norm2(model%points(i)%p0 - middle))
+      end do
+      extent = 0.0_wp
+      if (farthest > together*norm2(middle)) extent = 2*farthest
+
+   contains
+
+      pure logical function is_place(i)
+         integer, intent(in) :: i
+         is_place = model%points(i)%body == ground .and. model%points(i)%name /= 'ground.origin'
+      end function is_place
+
+   end function extent
 
 end module limber_model_build

@@ -4,8 +4,8 @@
 !>
 !>    differential [--show] [--all] [--reduce] [--slow] FIRST COUNT
 !>
-!> --show prints the decks of all views; --all a line for each scene; --reduce leaves out of a scene that disagrees whatever is not needed for it, and leaves
-!> its two decks in the working folder, as NUMBER-a.inp and NUMBER-b.inp; --slow has ten times the patience.
+!> --show prints the decks of all views; --all a line for each scene; --reduce leaves out of a scene that disagrees whatever is not
+!> needed for it, and leaves its decks in the working folder, as NUMBER-a.inp and NUMBER-b.inp; --slow has ten times the patience.
 program differential
    use, intrinsic :: iso_fortran_env, only: output_unit
    use limber_base_text, only: as_text, newline
@@ -60,7 +60,8 @@ contains
          if (i <= peaceful .and. .not. lists) cycle
          write (output_unit, '(a)') line_of(seed, draft, plan, verdict)
          flush (output_unit)
-         if (reduces .and. i > peaceful .and. verdict%kind /= 'slow' .and. verdict%kind /= 'hang') call reduce(seed, draft, plan, verdict)
+         if (i <= peaceful) cycle
+         if (reduces .and. all(verdict%kind /= [character(10) :: 'slow', 'hang'])) call reduce(seed, draft, plan, verdict)
       end do
       write (output_unit, '(a)', advance='no') as_text(count)//' scenes:'
       do i = 1, size(kinds)

@@ -34,7 +34,8 @@ module verdicts
 
    !> What came out
    type :: verdict_type
-      !> `same`, `refused`, `failed`, `warned` (different, but warned), `estimated` (different by what is estimated), or else a disagreement: `values`, `status`, `warnings`,
+      !> `same`, `refused`, `failed`, `warned` (different, but warned), `estimated` (as different as is
+      !> estimated), or else a disagreement: `values`, `status`, `warnings`,
       !> `estimate`, `slow`
       character(10) :: kind = 'same'
       !> View that disagrees, and on what
@@ -210,6 +211,10 @@ contains
       else if (is_slow(base)) then
          if (.not. is_slow(reference)) call disagree('slow', 'base', first_words(base%message))
          if (verdict%kind == 'same') verdict%kind = 'failed'
+         return
+      else if (is_slow(reference)) then
+         verdict%kind = 'failed'
+         verdict%what = 'the reference takes too long'
          return
       else if (base%status /= 0 .and. reference%status /= 0) then
          verdict%kind = 'failed'
@@ -434,6 +439,7 @@ contains
       call run_view(draft, asking, trial)
       if (.not. allocated(trial%errors)) return
       do row = 1, size(scale)
+         if (is_placed(row) .and. any(abs(view%moved) > 0.0_wp)) cycle
          if (maxval(abs(trial%values(row, :) - reference%values(row, :))) > view%tolerance*allowed(findloc_of(view%integrator)) &
             & *scale(row) + multiple_of_estimate*maxval(estimate_of(row))) return
       end do
@@ -441,6 +447,20 @@ contains
       verdict%ratio = 0.0_wp
 
    contains
+
+      !> Whether a channel depends on the place of the origin.
+      pure logical function is_placed(row)
+         integer, intent(in) :: row
+         integer :: i, at
+         at = 0
+         is_placed = .false.
+         do i = 1, size(draft%channels)
+            at = at + merge(2, 1, allocated(draft%channels(i)%second))
+            if (row > at) cycle
+            is_placed = draft%channels(i)%placed
+            return
+         end do
+      end function is_placed
 
       !> Estimates are in the units of the view; those of places and vectors may be either component's.
       pure function estimate_of(row) result(errors)

@@ -76,6 +76,7 @@ contains
       !> Index of its block
       integer, intent(in) :: place
       type(rung_type) :: rung
+      logical :: held
       integer :: level
       associate (block => deck%blocks(place))
          rung%block = place
@@ -94,8 +95,9 @@ contains
          if (block%given('MODES')) rung%bending = max(1, block%integer('MODES') - 1)
          if (block%given('BENDING MODES')) rung%bending = block%integer('BENDING MODES')
          if (has_option('SEGMENTS') .and. block%given('SEGMENTS')) rung%segments = block%integer('SEGMENTS')
-         rung%pulled = holds_end(deck, block%name()) .or. block%word('SUPPORT') == 'FREE-FREE'
-         rung%shaped = rung%open_modes .and. rung%pulled .and. block%word('SUPPORT') == 'CLAMPED-FREE' .and. &
+         held = holds_end(deck, block%name(), .false.)
+         rung%pulled = holds_end(deck, block%name(), .true.) .or. block%word('SUPPORT') == 'FREE-FREE'
+         rung%shaped = rung%open_modes .and. held .and. block%word('SUPPORT') == 'CLAMPED-FREE' .and. &
             & .not. (block%given('END SHAPES') .or. block%given('CORRECTIONS') .or. block%given('ATTACHMENT MODES'))
       end associate
    end function given_rung
@@ -116,16 +118,18 @@ contains
       end do
    end function damped_by_modes
 
-   !> Whether a joint, spring, force or torque acts on a beam anywhere but at its start.
-   pure logical function holds_end(deck, name)
+   !> Whether a joint or spring acts on a beam anywhere but at its start.
+   pure logical function holds_end(deck, name, loads)
       type(deck_type), intent(in) :: deck
       character(*), intent(in) :: name
+      !> Whether forces and torques count as well
+      logical, intent(in) :: loads
       integer :: i, j, k
       holds_end = .false.
       do i = 1, size(deck%blocks)
          select case (deck%blocks(i)%keyword)
          case ('FORCE', 'TORQUE')
-            if (beyond_start(deck%blocks(i)%text('POINT'))) holds_end = .true.
+            if (loads .and. beyond_start(deck%blocks(i)%text('POINT'))) holds_end = .true.
          case ('JOINT', 'SPRING', 'BUSHING')
             do j = 1, size(deck%blocks(i)%lines)
                do k = 1, min(2, deck%blocks(i)%lines(j)%count())

@@ -169,9 +169,9 @@ contains
       reached%error = error_against(truth, candidate%samples%values)
       reached%done = reached%error <= target
       if (reached%done) return
-      reached%reason = 'TARGET='//as_text(target, 2)//' is not kept: what the deck fixes of '//reached%fixed// &
-         & ' makes an error of '//as_text(reached%of_fixed, 2)//', which a run aside with more shows; leave it open, or ask for'// &
-         & ' the error of the integration alone by ESTIMATE=YES'
+      reached%reason = 'TARGET='//as_text(target, 2)//' is not kept: the error is '//as_text(reached%error, 2)// &
+         & ', to which what the deck fixes of '//reached%fixed//' adds '//as_text(reached%of_fixed, 2)//', as a run aside with'// &
+         & ' more shows; leave it open, or ask for the error of the integration alone by ESTIMATE=YES'
    end subroutine verify_fixed
 
    !> All that the deck fixes: 'beam 'rod' (GEOMETRIC=LINEAR)'.

@@ -34,9 +34,9 @@ module limber_analysis_verification
    !> Part of the target that the truth of a scene with beams is taken to err at least, for how much it errs is an estimate; when it
    !> has been looked at a second time, in its integration or in its models, and in both
    real(wp), parameter :: doubt(0:2) = [0.1_wp, 0.07_wp, 0.05_wp]
-   !> Slope beyond which a beam bends far, so that errors fall more slowly than is taken for granted, and what estimates are
-   !> multiplied by then, measured: doc/fidelity.md
-   real(wp), parameter :: far = 0.3_wp, safety_far = 2.2_wp
+   !> Slope beyond which a beam bends far, so that errors fall more slowly than is taken for granted, and what estimates of scenes
+   !> with beams are multiplied by, and then, measured: doc/fidelity.md
+   real(wp), parameter :: far = 0.3_wp, safety = 1.3_wp, safety_far = 2.2_wp
 
 contains
 
@@ -341,6 +341,7 @@ contains
       integer :: i
       truth%left_out = 0.0_wp
       truth%safety = 1.0_wp
+      if (size(truth%rungs) + size(truth%aside) > 0) truth%safety = safety
       if (any(reached%advice%probe%beams%slope > far .and. reached%advice%rungs%level > level_rigid)) truth%safety = safety_far
       do i = 1, size(truth%rungs)
          if (truth%rungs(i)%level == level_full) truth%left_out = truth%left_out + &

@@ -155,24 +155,23 @@ contains
       call compare_refined(reader, 'four_bar', old, new, ['deflection_coupler_middle'], '1e-4')
    end subroutine test_four_bar
 
-   !> One bending mode at the loosest tolerance keeps the target by a tenth of it, which shows only when the truth is known better
-   !> than one verification says; estimates count 1.3 times. Truth: two pieces, a smaller tolerance.
+   !> One bending mode at the loosest tolerance would keep the target but for the doubt, so that the truth is looked at again;
+   !> estimates count 1.3 times. Truth: two pieces, a smaller tolerance.
    subroutine test_second_look()
       type(error_type), allocatable :: error
       type(history_reader_type) :: reader
       character(*), parameter :: fine = ', GEOMETRIC=FULL, SEGMENTS=2, BENDING MODES=3, GEOMETRIC ELEMENTS=6, ELEMENTS=96'
       character(:), allocatable :: report
       character(100) :: old(3), new(3)
-      call change_deck('accuracy/slider_crank_heavy.inp', trim(results)//'.inp', ['TARGET=1e-3  '], ['TARGET=1.3e-2'])
+      call change_deck('accuracy/slider_crank_heavy.inp', trim(results)//'.inp', ['TARGET=1e-3   '], ['TARGET=1.28e-2'])
       call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
       call check_no_error(error, 'heavy slider')
       call check(index(report, 'a second look') > 0, 'the truth is looked at again: '//report)
-      call check(index(report, 'RADAU at TOLERANCE=0.01') > 0, 'the loosest tolerance does: '//report)
       call reader%open(trim(results), error)
       call check_no_error(error, 'heavy slider, results')
       old = [character(100) :: 'NAME=rod', '*ACCURACY, TARGET=1e-3', 'OUTPUTS=838']
       new = [character(100) :: 'NAME=rod'//fine, '** no target', 'OUTPUTS=838, TOLERANCE=1e-4']
-      call compare_refined(reader, 'slider_crank_heavy', old, new, ['deflection_over_length'], '1.3e-2')
+      call compare_refined(reader, 'slider_crank_heavy', old, new, ['deflection_over_length'], '1.28e-2')
    end subroutine test_second_look
 
    !> Damping by modes means nothing in pieces, and of modes that a rung does not have it is left out. Truth: the load is applied so

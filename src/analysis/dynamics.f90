@@ -7,6 +7,8 @@ module limber_analysis_dynamics
    use limber_base_text, only: as_text, newline
    use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, axial_share, start_axial_watch, &
       & watch_axial, pass_axial_break, axial_findings
+   use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
+      & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_guard, only: guard_type
    use limber_analysis_indicators, only: start_indicators
    use limber_analysis_observation, only: observe
@@ -118,7 +120,8 @@ contains
       end associate
    end subroutine run_dynamics
 
-   !> The time loop. Steps end at the breaks of the drivers and loads, where the integrator starts anew.
+   !> The time loop. Steps end at the breaks of the drivers and loads, and where laws of the motion change their formula; there the
+   !> integrator starts anew.
    subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, stiffening, tick, cpu, outcome, &
       & error, guard)
       type(scene_type), intent(inout) :: scene
@@ -139,18 +142,23 @@ contains
       real(wp), allocatable :: breaks(:), stations(:)
       type(jump_watch_type) :: watch
       type(turning_type) :: turning
+      type(crossings_type) :: crossings
       character(:), allocatable :: text
-      !> Where the next step must end at the latest, the next break, and times so near that there is no step between them
-      real(wp) :: stop, barrier, near
+      !> Where the next step must end at the latest, the next break, times so near that there is no step between them, and the time
+      !> up to which the last step counts
+      real(wp) :: stop, barrier, near, t
       integer :: passed, seen
-      logical :: at_station, turns
+      logical :: at_station, cut, turns
       allocate (breaks, source=break_times(scene%system%model))
       allocate (stations, source=station_times(scene%system%model))
       passed = 0
       seen = 0
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
+      t = dynamics%start
       sample%q = scene%q
       sample%v = scene%v
+      call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start)
+      if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       call start_watch(watch, dynamics%start, scene%v)
       call start_turning(turning, scene%system, dynamics%start, scene%q, scene%v, integrator%ends_on_samples)
       call follow_turns(dynamics%start)
@@ -179,47 +187,62 @@ contains
          if (seen < size(stations)) stop = min(stop, stations(seen + 1))
          if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, sample%next))
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
+         stop = min(stop, crossings%hold)
          call integrator%step(scene%system, scene%work, stop, error)
          if (.not. allocated(error)) call history%check_limit(integrator%t, error)
          if (allocated(error)) exit
-         call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
-         call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
+         t = integrator%t
+         cut = .false.
+         if (size(crossings%loads) > 0) then
+            call find_crossing(crossings, scene%system, scene%work, integrator, error)
+            if (allocated(error)) exit
+            if (crossings%found /= found_nothing .and. integrator%ends_on_samples .and. crossings%t < t - near) &
+               & crossings%again = .true.
+            if (crossings%again) then
+               call do_again()
+               if (allocated(error)) exit
+               cycle
+            end if
+            call meet_crossing()
+         end if
+         call integrator%interpolate(t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
+         if (size(crossings%loads) > 0 .and. .not. cut) call go_on(crossings, sample%q, sample%v, sample%w)
          call look(scene, dynamics, integrator, sample, outcome)
          call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, outcome, turns)
-         call check_deflections(scene%system, integrator%t, sample%q, sample%v, error)
+         call check_deflections(scene%system, t, sample%q, sample%v, error)
          if (allocated(error)) exit
-         call watch_velocities(watch, scene%system, scene%work, integrator%t, sample%q, sample%v, text)
+         call watch_velocities(watch, scene%system, scene%work, t, sample%q, sample%v, text)
          if (allocated(text)) call warn(outcome, text)
-         call watch_turning(turning, scene%system, integrator%t, sample%q, sample%v, dynamics%fixed_step > 0.0_wp, text, error)
+         call watch_turning(turning, scene%system, t, sample%q, sample%v, dynamics%fixed_step > 0.0_wp, text, error)
          if (allocated(text)) call warn(outcome, text)
          if (allocated(error)) exit
-         call watch_axial(axial, scene%system, scene%work, integrator%t, sample%q)
-         call follow_turns(integrator%t)
+         call watch_axial(axial, scene%system, scene%work, t, sample%q)
+         call follow_turns(t)
          at_station = .false.
-         if (seen < size(stations)) at_station = stations(seen + 1) <= integrator%t + near
-         if (at_station .or. sample_time(dynamics, sample%next) <= integrator%t + near) &
-            & call check_energy(scene, integrator%t, sample, outcome)
-         if (passed < size(breaks) .and. integrator%t >= barrier - near) then
+         if (seen < size(stations)) at_station = stations(seen + 1) <= t + near
+         if (at_station .or. sample_time(dynamics, sample%next) <= t + near) call check_energy(scene, t, sample, outcome)
+         if (passed < size(breaks) .and. t >= barrier - near) then
             call record_before(barrier - near)
             if (allocated(error)) exit
             passed = passed + 1
-            call pass_break(scene, breaks(passed), integrator, sample, outcome, error)
+            call start_anew(breaks(passed))
+         else if (cut) then
+            call record_before(t + near)
             if (allocated(error)) exit
-            call start_watch(watch, breaks(passed), sample%v)
-            call start_turning(turning, scene%system, breaks(passed), sample%q, sample%v, integrator%ends_on_samples)
-            call follow_turns(breaks(passed))
-            call pass_axial_break(axial, scene%system, scene%work, breaks(passed))
+            call start_anew(t)
          end if
-         call record_before(integrator%t + near)
+         if (allocated(error)) exit
+         call record_before(t + near)
          if (turns .and. .not. allocated(error)) call turn_stiff()
-         call progress%update(integrator%t)
+         call progress%update(t)
          if (present(guard) .and. .not. allocated(error)) call look_at_guard()
       end do
       if (present(guard) .and. .not. allocated(error)) then
          if (guard%asks_at_end()) call write_checkpoint(.false.)
       end if
-      outcome%reached = integrator%t
-      text = scale_warning(watch, scene%system, integrator%tolerance, integrator%t)
+      outcome%reached = t
+      text = scale_warning(watch, scene%system, integrator%tolerance, t)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       text = ''
       if (allocated(outcome%turned)) text = phase_warning(scene%system, integrator%tolerance, maxval(abs(outcome%turned)), &
@@ -230,6 +253,45 @@ contains
       call report_axial(scene, axial, outcome)
 
    contains
+
+      !> Does the last step again, up to what was found in it.
+      subroutine do_again()
+         crossings%hold = crossings%t
+         crossings%held = crossings%found
+         integrator%work_at_start = crossings%w
+         call integrator%start(scene%system, scene%work, crossings%quarters(0)%t, dynamics%end - dynamics%start, crossings%q, &
+            & crossings%v, error)
+      end subroutine do_again
+
+      !> Cuts the last step where something was found. An integrator whose promise holds at the ends of its steps ends one there,
+      !> and needs no start at a bend.
+      subroutine meet_crossing()
+         if (t >= crossings%hold .and. crossings%found == found_nothing) crossings%found = crossings%held
+         if (t >= crossings%hold) crossings%hold = huge(t)
+         cut = crossings%found /= found_nothing .and. .not. integrator%ends_on_samples
+         if (cut) t = crossings%t
+         if (.not. integrator%ends_on_samples) return
+         cut = crossings%found == found_jump
+         if (crossings%found == found_bend) crossings%steps(crossings%which) = 0
+      end subroutine meet_crossing
+
+      !> Starts anew at a time, where something changes abruptly.
+      subroutine start_anew(time)
+         real(wp), intent(in) :: time
+         if (cut .and. (crossings%found == found_bend .or. crossings%found == found_jump)) then
+            crossings%t = time
+            call count_crossing(crossings, scene%system, error)
+            if (allocated(error)) return
+         end if
+         call pass_break(scene, time, t, integrator, sample, outcome, error)
+         if (allocated(error)) return
+         call start_watch(watch, time, sample%v)
+         call start_turning(turning, scene%system, time, sample%q, sample%v, integrator%ends_on_samples)
+         call follow_turns(time)
+         call pass_axial_break(axial, scene%system, scene%work, time)
+         if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, time, sample%q, sample%v, &
+            & integrator%work_at_start)
+      end subroutine start_anew
 
       !> Carries followed angles on to the state at hand, those of the channels and those that joints and loads depend on.
       subroutine follow_turns(t)
@@ -294,6 +356,9 @@ contains
          call axial%exchange(snapshot)
          call watch%exchange(snapshot)
          call turning%exchange(snapshot)
+         call crossings%exchange(snapshot)
+         if (snapshot%restoring .and. size(crossings%loads) > 0) call resume_crossings(crossings, scene%system, scene%work, &
+            & integrator%t)
          call outcome%exchange(snapshot)
       end subroutine exchange
 
@@ -402,9 +467,10 @@ contains
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.
-   subroutine pass_break(scene, t, integrator, sample, outcome, error)
+   subroutine pass_break(scene, t, last, integrator, sample, outcome, error)
       type(scene_type), intent(inout) :: scene
-      real(wp), intent(in) :: t
+      !> The instant, and the time of the last step right before it
+      real(wp), intent(in) :: t, last
       class(integrator_type), intent(inout) :: integrator
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
@@ -415,8 +481,8 @@ contains
       integer :: culprit
       logical :: demanded
       associate (system => scene%system, work => scene%work)
-         call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
-         call integrator%complete(system, work, integrator%t, sample%q, sample%v)
+         call integrator%interpolate(last, sample%q, sample%v, sample%w)
+         call integrator%complete(system, work, last, sample%q, sample%v)
          demanded = demanded_jump(system, work, t, sample%q)
          call linearise(system, work, t, sample%q, error)
          if (allocated(error)) return

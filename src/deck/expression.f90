@@ -5,7 +5,7 @@ module limber_deck_expression
    use limber_deck_origin, only: origin_type
    use limber_deck_tables, only: table_value, table_segment
    use limber_deck_operations, only: jet_type, unary_value, binary_value, unary_jet, binary_jet, &
-      & branch_of, function_arity, first_function, op_constant, op_slot, op_negate, op_table
+      & branch_of, function_arity, first_function, op_constant, op_slot, op_negate, op_divide, op_power, op_table
    implicit none
    private
    public :: expression_type, slot_type, max_stack, is_binary
@@ -41,6 +41,7 @@ module limber_deck_expression
       procedure :: evaluate_along
       procedure :: branches
       procedure :: branches_along
+      procedure :: may_bend
       procedure :: is_constant
       procedure :: constant_value
    end type expression_type
@@ -107,14 +108,21 @@ contains
       call walk(self, [jet_type(t, 1.0_wp, 0.0_wp)], jet, branches)
    end function branches
 
-   !> The same of any expression along a line in the space of its slots.
-   pure integer(long) function branches_along(self, line)
+   !> The same number along a line in the space of the slots.
+   pure integer(long) function branches_along(self, line) result(branches)
       class(expression_type), intent(in) :: self
       !> Value of each slot and its derivatives along the line, in the order of `slots`
       type(jet_type), intent(in) :: line(:)
       type(jet_type) :: jet
-      call walk(self, line, jet, branches_along)
+      call walk(self, line, jet, branches)
    end function branches_along
+
+   !> Whether it is more than a polynomial: only then can it change much in a short part of what it depends on, or be made of
+   !> several formulas.
+   pure logical function may_bend(self)
+      class(expression_type), intent(in) :: self
+      may_bend = any(self%codes > op_power) .or. any(self%codes == op_divide)
+   end function may_bend
 
    !> All of these.
    pure subroutine walk(self, line, jet, branches)

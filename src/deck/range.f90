@@ -1,6 +1,6 @@
-!> What an expression of the time can be within an interval: bounds of its values by interval arithmetic, whether one formula
+!> What an expression can be while its slots are within intervals: bounds of its values by interval arithmetic, whether one formula
 !> holds throughout, and whether it is defined throughout. Samples miss what comes and goes between them, bounds do not. They can
-!> be too wide where the time occurs several times, and get exact as the interval shrinks. Floor: deck.
+!> be too wide where a slot occurs several times, and get exact as the interval shrinks. Floor: deck.
 !> Source: Moore, Interval Analysis, 1966; doc/theory, eq. (190).
 module limber_deck_range
    use limber_base_kinds, only: wp
@@ -11,9 +11,9 @@ module limber_deck_range
    use limber_deck_tables, only: table_range
    implicit none
    private
-   public :: range_type, law_range
+   public :: range_type, law_range, law_range_over
 
-   !> Bounds of the values in an interval of time
+   !> Bounds of the values in an interval
    type :: range_type
       real(wp) :: low = 0.0_wp, high = 0.0_wp
       !> Whether min, max, abs, step, smoothstep and tables keep their formula
@@ -31,6 +31,15 @@ contains
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: a, b
       type(range_type) :: range
+      range = law_range_over(law, [a], [b])
+   end function law_range
+
+   !> The range of a law while each of its slots is within an interval.
+   pure function law_range_over(law, low, high) result(range)
+      type(expression_type), intent(in) :: law
+      !> Ends of the intervals (slots)
+      real(wp), intent(in) :: low(:), high(:)
+      type(range_type) :: range
       type(range_type) :: stack(max_stack)
       logical :: whole, defined
       integer :: i, top
@@ -43,7 +52,7 @@ contains
             stack(top) = range_type(law%constants(law%operands(i)), law%constants(law%operands(i)))
          else if (law%codes(i) == op_slot) then
             top = top + 1
-            stack(top) = range_type(a, b)
+            stack(top) = range_type(low(law%operands(i)), high(law%operands(i)))
          else if (law%codes(i) == op_table) then
             stack(top)%whole = .true.
             call table_range(law%tables(law%operands(i):), stack(top)%low, stack(top)%high, stack(top)%whole)
@@ -58,7 +67,7 @@ contains
          defined = defined .and. stack(top)%defined
       end do
       range = range_type(stack(1)%low, stack(1)%high, whole, defined)
-   end function law_range
+   end function law_range_over
 
    !> All numbers: a value is not defined or not bounded somewhere.
    pure type(range_type) function nowhere(whole)

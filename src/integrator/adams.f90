@@ -87,6 +87,7 @@ contains
       if (self%tree%usable .or. system%condensed .or. .not. sum(system%inertia(1, :)) > 0.0_wp) self%kept = [(i, i=1, size(q))]
       self%nq = size(self%kept)
       self%whole = self%nq == size(q)
+      self%steps_to_start = 15
       self%ny = 2*self%nq + merge(1, 0, system%powered)
       self%weighed = merge(2*self%nq, self%ny, self%whole .and. .not. self%input%asked)
       if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change, self%q, self%v, self%a, self%scale)

@@ -40,6 +40,8 @@ module limber_integrator_integrator
       type(ringing_type) :: ringing
       !> True if what it promises holds at the ends of its steps only: samples are then taken there, their velocities as they are
       logical :: ends_on_samples = .false.
+      !> Steps that it takes behind a start until they are as long as before
+      integer :: steps_to_start = 4
       type(step_statistics_type) :: statistics
    contains
       procedure(start_interface), deferred :: start

@@ -12,7 +12,7 @@ module limber_system_efforts
    use limber_system_markers, only: add_marker, marker_stiffness
    implicit none
    private
-   public :: effort_load_type
+   public :: effort_load_type, max_slots
 
    !> Most gauges of a load, and most things that its law depends on
    integer, parameter :: max_gauges = most_slots + 1, max_slots = most_slots
@@ -47,6 +47,7 @@ module limber_system_efforts
       procedure :: add_power => effort_add_power
       procedure :: add_missed_power => effort_add_missed_power
       procedure :: measure
+      procedure :: read_motion
    end type effort_load_type
 
 contains
@@ -115,6 +116,21 @@ contains
          if (self%by_rate(k)) values(k) = rates(self%slots(k))
       end do
    end subroutine read_slots
+
+   !> What the slots of the law are in a motion, and how fast they change; of a slot that is a rate, the gauge and its rate.
+   pure subroutine read_motion(self, kinematics, place, rate)
+      class(effort_load_type), intent(in) :: self
+      !> Placed and moved
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: place(:), rate(:)
+      real(wp) :: weights(2, 3)
+      integer :: k
+      do k = 1, size(self%slots)
+         place(k) = kinematics%time
+         rate(k) = 1.0_wp
+         if (self%slots(k) > 0) call read_gauge(self%gauges(self%slots(k)), kinematics, place(k), rate(k), weights)
+      end do
+   end subroutine read_motion
 
    !> With s_y the gradient of the gauge, s_yy what the curvature of its markers and of itself makes, and f_y, f_w the derivatives
    !> of the force by coordinates and rates: the stiffness is -s_y f_y - f s_yy, the damping -s_y f_w.

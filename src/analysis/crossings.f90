@@ -1,0 +1,469 @@
+!> Where laws of the motion change their formula, or come and go, within a step. After a step the watched laws are looked at along
+!> its dense output, by bounds that miss nothing between looks; where one has changed, the step is cut. So scalars of the motion
+!> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E5).
+module limber_analysis_crossings
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_snapshot, only: snapshot_type
+   use limber_base_text, only: as_text
+   use limber_deck_range, only: range_type
+   use limber_integrator_integrator, only: integrator_type
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_moments, only: moment_type, new_moment, watched_loads, read_moment, law_between, describe_law
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, count_crossing
+
+   !> What has been found in a step: nothing; a bend or a jump of a law; a place where a law comes up that the step has not seen
+   integer, parameter, public :: found_nothing = 0, found_bend = 1, found_jump = 2, found_pulse = 3
+
+   !> Looks at most before the rest of a step is taken as it is, and steps without such looks after that at most
+   integer, parameter :: most_looks = 100, most_rest = 64
+   !> Jumps to and fro that count as sticking, and the part of the time before in which each comes
+   integer, parameter :: most_returns = 12
+   real(wp), parameter :: tight = 0.01_wp
+   !> Steps in a row behind a jump that count as sticking, and what part of the whole time each of these is at most; in them pulses
+   !> are no matter
+   integer, parameter :: most_crawls = 200
+   real(wp), parameter :: crawl = 1.0e-9_wp
+   !> Depth of the halving; parts of a step: in which a crossing is found, and which are halved without one
+   integer, parameter :: deepest = 60
+   real(wp), parameter :: fine = 1.0e-10_wp, coarse = 1.0e-7_wp
+   !> Changes of a law that matter: relative to its largest value, to how it varies in a step; shares of the excess of bounds that
+   !> shrink as those of a law that only occurs wide; fourth difference that no smooth law has; part of the largest of all
+   !> laws below which one is nothing, and of its own largest value that is a slight change
+   real(wp), parameter :: little = 1.0e-4_wp, part = 0.02_wp, quartered = 0.4_wp, halved = 0.6_wp, rough = 0.5_wp, &
+      & level = 1.0e-6_wp, slight = 0.05_wp
+
+   !> What is remembered of the watched laws, and scratch
+   type :: crossings_type
+      !> Watched loads; none: nothing is done
+      integer, allocatable :: loads(:)
+      !> Start of the step and quarters of it; what halving finds
+      type(moment_type) :: quarters(0:4), halves(deepest)
+      !> Coordinates and velocities at the start of the step (nq), work put in before it; scratch
+      real(wp), allocatable :: q(:), v(:), trial_q(:), trial_v(:)
+      real(wp) :: w = 0.0_wp
+      !> Largest value of each law, and how much it may differ from the quartic through the quarters (laws)
+      real(wp), allocatable :: largest(:), allowed(:)
+      !> How much each law varies at the quarters (laws)
+      real(wp), allocatable :: width(:)
+      !> Excess of the bounds in the interval that is halved (laws, depths), and whether a law is smooth at the quarters
+      real(wp), allocatable :: excess(:, :)
+      logical, allocatable :: smooth(:)
+      !> Steps since the last bend of each law; looks in this step; steps to rest, and the next number of these
+      integer, allocatable :: steps(:)
+      integer :: looks = 0, rest = 0, next_rest = 1
+      !> The last jumps: law, time, time before it that counts as long, and how often it has gone to and fro; steps in a row that
+      !> are next to nothing
+      integer :: law = 0, returns = 0, crawls = 0
+      real(wp) :: jumped = 0.0_wp, long = 0.0_wp
+      !> Of the whole analysis
+      real(wp) :: duration = 0.0_wp
+      !> What was found: kind, law, time; whether that is so near to the start of the step that the step must be done again
+      integer :: found = found_nothing, which = 0
+      logical :: again = .false.
+      real(wp) :: t = 0.0_wp
+      !> Where a step that is done again must end, and what was found there
+      real(wp) :: hold = huge(1.0_wp)
+      integer :: held = found_nothing
+   contains
+      procedure :: exchange => exchange_crossings
+   end type crossings_type
+
+contains
+
+   !> Room, and which laws are watched.
+   subroutine new_crossings(self, system, start, duration)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> First time, and length of the whole analysis
+      real(wp), intent(in) :: start, duration
+      integer :: i, n
+      self%loads = watched_loads(system)
+      n = size(self%loads)
+      self%jumped = start
+      self%duration = duration
+      if (n == 0) return
+      do i = 0, 4
+         call new_moment(n, self%quarters(i))
+      end do
+      do i = 1, deepest
+         call new_moment(n, self%halves(i))
+      end do
+      associate (nq => system%layout%nq)
+         allocate (self%q(nq), self%v(nq), self%trial_q(nq), self%trial_v(nq))
+      end associate
+      allocate (self%largest(n), self%allowed(n), self%width(n), self%excess(n, 0:deepest), source=0.0_wp)
+      allocate (self%smooth(n), self%steps(n))
+      self%steps = huge(n)
+      self%smooth = .true.
+   end subroutine new_crossings
+
+   !> Takes a state for the start of the next step; kinematics are left there.
+   subroutine begin_crossings(self, system, work, t, q, v, w)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates and velocities (nq), work put in
+      real(wp), intent(in) :: t, q(:), v(:), w
+      self%q = q
+      self%v = v
+      self%w = w
+      call read_state(self, system, work, t, q, v, self%quarters(0))
+   end subroutine begin_crossings
+
+   !> Reads the laws at the start of the next step again, behind `exchange`.
+   subroutine resume_crossings(self, system, work, t)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      self%trial_q = self%q
+      self%trial_v = self%v
+      call read_state(self, system, work, t, self%trial_q, self%trial_v, self%quarters(0))
+   end subroutine resume_crossings
+
+   !> Takes the end of the last step for the start of the next one.
+   subroutine go_on(self, q, v, w)
+      type(crossings_type), intent(inout) :: self
+      !> State there
+      real(wp), intent(in) :: q(:), v(:), w
+      self%q = q
+      self%v = v
+      self%w = w
+      self%quarters(0) = self%quarters(4)
+   end subroutine go_on
+
+   !> Reads the laws at a state.
+   subroutine read_state(self, system, work, t, q, v, moment)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      type(moment_type), intent(inout) :: moment
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call move_frames(system%model, system%layout, q, v, work%kinematics)
+      call read_moment(system, self%loads, work%kinematics, moment)
+      self%largest = max(self%largest, abs(moment%force))
+   end subroutine read_state
+
+   !> Reads the laws at a time of the dense output.
+   subroutine look(self, system, work, integrator, t, moment)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      class(integrator_type), intent(inout) :: integrator
+      real(wp), intent(in) :: t
+      type(moment_type), intent(inout) :: moment
+      real(wp) :: w
+      call integrator%interpolate(t, self%trial_q, self%trial_v, w)
+      call integrator%complete(system, work, t, self%trial_q, self%trial_v)
+      call read_state(self, system, work, t, self%trial_q, self%trial_v, moment)
+      self%looks = self%looks + 1
+   end subroutine look
+
+   !> Looks for the first crossing within the last step, from the state that `begin_crossings` has taken: `found`, `which`, `t`.
+   subroutine find_crossing(self, system, work, integrator, error)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      class(integrator_type), intent(inout) :: integrator
+      !> Something sticks where a law jumps
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: h
+      integer :: i
+      self%found = found_nothing
+      self%again = .false.
+      self%looks = 0
+      self%steps = min(self%steps, huge(self%steps) - 1) + 1
+      h = integrator%t - self%quarters(0)%t
+      if (.not. h > 0.0_wp) return
+      self%crawls = merge(self%crawls + 1, 0, h < crawl*self%duration)
+      if (self%crawls > most_crawls .and. self%law > 0) then
+         call raise_sticking(self, system, error)
+         return
+      end if
+      call look(self, system, work, integrator, integrator%t, self%quarters(4))
+      if (is_plain(self, system, integrator%ends_on_samples)) return
+      if (self%rest > 0 .and. all(self%quarters(0)%branches == self%quarters(4)%branches)) then
+         self%rest = self%rest - 1
+         return
+      end if
+      do i = 1, 3
+         call look(self, system, work, integrator, self%quarters(0)%t + 0.25_wp*i*h, self%quarters(i))
+      end do
+      call judge_quarters(self, integrator%ends_on_samples)
+      if (any(.not. self%smooth)) then
+         call find_rise(self, system, work, integrator)
+         return
+      end if
+      do i = 1, 4
+         call search(self, system, work, integrator, self%quarters(i - 1), self%quarters(i), 1)
+         if (self%found /= found_nothing) return
+      end do
+      if (self%looks < most_looks) then
+         self%next_rest = 1
+      else
+         self%rest = self%next_rest
+         self%next_rest = min(most_rest, 2*self%next_rest)
+      end if
+   end subroutine find_crossing
+
+   !> Whether no law can do anything within the step that its ends do not show. Leaves the excess of the bounds.
+   logical function is_plain(self, system, means) result(plain)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Whether the integrator sees laws in the mean of a step only, not at its ends
+      logical, intent(in) :: means
+      type(range_type) :: range
+      integer :: i
+      plain = .true.
+      do i = 1, size(self%loads)
+         associate (a => self%quarters(0), b => self%quarters(4))
+            range = law_between(system, self%loads, i, a, b)
+            self%excess(i, 0) = excess_of(range, a%force(i), b%force(i))
+            self%allowed(i) = little*largest_of(self, i, range) + part*abs(b%force(i) - a%force(i))
+            if (self%excess(i, 0) > self%allowed(i) .or. .not. range%whole) plain = .false.
+            if (a%branches(i) /= b%branches(i)) plain = .false.
+            if (means .and. abs(b%force(i) - a%force(i)) > slight*self%largest(i)) plain = .false.
+         end associate
+      end do
+   end function is_plain
+
+   !> By how much bounds lie beyond two values.
+   pure real(wp) function excess_of(range, first, second) result(excess)
+      type(range_type), intent(in) :: range
+      real(wp), intent(in) :: first, second
+      excess = huge(excess)
+      if (range%defined) excess = max(0.0_wp, min(first, second) - range%low, range%high - max(first, second))
+   end function excess_of
+
+   !> Largest value of a law, bounds included.
+   pure real(wp) function largest_of(self, law, range) result(largest)
+      type(crossings_type), intent(in) :: self
+      integer, intent(in) :: law
+      type(range_type), intent(in) :: range
+      largest = max(self%largest(law), level*maxval(self%largest))
+      if (range%defined) largest = max(largest, abs(range%low), abs(range%high))
+   end function largest_of
+
+   !> How much each law varies at the quarters, and whether a smooth one could do so: one that goes up and down within the step has
+   !> no large fourth difference.
+   subroutine judge_quarters(self, means)
+      type(crossings_type), intent(inout) :: self
+      !> As above: then one that goes up or down steeply is not seen either
+      logical, intent(in) :: means
+      real(wp) :: f(0:4), width, difference
+      integer :: i, k
+      do i = 1, size(self%loads)
+         do k = 0, 4
+            f(k) = self%quarters(k)%force(i)
+         end do
+         width = maxval(f) - minval(f)
+         self%width(i) = width
+         self%allowed(i) = little*max(self%largest(i), level*maxval(self%largest)) + part*width
+         if (self%crawls > 0) self%allowed(i) = huge(width)
+         difference = abs(f(0) - 4*f(1) + 6*f(2) - 4*f(3) + f(4))
+         self%smooth(i) = all([(self%quarters(k)%branches(i) == self%quarters(0)%branches(i), k=1, 4)])
+         if (.not. self%smooth(i)) then
+            ! The formula changes: that is looked for first, and no pulse before it
+            self%allowed(i) = huge(width)
+            self%smooth(i) = .true.
+         else if (width > self%allowed(i) .and. difference > rough*width) then
+            self%smooth(i) = .not. means .and. (all(f(1:) >= f(:3)) .or. all(f(1:) <= f(:3)))
+         end if
+      end do
+   end subroutine judge_quarters
+
+   !> The first quarter in which a law that is not smooth there begins to change.
+   subroutine find_rise(self, system, work, integrator)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      class(integrator_type), intent(inout) :: integrator
+      integer :: i
+      do i = 1, 4
+         if (any(.not. self%smooth .and. abs(self%quarters(i)%force - self%quarters(0)%force) > self%allowed)) exit
+      end do
+      i = min(i, 4)
+      self%which = findloc(self%smooth, .false., dim=1)
+      call find_start(self, system, work, integrator, self%quarters(i - 1)%t, self%quarters(i)%t, &
+         & self%quarters(0)%force(self%which))
+   end subroutine find_rise
+
+   !> The last time between two at which a law is what it was before, to what is allowed; there the step is cut, or done again if
+   !> that is near its start.
+   subroutine find_start(self, system, work, integrator, from, to, before)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      class(integrator_type), intent(inout) :: integrator
+      real(wp), intent(in) :: from, to, before
+      integer, parameter :: rounds = 12
+      real(wp), parameter :: near = 0.05_wp
+      real(wp) :: ends(2), middle
+      integer :: round
+      ends = [from, to]
+      do round = 1, rounds
+         middle = 0.5_wp*sum(ends)
+         call look(self, system, work, integrator, middle, self%halves(deepest))
+         if (abs(self%halves(deepest)%force(self%which) - before) > self%allowed(self%which)) then
+            ends(2) = middle
+         else
+            ends(1) = middle
+         end if
+      end do
+      associate (start => self%quarters(0)%t, h => integrator%t - self%quarters(0)%t)
+         self%found = found_pulse
+         self%t = ends(1)
+         if (self%t > start + near*h) return
+         self%again = .true.
+         self%t = start + 0.125_wp*h
+      end associate
+   end subroutine find_start
+
+   !> Halves an interval until laws are plain in it, or a crossing is found; the first one in time.
+   recursive subroutine search(self, system, work, integrator, a, b, depth)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      class(integrator_type), intent(inout) :: integrator
+      type(moment_type), intent(in) :: a, b
+      integer, intent(in) :: depth
+      type(range_type) :: range
+      logical :: stubborn(size(self%loads)), opens
+      real(wp) :: h
+      integer :: i, changed
+      h = self%quarters(4)%t - self%quarters(0)%t
+      changed = 0
+      opens = .false.
+      stubborn = .false.
+      do i = 1, size(self%loads)
+         if (a%branches(i) /= b%branches(i)) then
+            changed = i
+            self%excess(i, depth) = huge(h)
+            cycle
+         end if
+         range = law_between(system, self%loads, i, a, b)
+         self%excess(i, depth) = excess_of(range, a%force(i), b%force(i))
+         stubborn(i) = self%excess(i, depth) > max(self%allowed(i), little*largest_of(self, i, range)) .and. &
+            & self%excess(i, depth) > merge(quartered, halved, depth == 1)*self%excess(i, depth - 1)
+         opens = opens .or. stubborn(i) .or. .not. range%whole
+      end do
+      if (changed > 0 .and. b%t - a%t <= max(8*spacing(b%t), fine*h)) then
+         call take_crossing(self, integrator, a, b, changed)
+         return
+      end if
+      if (changed == 0 .and. (.not. opens .or. self%looks >= most_looks .or. b%t - a%t <= coarse*h)) return
+      if (depth >= deepest) return
+      call look(self, system, work, integrator, a%t + 0.5_wp*(b%t - a%t), self%halves(depth))
+      do i = 1, size(self%loads)
+         if (.not. stubborn(i)) cycle
+         if (abs(self%halves(depth)%force(i) - quartic(self, i, self%halves(depth)%t)) <= self%allowed(i)) cycle
+         self%which = i
+         call find_start(self, system, work, integrator, a%t, self%halves(depth)%t, a%force(i))
+         return
+      end do
+      call search(self, system, work, integrator, a, self%halves(depth), depth + 1)
+      if (self%found /= found_nothing) return
+      call search(self, system, work, integrator, self%halves(depth), b, depth + 1)
+   end subroutine search
+
+   !> Takes a change of formula between two moments that are next to each other. It jumps if the law does.
+   subroutine take_crossing(self, integrator, a, b, law)
+      type(crossings_type), intent(inout) :: self
+      class(integrator_type), intent(in) :: integrator
+      type(moment_type), intent(in) :: a, b
+      integer, intent(in) :: law
+      !> Relative to the largest value
+      real(wp), parameter :: jump = 1.0e-6_wp
+      self%which = law
+      self%t = b%t
+      self%found = found_bend
+      if (abs(b%force(law) - a%force(law)) > jump*self%largest(law)) then
+         self%found = found_jump
+      else if (self%steps(law) < integrator%steps_to_start .and. &
+         & max(self%width(law), self%excess(law, 0)) <= slight*self%largest(law)) then
+         ! Bends that come with every few steps and matter little are left to the error of these
+         self%found = found_nothing
+         self%looks = most_looks
+      end if
+   end subroutine take_crossing
+
+   !> The quartic through the quarters of a step.
+   pure real(wp) function quartic(self, law, t) result(value)
+      type(crossings_type), intent(in) :: self
+      integer, intent(in) :: law
+      real(wp), intent(in) :: t
+      real(wp) :: s, weight
+      integer :: i, k
+      s = 4*(t - self%quarters(0)%t)/(self%quarters(4)%t - self%quarters(0)%t)
+      value = 0.0_wp
+      do i = 0, 4
+         weight = 1.0_wp
+         do k = 0, 4
+            if (k /= i) weight = weight*(s - k)/(i - k)
+         end do
+         value = value + weight*self%quarters(i)%force(law)
+      end do
+   end function quartic
+
+   !> Counts a crossing that has been met. An error if a law jumps to and fro ever faster: what it drives sticks.
+   subroutine count_crossing(self, system, error)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: since
+      self%steps(self%which) = 0
+      if (self%found /= found_jump) return
+      since = self%t - self%jumped
+      if (self%law == self%which .and. since < tight*self%long) then
+         self%returns = self%returns + 1
+      else
+         self%returns = 0
+         self%long = max(since, 1.0e-3_wp*self%duration)
+      end if
+      self%law = self%which
+      self%jumped = self%t
+      if (self%returns < most_returns) return
+      call raise_sticking(self, system, error)
+   end subroutine count_crossing
+
+   !> Which law, on which body, when, and what to write in its place.
+   subroutine raise_sticking(self, system, error)
+      type(crossings_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(error_type), allocatable, intent(out) :: error
+      call raise(error, describe_law(system, self%loads(self%law))//' jumps to and fro at t = '//as_text(self%jumped, 8)// &
+         & ', for what it drives sticks where it jumps; write a smooth law, such as tanh(v/eps) with a small speed eps in place'// &
+         & ' of 2*step(v) - 1')
+   end subroutine raise_sticking
+
+   !> Saves or restores what is remembered between steps.
+   subroutine exchange_crossings(self, snapshot)
+      class(crossings_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      integer :: i
+      if (size(self%loads) == 0) return
+      call snapshot%keep('crossing_q', self%q)
+      call snapshot%keep('crossing_v', self%v)
+      call snapshot%exchange('crossing_w', self%w)
+      call snapshot%exchange('crossing_hold', self%hold)
+      call snapshot%exchange('crossing_held', self%held)
+      call snapshot%keep('crossing_largest', self%largest)
+      do i = 1, size(self%steps)
+         call snapshot%exchange('crossing_steps', self%steps(i))
+      end do
+      call snapshot%exchange('crossing_rest', self%rest)
+      call snapshot%exchange('crossing_next_rest', self%next_rest)
+      call snapshot%exchange('crossing_law', self%law)
+      call snapshot%exchange('crossing_returns', self%returns)
+      call snapshot%exchange('crossing_crawls', self%crawls)
+      call snapshot%exchange('crossing_jumped', self%jumped)
+      call snapshot%exchange('crossing_long', self%long)
+   end subroutine exchange_crossings
+
+end module limber_analysis_crossings

@@ -1,0 +1,72 @@
+!> Laws of the motion that steps could jump over: a quarter car over a bump far away, whose numbers an integrator with events has
+!> made (Dormand and Prince, order 8, the breaks met); a narrow pulse in place, in closed form; and what sticks where a law jumps.
+!> Usage, in tests/: test_crossings RESULT_FILE
+program test_crossings
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_changed, change_deck, channel
+   use testing, only: check, check_close, finish
+   implicit none
+
+   character(256) :: results
+   character(24), parameter :: integrators(4) = [character(24) :: 'INTEGRATOR=ADAMS', 'INTEGRATOR=RADAU', 'INTEGRATOR=ALPHA', &
+      & 'INTEGRATOR=CONSERVING']
+   integer :: i
+
+   call get_command_argument(1, results)
+   do i = 1, size(integrators)
+      call check_bump(integrators(i), '1e-3', 0.2_wp)
+      call check_bump(integrators(i), '1e-6', 3.0e-3_wp)
+      call check_pulse(integrators(i))
+      call check_sticking(integrators(i))
+   end do
+   call check_bump('INTEGRATOR=RADAU', '1e-10', 1.0e-6_wp)
+   call check_bump('INTEGRATOR=ADAMS', '1e-10', 1.0e-6_wp)
+   call finish()
+
+contains
+
+   !> Heights of wheel and body 50 ms behind the beginning of the bump.
+   subroutine check_bump(integrator, tolerance, most)
+      character(*), intent(in) :: integrator, tolerance
+      !> Relative error
+      real(wp), intent(in) :: most
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: wheel(:), body(:)
+      call run_changed('verification/bump.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6'], &
+         & [character(24) :: integrator, 'tol = '//tolerance], reader)
+      allocate (wheel, source=channel(reader, 'wheel'))
+      allocate (body, source=channel(reader, 'body'))
+      call check_close(wheel(size(wheel)), -0.00076379812997251_wp, most*0.00076_wp, trim(integrator)//' '//tolerance//': wheel')
+      call check_close(body(size(body)), 0.00035354048007024_wp, most*0.00035_wp, trim(integrator)//' '//tolerance//': body')
+      call reader%close()
+   end subroutine check_bump
+
+   !> Its speed across is the integral of the pulse over the time, which passes at 20 a second: F d sqrt(pi)/v.
+   subroutine check_pulse(integrator)
+      character(*), intent(in) :: integrator
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: speed(:)
+      call run_changed('verification/pulse_in_place.inp', trim(results), ['INTEGRATOR=ADAMS'], [integrator], reader)
+      allocate (speed, source=channel(reader, 'vy_bob'))
+      call check_close(speed(size(speed)), sqrt(acos(-1.0_wp)), 1.0e-2_wp, trim(integrator)//': pulse in place')
+      call reader%close()
+   end subroutine check_pulse
+
+   !> A brake that does not know what to do at rest.
+   subroutine check_sticking(integrator)
+      character(*), intent(in) :: integrator
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call change_deck('verification/pulse_in_place.inp', trim(results)//'.inp', [character(24) :: 'brake = 1e-3', &
+         & 'INTEGRATOR=ADAMS'], [character(24) :: 'brake = 0.05', integrator])
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(allocated(error), trim(integrator)//': a brake that jumps is refused where the disc sticks')
+      if (.not. allocated(error)) return
+      call check(index(error%message, "the law of 'brake' on body 'disc' jumps to and fro at t = 2") > 0 .and. &
+         & index(error%message, 'tanh(v/eps)') > 0, 'law, body, time and remedy in: '//error%message)
+   end subroutine check_sticking
+
+end program test_crossings

@@ -259,6 +259,8 @@ contains
          crossings%hold = crossings%t
          crossings%held = crossings%found
          integrator%work_at_start = crossings%w
+         integrator%statistics%steps = integrator%statistics%steps - 1
+         integrator%statistics%rejected = integrator%statistics%rejected + 1
          call integrator%start(scene%system, scene%work, crossings%quarters(0)%t, dynamics%end - dynamics%start, crossings%q, &
             & crossings%v, error)
       end subroutine do_again

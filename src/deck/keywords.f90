@@ -128,18 +128,18 @@ module limber_deck_keywords
       & option_spec_type('RIGID BODY', 'CENTRE X', kind_real, '', 'm', '0', 'x of the centre of mass in the body frame'), &
       & option_spec_type('RIGID BODY', 'CENTRE Y', kind_real, '', 'm', '0', 'y of the centre of mass in the body frame'), &
       & option_spec_type('RIGID BODY', 'X', kind_real, '', &
-      &    'm', '0', 'x of the body frame, a guess that the joints correct'), &
-      & option_spec_type('RIGID BODY', 'Y', kind_real, '', 'm', '0', 'y of the body frame, a guess'), &
-      & option_spec_type('RIGID BODY', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the body frame, a guess'), &
-      & option_spec_type('RIGID BODY', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
-      & option_spec_type('RIGID BODY', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess'), &
-      & option_spec_type('RIGID BODY', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess'), &
+      &    'm', '0', 'x of the body frame at first, kept where the joints allow it'), &
+      & option_spec_type('RIGID BODY', 'Y', kind_real, '', 'm', '0', 'y of the body frame at first'), &
+      & option_spec_type('RIGID BODY', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the body frame at first'), &
+      & option_spec_type('RIGID BODY', 'VX', kind_real, '', 'm/s', '0', 'velocity along x at first'), &
+      & option_spec_type('RIGID BODY', 'VY', kind_real, '', 'm/s', '0', 'velocity along y at first'), &
+      & option_spec_type('RIGID BODY', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity at first'), &
       & option_spec_type('POINT MASS', 'NAME', kind_name, 'bodies', '', needed, 'name of the point mass'), &
       & option_spec_type('POINT MASS', 'MASS', kind_nonnegative, '', 'kg', needed, 'mass'), &
-      & option_spec_type('POINT MASS', 'X', kind_real, '', 'm', '0', 'x of the mass, a guess that the joints correct'), &
-      & option_spec_type('POINT MASS', 'Y', kind_real, '', 'm', '0', 'y of the mass, a guess'), &
-      & option_spec_type('POINT MASS', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
-      & option_spec_type('POINT MASS', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess')]
+      & option_spec_type('POINT MASS', 'X', kind_real, '', 'm', '0', 'x of the mass at first, kept where the joints allow it'), &
+      & option_spec_type('POINT MASS', 'Y', kind_real, '', 'm', '0', 'y of the mass at first'), &
+      & option_spec_type('POINT MASS', 'VX', kind_real, '', 'm/s', '0', 'velocity along x at first'), &
+      & option_spec_type('POINT MASS', 'VY', kind_real, '', 'm/s', '0', 'velocity along y at first')]
    type(option_spec_type), parameter :: beam_options(*) = [ &
       & option_spec_type('BEAM', 'NAME', kind_name, 'bodies', '', needed, 'name of the beam'), &
       & option_spec_type('BEAM', 'MATERIAL', kind_reference, 'MATERIAL', '', needed, 'its material'), &
@@ -183,12 +183,13 @@ module limber_deck_keywords
       &    most=500), &
       & option_spec_type('BEAM', 'ORIGIN', kind_real, '', &
       &    'm', '0', 'coordinate along the beam where the floating frame has its origin'), &
-      & option_spec_type('BEAM', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &
-      & option_spec_type('BEAM', 'Y', kind_real, '', 'm', '0', 'y of the floating frame, a guess'), &
-      & option_spec_type('BEAM', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the floating frame, a guess'), &
-      & option_spec_type('BEAM', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
-      & option_spec_type('BEAM', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess'), &
-      & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess')]
+      & option_spec_type('BEAM', 'X', kind_real, '', &
+      &    'm', '0', 'x of the floating frame at first, kept where the joints allow it'), &
+      & option_spec_type('BEAM', 'Y', kind_real, '', 'm', '0', 'y of the floating frame at first'), &
+      & option_spec_type('BEAM', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the floating frame at first'), &
+      & option_spec_type('BEAM', 'VX', kind_real, '', 'm/s', '0', 'velocity along x at first'), &
+      & option_spec_type('BEAM', 'VY', kind_real, '', 'm/s', '0', 'velocity along y at first'), &
+      & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity at first')]
    type(option_spec_type), parameter :: frame_options(*) = [ &
       & option_spec_type('FRAME', 'NAME', kind_name, 'bodies', '', needed, 'name of the frame'), &
       & option_spec_type('FRAME', 'MATERIAL', kind_reference, 'MATERIAL', '', '', 'material of members that are given no other'), &
@@ -210,12 +211,13 @@ module limber_deck_keywords
       &    '', '', 'responses beside the modes: to rotation, and also to accelerations; default CENTRIFUGAL, with LINEAR NONE'), &
       & option_spec_type('FRAME', 'MODAL DERIVATIVES', kind_count, '', &
       &    '', '3', 'FULL: responses to the foreshortening by mode pairs 11, 12, 22, 13, ...', most=1000), &
-      & option_spec_type('FRAME', 'X', kind_real, '', 'm', '0', 'x of the floating frame, a guess that the joints correct'), &
-      & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame, a guess'), &
-      & option_spec_type('FRAME', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the floating frame, a guess'), &
-      & option_spec_type('FRAME', 'VX', kind_real, '', 'm/s', '0', 'velocity along x, a guess'), &
-      & option_spec_type('FRAME', 'VY', kind_real, '', 'm/s', '0', 'velocity along y, a guess'), &
-      & option_spec_type('FRAME', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity, a guess'), &
+      & option_spec_type('FRAME', 'X', kind_real, '', &
+      &    'm', '0', 'x of the floating frame at first, kept where the joints allow it'), &
+      & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame at first'), &
+      & option_spec_type('FRAME', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the floating frame at first'), &
+      & option_spec_type('FRAME', 'VX', kind_real, '', 'm/s', '0', 'velocity along x at first'), &
+      & option_spec_type('FRAME', 'VY', kind_real, '', 'm/s', '0', 'velocity along y at first'), &
+      & option_spec_type('FRAME', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity at first'), &
       & option_spec_type('NODE', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
       & option_spec_type('NODE', 'NSET', kind_text, '', '', '', 'set that these nodes join'), &
       & option_spec_type('ELEMENT', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &

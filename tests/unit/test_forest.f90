@@ -87,6 +87,7 @@ contains
       type(beam_type) :: beam
       type(reduction_type) :: choice
       type(error_type), allocatable :: error
+      integer :: i
       beam = beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.0_wp, elements=6)
       select case (flexible)
       case (0)
@@ -104,7 +105,12 @@ contains
       call check_no_error(error, name)
       if (flexible == 2) then
          model%bodies(body)%reduced%damped = .true.
-         allocate (model%bodies(body)%reduced%damping(model%bodies(body)%reduced%n), source=0.3_wp)
+         associate (n => model%bodies(body)%reduced%n)
+            allocate (model%bodies(body)%reduced%damping(n, n), source=0.05_wp)
+            do i = 1, n
+               model%bodies(body)%reduced%damping(i, i) = 0.3_wp
+            end do
+         end associate
       end if
       start = add_beam_place(model, name//'.start', body, 0.0_wp)
    end subroutine add_bar

@@ -8,7 +8,7 @@ program limber
    use limber_base_ending, only: guard_ending, leave
    use limber_base_error, only: error_type
    use limber_base_fault, only: add_fault
-   use limber_base_signals, only: let_writes_fail
+   use limber_base_signals, only: end_by_signals, let_writes_fail
    use limber_base_threads, only: use_one_thread
    use limber_analysis_advise, only: advise_deck
    use limber_analysis_check, only: check_deck
@@ -30,6 +30,7 @@ program limber
    report = ''
    call guard_ending()
    call let_writes_fail()
+   call end_by_signals()
    call use_one_thread()
    call read_command(command, error)
    if (.not. allocated(error)) then

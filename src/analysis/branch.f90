@@ -2,6 +2,7 @@
 !> the place where it turns unstable. Floor: analysis. Source: doc/theory, eqs. (105)-(109), (S2), (S3).
 module limber_analysis_branch
    use limber_base_kinds, only: wp
+   use limber_base_signals, only: signal_came
    use limber_base_text, only: as_text, newline
    use limber_analysis_scene, only: scene_type
    use limber_model_scene, only: step_type, leave_unstable
@@ -246,7 +247,7 @@ contains
          share = min(1.0_wp, 2*share)
          if (.not. done) then
             share = 0.25_wp*share
-            if (share < 1.0e-6_wp) exit
+            if (share < 1.0e-6_wp .or. signal_came()) exit
             cycle
          end if
          if (by_stiffness .and. abs(statics%balance%lowest) <= 1.0e-14_wp*statics%balance%largest) then

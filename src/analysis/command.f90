@@ -86,7 +86,7 @@ contains
          & '   limber --version    version, commit and compiler', &
          & '', &
          & 'Status: 0 done, 1 results differ, 2 deck or command cannot be used, 3 the run could not finish,', &
-         & '4 a signal has interrupted the run, and --restart goes on.'])
+         & '4 a signal has ended the command; a run goes on with --restart, a sweep when it is called again.'])
    end function usage
 
    !> Lines put together.

@@ -40,6 +40,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(equilibrium_type) :: balance
       type(vibrations_type) :: vibrations
+      type(error_type), allocatable :: interruption
       integer(long) :: tick
       real(wp) :: cpu
       call system_clock(tick)
@@ -49,6 +50,7 @@ contains
       report = ''
       call new_equilibrium(scene%system, balance)
       call linearise_state(scene, step, balance, outcome, error)
+      if (.not. allocated(error)) call history%check_limit(step%dynamics%start, error)
       if (allocated(error)) return
       if (is_large(scene%system) .and. terms(step, balance) == no_damping .and. has_enough(scene%system, step%modes) &
          & .and. has_potential(balance%tangent)) then
@@ -57,6 +59,8 @@ contains
          call find_freedom(scene%system, scene%work, .false., balance%freedom)
          call find_vibrations(scene%system, balance%tangent, balance%freedom, terms(step, balance), step%modes, vibrations, error)
       end if
+      call history%check_limit(step%dynamics%start, interruption)
+      if (allocated(interruption)) call move_alloc(interruption, error)
       if (allocated(error)) return
       if (size(vibrations%frequency) == 0) call warn(outcome, "nothing can vibrate in *MODES '"//step%name// &
          & "': joints and drivers leave the scene no free motion; no modes are written. Remove *MODES, or a joint or driver")

@@ -3,7 +3,7 @@ module limber_analysis_run
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_deck, status_interrupted
    use limber_base_fault, only: add_fault, forget_fault
-   use limber_base_signals, only: signal_came, signal_name
+   use limber_base_signals, only: catch_signals, signal_came, signal_name
    use limber_base_text, only: as_text, newline
    use limber_analysis_advise, only: target_of
    use limber_analysis_batch, only: batch_type
@@ -106,6 +106,8 @@ contains
       if (batch%usual_scalars) call add_usual_scalars(scene%system%model)
       if (size(scene%system%model%scalars) > 0) call history%summarise(size(scene%system%model%channels))
       call history%watch_limit(batch%limit)
+      ! One of many has no checkpoints: it ends, and is run again
+      history%heeds_signals = .not. batch%guarded
       call begin_guard(path, results, force, .true., batch, scene, guard, done, report, error)
       if (done .or. allocated(error)) return
       call open_results(results, force .or. guard%anew, batch, scene, guard, history, error)
@@ -161,6 +163,8 @@ contains
       type(guard_type), intent(in) :: guard
       type(kept_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
+      ! What is written from here on must not be cut short
+      if (batch%guarded) call catch_signals()
       if (guard%restarting) then
          call open_history(scene, results, force, history%history_type, error, resume=guard%checkpoint%samples)
          history%safe = guard%samples

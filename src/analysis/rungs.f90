@@ -7,6 +7,7 @@ module limber_analysis_rungs
    use limber_deck_content, only: deck_type, line_type
    use limber_deck_keywords, only: keyword_options
    use limber_deck_schema, only: option_spec_type
+   use limber_model_parts, only: is_part
    implicit none
    private
    public :: rung_type, find_rungs, bare_deck, apply_rung, next_rung, better_rung, can_climb, rung_name, has_option, functions_of
@@ -98,9 +99,23 @@ contains
          held = holds_end(deck, block%name(), .false.)
          rung%pulled = holds_end(deck, block%name(), .true.) .or. block%word('SUPPORT') == 'FREE-FREE'
          rung%shaped = rung%open_modes .and. held .and. block%word('SUPPORT') == 'CLAMPED-FREE' .and. &
-            & .not. (block%given('END SHAPES') .or. block%given('CORRECTIONS') .or. block%given('ATTACHMENT MODES'))
+            & .not. (block%given('END SHAPES') .or. block%given('CORRECTIONS') .or. is_attached(deck, place))
       end associate
    end function given_rung
+
+   !> Whether an *ATTACHMENT gives functions of a beam.
+   pure logical function is_attached(deck, place)
+      type(deck_type), intent(in) :: deck
+      !> Index of its block
+      integer, intent(in) :: place
+      integer :: i
+      is_attached = .false.
+      i = deck%find('ATTACHMENT')
+      do while (i > 0)
+         is_attached = is_attached .or. is_part(deck, i, place)
+         i = deck%find('ATTACHMENT', i)
+      end do
+   end function is_attached
 
    !> Whether a beam is damped otherwise than in proportion to its stiffness, which means the same in one frame and in pieces.
    pure logical function damped_by_modes(deck, name)

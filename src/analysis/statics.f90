@@ -101,6 +101,8 @@ contains
       takes_time = step%dynamics%end > step%dynamics%start
       call try_start(scene, step, statics)
       if (.not. statics%known .and. step%ramp) call fall_into_place(scene, step, statics)
+      call history%check_limit(time_of(step, statics%part), error)
+      if (allocated(error)) return
       if (takes_time) call sample(scene, step, statics, history, outcome, error)
       do k = 1, step%dynamics%outputs
          if (allocated(error)) return
@@ -132,8 +134,6 @@ contains
       if (statics%increment > 0.0_wp) increment = min(increment, 4*statics%increment)
       tries = 0
       do while (statics%part < target)
-         call history%check_limit(time_of(step, statics%part), error)
-         if (allocated(error)) return
          next = statics%part + increment
          least = max(least_of_step, least_part*statics%part)
          if (target - next < 0.5_wp*least) next = target
@@ -145,6 +145,8 @@ contains
             return
          end if
          call try(scene, step, next, statics, done)
+         call history%check_limit(time_of(step, statics%part), error)
+         if (allocated(error)) return
          if (.not. done .and. increment > least) then
             increment = 0.25_wp*increment
             cycle
@@ -206,6 +208,8 @@ contains
       if (statics%known .and. (statics%stable .or. .not. found)) then
          if (found) then
             call find_critical(scene, step, next, statics)
+            call history%check_limit(time_of(step, statics%part), error)
+            if (allocated(error)) return
             motion = statics%balance%softest
             if (.not. loads_drive(scene, step, statics)) kind = 'bifurcation: another equilibrium branches off'
             if (.not. statics%balance%potential) kind = 'divergence: it is left without vibrating'
@@ -235,6 +239,8 @@ contains
       if (found .or. statics%part > 0.0_wp) call advance(scene%system%layout, statics%q, push*motion, statics%trial)
       call descend(scene%system, scene%work, statics%balance, time_of(step, goal), &
          & step%instability == leave_unstable, statics%trial, statics%trial_lambda, done)
+      call history%check_limit(time_of(step, statics%part), error)
+      if (allocated(error)) return
       if (.not. done) then
          call raise(error, 'no stable equilibrium is found at t = '//as_text(time_of(step, goal), 8)//': '// &
             & motion_text(scene%system, statics%balance%softest)//' without end, or back and forth; is something missing that'// &

@@ -79,7 +79,8 @@ contains
             if (.not. allocated(error)) call enter_step(scene, i, error)
             if (allocated(error)) exit
             if (.not. quiet) call progress%start(step%dynamics%start, step%dynamics%end, path)
-            history%heeds_signals = present(guard) .and. step%kind /= step_dynamics
+            ! A motion in time is asked by its guard
+            if (present(guard)) history%heeds_signals = step%kind /= step_dynamics
             call run_step(scene, i, history, progress, part, statistics, lines, error, guard)
             if (present(guard) .and. allocated(error)) call interrupt_step(step%kind)
             if (.not. quiet) call progress%finish()

@@ -3,7 +3,8 @@
 module limber_analysis_study_runs
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp, long
-   use limber_base_error, only: error_type, raise
+   use limber_base_error, only: error_type, raise, status_interrupted
+   use limber_base_signals, only: signal_came, signal_name
    use limber_base_text, only: as_text, first_line, newline
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
    use limber_analysis_outcome, only: outcome_type
@@ -40,7 +41,7 @@ module limber_analysis_study_runs
 
 contains
 
-   !> Runs a setting once, and adds its times.
+   !> Runs a setting once, and adds its times. One that has run before stays as it was when a signal ends the repeat.
    subroutine simulate(plan, setting, samples, run)
       type(plan_type), intent(in) :: plan
       type(setting_type), intent(in) :: setting
@@ -63,8 +64,10 @@ contains
       end if
       call new_integrator(scene%system%model%dynamics, integrator)
       call samples%start(size(scene%system%model%channels), plan%samples, plan%limit)
+      samples%heeds_signals = .true.
       call run_dynamics(scene, integrator, samples, progress, outcome, error)
       if (allocated(error)) then
+         if (signal_came() .and. size(run%cpu) > 0) return
          run%reason = first_line(error%message)
          return
       end if
@@ -86,7 +89,7 @@ contains
       type(memory_type), intent(inout) :: samples
       type(run_type), intent(inout) :: run
       call simulate(plan, setting, samples, run)
-      if (run%reason /= '') return
+      if (run%reason /= '' .or. signal_came()) return
       if (.not. allocated(run%greatest)) allocate (run%greatest(size(plan%channels)), run%last(size(plan%channels)))
       call compare(plan, samples, reference, run%greatest, run%last)
       run%error = max(maxval(run%greatest), reference%uncertainty)
@@ -121,7 +124,7 @@ contains
       type(reference_type), intent(out) :: reference
       !> As accurate, with the faster of the two: for the families that vary the model
       type(setting_type), intent(out) :: fine
-      !> No two integrators finish, or they do not agree
+      !> No two integrators finish, or they do not agree; or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
       type(reference_type), allocatable :: solution(:), before(:)
       type(run_type), allocatable :: runs(:)
@@ -139,6 +142,11 @@ contains
          tolerance = max(0.1_wp*tolerance, 1.0e-13_wp)
          before = solution
          call solve_all(plan, names, tolerance, runs, solution)
+         if (signal_came()) then
+            call raise(error, 'interrupted by '//signal_name()//' while the reference was made; a study begins anew', &
+               & status_interrupted)
+            return
+         end if
          call closest(solution, runs, pair, least)
          if (pair(1) == 0) exit
          if (round > 1) then
@@ -180,6 +188,7 @@ contains
          if (allocated(runs(i)%reason)) then
             if (runs(i)%reason /= '') cycle
          end if
+         if (signal_came()) return
          call set_fine(setting, names(i), tolerance)
          if (allocated(runs(i)%cpu)) deallocate (runs(i)%cpu, runs(i)%whole)
          call simulate(plan, setting, samples, runs(i))
@@ -231,11 +240,13 @@ contains
    end subroutine closest
 
    !> Runs the whole grid once, then again what can be worth its time: what no other run beats in error at half the time.
-   !> Each round goes over all settings in turn, so that a slow moment of the machine does not fall on one of them.
+   !> Each round goes over all settings in turn, so that a slow moment of the machine does not fall on one of them. When a signal
+   !> asks for the end, what has run once is kept.
    subroutine run_grid(plan, reference, progress, runs)
       type(plan_type), intent(in) :: plan
       type(reference_type), intent(in) :: reference
       type(progress_type), intent(inout) :: progress
+      !> All settings; fewer after a signal
       type(run_type), allocatable, intent(out) :: runs(:)
       type(memory_type) :: samples
       type(setting_type), allocatable :: settings(:)
@@ -245,12 +256,17 @@ contains
       allocate (runs(size(settings)), worth(size(settings)))
       do i = 1, size(runs)
          call measure(plan, settings(i), reference, samples, runs(i))
+         if (signal_came()) then
+            runs = runs(:i - 1)
+            call mark_front(runs)
+            return
+         end if
          call progress%update(real(i, wp)/size(runs))
       end do
       worth = [(is_worth(runs, i), i=1, size(runs))]
       do round = 2, plan%repeats
          do i = 1, size(runs)
-            if (worth(i)) call measure(plan, settings(i), reference, samples, runs(i))
+            if (worth(i) .and. .not. signal_came()) call measure(plan, settings(i), reference, samples, runs(i))
          end do
       end do
       call mark_front(runs)
@@ -332,7 +348,7 @@ contains
       end do
    end subroutine mark_front
 
-   !> Varies one axis alone at fine settings; the error is that against its finest value.
+   !> Varies one axis alone at fine settings; the error is that against its finest value. Of no use once a signal asks for the end.
    subroutine run_family(plan, which, fine, runs)
       type(plan_type), intent(in) :: plan
       !> Axis
@@ -351,6 +367,7 @@ contains
       call simulate(plan, setting, samples, best)
       if (best%reason == '') call take_reference(plan, samples, reference)
       do i = 1, size(runs)
+         if (signal_came()) return
          setting%level(which) = i
          if (best%reason /= '') then
             runs(i) = best

@@ -1,9 +1,10 @@
 !> `limber sweep`: one deck, many values of its parameters. What is done stays done: called again, it runs only rows that are
 !> missing or have failed. Floor: analysis; deck -> plan -> rows -> summary.
 module limber_analysis_sweep
-   use limber_base_error, only: error_type, raise, status_deck, status_run
+   use limber_base_error, only: error_type, raise, status_deck, status_run, status_interrupted
    use limber_base_files, only: make_folder, files_like, remove_file, longest_path
    use limber_base_process, only: processors
+   use limber_base_signals, only: catch_signals, signal_came, signal_name
    use limber_base_text, only: as_text, newline
    use limber_analysis_run, only: default_results
    use limber_analysis_sweep_plan, only: sweep_type, axis_type, plan_sweep
@@ -38,7 +39,7 @@ contains
       !> Whether all is done anew; whether the progress is not shown
       logical, intent(in) :: force, quiet
       character(:), allocatable, intent(out) :: report
-      !> A sweep that cannot be run (status 2), or rows that have not ended well (status 3)
+      !> A sweep that cannot be run (status 2), rows that have not ended well (status 3), a signal that asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
       type(sweep_type) :: sweep
       type(row_type), allocatable :: rows(:)
@@ -66,6 +67,7 @@ contains
       if (.not. request%collect) then
          if (size(waiting) < size(rows) .and. request%parts == 0) report = as_text(size(rows) - size(waiting))// &
             & ' rows were done already'//newline
+         call catch_signals()
          call run_rows(sweep, folder, waiting, request%jobs, quiet, error)
          call read_journals(folder, sweep, rows)
          if (allocated(error)) then
@@ -81,7 +83,8 @@ contains
             call say_what_stays(error)
             return
          end if
-         report = report//newline//'   The summary is in '//results//' and '//base//'.csv'
+         report = report//newline//'   The summary'//trim(merge(', marked incomplete,', '                    ', &
+            & any(rows%state == row_missing)))//' is in '//results//' and '//base//'.csv'
       end if
       call judge()
 
@@ -101,7 +104,12 @@ contains
          mine = .true.
          if (request%parts > 0 .and. .not. request%collect) mine = [(mod(i - 1, request%parts) == request%part - 1, &
             & i=1, size(rows))]
-         if (any(mine .and. rows%state /= row_done)) then
+         if (signal_came() .and. any(mine .and. rows%state == row_missing)) then
+            call raise(error, report//newline//path//': interrupted by '//signal_name()//'; '//as_text(count(rows%state == &
+               & row_done))//' of '//as_text(size(rows))//' rows are done and are kept in '//folder//'; called again, the'// &
+               & ' sweep goes on from there', status_interrupted)
+            report = ''
+         else if (any(mine .and. rows%state /= row_done)) then
             call raise(error, report, status_run)
             report = ''
          end if

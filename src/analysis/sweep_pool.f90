@@ -1,10 +1,11 @@
 !> Runs rows of a sweep in several processes, which take the next row whenever they have ended one. A crash takes one row with it
 !> and no more. Floor: analysis.
 module limber_analysis_sweep_pool
-   use limber_base_error, only: error_type, raise, status_deck, status_run
-   use limber_base_kinds, only: wp
-   use limber_base_process, only: queue_type, new_queue, next_in_queue, taken_of_queue, start_copy, end_copy, wait_for_copy, &
-      & pause_shortly, parent_number
+   use limber_base_error, only: error_type, raise, status_deck, status_run, status_interrupted
+   use limber_base_kinds, only: wp, long
+   use limber_base_process, only: queue_type, new_queue, next_in_queue, taken_of_queue, start_copy, end_copy, ask_copy, &
+      & wait_for_copy, pause_shortly, parent_number
+   use limber_base_signals, only: catch_signals, signal_came
    use limber_base_text, only: as_text, newline
    use limber_analysis_batch, only: batch_type
    use limber_analysis_run, only: run_one
@@ -21,7 +22,7 @@ module limber_analysis_sweep_pool
 
 contains
 
-   !> Runs rows.
+   !> Runs rows, until a signal asks for the end: rows that are under way then are missing.
    subroutine run_rows(sweep, folder, waiting, jobs, quiet, error)
       type(sweep_type), intent(in) :: sweep
       !> Of the journals and histories
@@ -37,6 +38,7 @@ contains
       type(progress_type) :: progress
       integer :: workers(min(jobs, size(waiting)))
       integer :: i, number, signal
+      integer(long) :: asked
       logical :: ok, unnoted
       if (size(waiting) == 0) return
       call open_journal(folder, journal, error)
@@ -51,7 +53,9 @@ contains
       do i = 1, size(workers)
          call start_worker(sweep, folder, queue, workers(i))
       end do
+      asked = 0
       do while (any(workers > 0))
+         if (signal_came()) call end_workers(workers, asked)
          call wait_for_copy(number, signal)
          if (number == 0) then
             call pause_shortly(0.01)
@@ -66,6 +70,7 @@ contains
                unnoted = .true.
                cycle
             end if
+            if (signal_came()) cycle
             call note_crash(journal, folder, number, signal)
             if (taken_of_queue(queue) < queue%length) call start_worker(sweep, folder, queue, workers(i))
          end do
@@ -74,6 +79,24 @@ contains
       if (all(workers < 0)) call raise(error, 'no process could be started for the rows')
       if (unnoted) call raise(error, 'the folder '//folder//' takes no more rows: is the disk full?', status_run)
    end subroutine run_rows
+
+   !> Asks the processes that run rows to end, once; after a while it ends them.
+   subroutine end_workers(workers, asked)
+      !> Their numbers; zero and below: none
+      integer, intent(in) :: workers(:)
+      !> Clock when they were asked [ticks]; zero: they have not been
+      integer(long), intent(inout) :: asked
+      !> [s]
+      integer, parameter :: patience = 10
+      integer(long) :: now, rate
+      integer :: i
+      call system_clock(now, rate)
+      if (asked /= 0 .and. now - asked < patience*rate) return
+      do i = 1, size(workers)
+         call ask_copy(workers(i), at_once=asked /= 0)
+      end do
+      asked = now
+   end subroutine end_workers
 
    subroutine start_worker(sweep, folder, queue, number)
       type(sweep_type), intent(in) :: sweep
@@ -84,8 +107,9 @@ contains
       logical :: is_copy, is_noted
       call start_copy(number, is_copy)
       if (.not. is_copy) return
+      call catch_signals(all=.true.)
       call work_off(sweep, folder, queue, is_noted)
-      call end_copy(merge(0, status_unnoted, is_noted))
+      call end_copy(merge(merge(status_interrupted, 0, signal_came()), status_unnoted, is_noted))
    end subroutine start_worker
 
    !> What a process does.
@@ -112,8 +136,9 @@ contains
          if (i == 0) exit
          call note_begin(journal, sweep%keys(i))
          call run_row(sweep, folder, i, batch, row)
+         if (signal_came() .and. row%state /= row_done) exit
          call note_end(journal, sweep%keys(i), row, is_noted)
-         if (parent_number() /= parent) exit
+         if (parent_number() /= parent .or. signal_came()) exit
          if (.not. is_noted) exit
       end do
    end subroutine work_off

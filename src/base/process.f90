@@ -3,7 +3,7 @@ module limber_base_process
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char, c_associated, c_loc, c_ptr, c_size_t
    implicit none
    private
-   public :: start_copy, end_copy, wait_for_copy, pause_shortly, own_number, parent_number, host_name, &
+   public :: start_copy, end_copy, ask_copy, wait_for_copy, pause_shortly, own_number, parent_number, host_name, &
       & processors
    public :: queue_type, new_queue, next_in_queue, taken_of_queue
 
@@ -29,6 +29,10 @@ module limber_base_process
          integer(c_int), intent(out) :: status
          integer(c_int), value :: options
       end function c_waitpid
+      integer(c_int) function c_kill(number, signal) bind(c, name='kill')
+         import :: c_int
+         integer(c_int), value :: number, signal
+      end function c_kill
       integer(c_int) function c_getpid() bind(c, name='getpid')
          import :: c_int
       end function c_getpid
@@ -90,6 +94,16 @@ contains
       integer, intent(in) :: status
       call c_exit_now(int(status, c_int))
    end subroutine end_copy
+
+   !> Asks a copy to end, or ends it.
+   subroutine ask_copy(number, at_once)
+      !> Of the copy; above zero
+      integer, intent(in) :: number
+      logical, intent(in) :: at_once
+      integer(c_int), parameter :: kill = 9, terminate = 15
+      integer(c_int) :: ignored
+      if (number > 0) ignored = c_kill(int(number, c_int), merge(kill, terminate, at_once))
+   end subroutine ask_copy
 
    !> The next copy that has ended, without waiting for it.
    subroutine wait_for_copy(number, signal)

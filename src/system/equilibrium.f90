@@ -3,6 +3,7 @@
 !> Source: doc/theory, eqs. (105)-(109).
 module limber_system_equilibrium
    use limber_base_kinds, only: wp
+   use limber_base_signals, only: signal_came
    use limber_system_algebra, only: turn
    use limber_system_dynamics, only: position_residual
    use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness, has_potential, rate_scales
@@ -208,6 +209,7 @@ contains
       real(wp), intent(inout) :: q(:), lambda(:)
       !> Whether to give up where the first step is long, or more than that becomes of it
       logical, intent(in) :: keeps_near
+      !> Whether it was found; never once a signal asks for the end
       logical, intent(out) :: done
       integer, parameter :: most = 30
       real(wp), parameter :: astray = 4
@@ -222,7 +224,7 @@ contains
       do round = 1, most
          call linearise_balance(system, work, balance, t, q, lambda)
          call solve_step(system, work, balance, 0.0_wp, size_of)
-         if (size_of >= huge(size_of)) exit
+         if (size_of >= huge(size_of) .or. signal_came()) exit
          done = size_of <= aim .or. (size_of <= good .and. size_of >= 0.1_wp*last)
          call take_step(system, balance, min(1.0_wp, most_change/max(size_of, tiny(size_of))), q, lambda)
          balance%change = balance%change + balance%solution(:system%layout%nw)
@@ -378,7 +380,8 @@ contains
       !> Whether unstable equilibrium is left
       logical, intent(in) :: leave
       real(wp), intent(inout) :: q(:), lambda(:)
-      !> Whether a stable equilibrium was found, or a neutral one; or an unstable one that is not to be left
+      !> Whether a stable equilibrium was found, or a neutral one; or an unstable one that is not to be left. Never once a signal
+      !> asks for the end
       logical, intent(out) :: done
       integer, parameter :: most = 1000
       !> Part of a radian, or of the scene
@@ -398,6 +401,7 @@ contains
          if (.not. spring > 0.0_wp) spring = max(1.0e-3_wp*balance%largest, balance%forces)
          if (.not. spring > 0.0_wp) spring = 1.0_wp
          do
+            if (signal_came()) return
             call solve_step(system, work, balance, spring, size_of)
             if (size_of <= most_change) exit
             spring = 3*spring

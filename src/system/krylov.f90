@@ -8,6 +8,7 @@
 module limber_system_krylov
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dsaupd, dseupd
+   use limber_base_signals, only: signal_came
    use limber_system_freedom, only: rate_scales
    use limber_system_system, only: system_type
    use limber_system_tangent, only: tangent_type, combine, static_softness
@@ -40,7 +41,7 @@ contains
       integer, intent(in) :: wanted
       !> (wanted); motions in the layout of the rates (nw, wanted)
       real(wp), intent(out) :: value(:), motion(:, :)
-      !> False if the matrix is singular, or ARPACK does not converge
+      !> False if the matrix is singular, ARPACK does not converge, or a signal asks for the end
       logical, intent(out) :: done
       integer :: ido, ncv, iparam(11), ipntr(11), lworkl, info, from, to, i, n
       real(wp), allocatable :: resid(:), basis(:, :), workd(:), workl(:), scale(:), solution(:), ritz(:), found(:, :)
@@ -84,6 +85,8 @@ contains
          else
             exit
          end if
+         done = .not. signal_came()
+         if (.not. done) return
       end do
       if (info == 0) call dseupd(.true., 'A', select, ritz, found, n, shift, 'G', n, 'LM', wanted, tolerance, resid, ncv, &
          & basis, n, iparam, ipntr, workd, workl, lworkl, info)

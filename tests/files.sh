@@ -94,6 +94,11 @@ keeps own.csv.new
 rm own.csv.new
 expect 0 "2 rows: 2 ok" "$limber" sweep s.inp -o swept.h5
 expect 0 "2 rows were done already" "$limber" sweep s.inp -o swept.h5
+echo 'what I did today' > swept.rows/mine.journal
+note swept.rows/mine.journal
+expect 0 "s.inp: 2 rows: 2 ok" "$limber" sweep s.inp -o swept.h5 --force
+grep -q "done already" messages && complain "--force goes on with what was done"
+keeps swept.rows/mine.journal
 cp text kept.inp.new
 note kept.inp.new
 expect 0 "The deck with these choices is kept.inp" "$limber" advise n.inp --write kept.inp

@@ -10,6 +10,7 @@ module limber_analysis_advice
       & level_rigid, level_linear, level_kg, level_full, most_modes, most_elements, most_segments, most_piece_modes, first_pieces, &
       & in_pieces
    use limber_analysis_scene, only: scene_type, build_scene
+   use limber_analysis_shares, only: part_model, part_time, no_matter, no_effect
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
@@ -35,8 +36,6 @@ module limber_analysis_advice
       character(5) :: integrator = ''
    end type advice_type
 
-   !> Parts of the target for the models and for the integration
-   real(wp), parameter :: part_model = 0.65_wp, part_time = 0.3_wp
    !> Constants of eqs. (174) to (176), measured
    real(wp), parameter :: kg_static = 4.0_wp, kg_dynamic = 0.12_wp, full_floor = 50.0_wp, of_pieces = 15.0_wp
    !> Of the axial strain times the squared slope, measured on a pendulum of rubber with strains of 0.1
@@ -45,8 +44,6 @@ module limber_analysis_advice
    real(wp), parameter :: of_one_mode = 0.19_wp
    !> Slopes in the first of many pieces, in units of those of the whole beam by their number: between supports, with a free end
    real(wp), parameter :: piece_slope = 0.75_wp, free_piece_slope = 1.3_wp
-   !> Parts below which a beam does not matter, relative to the target
-   real(wp), parameter :: no_matter = 0.01_wp, little = 0.2_wp
    !> Ratio of errors that is worth a higher cost where no rung is good enough
    real(wp), parameter :: worth = 1.5_wp
 
@@ -70,7 +67,7 @@ contains
       allocate (advice%expected(size(advice%rungs)), advice%floor(size(advice%rungs)))
       advice%floor = 0.0_wp
       associate (beams => advice%probe%beams)
-         matter = count(beams%effect + beams%stretch > little*target)
+         matter = count(beams%effect + beams%stretch > no_effect*target)
          advice%share = part_model*target/max(1, matter)
          do i = 1, size(beams)
             call choose(advice, i)

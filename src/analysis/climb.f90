@@ -8,9 +8,10 @@ module limber_analysis_climb
    use limber_analysis_reached, only: reached_type
    use limber_analysis_rungs, only: rung_type, better_rung, in_pieces, can_climb, rung_name, rest_beyond, all_derivatives, &
       & level_full
+   use limber_analysis_shares, only: part_model, part_time, no_matter
    use limber_analysis_trial, only: trial_type
    use limber_analysis_truth, only: truth_type
-   use limber_analysis_verification, only: least_tolerance, widening, unseen, no_matter
+   use limber_analysis_verification, only: least_tolerance, widening, unseen
    use limber_deck_content, only: deck_type
    implicit none
    private
@@ -18,8 +19,6 @@ module limber_analysis_climb
 
    !> Part of an error that is left when a richer basis does not help
    real(wp), parameter :: stalled = 0.7_wp
-   !> Parts of the target that the integration and the models may have
-   real(wp), parameter :: part_time = 0.4_wp, part_model = 0.6_wp
    !> Expected error in units of the target beyond which a model is not verified, and error of deflections at the limit of a range
    real(wp), parameter :: hopeless = 5.0_wp, at_limit = 0.03_wp
 

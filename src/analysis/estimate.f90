@@ -28,7 +28,7 @@ module limber_analysis_estimate
    !> Tolerances of a deck
    real(wp), parameter :: smallest_tolerance = 0.99e-13_wp, largest_tolerance = 0.1_wp
    !> Part of its magnitude below which an error that does not shrink is no matter for a warning
-   real(wp), parameter :: no_matter = 1.0e-9_wp
+   real(wp), parameter :: no_more = 1.0e-9_wp
 
    !> A results file whose samples stay in memory too
    type, extends(history_type) :: kept_type
@@ -209,7 +209,7 @@ contains
          ! A coarser companion has the larger error of the two
          if (estimate%companion > estimate%tolerance) factor = 1.0_wp
          estimate%values(i, :) = max(factor*envelope(difference, reach), floors)
-         estimate%stuck(i) = estimate%ratio(i) > no_shrinkage .and. maxval(estimate%values(i, :)) > no_matter*maxval(sizes)
+         estimate%stuck(i) = estimate%ratio(i) > no_shrinkage .and. maxval(estimate%values(i, :)) > no_more*maxval(sizes)
       end do
    end subroutine compare_runs
 

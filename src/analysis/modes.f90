@@ -3,6 +3,7 @@
 module limber_analysis_modes
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
+   use limber_base_signals, only: let_signals_end
    use limber_base_text, only: as_text, newline
    use limber_analysis_mode_checks, only: mode_warnings
    use limber_analysis_outcome, only: outcome_type, warn
@@ -30,7 +31,7 @@ module limber_analysis_modes
 contains
 
    !> Finds the modes and writes them to /modes/<name>.
-   subroutine run_modes(scene, step, history, outcome, report, error)
+   subroutine run_modes(scene, step, history, outcome, report, error, is_secured)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       class(history_type), intent(inout) :: history
@@ -38,6 +39,8 @@ contains
       !> A table
       character(:), allocatable, intent(out) :: report
       type(error_type), allocatable, intent(out) :: error
+      !> Whether a checkpoint holds what is before it, so that a signal may end the run while LAPACK computes
+      logical, intent(in) :: is_secured
       type(equilibrium_type) :: balance
       type(vibrations_type) :: vibrations
       type(error_type), allocatable :: interruption
@@ -49,6 +52,7 @@ contains
       outcome%reached = step%dynamics%start
       report = ''
       call new_equilibrium(scene%system, balance)
+      call let_signals_end(is_secured)
       call linearise_state(scene, step, balance, outcome, error)
       if (.not. allocated(error)) call history%check_limit(step%dynamics%start, error)
       if (allocated(error)) return
@@ -59,6 +63,7 @@ contains
          call find_freedom(scene%system, scene%work, .false., balance%freedom)
          call find_vibrations(scene%system, balance%tangent, balance%freedom, terms(step, balance), step%modes, vibrations, error)
       end if
+      call let_signals_end(.false.)
       call history%check_limit(step%dynamics%start, interruption)
       if (allocated(interruption)) call move_alloc(interruption, error)
       if (allocated(error)) return

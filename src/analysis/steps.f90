@@ -2,6 +2,7 @@
 module limber_analysis_steps
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck, status_interrupted
+   use limber_base_signals, only: let_signals_end
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_closing, only: energy_warning
@@ -216,8 +217,11 @@ contains
       character(:), allocatable, intent(out) :: lines
       type(error_type), allocatable, intent(out) :: error
       type(guard_type), intent(inout), optional :: guard
+      !> Rates of a scene whose modes are found within a second
+      integer, parameter :: quick = 400
       class(integrator_type), allocatable :: integrator
       type(step_type) :: step
+      logical :: is_secured
       step = scene%system%model%steps(i)
       lines = ''
       select case (step%kind)
@@ -226,7 +230,14 @@ contains
       case (step_statics)
          call run_statics(scene, step, history, progress, part, lines, error)
       case (step_modes)
-         call run_modes(scene, step, history, part, lines, error)
+         is_secured = .false.
+         if (present(guard) .and. scene%system%layout%nw > quick) then
+            call guard%write(history, 0, step%dynamics%start, error)
+            if (allocated(error)) return
+            is_secured = guard%trouble == ''
+         end if
+         call run_modes(scene, step, history, part, lines, error, is_secured)
+         call let_signals_end(.false.)
       case (step_dynamics)
          call new_integrator(scene%system%model%dynamics, integrator)
          call run_dynamics(scene, integrator, history, progress, part, error, guard)

@@ -9,7 +9,7 @@ module limber_analysis_sweep
    use limber_analysis_run, only: default_results
    use limber_analysis_sweep_plan, only: sweep_type, axis_type, plan_sweep
    use limber_analysis_sweep_pool, only: run_rows
-   use limber_analysis_sweep_rows, only: row_type, read_journals, row_done, row_missing
+   use limber_analysis_sweep_rows, only: row_type, read_journals, is_journal, row_done, row_missing
    use limber_analysis_sweep_summary, only: write_summary, summary_report, is_table
    use limber_output_places, only: check_place
    implicit none
@@ -147,7 +147,7 @@ contains
       end if
       if (force) then
          do i = 1, size(journals)
-            call remove_file(trim(journals(i)))
+            if (is_journal(trim(journals(i)))) call remove_file(trim(journals(i)))
          end do
       end if
       call make_folder(folder)

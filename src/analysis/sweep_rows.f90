@@ -11,7 +11,7 @@ module limber_analysis_sweep_rows
    use limber_analysis_sweep_plan, only: sweep_type
    implicit none
    private
-   public :: row_type, journal_type, open_journal, note_begin, note_end, read_journals, begun_last
+   public :: row_type, journal_type, open_journal, note_begin, note_end, read_journals, is_journal, begun_last
 
    !> How a row has ended: not at all, well, with a deck that cannot be used, with a run that could not finish, with a crash
    integer, parameter, public :: row_missing = 0, row_done = 1, row_refused = 2, row_failed = 3, row_crashed = 4
@@ -119,6 +119,24 @@ contains
          call read_journal(trim(journals(i)), places, rows)
       end do
    end subroutine read_journals
+
+   !> Whether a file is a journal: empty, or its first line is one.
+   logical function is_journal(path)
+      character(*), intent(in) :: path
+      character(longest) :: line
+      integer :: unit, status, first, last
+      is_journal = .false.
+      if (kind_of_path(path) /= path_file) return
+      open (newunit=unit, file=path, action='read', recl=longest, iostat=status)
+      if (status /= 0) return
+      read (unit, '(a)', iostat=status) line
+      is_journal = status /= 0
+      close (unit)
+      if (is_journal) return
+      first = index(line, tab)
+      last = first + index(line(first + 1:)//tab, tab)
+      if (first > 1) is_journal = any([character(8) :: 'begun', row_states(1:)] == line(first + 1:last - 1))
+   end function is_journal
 
    subroutine read_journal(path, places, rows)
       character(*), intent(in) :: path

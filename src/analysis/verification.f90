@@ -9,6 +9,7 @@ module limber_analysis_verification
    use limber_analysis_reached, only: reached_type
    use limber_analysis_rungs, only: rung_type, next_rung, in_pieces, can_climb, rung_name, rest_beyond, level_rigid, level_full, &
       & first_pieces, most_piece_modes, most_elements
+   use limber_analysis_shares, only: no_matter, no_effect
    use limber_analysis_trial, only: trial_type, run_trial
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type
@@ -20,10 +21,8 @@ module limber_analysis_verification
    real(wp), parameter, public :: least_tolerance = 1.0e-13_wp
    !> What differences are multiplied by where a beam or the integration is judged
    real(wp), parameter, public :: widening = 1.25_wp
-   !> Part of the target that a floor of one frame may have where runs in one frame verify each other; below which the expected
-   !> error of a beam does not matter, and below which all that its deflection does to the channels
-   real(wp), parameter, public :: unseen = 0.25_wp, no_matter = 0.02_wp
-   real(wp), parameter :: no_effect = 0.2_wp
+   !> Part of the target that a floor of one frame may have where runs in one frame verify each other
+   real(wp), parameter, public :: unseen = 0.25_wp
    !> Ratio of the tolerances of a run and its check
    real(wp), parameter :: ladder = 0.1_wp
    !> Error of the check of the integration, as a part of the difference, and the power of the tolerance that errors of the

@@ -6,15 +6,15 @@ module limber_base_signals
    use limber_base_error, only: status_interrupted
    implicit none
    private
-   public :: end_by_signals, catch_signals, release_signals, signal_came, signal_name, let_writes_fail
+   public :: end_by_signals, catch_signals, release_signals, let_signals_end, signal_came, signal_name, let_writes_fail
 
    integer(c_int), parameter :: interrupt = 2, user = 10, termination = 15
    integer(c_int), parameter :: caught_signals(*) = [interrupt, user, termination]
 
    !> The last one that came; zero: none
    integer(c_int), volatile :: caught = 0
-   !> Whether they are taken note of; whether every one is, and none ends the process
-   logical, volatile :: catching = .false., patient = .false.
+   !> Whether they are taken note of; whether every one is, and none ends the process; whether the next one does
+   logical, volatile :: catching = .false., patient = .false., impatient = .false.
 
    interface
       integer(c_size_t) function c_write(descriptor, text, length) bind(c, name='write')
@@ -66,6 +66,13 @@ contains
       ignored = c_signal(size_exceeded, transfer(ignore, c_null_funptr))
    end subroutine let_writes_fail
 
+   !> Whether the next one ends the process at once although they are taken note of: while a library computes that does not look,
+   !> and all is written that the run goes on from.
+   subroutine let_signals_end(do_so)
+      logical, intent(in) :: do_so
+      impatient = do_so
+   end subroutine let_signals_end
+
    !> From now on they end the process again.
    subroutine release_signals()
       call end_by_signals()
@@ -98,7 +105,7 @@ contains
 
    subroutine note(number) bind(c, name='limber_note_signal')
       integer(c_int), value :: number
-      if (caught /= 0 .and. .not. patient) call end_now(number)
+      if (impatient .or. (caught /= 0 .and. .not. patient)) call end_now(number)
       caught = number
    end subroutine note
 

@@ -34,6 +34,8 @@ start() {
   kill -$signal $process 2> /dev/null
   wait $process 2> /dev/null
   status=$?
+  # Before the run begins there is nothing to keep: as a kill
+  if [ $status -eq 4 ] && grep -q "^limber: ended at once by a signal" messages; then status=143; fi
 }
 
 sed 's/^\*DYNAMICS.*/*KINEMATICS, END=0.01, OUTPUTS=500\
@@ -91,7 +93,7 @@ done
 
 # A search: whether the deck is found wanting or not, status 4 leaves either nothing or a run that keeps the target, marked incomplete
 sed 's/^\*DYNAMICS.*/*DYNAMICS, END=turns*2*pi\/speed, OUTPUTS=838\
-*ACCURACY, TARGET=1e-3/' "$input/slider_crank_full.inp" > search.inp
+*ACCURACY, TARGET=2e-3/' "$input/slider_crank_full.inp" > search.inp
 deck=search
 measure
 interrupted=0
@@ -101,7 +103,7 @@ for part in 0.2 0.5 0.7 0.8 0.9; do
   start
   if [ $status -eq 4 ]; then
     interrupted=$((interrupted + 1))
-    grep -q "search.inp: the search for TARGET=0.001 was interrupted by SIG$signal in the run '.*; it has no checkpoints and begins anew" \
+    grep -q "search.inp: the search for TARGET=0.002 was interrupted by SIG$signal in the run '.*; it has no checkpoints and begins anew" \
       messages || fail "does not say what it did"
     grep -q "TOLERANCE=" messages || fail "does not say what it found"
     if [ -e run.h5 ]; then

@@ -226,11 +226,11 @@ contains
             call record_before(barrier - near)
             if (allocated(error)) exit
             passed = passed + 1
-            call start_anew(breaks(passed))
+            call start_anew(breaks(passed), .true.)
          else if (cut) then
             call record_before(t + near)
             if (allocated(error)) exit
-            call start_anew(t)
+            call start_anew(t, .false.)
          end if
          if (allocated(error)) exit
          call record_before(t + near)
@@ -278,14 +278,16 @@ contains
       end subroutine meet_crossing
 
       !> Starts anew at a time, where something changes abruptly.
-      subroutine start_anew(time)
+      subroutine start_anew(time, of_time)
          real(wp), intent(in) :: time
+         !> Whether a law of time changes there, which a driver or joint may follow
+         logical, intent(in) :: of_time
          if (cut .and. (crossings%found == found_bend .or. crossings%found == found_jump)) then
             crossings%t = time
             call count_crossing(crossings, scene%system, error)
             if (allocated(error)) return
          end if
-         call pass_break(scene, time, t, integrator, sample, outcome, error)
+         call pass_break(scene, time, t, of_time, integrator, sample, outcome, error)
          if (allocated(error)) return
          call start_watch(watch, time, sample%v)
          call start_turning(turning, scene%system, time, sample%q, sample%v, integrator%ends_on_samples)
@@ -469,10 +471,12 @@ contains
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.
-   subroutine pass_break(scene, t, last, integrator, sample, outcome, error)
+   subroutine pass_break(scene, t, last, of_time, integrator, sample, outcome, error)
       type(scene_type), intent(inout) :: scene
       !> The instant, and the time of the last step right before it
       real(wp), intent(in) :: t, last
+      !> Whether a law of time changes there; else constraints are left only by what dense output errs
+      logical, intent(in) :: of_time
       class(integrator_type), intent(inout) :: integrator
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
@@ -490,7 +494,7 @@ contains
          if (allocated(error)) return
          if (system%nc > 0) then
             call worst_constraint(system, work, culprit, residual)
-            if (residual > jump*system%constraints(culprit)%item%scale) then
+            if (of_time .and. residual > jump*system%constraints(culprit)%item%scale) then
                call raise(error, system%constraints(culprit)%item%label//' jumps by '//as_text(residual, 3)//' at t = '// &
                   & as_text(t, 8)//'; a motion must be continuous: use smoothstep((t - t0)/duration) in place of a jump')
                return

@@ -110,8 +110,8 @@ contains
       if (deck%blocks(index)%word('AXIAL BASIS') /= '') return
       associate (block => deck%blocks(index))
          full = block%word('GEOMETRIC') == 'FULL'
-         static = .not. (block%given('BENDING MODES') .or. block%given('AXIAL MODES') .or. block%given('FREQUENCY LIMIT') &
-            & .or. block%word('BASIS') == 'CRAIG-BAMPTON' .or. block%yes('CORRECTIONS'))
+         static = .not. (block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES') &
+            & .or. block%given('FREQUENCY LIMIT') .or. block%word('BASIS') == 'CRAIG-BAMPTON' .or. block%yes('CORRECTIONS'))
          static = static .and. .not. block%given('MODAL DERIVATIVES')
       end associate
       call deck%set_option(index, 'AXIAL BASIS', merge('STATIC', 'MODES ', full .or. static))

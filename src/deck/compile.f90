@@ -77,7 +77,9 @@ contains
          allocate (expression%constants, source=c%values(:c%value_count))
          call move_alloc(c%slots, expression%slots)
          if (allocated(c%tables)) call move_alloc(c%tables, expression%tables)
-      else if (.not. c%silent) then
+      else if (c%silent) then
+         call diagnostics%follow()
+      else
          if (allocated(c%about)) then
             call diagnostics%add(c%where, c%message, c%label, about=c%about)
          else
@@ -417,6 +419,7 @@ contains
       else
          call fail(c, at, last, "there is no function '"//word//"'", 'valid: '//listed(function_names))
       end if
+      c%about = word
    end subroutine complain_call
 
    subroutine complain_name(c, parameters, word, at, last)

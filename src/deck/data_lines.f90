@@ -3,7 +3,6 @@
 module limber_deck_data_lines
    use limber_base_text, only: as_text, lowercase
    use limber_deck_origin, only: after
-   use limber_deck_cursor, only: letters, digits
    use limber_deck_lexer, only: part_type, trimmed, collapsed, split_fields, find_outside, is_parameter_name
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_parameters, only: parameter_type, max_parameters
@@ -14,7 +13,7 @@ module limber_deck_data_lines
       & form_channels, form_lists
    use limber_deck_keywords, only: keyword_table, keyword_fields, keyword_lists, keyword_options
    use limber_deck_content, only: deck_type, line_type, field_type, option_type
-   use limber_deck_values, only: read_field, read_option, check_name, suggestion
+   use limber_deck_values, only: read_field, read_option, check_name, suggestion, tell_words
    implicit none
    private
    public :: read_line, expected_line
@@ -216,20 +215,6 @@ contains
          call deck%parameters%define(parameter)
       end if
    end subroutine read_assignment
-
-   !> Takes note of the words in an assignment in error: where commas are missing, they are parameters that were to be defined.
-   subroutine tell_words(text, diagnostics)
-      !> In lower case
-      character(*), intent(in) :: text
-      type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: first, last
-      first = 1
-      do while (first <= len(text))
-         last = first + verify(text(first:)//' ', letters//digits//'_') - 2
-         if (last >= first) call diagnostics%tell(text(first:last))
-         first = max(last, first) + 1
-      end do
-   end subroutine tell_words
 
    !> `name = expression` or a bare quantity of *OUTPUT.
    subroutine read_channel(part, deck, field, ok, diagnostics)

@@ -46,6 +46,7 @@ module limber_deck_diagnostics
       type(name_index_type) :: told
    contains
       procedure :: add
+      procedure :: follow
       procedure :: tell
       procedure :: is_told
       procedure :: warn
@@ -71,11 +72,11 @@ contains
       !> The object that is missing, or that of its point: shown once, and not at all if its definition is in error
       character(*), intent(in), optional :: object
       type(diagnostic_type) :: item
-      self%count = self%count + 1
       if (self%is_told(about) .or. self%is_told(object)) then
-         self%silent = self%silent + 1
+         call self%follow()
          return
       end if
+      self%count = self%count + 1
       call self%tell(object)
       call self%tell(about)
       item%origin = origin
@@ -88,6 +89,13 @@ contains
       if (present(about)) item%about = about
       call keep(self, item)
    end subroutine add
+
+   !> Counts an error that follows from another one, and is not shown.
+   subroutine follow(self)
+      class(diagnostics_type), intent(inout) :: self
+      self%count = self%count + 1
+      self%silent = self%silent + 1
+   end subroutine follow
 
    !> Takes note of an object in error: what depends on it is no error of its own.
    subroutine tell(self, name)

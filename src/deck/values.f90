@@ -3,7 +3,7 @@
 module limber_deck_values
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase, nearest_name
-   use limber_deck_cursor, only: letters
+   use limber_deck_cursor, only: letters, digits
    use limber_deck_lexer, only: part_type, collapsed, is_name, is_point, unquoted, trimmed, &
       & find_outside
    use limber_deck_diagnostics, only: diagnostics_type
@@ -19,7 +19,7 @@ module limber_deck_values
    use limber_deck_content, only: option_type, field_type
    implicit none
    private
-   public :: read_option, read_field, check_name, suggestion
+   public :: read_option, read_field, check_name, suggestion, tell_words
 
 contains
 
@@ -227,16 +227,41 @@ contains
       call diagnostics%add(part%origin, "'"//part%text//"' is not a name", &
          & 'a letter, then letters, digits, _ and -; at most '//as_text(name_length)//' of them')
       call diagnostics%tell(lowercase(part%text))
-      call diagnostics%tell(lowercase(part%text(scan(part%text//'a', letters):)))
+      call tell_words(lowercase(part%text), diagnostics)
    end subroutine check_name
+
+   !> Takes note of the words in a text in error, that may be names of what was to be defined: a comma may be missing, or a blank too
+   !> much.
+   subroutine tell_words(text, diagnostics)
+      !> In lower case
+      character(*), intent(in) :: text
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(*), parameter :: characters = letters//digits//'_-'
+      integer :: first, last, letter
+      first = 1
+      do while (first <= len(text))
+         last = first + verify(text(first:)//' ', characters) - 2
+         ! A number before, or a minus between them, is no part of a name
+         letter = scan(text(first:last), letters)
+         if (letter > 0) then
+            call diagnostics%tell(text(first:last))
+            call diagnostics%tell(text(first + letter - 1:last))
+            call diagnostics%tell(text(first + letter - 1:first + index(text(first:last)//'-', '-') - 2))
+            call diagnostics%tell(text(first + index(text(first:last), '-', back=.true.):last))
+         end if
+         first = max(last, first) + 1
+      end do
+   end subroutine tell_words
 
    subroutine check_point(part, ok, diagnostics)
       type(part_type), intent(in) :: part
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
       ok = is_point(part%text)
-      if (.not. ok) call diagnostics%add(part%origin, "'"//part%text//"' is not a point", &
+      if (ok) return
+      call diagnostics%add(part%origin, "'"//part%text//"' is not a point", &
          & 'write object.point, or the name of a point mass')
+      call tell_words(lowercase(part%text), diagnostics)
    end subroutine check_point
 
    !> "did you mean 'MODES'? Valid: NAME, ..." or only the second half.

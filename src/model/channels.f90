@@ -105,7 +105,7 @@ contains
          end do
          label = label//'; quantities: limber help OUTPUT'
       end if
-      call diagnostics%add(slot%origin, "there is no quantity or function '"//slot%name//"'", label)
+      call diagnostics%add(slot%origin, "there is no quantity or function '"//slot%name//"'", label, object=slot%name)
    end subroutine complain_quantity
 
    !> Finds what a slot stands for; `of` stays -1 with a complaint if there is no such thing.

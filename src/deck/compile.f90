@@ -233,6 +233,7 @@ contains
       select case (status)
       case (0); call push_constant(c, value, at)
       case (1); call fail(c, at, last, "'"//number//"' is not a number")
+      case (3); call fail(c, at, last, "'"//number//"' is too small a number", 'the smallest is about 2.3e-308')
       case default; call fail(c, at, last, "'"//number//"' is too large a number", 'the largest is about 1.8e308')
       end select
    end subroutine parse_number

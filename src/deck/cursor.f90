@@ -72,7 +72,7 @@ contains
    subroutine read_number(number, value, status)
       character(*), intent(in) :: number
       real(wp), intent(out) :: value
-      !> 0: a number; 1: none; 2: too large
+      !> 0: a number; 1: none; 2: too large; 3: too small, but not 0
       integer, intent(out) :: status
       character(16) :: form
       value = 0.0_wp
@@ -81,6 +81,7 @@ contains
       write (form, '("(f",i0,".0)")') len(number)
       read (number, form, iostat=status) value
       if (status /= 0 .or. .not. abs(value) <= huge(value)) status = 2
+      if (status == 0 .and. abs(value) < tiny(value) .and. scan(number(:scan(number//'e', 'ed') - 1), '123456789') > 0) status = 3
    end subroutine read_number
 
    !> Number of characters at the beginning of a text that belong to a set.

@@ -119,6 +119,7 @@ contains
       integer, intent(in) :: digits
       character(40) :: buffer
       character(16) :: form
+      buffer = ''
       write (form, '("(es40.",i0,"e3)")') digits - 1
       write (buffer, form) value
    end function rounded

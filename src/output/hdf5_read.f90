@@ -248,6 +248,8 @@ contains
          call take_text(pointer_to_text, string, space, value)
       else if (kind_of_text(string, space) == fixed_text) then
          call h5tget_size_f(string, length, status)
+         buffer = ''
+         deallocate (buffer)
          allocate (character(length) :: buffer, stat=status)
          if (status == 0) then
             place = c_loc(buffer(1:1))

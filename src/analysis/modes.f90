@@ -9,7 +9,7 @@ module limber_analysis_modes
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
-   use limber_model_scene, only: step_type, ground
+   use limber_model_scene, only: ground, step_type, ground
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_history, only: history_type
    use limber_output_turns, only: follow_places
@@ -132,17 +132,38 @@ contains
       end associate
    end subroutine linearise_state
 
-   !> Largest force in the scene, in scaled rates, of which a residual is a part.
+   !> Largest single force in the scene, in scaled rates, of which a residual is a part: that of all on a body, of a load or of a
+   !> constraint. Loads that cancel on a body leave their rounding.
    pure real(wp) function largest_force(scene, balance) result(largest)
       type(scene_type), intent(in) :: scene
       type(equilibrium_type), intent(in) :: balance
-      integer :: i, first
+      integer :: i, first, side, row, n
       largest = tiny(largest)
-      do i = 1, size(scene%work%bodies)
-         first = scene%system%layout%w(i)
-         largest = max(largest, maxval(abs(scene%work%bodies(i)%force(:scene%system%layout%rates(i)) &
-            & *balance%scale(first:first + scene%system%layout%rates(i) - 1))))
-      end do
+      associate (system => scene%system, work => scene%work, scale => balance%scale)
+         do i = 1, size(work%bodies)
+            first = system%layout%w(i)
+            n = system%layout%rates(i)
+            largest = max(largest, maxval(abs(work%bodies(i)%force(:n)*scale(first:first + n - 1))))
+         end do
+         do i = 1, size(work%loads)
+            if (size(work%loads(i)%force) == 0) cycle
+            associate (to => balance%tangent%loads(i)%unknowns)
+               largest = max(largest, maxval(abs(work%loads(i)%force(:size(to))*scale(to))))
+            end associate
+         end do
+         do i = 1, size(system%constraints)
+            associate (item => system%constraints(i)%item)
+               do side = 1, 2
+                  if (item%bodies(side) == ground) cycle
+                  first = system%layout%w(item%bodies(side))
+                  do row = 1, item%rows
+                     largest = max(largest, abs(work%lambda(item%first + row - 1)) &
+                        & *maxval(abs(work%jacobians(side, i)%z(row, 1:3)*scale(first:first + 2))))
+                  end do
+               end do
+            end associate
+         end do
+      end associate
    end function largest_force
 
    !> The channels at the state.

@@ -16,6 +16,8 @@ program test_model_watch
    call get_command_argument(1, results)
    call check_portal()
    call check_modes()
+   call check_size()
+   call check_weight()
    call check_defaults()
    call check_follower()
    call check_damping()
@@ -88,6 +90,48 @@ contains
       call judge_mode('two elements', 'LENGTH=1 > LENGTH=1, SUPPORT=CLAMPED-FREE, ELEMENTS=2, MODES=1', 3.5160153_wp, &
          & 'too few elements: its mass is in their nodes; use ELEMENTS=')
    end subroutine check_modes
+
+   !> The error that is told is of the size of the true one: a weld on the modes of pins, at rest and turning, where frequencies of
+   !> the finite elements are 3.5160, 22.034, 61.697, and at a speed of 12 5.4270, 35.637, 78.705.
+   subroutine check_size()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text
+      character(*), parameter :: key = 'frequency by about '
+      real(wp) :: told
+      integer :: at, from, to, k
+      character(*), parameter :: words(2) = [character(120) :: 'YOUNG=1e4 > YOUNG=1e6; INERTIA=1e-4 > INERTIA=1e-6; NUMBER=1 > '// &
+         & 'NUMBER=3', 'YOUNG=1e4 > YOUNG=1e6; INERTIA=1e-4 > INERTIA=1e-6; INCREMENTS=1 > INCREMENTS=1, ROTATION=12']
+      real(wp), parameter :: least(2) = [0.05_wp, 0.12_wp], most(2) = [0.12_wp, 0.25_wp]
+      do k = 1, 2
+         call run_words('verification/watch_beam.inp', trim(words(k)), reader)
+         call reader%read_text('/run/warnings', text, error)
+         call check_no_error(error, 'sizes of errors: warnings')
+         call reader%close()
+         at = index(text, 'cannot take this shape')
+         call check(at > 0, 'a basis that does not fit is warned of: '//text)
+         if (at == 0) return
+         from = index(text(:at), key, back=.true.) + len(key)
+         to = from + index(text(from:), ' %') - 2
+         read (text(from:to), *) told
+         told = 0.01_wp*told
+         print '(a,i3,es12.4)', 'error of a frequency as it is told, case', k, told
+         call check(told > least(k) .and. told < most(k), 'the error that is told is of the size of the true one')
+      end do
+      call run_words('verification/watch_beam.inp', 'YOUNG=1e4 > YOUNG=1e6; INERTIA=1e-4 > INERTIA=1e-6; NUMBER=1 > NUMBER=3; '// &
+         & 'INCREMENTS=1 > INCREMENTS=2, ROTATION=12; LENGTH=1 > LENGTH=1, SUPPORT=CLAMPED-FREE, ELEMENTS=60,'// &
+         & ' AXIAL BASIS=STATIC, GEOMETRIC ELEMENTS=10', reader)
+      call check_warning(reader, '', 'a rich basis in rotation')
+      call reader%close()
+   end subroutine check_size
+
+   !> A mass at rest on a stiff spring is in equilibrium: its weight and the force of the spring cancel but for rounding.
+   subroutine check_weight()
+      type(history_reader_type) :: reader
+      call run_words('verification/watch_weight.inp', '', reader)
+      call check_warning(reader, '', 'a weight on a spring')
+      call reader%close()
+   end subroutine check_weight
 
    !> The first frequency against its true value.
    subroutine judge_mode(name, words, truth, warning)

@@ -18,6 +18,7 @@ module limber_analysis_indicators
    use limber_flex_stations, only: stations_type, new_stations
    use limber_model_scene, only: ground, body_rigid, body_type, joint_point_on_line, joint_translational, joint_curve, &
       & joint_sliding, joint_revolute, joint_weld
+   use limber_model_quantities, only: quantity_shear_force, quantity_bending_moment, quantity_stress_top, quantity_stress_bottom
    use limber_system_system, only: system_type
    implicit none
    private
@@ -28,13 +29,13 @@ module limber_analysis_indicators
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
-      & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, &
-      & indicator_count = 16
+      & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
+      & indicator_count = 18
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
-      & 'shortening', 'drift', 'elongation', 'recoil']
+      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -51,7 +52,9 @@ module limber_analysis_indicators
       & 'work of the axial force on the shortening beyond half of the squared slope / energy of bending', &
       & 'shift of the vibrations / largest deflection, by what the model lacks of the shortening', &
       & 'elongation by the axial force that the axial functions lack / largest elongation or deflection', &
-      & 'work on the bending of the inertia that the shortening has and the model lacks / energy of bending']
+      & 'work on the bending of the inertia that the shortening has and the model lacks / energy of bending', &
+      & 'relative change of the stiffness under compression by functions that do not fit how joints hold the beam', &
+      & 'error of the internal forces that channels ask for, by bending near ends that tension makes too short']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -87,6 +90,10 @@ module limber_analysis_indicators
       !> other of which its model knows nothing
       integer :: set = 0, elements = 0
       logical :: held = .false.
+      !> By how much its functions take Euler's load too large, relative; L sqrt(P/E I) of the tension P of Euler's load, by the
+      !> number of its bending coordinates; whether channels ask for its shear force, and for its bending moment or stresses
+      real(wp) :: misfit = 0.0_wp, layer = 0.0_wp
+      logical :: shows_shear = .false., shows_moment = .false.
       !> First frequency, and length or size
       real(wp) :: first_frequency = 1.0_wp, length = 1.0_wp
       !> Maxima and their times; largest elastic energy of each bending coordinate, its time, and the largest kinetic energy
@@ -114,9 +121,10 @@ module limber_analysis_indicators
 
    !> Constants of beams that are equal and held and loaded at the same places
    type :: set_type
-      !> First of them in the model; at each place whether joints act there; whether two places are held by the same other body
+      !> First of them in the model; at each place whether joints act there, and welds to the ground; whether two places are held by
+      !> the same other body
       integer :: body = 0
-      logical, allocatable :: jointed(:)
+      logical, allocatable :: jointed(:), clamped(:)
       logical :: held = .false.
       type(stations_type) :: stations
    end type set_type
@@ -199,7 +207,34 @@ contains
       do i = 1, size(self%of)
          if (self%of(i) > 0) call start_body(self, system, i, contacts(first(i):first(i + 1) - 1), self%bodies(self%of(i)))
       end do
+      call find_shown(self, system)
    end subroutine start_indicators
+
+   !> Which bodies channels ask for internal forces of.
+   subroutine find_shown(self, system)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      integer :: i, j, body
+      associate (model => system%model)
+         do i = 1, size(model%channels)
+            do j = 1, size(model%channels(i)%quantities)
+               associate (quantity => model%channels(i)%quantities(j))
+                  if (.not. any(quantity%kind == [quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
+                     & quantity_stress_bottom])) cycle
+                  body = self%of(model%points(quantity%of)%body)
+                  if (body == 0) cycle
+                  if (quantity%kind == quantity_shear_force) self%bodies(body)%shows_shear = .true.
+                  if (quantity%kind /= quantity_shear_force) self%bodies(body)%shows_moment = .true.
+               end associate
+            end do
+         end do
+         do i = 1, size(model%bodies)
+            if (self%of(i) == 0 .or. .not. model%bodies(i)%envelope) cycle
+            self%bodies(self%of(i))%shows_shear = .true.
+            self%bodies(self%of(i))%shows_moment = .true.
+         end do
+      end associate
+   end subroutine find_shown
 
    !> Whether a body is a straight beam that is taken for rigid.
    pure logical function is_rigid_beam(body)
@@ -216,10 +251,10 @@ contains
       type(contact_type), intent(in) :: contacts(:)
       type(body_indicators_type), intent(inout) :: body
       real(wp), allocatable :: place(:)
-      logical, allocatable :: jointed(:)
+      logical, allocatable :: jointed(:), welded(:)
       logical :: held, clamped
       body%is_rigid = .true.
-      call find_places(self, system, index, contacts, place, jointed, held)
+      call find_places(self, system, index, contacts, place, jointed, welded, held)
       clamped = self%turned(index) .or. any(contacts%is_weld)
       associate (beam => system%model%bodies(index)%beam, choice => system%model%bodies(index)%choice)
          body%quasistatic = new_quasistatic(beam%ei, beam%rho_a, beam%length, choice%origin, place, jointed, clamped)
@@ -254,7 +289,7 @@ contains
       type(contact_type), intent(in) :: contacts(:)
       type(body_indicators_type), intent(inout) :: body
       real(wp), allocatable :: place(:)
-      logical, allocatable :: jointed(:)
+      logical, allocatable :: jointed(:), clamped(:)
       logical :: held
       body%body = index
       if (system%layout%n(index) == 0) then
@@ -272,13 +307,16 @@ contains
          allocate (body%moving, source=body%modal)
          if (flexible%is_frame) call start_frame(self, index, flexible%reduced, body)
          if (.not. body%is_beam) return
-         call find_places(self, system, index, contacts, place, jointed, held)
-         call find_set(self, system, index, place, jointed, held, body%set)
+         call find_places(self, system, index, contacts, place, jointed, clamped, held)
+         call find_set(self, system, index, place, jointed, clamped, held, body%set)
          body%is_beam = body%set > 0
          if (.not. body%is_beam) return
          associate (stations => self%sets(body%set)%stations)
             body%elements = stations%elements
             body%held = stations%membrane > 0.0_wp
+            body%misfit = stations%misfit
+            if (stations%euler < huge(1.0_wp)) body%layer = sqrt(stations%euler/flexible%beam%ei)*flexible%beam%length/ &
+               & stations%bending
             call find_carried(self, system, contacts, body)
             allocate (body%lumping, source=stations%lumping)
             allocate (body%slope(stations%count), body%force(stations%count))
@@ -306,14 +344,14 @@ contains
    end subroutine start_frame
 
    !> The set of constants of a beam: that of an earlier one if it is the same, else a new one; 0 if they cannot be made.
-   subroutine find_set(self, system, index, place, jointed, held, set)
+   subroutine find_set(self, system, index, place, jointed, clamped, held, set)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      !> The body; coordinates along it where joints and loads act, and whether these are joints; whether two of them are held by
-      !> the same other body
+      !> The body; coordinates along it where joints and loads act, and whether these are joints, and welds to the ground; whether
+      !> two of them are held by the same other body
       integer, intent(in) :: index
       real(wp), intent(in) :: place(:)
-      logical, intent(in) :: jointed(:), held
+      logical, intent(in) :: jointed(:), clamped(:), held
       integer, intent(out) :: set
       !> Sets before the last that are looked at
       integer, parameter :: last = 8
@@ -324,12 +362,13 @@ contains
       if (self%count == size(self%sets)) call make_room(self)
       set = self%count + 1
       associate (new => self%sets(set), flexible => system%model%bodies(index))
-         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, held, new%stations, &
-            & error)
+         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, clamped, held, &
+            & new%stations, error)
          if (.not. allocated(error)) then
             new%body = index
             new%held = held
             allocate (new%jointed, source=jointed)
+            allocate (new%clamped, source=clamped)
             self%count = set
          else
             set = 0
@@ -345,7 +384,8 @@ contains
             is_same = bodies(index)%twin > 0 .and. bodies(other%body)%twin == bodies(index)%twin .and. (other%held .eqv. held)
          end associate
          if (is_same) is_same = size(other%jointed) == size(jointed)
-         if (is_same) is_same = all(other%jointed .eqv. jointed) .and. all(abs(other%stations%place - place) <= 0.0_wp)
+         if (is_same) is_same = all(other%jointed .eqv. jointed) .and. all(other%clamped .eqv. clamped) .and. &
+            & all(abs(other%stations%place - place) <= 0.0_wp)
       end function is_same
 
    end subroutine find_set
@@ -425,22 +465,23 @@ contains
    end subroutine list_contacts
 
    !> Where joints and loads act on a beam.
-   subroutine find_places(self, system, index, contacts, place, jointed, held)
+   subroutine find_places(self, system, index, contacts, place, jointed, clamped, held)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: index
       !> Those of the beam
       type(contact_type), intent(in) :: contacts(:)
-      !> Coordinates along the beam, all different, and whether joints act there
+      !> Coordinates along the beam, all different, and whether joints act there, and welds to the ground
       real(wp), allocatable, intent(out) :: place(:)
-      logical, allocatable, intent(out) :: jointed(:)
+      logical, allocatable, intent(out) :: jointed(:), clamped(:)
       !> Whether two places are pinned or welded to the same other body
       logical, intent(out) :: held
       real(wp) :: found(size(contacts)), x
-      logical :: joint(size(contacts))
+      logical :: joint(size(contacts)), weld(size(contacts))
       integer :: i, k, count
       count = 0
       joint = .false.
+      weld = .false.
       held = .false.
       associate (body => system%model%bodies(index))
          do i = 1, size(contacts)
@@ -453,6 +494,7 @@ contains
                found(k) = x
             end if
             joint(k) = joint(k) .or. contacts(i)%is_joint
+            weld(k) = weld(k) .or. (contacts(i)%is_weld .and. contacts(i)%partner == ground)
             self%place(contacts(i)%point) = k
          end do
       end associate
@@ -464,6 +506,7 @@ contains
       end do
       allocate (place, source=found(:count))
       allocate (jointed, source=joint(:count))
+      allocate (clamped, source=weld(:count))
    end subroutine find_places
 
    !> Takes a value into the maximum of its kind.
@@ -532,10 +575,23 @@ contains
          case (indicator_drift); value = drift(self)
          case (indicator_recoil); value = ratio(peak(peak_recoil), peak(peak_stiffness))
          case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))
+         case (indicator_buckling); value = self%misfit*peak(peak_compression)/max(0.01_wp, abs(1 - peak(peak_compression)))
+         case (indicator_layer); value = layer_error(self)
          case default; value = peak(kind)
          end select
       end associate
    end function indicator_value
+
+   !> Error of the internal forces that are asked for where bending near an end or a load dies out over sqrt(E I/P), as measured on
+   !> cantilevers against the length that each coordinate has, eq. (R16).
+   pure real(wp) function layer_error(self) result(value)
+      type(body_indicators_type), intent(in) :: self
+      real(wp) :: share
+      share = self%layer*sqrt(max(0.0_wp, self%peak(peak_tension)))
+      value = 0.0_wp
+      if (self%shows_shear) value = min(1.0_wp, 0.3_wp*share)
+      if (self%shows_moment) value = max(value, min(1.0_wp, 0.09_wp*share**2))
+   end function layer_error
 
    !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the
    !> shortening, eq. (199), and of `FULL` where it locks, eq. (200).
@@ -581,6 +637,8 @@ contains
       case (indicator_drift); t = max(0.0_wp, self%span(2))
       case (indicator_recoil); t = self%time(peak_recoil)
       case (indicator_elongation); t = self%time(peak_unstretched)
+      case (indicator_buckling); t = self%time(peak_compression)
+      case (indicator_layer); t = self%time(peak_tension)
       case default; t = self%time(kind)
       end select
    end function indicator_time

@@ -9,7 +9,8 @@ module limber_analysis_ranges
       & indicator_names, indicator_meanings, peak_unstretched, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
-      & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil
+      & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
+      & indicator_buckling, indicator_layer
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -66,9 +67,11 @@ contains
          limit = 0.015_wp
       case (indicator_elongation, indicator_recoil)
          limit = 0.05_wp
+      case (indicator_buckling, indicator_layer)
+         if (.not. linear) limit = 0.05_wp
       end select
       excess = indicator_value(indicators, kind)/limit
-      if (any(kind == [indicator_rotation, indicator_compression])) return
+      if (any(kind == [indicator_rotation, indicator_compression, indicator_buckling])) return
       if (kind == indicator_elongation) then
          if (.not. indicators%peak(peak_unstretched) > nothing) excess = 0.0_wp
          return
@@ -117,8 +120,8 @@ contains
          do i = 1, size(indicators%bodies)
             value = excess(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind)
             if (.not. value > 1.0_wp) cycle
-            if (all(kind /= [indicator_rotation, indicator_compression, indicator_elongation]) .and. indicators%bodies(i)%length &
-               & *indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
+            if (all(kind /= [indicator_rotation, indicator_compression, indicator_elongation, indicator_buckling]) .and. &
+               & indicators%bodies(i)%length*indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
             others = others + 1
             if (.not. value > most) cycle
             most = value
@@ -199,6 +202,14 @@ contains
          text = 'bends so quickly that the inertia of its shortening, which '//fidelity(body)//' leaves out, does work of '// &
             & percent//' of the energy of bending'//when
          if (body%reduced%geometric) text = text//": nothing else ends what axial vibrations feed to the bending of K_G"
+      case (indicator_buckling)
+         text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 2)//' times its Euler load'// &
+            & when//', which its functions take '//as_text(100*indicators%misfit, 2)//' % too large: they do not fit how its'// &
+            & ' joints hold it'
+      case (indicator_layer)
+         text = 'is pulled so much that it bends near ends and loads over less length than its functions can follow'//when// &
+            & ': '//trim(merge('shear forces                ', 'bending moments and stresses', indicators%shows_shear))// &
+            & ' there err by about '//percent
       case (indicator_elongation)
          text = 'is longer or shorter under its axial forces than its axial functions can follow, by '//percent// &
             & ' of the largest elongation or deflection'//when
@@ -245,6 +256,10 @@ contains
          if (body%reduced%n == body%reduced%bending) text = 'give it AXIAL MODES, or AXIAL BASIS=STATIC'
       case (indicator_elongation)
          text = 'use AXIAL BASIS=STATIC or ELEMENTS'
+      case (indicator_buckling)
+         text = 'use END SHAPES=YES, more BENDING MODES, or a SUPPORT that is like its joints'
+      case (indicator_layer)
+         text = 'use more BENDING MODES and ELEMENTS, or the forces of the joints'
       case (indicator_coarseness)
          text = 'use GEOMETRIC ELEMENTS='//as_text(ceiling(1.2_wp*indicators%elements*sqrt(over)))
          if (.not. body%reduced%full) text = text//', or GEOMETRIC INTEGRAL=LINEAR'

@@ -39,6 +39,8 @@ module limber_flex_stations
       !> its ratio to that load (count), eq. (159)
       real(wp) :: euler = 0.0_wp
       real(wp), allocatable :: buckling(:)
+      !> By how much the chosen functions take that load too large, relative; zero if nothing is known of it
+      real(wp) :: misfit = 0.0_wp
       !> Flexibility across the beam that the chosen functions leave out, for unit amplitudes (2 + 2 places, 2 + 2 places), eq.
       !> (161)
       real(wp), allocatable :: left_out(:, :)
@@ -58,14 +60,14 @@ module limber_flex_stations
 contains
 
    !> Makes the stations of a beam.
-   subroutine new_stations(beam, choice, field, body, place, jointed, held, stations, error)
+   subroutine new_stations(beam, choice, field, body, place, jointed, clamped, held, stations, error)
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
       type(field_type), intent(in) :: field
       type(reduced_type), intent(in) :: body
-      !> Coordinates along the beam where joints and loads act [length], and whether these are joints
+      !> Coordinates along the beam where joints and loads act [length], whether these are joints, and welds to the ground
       real(wp), intent(in) :: place(:)
-      logical, intent(in) :: jointed(:)
+      logical, intent(in) :: jointed(:), clamped(:)
       !> Whether joints hold two of its places at a distance
       logical, intent(in) :: held
       type(stations_type), intent(out) :: stations
@@ -84,7 +86,7 @@ contains
       call shape_stations(field, beam%length, stations)
       call share_tension(beam, choice, field, body, stations)
       call collect_pull(beam, choice%origin, field, stations)
-      call find_euler(body, jointed, stations)
+      call find_euler(beam, field, body, jointed, clamped, stations)
       call find_left_out(beam, choice, field, body, stations, error)
       call estimate_lumping(beam, field, body, stations)
       call weigh_loads(beam, choice%origin, field, stations)
@@ -202,14 +204,17 @@ contains
 
    end subroutine collect_pull
 
-   !> Euler's load: the least uniform compression under which the bending coordinates are not stable; between joints at two places
-   !> the force acts along the line through them, otherwise along the axis of the frame.
-   subroutine find_euler(body, jointed, stations)
+   !> Euler's load: the least uniform compression under which the bending coordinates, as the joints hold them, are not stable.
+   !> Between joints at two places the force acts along the line through them; a weld to the ground keeps its section along that
+   !> line, and alone it sets the direction of the force; otherwise that is the axis of the frame, eqs. (159), (R15).
+   subroutine find_euler(beam, field, body, jointed, clamped, stations)
+      type(beam_type), intent(in) :: beam
+      type(field_type), intent(in) :: field
       type(reduced_type), intent(in) :: body
-      logical, intent(in) :: jointed(:)
+      logical, intent(in) :: jointed(:), clamped(:)
       type(stations_type), intent(inout) :: stations
       real(wp) :: ratio(stations%bending, stations%bending), value(stations%bending), work(max(1, 8*stations%bending))
-      real(wp) :: turned(stations%bending, stations%count), chord(stations%bending), from, to
+      real(wp) :: turned(stations%bending, stations%count), chord(stations%bending), from, to, truth
       integer :: i, j, info
       allocate (stations%buckling(stations%count))
       stations%buckling = 0.0_wp
@@ -219,15 +224,17 @@ contains
       from = minval(stations%place, mask=jointed)
       to = maxval(stations%place, mask=jointed)
       if (any(jointed) .and. to > from) then
-         chord = 0.0_wp
          do i = 1, stations%count
             if (stations%x(i) > from .and. stations%x(i) < to) chord = chord + stations%weight(i)*stations%slope(:, i)
          end do
          chord = chord/(to - from)
+      else if (any(clamped)) then
+         chord = slope_at(field, from, bending_slope)
       end if
       do i = 1, stations%bending
          turned(i, :) = (stations%slope(i, :) - chord(i))/sqrt(body%omega2(i))
       end do
+      if (to > from) call clamp(field, chord, body%omega2(:stations%bending), pack(stations%place, clamped), turned)
       do j = 1, stations%bending
          do i = 1, stations%bending
             ratio(i, j) = sum(stations%weight*turned(i, :)*turned(j, :))
@@ -239,7 +246,49 @@ contains
       do i = 1, stations%count
          stations%buckling(i) = stations%weight(i)*dot_product(ratio(:, stations%bending), turned(:, i))**2
       end do
+      truth = true_euler(beam, count(jointed), count(clamped), from, to)
+      if (.not. truth > 0.0_wp .or. stations%euler <= truth) return
+      stations%misfit = stations%euler/truth - 1
+      stations%buckling = stations%buckling*(stations%euler/truth)
+      stations%euler = truth
    end subroutine find_euler
+
+   !> Takes out of the slopes what turns sections that are welded to the ground.
+   subroutine clamp(field, chord, omega2, place, turned)
+      type(field_type), intent(in) :: field
+      !> Mean slopes between the joints, squared frequencies (bending); coordinates of the welds
+      real(wp), intent(in) :: chord(:), omega2(:), place(:)
+      !> Slopes of coordinates of unit stiffness (bending, stations)
+      real(wp), intent(inout) :: turned(:, :)
+      real(wp) :: row(size(omega2), size(place)), slope(size(chord))
+      integer :: i, k
+      do k = 1, size(place)
+         slope = slope_at(field, place(k), bending_slope)
+         row(:, k) = (slope - chord)/sqrt(omega2)
+         do i = 1, k - 1
+            row(:, k) = row(:, k) - dot_product(row(:, i), row(:, k))*row(:, i)
+         end do
+         row(:, k) = row(:, k)/max(norm2(row(:, k)), tiny(1.0_wp))
+         do i = 1, size(turned, 2)
+            turned(:, i) = turned(:, i) - dot_product(row(:, k), turned(:, i))*row(:, k)
+         end do
+      end do
+   end subroutine clamp
+
+   !> Euler's load in closed form: clamped at one place alone, or at both ends; zero for others.
+   pure real(wp) function true_euler(beam, joints, clamps, from, to) result(load)
+      type(beam_type), intent(in) :: beam
+      !> Numbers of places that joints hold, and that are welded to the ground; the first and the last of the former
+      integer, intent(in) :: joints, clamps
+      real(wp), intent(in) :: from, to
+      real(wp), parameter :: pi = acos(-1.0_wp)
+      load = 0.0_wp
+      if (joints == 1 .and. clamps == 1) then
+         load = pi**2*beam%ei/(2*max(from, beam%length - from))**2
+      else if (joints == 2 .and. clamps == 2 .and. to - from > (1 - 1.0e-9_wp)*beam%length) then
+         load = 4*pi**2*beam%ei/beam%length**2
+      end if
+   end function true_euler
 
    !> What is left of the flexibility when that of the chosen functions is taken out.
    subroutine find_left_out(beam, choice, field, body, stations, error)

@@ -44,7 +44,7 @@ contains
       choice%axial_basis = axial_by_elements
       call reduce_beam(beam, choice, body, field, error)
       call check_no_error(error, support)
-      call new_stations(beam, choice, field, body, [0.0_wp, 1.0_wp], jointed, .false., stations, error)
+      call new_stations(beam, choice, field, body, [0.0_wp, 1.0_wp], jointed, [.false., .false.], .false., stations, error)
       call check_no_error(error, support//': stations')
       allocate (omega2, source=body%omega2(:body%bending))
    end subroutine make

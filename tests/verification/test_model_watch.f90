@@ -18,6 +18,7 @@ program test_model_watch
    call check_modes()
    call check_size()
    call check_weight()
+   call check_ends()
    call check_defaults()
    call check_follower()
    call check_damping()
@@ -132,6 +133,24 @@ contains
       call check_warning(reader, '', 'a weight on a spring')
       call reader%close()
    end subroutine check_weight
+
+   !> A column at 1.05 of Euler's load pi^2/4 that stays straight on the modes of pins; the shear force -1 at the root of a
+   !> cantilever whose tension is 20 times that load, where the functions do not follow sqrt(EI/T).
+   subroutine check_ends()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: shear(:)
+      character(*), parameter :: channels = 'tip = y(beam.end), stretch > tip = y(beam.end), v = shear_force(beam.start), stretch'
+      call run_words('verification/watch_beam.inp', 'pull = 0 > pull = -2.590771; NUMBER=1 > NUMBER=2', reader)
+      call check_warning(reader, 'times its Euler load at t = 1, which its functions take 8.1 % too large: they do not fit'// &
+         & ' how its joints hold it; use END SHAPES=YES', 'a column on functions that do not fit')
+      call reader%close()
+      call run_words('verification/watch_beam.inp', 'pull = 0 > pull = 49.348; push = 0 > push = 0.01; LENGTH=1 > LENGTH=1,'// &
+         & ' END SHAPES=YES; '//channels, reader)
+      allocate (shear, source=channel(reader, 'v'))
+      call check(abs(abs(shear(size(shear)))/0.01_wp - 1) > 0.05_wp, 'the shear force of a stretched cantilever is wrong')
+      call check_warning(reader, 'shear forces there err by about', 'a stretched cantilever')
+      call reader%close()
+   end subroutine check_ends
 
    !> The first frequency against its true value.
    subroutine judge_mode(name, words, truth, warning)

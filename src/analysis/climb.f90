@@ -11,11 +11,11 @@ module limber_analysis_climb
    use limber_analysis_shares, only: part_model, part_time, no_matter
    use limber_analysis_trial, only: trial_type
    use limber_analysis_truth, only: truth_type
-   use limber_analysis_verification, only: least_tolerance, widening, unseen
+   use limber_analysis_verification, only: least_verified, widening, unseen
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: take_seen, climb, climb_all
+   public :: take_seen, climb, climb_all, look_back
 
    !> Part of an error that is left when a richer basis does not help
    real(wp), parameter :: stalled = 0.7_wp
@@ -111,8 +111,8 @@ contains
 
       subroutine tighten(factor)
          real(wp), intent(in) :: factor
-         if (reached%advice%tolerance <= least_tolerance) return
-         reached%advice%tolerance = max(least_tolerance, factor*reached%advice%tolerance)
+         if (reached%advice%tolerance <= least_verified) return
+         reached%advice%tolerance = max(least_verified, factor*reached%advice%tolerance)
          reached%path = reached%path//newline//'   the integration had an error of '//as_text(reached%of_time, 2)// &
             & ': TOLERANCE='//as_text(reached%advice%tolerance, 2)
          climbed = .true.
@@ -183,6 +183,29 @@ contains
       end function stalls
 
    end subroutine climb
+
+   !> Two runs that agree may both miss what a finer run of an earlier pair has met: then a smaller tolerance decides, eq. (T7).
+   subroutine look_back(target, truth, reached, again)
+      real(wp), intent(in) :: target
+      type(truth_type), intent(in) :: truth
+      !> With a target that is kept
+      type(reached_type), intent(inout) :: reached
+      !> Whether it is to be run at a smaller tolerance
+      logical, intent(out) :: again
+      !> Most of such looks, and what the tolerance is multiplied by
+      integer, parameter :: most_looks = 2
+      real(wp), parameter :: smaller = 0.1_wp
+      associate (advice => reached%advice, shown => reached%shown)
+         again = advice%open_tolerance .and. advice%tolerance > least_verified .and. shown%looks < most_looks
+         if (again) again = shown%is_forgotten(advice%rungs, truth%finest, truth%scale, target)
+         if (.not. again) return
+         shown%looks = shown%looks + 1
+         advice%tolerance = max(least_verified, smaller*advice%tolerance)
+         reached%path = reached%path//newline//'   a finer run had shown a difference of '//as_text(shown%difference, 2)// &
+            & ' that these two do not: TOLERANCE='//as_text(advice%tolerance, 2)
+         reached%done = .false.
+      end associate
+   end subroutine look_back
 
    !> A beam is on its new rung, and is to be verified there in any case.
    subroutine arrive(reached, i)

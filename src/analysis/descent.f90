@@ -11,7 +11,7 @@ module limber_analysis_descent
       & level_kg, level_full, most_lower
    use limber_analysis_trial, only: trial_type, run_trial, take_trial
    use limber_analysis_truth, only: truth_type, error_against
-   use limber_analysis_verification, only: sharpen, rest_after_looks
+   use limber_analysis_verification, only: sharpen, rest_after_looks, least_verified
    use limber_deck_content, only: deck_type
    implicit none
    private
@@ -228,6 +228,7 @@ contains
          integer :: l, tried_before
          if (.not. reached%advice%open_tolerance) return
          do l = 1, size(tighter)
+            if (tighter(l)*reached%advice%tolerance < least_verified) cycle
             tried_before = tries
             call try(tighter(l)*reached%advice%tolerance)
             if (down .or. allocated(error)) return

@@ -4,17 +4,17 @@
 module limber_analysis_fixed
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
-   use limber_base_text, only: as_text, first_line
+   use limber_base_text, only: as_text, first_line, newline
    use limber_analysis_reached, only: reached_type
-   use limber_analysis_rungs, only: rung_type, given_rung, next_rung, in_pieces, all_derivatives, level_rigid, level_full, &
-      & first_pieces, most_piece_modes, most_elements
+   use limber_analysis_rungs, only: rung_type, given_rung, next_rung, rung_name, in_pieces, all_derivatives, level_rigid, &
+      & level_full, first_pieces, most_piece_modes, most_elements
    use limber_analysis_trial, only: trial_type
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_analysis_verification, only: run_check, sum_up
    use limber_deck_content, only: deck_type, block_type
    implicit none
    private
-   public :: free_options, free_integration, find_fixed, unverified_words, verify_fixed
+   public :: free_options, free_integration, find_fixed, unverified_words, support_words, verify_fixed
 
    !> Options of the fidelity of beams; FULL is the highest and fixes nothing
    character(20), parameter :: options_of_beams(*) = [character(20) :: 'GEOMETRIC', 'MODES', 'BENDING MODES', 'AXIAL MODES', &
@@ -111,6 +111,32 @@ contains
       end subroutine add
 
    end function unverified_words
+
+   !> Beams that err by more than half of a target on a rung that has not the shapes of forces and moments at its ends: SUPPORT and
+   !> END SHAPES are not chosen. Lines of a message; empty: there is none.
+   function support_words(deck, target, reached) result(text)
+      type(deck_type), intent(in) :: deck
+      real(wp), intent(in) :: target
+      type(reached_type), intent(in) :: reached
+      character(:), allocatable :: text
+      integer :: i
+      text = ''
+      if (.not. allocated(reached%of_beam)) return
+      do i = 1, size(reached%of_beam)
+         associate (rung => reached%advice%rungs(i))
+            if (reached%of_beam(i) <= 0.5_wp*target .or. rung%level == level_rigid .or. rung%shaped) cycle
+            associate (block => deck%blocks(rung%block))
+               if (block%yes('END SHAPES')) cycle
+               text = text//newline//"   beam '"//block%name()//"' as "//rung_name(rung)//' misses '
+               if (reached%of_beam(i) < 1.0e3_wp) text = text//as_text(reached%of_beam(i), 2)//' that the next rung shows, or '
+               text = text//'more: its functions are those of SUPPORT='//block%word('SUPPORT')// &
+                  & '. TARGET chooses neither SUPPORT nor END SHAPES'
+               if (rung%damped) text = text//', and cannot divide a beam that is damped by its modes'
+               text = text//'; give a SUPPORT that is like its joints, or END SHAPES=YES'
+            end associate
+         end associate
+      end do
+   end function support_words
 
    !> Runs the scene aside with all free that the deck fixes, one rung higher, and counts the difference: eq. (T3). That run is the
    !> truth from then on.

@@ -8,7 +8,7 @@ module limber_analysis_reached
    use limber_analysis_estimate, only: estimate_type
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_trial, only: trial_type
-   use limber_analysis_truth, only: truth_type
+   use limber_analysis_truth, only: truth_type, shown_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_output_sink, only: memory_type
    implicit none
@@ -34,11 +34,15 @@ module limber_analysis_reached
       !> Largest of them, and their parts by the integration and by the model of each beam, relative
       real(wp) :: error = 0.0_wp, of_time = 0.0_wp
       real(wp), allocatable :: of_beam(:)
+      !> What runs have shown of the integration
+      type(shown_type) :: shown
       !> Parts of the beams when they were last verified in one frame; zero: never (rungs)
       real(wp), allocatable :: before(:)
       !> What the deck fixes of beams, and the error of that, relative; models that nothing verifies. Empty: there are none
       character(:), allocatable :: fixed, unverified
       real(wp) :: of_fixed = 0.0_wp
+      !> Beams whose error lies in what the supports of their functions leave out, which no rung has; empty: none
+      character(:), allocatable :: of_supports
       !> Number of runs, of climbs, and CPU seconds of all but the last
       integer :: runs = 0, climbs = 0
       real(wp) :: cpu = 0.0_wp
@@ -83,7 +87,9 @@ contains
    subroutine say_why(target, reached)
       real(wp), intent(in) :: target
       type(reached_type), intent(inout) :: reached
-      if (reached%reason == '') then
+      if (reached%reason == '' .and. is_of_time(target, reached)) then
+         reached%reason = time_words(target, reached)
+      else if (reached%reason == '') then
          reached%reason = 'no rung keeps TARGET='//as_text(target, 2)//': '
          if (reached%error < 1.0e3_wp) then
             reached%reason = reached%reason//'the error that the verification shows is '//as_text(reached%error, 2)
@@ -91,6 +97,7 @@ contains
             reached%reason = reached%reason//'the run one rung higher that is to verify it fails'
          end if
       end if
+      reached%reason = reached%reason//reached%of_supports
       if (reached%fixed /= '' .and. reached%of_fixed <= 0.0_wp) reached%reason = reached%reason//newline// &
          & '   The deck fixes '//reached%fixed//': leave it open'
       if (.not. any(reached%advice%floor > 0.5_wp*target)) return
@@ -102,5 +109,38 @@ contains
          reached%reason = reached%reason//'leave SEGMENTS open, or divide the beam'
       end if
    end subroutine say_why
+
+   !> Whether the integration alone keeps a run from the target.
+   pure logical function is_of_time(target, reached)
+      real(wp), intent(in) :: target
+      type(reached_type), intent(in) :: reached
+      is_of_time = reached%shown%pairs > 0 .and. reached%of_time > 0.5_wp*target
+      if (is_of_time .and. allocated(reached%of_beam)) is_of_time = all(reached%of_beam <= 0.5_wp*target)
+   end function is_of_time
+
+   !> Why the integration does not keep a target, and what can be tried.
+   function time_words(target, reached) result(text)
+      real(wp), intent(in) :: target
+      type(reached_type), intent(in) :: reached
+      character(:), allocatable :: text
+      !> Part of the error that is left when it does not shrink
+      real(wp), parameter :: stays = 0.5_wp
+      associate (shown => reached%shown)
+         if (.not. reached%advice%open_tolerance) then
+            text = 'TOLERANCE='//as_text(reached%advice%tolerance, 2)//', which the deck fixes, does not keep TARGET='// &
+               & as_text(target, 2)//': the integration has an error of '//as_text(reached%of_time, 2)//'; leave TOLERANCE open'
+            return
+         end if
+         text = 'no tolerance keeps TARGET='//as_text(target, 2)//': the error of the integration '
+         if (shown%of_time(2) > stays*shown%of_time(1)) then
+            text = text//'does not shrink with TOLERANCE'
+         else
+            text = text//'shrinks too little with TOLERANCE'
+         end if
+         text = text//' (from '//as_text(shown%of_time(1), 2)//' at '//as_text(shown%tolerance(1), 2)//' to '// &
+            & as_text(shown%of_time(2), 2)//' at '//as_text(shown%tolerance(2), 2)//'); use another INTEGRATOR'// &
+            & ' (AUTO, RADAU or ADAMS), and look at the laws for jumps and for what chance decides'
+      end associate
+   end function time_words
 
 end module limber_analysis_reached

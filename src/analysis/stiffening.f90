@@ -73,7 +73,7 @@ contains
          if (turns .or. ahead < dear) return
          self%told = .true.
          call warn(outcome, 'ADAMS is bound to steps of '//as_text(self%step, 2)//' '//system%model%units%time//' since t = '// &
-            & as_text(self%since, 6)//' by '//words(self, system%model%units%time)//', which the motion no longer shows: about '// &
+            & as_text(self%since, 6)//' by '//words(self, system%model%units%time)//', which the motion no longer shows: up to '// &
             & as_text(ahead, 2)//' steps lie ahead; use INTEGRATOR=AUTO or RADAU')
       end select
    end subroutine watch_stiffness

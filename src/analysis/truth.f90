@@ -6,7 +6,7 @@ module limber_analysis_truth
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: truth_type, error_against, largest_difference
+   public :: truth_type, shown_type, error_against, largest_difference
 
    !> The finest run so far
    type :: truth_type
@@ -42,7 +42,62 @@ module limber_analysis_truth
       procedure :: refine
    end type truth_type
 
+   !> What pairs of runs have shown of the integration so far
+   type :: shown_type
+      !> Tolerances of the runs of the first and of the last pair, and their largest differences, relative
+      real(wp) :: tolerance(2) = 0.0_wp, of_time(2) = 0.0_wp
+      integer :: pairs = 0
+      !> The pair that differed most, and by more than the target: the run and the finer one (channels, samples), with these rungs,
+      !> by so much, relative. Not allocated: none did
+      real(wp), allocatable :: run(:, :), finer(:, :)
+      type(rung_type), allocatable :: rungs(:)
+      real(wp) :: difference = 0.0_wp
+      !> How often a target that was kept was looked at again for it
+      integer :: looks = 0
+   contains
+      procedure :: take => take_pair
+      procedure :: is_forgotten
+   end type shown_type
+
 contains
+
+   !> Takes what another pair has shown.
+   pure subroutine take_pair(self, rungs, tolerance, of_time, target, run, finer)
+      class(shown_type), intent(inout) :: self
+      type(rung_type), intent(in) :: rungs(:)
+      !> Tolerance of the run; difference of the two and the target, relative
+      real(wp), intent(in) :: tolerance, of_time, target
+      !> Samples of the run and of the finer one (channels, samples)
+      real(wp), intent(in) :: run(:, :), finer(:, :)
+      self%pairs = self%pairs + 1
+      if (self%pairs == 1) self%tolerance(1) = tolerance
+      if (self%pairs == 1) self%of_time(1) = of_time
+      self%tolerance(2) = tolerance
+      self%of_time(2) = of_time
+      if (of_time <= max(target, self%difference)) return
+      if (allocated(self%run)) deallocate (self%run, self%finer, self%rungs)
+      self%difference = of_time
+      allocate (self%run, source=run)
+      allocate (self%finer, source=finer)
+      allocate (self%rungs, source=rungs)
+   end subroutine take_pair
+
+   !> Whether the finest run, of the same models, is near to a run that a finer one has contradicted, and not to that, eq. (T7).
+   pure logical function is_forgotten(self, rungs, finest, scale, target)
+      class(shown_type), intent(in) :: self
+      type(rung_type), intent(in) :: rungs(:)
+      !> Samples of the finest run (channels, samples), and what differences are relative to (channels)
+      real(wp), intent(in) :: finest(:, :), scale(:), target
+      real(wp) :: to_run, to_finer
+      is_forgotten = .false.
+      if (.not. allocated(self%run)) return
+      if (any(shape(self%run) /= shape(finest)) .or. size(rungs) /= size(self%rungs)) return
+      if (any(rungs%level /= self%rungs%level .or. rungs%bending /= self%rungs%bending)) return
+      if (any(rungs%segments /= self%rungs%segments)) return
+      to_run = maxval(largest_difference(self%run, finest)/scale)
+      to_finer = maxval(largest_difference(self%finer, finest)/scale)
+      is_forgotten = to_finer > target .and. to_run < to_finer
+   end function is_forgotten
 
    !> Begins with a run that is to be verified.
    pure subroutine start(self, rungs, tolerance, scale, values, work)

@@ -17,8 +17,8 @@ module limber_analysis_verification
    private
    public :: verify, sharpen, rest_after_looks, matters, run_check, sum_up
 
-   !> Least tolerance
-   real(wp), parameter, public :: least_tolerance = 1.0e-13_wp
+   !> Least tolerance, and the least of a run that a smaller one can verify
+   real(wp), parameter, public :: least_tolerance = 1.0e-13_wp, least_verified = 1.0e-12_wp
    !> What differences are multiplied by where a beam or the integration is judged
    real(wp), parameter, public :: widening = 1.25_wp
    !> Part of the target that a floor of one frame may have where runs in one frame verify each other
@@ -56,16 +56,20 @@ contains
       type(rung_type) :: rung
       !> What a look ahead has shown (channels, samples)
       real(wp), allocatable :: ahead(:, :)
+      !> Tolerance of the check of the integration, in units of that of the run
+      real(wp) :: step
       real(wp) :: part
       integer :: i, n, channels
       reached%of_beam = 0.0_wp
       reached%of_time = 0.0_wp
       higher = deck
       associate (advice => reached%advice, estimate => reached%estimate)
-         estimate%companion = max(least_tolerance, ladder*advice%tolerance)
+         ! Where no smaller tolerance is left, a looser one shows how far errors fall
+         step = merge(ladder, 1/ladder, advice%tolerance > 0.99_wp*least_verified)
+         estimate%companion = step*advice%tolerance
          estimate%reason = ''
          estimate%of_model = .true.
-         call run_next(advice%rungs, ladder, .true., 'check of the integration')
+         call run_next(advice%rungs, step, .true., 'check of the integration')
          if (allocated(error)) return
          if (check%reason /= '') then
             reached%reason = 'the check at TOLERANCE='//as_text(estimate%companion, 2)//' failed: '//check%reason
@@ -76,9 +80,16 @@ contains
          n = candidate%samples%samples
          call truth%start(advice%rungs, advice%tolerance, check%scale, candidate%samples%values(:channels, :n), candidate%work)
          reached%of_time = difference()
-         call take_check(truth%of_time, rest_of_time)
-         truth%tolerance = estimate%companion
-         truth%growth = check%work/candidate%work
+         call reached%shown%take(advice%rungs, advice%tolerance, reached%of_time, target, candidate%samples%values(:channels, :n), &
+            & check%samples%values(:channels, :n))
+         if (step < 1.0_wp) then
+            call take_check(truth%of_time, rest_of_time)
+            truth%tolerance = estimate%companion
+            truth%growth = check%work/candidate%work
+         else
+            truth%of_time = rest_of_time*largest_difference(check%samples%values, truth%finest)
+            truth%growth = candidate%work/check%work
+         end if
          allocate (truth%coarse, source=truth%finest)
          if (on .and. advice%open_tolerance .and. size(advice%rungs) > 0 .and. widening*reached%of_time > target) then
             truth%known = .false.

@@ -6,6 +6,8 @@ program test_targets
    use limber_base_text, only: as_text, newline
    use limber_analysis_advise, only: advise_deck, advice_request_type
    use limber_analysis_run, only: run_deck
+   use limber_analysis_rungs, only: rung_type
+   use limber_analysis_truth, only: shown_type
    use limber_deck_parameters, only: override_type
    use limber_output_history_reader, only: history_reader_type
    use runs, only: channel
@@ -27,6 +29,8 @@ program test_targets
    call test_damped()
    call test_frame()
    call test_rope()
+   call test_instability()
+   call test_forgotten()
    call finish()
 
 contains
@@ -77,6 +81,7 @@ contains
          & '*DAMPING, BODY=bar, RATIO=0.02'//newline//'*DYNAMICS, END=20, OUTPUTS=50'//newline
       call run_for('pins', 'LENGTH=1'//weld//push, '1e-2', '')
       call check(status == 'not kept', 'damped modes of pins: '//status)
+      call check(index(report, 'TARGET chooses neither SUPPORT nor END SHAPES') > 0, 'the cause of pins: '//report)
       call run_for('clamped', 'LENGTH=1, SUPPORT=CLAMPED-FREE'//weld//push, '1e-2', '')
       call check(status == 'of the integration and of chosen models only', 'damped modes: '//status)
       call check(index(warnings, "the model of beam 'bar', which is damped by its modes") > 0, warnings)
@@ -121,6 +126,35 @@ contains
       call check_no_error(error, 'advice on a LINEAR beam')
       call check(index(report, "fixed by the deck; what that costs") > 0, 'it is named: '//report)
    end subroutine test_rope
+
+   !> x'' = 100 x from (1, -10): exp(-10 t), and any error grows by exp(40): no tolerance keeps a target, and none outside of the
+   !> range is asked for. A tolerance that the deck gives, the least of all, is verified by a looser one.
+   subroutine test_instability()
+      character(*), parameter :: body = '*RIGID BODY, NAME=bar, MASS=1, INERTIA=1, X=1, VX=-10'//newline//' end, 0, 0'//newline// &
+         & '*FORCE, NAME=f, POINT=bar.end'//newline//' 100*x(bar.end), 0'//newline//'*DYNAMICS, END=4, OUTPUTS=100'
+      call run_for('instability', '', '1e-3', body//newline)
+      call check(status == 'not kept', 'instability: '//status)
+      call check(index(report, 'no tolerance keeps TARGET=') > 0 .and. index(report, 'INTEGRATOR') > 0, report)
+      call run_for('least tolerance', '', '1e-3', body//', TOLERANCE=1e-13'//newline)
+      call check(status == 'not kept', 'least tolerance: '//status)
+      call check(index(report, 'TOLERANCE=1e-13, which the deck fixes') > 0, report)
+   end subroutine test_instability
+
+   !> A pulse that one run of a pair met, and two finer ones do not: they agree with the run that missed it.
+   subroutine test_forgotten()
+      type(shown_type) :: shown
+      type(rung_type) :: none(0)
+      real(wp) :: missed(1, 3), met(1, 3)
+      missed = reshape([0.0_wp, 1.0e-4_wp, 0.0_wp], [1, 3])
+      met = reshape([0.0_wp, 0.04_wp, 0.0_wp], [1, 3])
+      call shown%take(none, 1.0e-2_wp, 1.0e-5_wp, 1.0e-3_wp, missed, missed)
+      call check(.not. shown%is_forgotten(none, missed, [1.0_wp], 1.0e-3_wp), 'nothing shown, nothing forgotten')
+      call shown%take(none, 1.0e-3_wp, 0.04_wp, 1.0e-3_wp, missed, met)
+      call shown%take(none, 1.0e-4_wp, 1.0e-5_wp, 1.0e-3_wp, missed, missed)
+      call check(shown%is_forgotten(none, missed, [1.0_wp], 1.0e-3_wp), 'a pulse is forgotten')
+      call check(.not. shown%is_forgotten(none, met, [1.0_wp], 1.0e-3_wp), 'a pulse is met')
+      call check(.not. shown%is_forgotten(none, missed, [1.0_wp], 0.1_wp), 'a pulse that the target does not ask for')
+   end subroutine test_forgotten
 
    !> Runs a beam or another deck for a target and takes what it says.
    subroutine run_for(name, beam, target, deck)

@@ -18,7 +18,7 @@ module limber_analysis_dynamics
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_text
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
-      & phase_warning, ringing_warning
+      & phase_warning, ringing_warning, slip_warning
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -247,6 +247,8 @@ contains
       text = ''
       if (allocated(outcome%turned)) text = phase_warning(scene%system, integrator%tolerance, maxval(abs(outcome%turned)), &
          & dynamics%end - dynamics%start, outcome%ahead)
+      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
+      text = slip_warning(watch, scene%system, dynamics, outcome%slip, outcome%slip_time, outcome%slip_of)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       text = ringing_warning(integrator%ringing, scene%system, dynamics%integrator)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)

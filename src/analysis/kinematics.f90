@@ -212,7 +212,7 @@ contains
          end if
          if (allocated(error)) return
          call watch_drivers(scene, motion)
-         call check_residuals(system, work, .true., motion%v, outcome)
+         call check_residuals(system, work, motion%t, .true., motion%v, outcome)
          call mechanical_energy(system, work, motion%q, motion%v, kinetic, potential)
          if (outcome%samples == 0) outcome%first_energy = kinetic + potential
          outcome%last_energy = kinetic + potential

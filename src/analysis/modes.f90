@@ -183,7 +183,7 @@ contains
          allocate (values(sample_width(system)))
          call place_frames(system%model, system%layout, step%dynamics%start, scene%q, work%kinematics)
          call move_frames(system%model, system%layout, scene%q, balance%v, work%kinematics)
-         call check_residuals(system, work, .false., balance%v, outcome)
+         call check_residuals(system, work, step%dynamics%start, .false., balance%v, outcome)
          call channel_values(recorder, system, work, step%dynamics%start, scene%q, balance%v, balance%a, values)
          scene%last%q = scene%q
          scene%last%v = scene%v

@@ -11,8 +11,8 @@ module limber_analysis_sampling
    use limber_output_channels, only: recorder_type, channel_values, gather_balance
    use limber_output_sink, only: sink_type
    use limber_system_algebra, only: cross
-   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, mechanical_energy, &
-      & add_parts_of_power, worst_constraint
+   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, worst_velocity, &
+      & mechanical_energy, add_parts_of_power, worst_constraint
    use limber_system_projection, only: harmless, settle, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -86,7 +86,7 @@ contains
             call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
          end if
          if (allocated(error)) return
-         call check_residuals(system, work, recorder%needs_velocities, sample%v, outcome)
+         call check_residuals(system, work, t, recorder%needs_velocities, sample%v, outcome)
          call check_place(system, work, t, residual, outcome)
          if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
             & sample%a)
@@ -140,9 +140,11 @@ contains
    end subroutine check_values
 
    !> Constraint residuals of a sample.
-   subroutine check_residuals(system, work, moving, v, outcome)
+   subroutine check_residuals(system, work, t, moving, v, outcome)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
+      !> Its time
+      real(wp), intent(in) :: t
       !> Whether its velocities are asked for
       logical, intent(in) :: moving
       real(wp), contiguous, intent(in) :: v(:)
@@ -154,6 +156,10 @@ contains
       if (.not. moving) return
       largest = velocity_residual(system, work, v)
       outcome%velocity_residual = max(outcome%velocity_residual, maxval(abs(work%gamma)))
+      if (.not. largest > outcome%slip) return
+      outcome%slip = largest
+      outcome%slip_time = t
+      outcome%slip_of = worst_velocity(system, work)
    end subroutine check_residuals
 
    !> Energy balance at the end of a step.

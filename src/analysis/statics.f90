@@ -323,7 +323,7 @@ contains
          call move_frames(system%model, system%layout, statics%q, balance%v, work%kinematics)
          call update_jacobians(system, work)
          work%lambda = statics%lambda
-         call check_residuals(system, work, .false., balance%v, outcome)
+         call check_residuals(system, work, t, .false., balance%v, outcome)
          call observe(outcome%indicators, system, work, t, statics%q, balance%v, balance%a)
          statics%recorder%work = 0.0_wp
          call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)

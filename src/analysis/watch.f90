@@ -6,13 +6,15 @@ module limber_analysis_watch
    use limber_base_text, only: as_text
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_weakest, weak
    use limber_integrator_ringing, only: ringing_type
+   use limber_model_scene, only: dynamics_type
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise
    use limber_system_redundancy, only: constraint_names
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning, ringing_warning
+   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning, ringing_warning, &
+      & slip_warning
 
    !> Velocities that change faster than a motion changes them
    type :: jump_watch_type
@@ -163,6 +165,37 @@ contains
          & trim(merge('ahead ', 'behind', ahead > 0.0_wp))//' by about '//as_text(angle, 2)//' rad of its fastest body; use'// &
          & ' TOLERANCE='//as_text(max(1.0e-13_wp, 0.1_wp*tolerance), 1)//' or less'
    end function phase_warning
+
+   !> A warning if velocities at samples are further off what joints and drivers prescribe than the tolerance lets them be, eq. (W6).
+   function slip_warning(self, system, dynamics, slip, t, culprit) result(text)
+      type(jump_watch_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      !> Integrator, tolerance and step
+      type(dynamics_type), intent(in) :: dynamics
+      !> Largest residual [1/time] and its time
+      real(wp), intent(in) :: slip, t
+      !> Its constraint; 0: there is none
+      integer, intent(in) :: culprit
+      !> Empty if all is well
+      character(:), allocatable :: text
+      !> Number of times that a method of order 2 may have tolerance**(2/3), and the part that matters always
+      real(wp), parameter :: many = 100.0_wp, much = 2.0e-2_wp
+      character(:), allocatable :: remedy
+      real(wp) :: part, allowed
+      text = ''
+      if (culprit == 0 .or. .not. self%speed > 0.0_wp) return
+      part = slip*system%model%length/self%speed
+      allowed = min(many*dynamics%tolerance**(2.0_wp/3), much)
+      remedy = 'a smaller TOLERANCE, or another INTEGRATOR'
+      if (dynamics%fixed_step > 0.0_wp) then
+         allowed = much
+         remedy = 'a smaller FIXED STEP, or another INTEGRATOR'
+      end if
+      if (part <= allowed) return
+      text = dynamics%integrator//' does not keep the velocities that '//system%constraints(culprit)%item%label// &
+         & ' prescribes: at t = '//as_text(t, 8)//' they are off by '//as_text(100*part, 2)//' % of the largest velocity, and'// &
+         & ' kinetic energy, work, accelerations and forces with them; use '//remedy
+   end function slip_warning
 
    !> A warning if accelerations lack vibrations that the integrator does not follow, eq. (W4).
    function ringing_warning(ringing, system, integrator) result(text)

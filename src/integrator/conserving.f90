@@ -1,6 +1,7 @@
 !> CONSERVING: an energy-momentum scheme of order 2 by discrete gradients. Energy less work put in, and linear and angular
 !> momentum where the scene keeps them, are constant to round-off at any step; the position constraints hold at the end of every
-!> step, with one set of multipliers for a step (index 3). Its velocities meet the velocity constraints in the mean of a step only.
+!> step, with one set of multipliers for a step (index 3). Its velocities meet the velocity constraints in the mean of a step only;
+!> where drivers move the scene they are brought onto them at the end of each step, at the cost of the drivers' work, eq. (W5).
 !> Floor: integrator. Source: Simo and Tarnow, ZAMP 43 (1992) 757; Gonzalez, J. Nonlinear Sci. 6 (1996) 449; doc/theory, eqs.
 !> (49)-(57).
 module limber_integrator_conserving
@@ -16,7 +17,8 @@ module limber_integrator_conserving
    use limber_system_forest, only: forest_type, new_forest, forest_solve
    use limber_system_forest_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
    use limber_system_kinematics, only: layout_type, place_frames, move_frames, rates_of, velocities_of
-   use limber_system_step, only: step_type, new_step, begin_step, frame_rates, fixed_rates
+   use limber_system_projection, only: project_velocity
+   use limber_system_step, only: step_type, new_step, begin_step, find_momenta, frame_rates, fixed_rates
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, give_way
    use limber_system_tangent_products, only: times_mass
@@ -59,6 +61,8 @@ module limber_integrator_conserving
       real(wp) :: reach = 0.0_wp
       !> Next step, step of the factors at hand, what t is above the sum of all steps
       real(wp) :: h = 0.0_wp, h_factors = 0.0_wp, rounding = 0.0_wp
+      !> Whether a constraint moves in time
+      logical :: driven = .false.
    contains
       procedure :: start => conserving_start
       procedure :: step => conserving_step
@@ -76,7 +80,7 @@ contains
       real(wp), intent(in) :: q(:), v(:)
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: slope
-      integer :: nq, nw, nc
+      integer :: nq, nw, nc, i
       nq = system%layout%nq
       nw = system%layout%nw
       nc = system%nc
@@ -90,6 +94,9 @@ contains
          if (self%forest%usable .and. .not. self%fixed_step > 0.0_wp) allocate (self%forest%masses, source=self%forest%block)
          call new_step(system, work, self%trial)
          self%scales = new_scales(system, duration, .true.)
+         do i = 1, size(system%constraints)
+            self%driven = self%driven .or. system%constraints(i)%item%driven
+         end do
       end if
       call self%input%begin(self%work_at_start, 0.0_wp)
       call self%ringing%forget()
@@ -162,6 +169,7 @@ contains
          self%h = h*min(factor, 0.9_wp)
          repeated = .true.
       end do
+      if (self%driven) call follow_drivers(self, system, work)
       call accept(self, system, stop)
       call self%count_step(h, 2)
       if (repeated) factor = min(factor, 1.0_wp)
@@ -441,6 +449,25 @@ contains
       end do
    end function missed_work
 
+   !> Brings the rates at the end of the step onto the velocity constraints, least in the mass norm, eq. (W5). Only what constraints
+   !> prescribe changes; the kinetic energy that this gives or takes is work of the drivers. At a singular place they stay.
+   subroutine follow_drivers(self, system, work)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(error_type), allocatable :: error
+      real(wp) :: residual, before
+      call linearise(system, work, self%trial%final, self%trial%new_q, error)
+      if (allocated(error)) return
+      call velocities_of(system%layout, self%trial%new_q, self%new_w, self%path_v)
+      call project_velocity(system, work, self%path_v, self%change, residual)
+      call rates_of(system%layout, self%trial%new_q, self%path_v, self%new_w)
+      before = dot_product(self%trial%new_b, self%trial%new_p)
+      call frame_rates(system%layout, self%trial%new_q, self%new_w, self%e)
+      call find_momenta(system, self%trial%new_q, self%e, self%trial%new_p)
+      self%input%new_shape(1) = self%input%new_shape(1) + 0.5_wp*(dot_product(self%e, self%trial%new_p) - before)
+   end subroutine follow_drivers
+
    !> Takes the step.
    subroutine accept(self, system, stop)
       class(conserving_type), intent(inout) :: self
@@ -460,6 +487,7 @@ contains
          self%rounding = merge(0.0_wp, (self%t - self%t_before) - (trial%h - self%rounding), self%t >= stop)
          self%q = trial%new_q
          self%b = trial%new_b
+         if (self%driven) call frame_rates(system%layout, self%q, self%new_w, self%b)
          if (system%nc > 0) statistics%position_residual = max(statistics%position_residual, &
             & maxval(abs(self%phi))/system%model%length)
       end associate

@@ -9,7 +9,8 @@ module limber_analysis_crossings
    use limber_deck_range, only: range_type
    use limber_integrator_integrator, only: integrator_type
    use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_moments, only: moment_type, new_moment, watched_loads, read_moment, law_between, describe_law
+   use limber_system_moments, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, &
+      & law_effect, describe_law
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -36,6 +37,9 @@ module limber_analysis_crossings
    real(wp), parameter :: little = 1.0e-4_wp, part = 0.02_wp, quartered = 0.4_wp, halved = 0.6_wp, rough = 0.5_wp, &
       & level = 1.0e-6_wp, slight = 0.05_wp
 
+   !> Part of the tolerance below which a change of velocity within a step does not matter
+   real(wp), parameter :: matters = 0.1_wp
+
    !> What is remembered of the watched laws, and scratch
    type :: crossings_type
       !> Watched loads; none: nothing is done
@@ -52,6 +56,9 @@ module limber_analysis_crossings
       !> Excess of the bounds in the interval that is halved (laws, depths), and whether a law is smooth at the quarters
       real(wp), allocatable :: excess(:, :)
       logical, allocatable :: smooth(:)
+      !> What each law can give to velocities; change of it in this step that does not matter; and whether it makes no other (laws)
+      real(wp), allocatable :: effect(:), nothing(:)
+      logical, allocatable :: idle(:)
       !> Steps since the last bend of each law; looks in this step; steps to rest, and the next number of these
       integer, allocatable :: steps(:)
       integer :: looks = 0, rest = 0, next_rest = 1
@@ -59,8 +66,8 @@ module limber_analysis_crossings
       !> are next to nothing
       integer :: law = 0, returns = 0, crawls = 0
       real(wp) :: jumped = 0.0_wp, long = 0.0_wp
-      !> Of the whole analysis
-      real(wp) :: duration = 0.0_wp
+      !> Of the whole analysis: its length, and what local error is allowed
+      real(wp) :: duration = 0.0_wp, tolerance = 0.0_wp
       !> What was found: kind, law, time; whether that is so near to the start of the step that the step must be done again
       integer :: found = found_nothing, which = 0
       logical :: again = .false.
@@ -75,16 +82,19 @@ module limber_analysis_crossings
 contains
 
    !> Room, and which laws are watched.
-   subroutine new_crossings(self, system, start, duration)
+   subroutine new_crossings(self, system, start, duration, tolerance)
       type(crossings_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       !> First time, and length of the whole analysis
       real(wp), intent(in) :: start, duration
+      !> Local error allowed in a step, relative to the scales
+      real(wp), intent(in) :: tolerance
       integer :: i, n
       self%loads = watched_loads(system)
       n = size(self%loads)
       self%jumped = start
       self%duration = duration
+      self%tolerance = tolerance
       if (n == 0) return
       do i = 0, 4
          call new_moment(n, self%quarters(i))
@@ -96,7 +106,8 @@ contains
          allocate (self%q(nq), self%v(nq), self%trial_q(nq), self%trial_v(nq))
       end associate
       allocate (self%largest(n), self%allowed(n), self%width(n), self%excess(n, 0:deepest), source=0.0_wp)
-      allocate (self%smooth(n), self%steps(n))
+      allocate (self%smooth(n), self%steps(n), self%idle(n), self%nothing(n))
+      allocate (self%effect, source=[(law_effect(system, self%loads(i)), i=1, n)])
       self%steps = huge(n)
       self%smooth = .true.
    end subroutine new_crossings
@@ -219,19 +230,38 @@ contains
       !> Whether the integrator sees laws in the mean of a step only, not at its ends
       logical, intent(in) :: means
       type(range_type) :: range
+      real(wp) :: change
       integer :: i
       plain = .true.
       do i = 1, size(self%loads)
          associate (a => self%quarters(0), b => self%quarters(4))
             range = law_between(system, self%loads, i, a, b)
+            change = abs(b%force(i) - a%force(i))
             self%excess(i, 0) = excess_of(range, a%force(i), b%force(i))
-            self%allowed(i) = little*largest_of(self, i, range) + part*abs(b%force(i) - a%force(i))
-            if (self%excess(i, 0) > self%allowed(i) .or. .not. range%whole) plain = .false.
-            if (a%branches(i) /= b%branches(i)) plain = .false.
-            if (means .and. abs(b%force(i) - a%force(i)) > slight*self%largest(i)) plain = .false.
+            self%allowed(i) = little*largest_of(self, i, range) + part*change
+            self%idle(i) = self%excess(i, 0) <= self%allowed(i) .and. range%whole .and. a%branches(i) == b%branches(i)
+            if (means .and. change > slight*self%largest(i)) self%idle(i) = .false.
+            if (self%idle(i)) cycle
+            self%nothing(i) = no_matter(self, system, i)
+            self%idle(i) = self%excess(i, 0) <= self%nothing(i) .and. change <= self%nothing(i)
+            if (.not. self%idle(i)) plain = .false.
          end associate
       end do
    end function is_plain
+
+   !> Change of a law within the step that does not matter, whatever its own size: that makes no velocity worth the name, or is
+   !> due to what its places and rates are not known to, eq. (E6).
+   real(wp) function no_matter(self, system, law) result(change)
+      type(crossings_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: law
+      real(wp) :: h
+      h = self%quarters(4)%t - self%quarters(0)%t
+      change = min(law_noise(system, self%loads, law, self%quarters(0), self%tolerance, self%duration, h), &
+         & law_noise(system, self%loads, law, self%quarters(4), self%tolerance, self%duration, h))
+      if (self%effect(law) > 0.0_wp) change = max(change, matters*self%tolerance*system%model%length &
+         & /(self%duration*h*self%effect(law)))
+   end function no_matter
 
    !> By how much bounds lie beyond two values.
    pure real(wp) function excess_of(range, first, second) result(excess)
@@ -265,7 +295,8 @@ contains
          width = maxval(f) - minval(f)
          self%width(i) = width
          self%allowed(i) = little*max(self%largest(i), level*maxval(self%largest)) + part*width
-         if (self%crawls > 0) self%allowed(i) = huge(width)
+         if (self%crawls > 0 .or. self%idle(i)) self%allowed(i) = huge(width)
+         if (.not. self%idle(i)) self%allowed(i) = max(self%allowed(i), self%nothing(i))
          difference = abs(f(0) - 4*f(1) + 6*f(2) - 4*f(3) + f(4))
          self%smooth(i) = all([(self%quarters(k)%branches(i) == self%quarters(0)%branches(i), k=1, 4)])
          if (.not. self%smooth(i)) then
@@ -342,6 +373,7 @@ contains
       opens = .false.
       stubborn = .false.
       do i = 1, size(self%loads)
+         if (self%idle(i)) cycle
          if (a%branches(i) /= b%branches(i)) then
             changed = i
             self%excess(i, depth) = huge(h)

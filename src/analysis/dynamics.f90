@@ -157,7 +157,7 @@ contains
       t = dynamics%start
       sample%q = scene%q
       sample%v = scene%v
-      call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start)
+      call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       call start_watch(watch, dynamics%start, scene%v)
       call start_turning(turning, scene%system, dynamics%start, scene%q, scene%v, integrator%ends_on_samples)

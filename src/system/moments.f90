@@ -2,16 +2,18 @@
 !> be between two. So a law that changes its formula, or comes and goes, is not passed unseen. Floor: system.
 !> Source: doc/theory, eqs. (190), (E3).
 module limber_system_moments
+   use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp, long
    use limber_deck_operations, only: jet_type
    use limber_deck_range, only: range_type, law_range_over
    use limber_model_scene, only: in_efforts
    use limber_system_efforts, only: effort_load_type, max_slots
+   use limber_system_gauges, only: gauge_angle
    use limber_system_kinematics, only: kinematics_type
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: moment_type, new_moment, watched_loads, read_moment, law_between, describe_law
+   public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, describe_law
 
    !> Watched laws at a moment
    type :: moment_type
@@ -79,12 +81,12 @@ contains
    end subroutine read_moment
 
    !> Bounds of a watched law times its factor between two moments, while its slots move as cubics, eq. (E3).
-   pure function law_between(system, loads, law, a, b) result(range)
+   function law_between(system, loads, law, a, b) result(range)
       type(system_type), intent(in) :: system
       integer, intent(in) :: loads(:), law
       type(moment_type), intent(in) :: a, b
       type(range_type) :: range
-      real(wp) :: low(max_slots), high(max_slots), first
+      real(wp) :: low(max_slots), high(max_slots)
       integer :: k
       select type (load => system%loads(loads(law))%item)
       type is (effort_load_type)
@@ -94,13 +96,96 @@ contains
             if (load%slots(k) > 0) call bound_slot(b%t - a%t, a%place(k, law), a%rate(k, law), b%place(k, law), b%rate(k, law), &
                & load%by_rate(k), low(k), high(k))
          end do
-         range = law_range_over(load%law, low(:size(load%slots)), high(:size(load%slots)))
-         first = load%factor*range%low
-         if (.not. range%defined) return
-         range%low = min(first, load%factor*range%high)
-         range%high = max(first, load%factor*range%high)
+         range = range_within(load, low, high)
       end select
    end function law_between
+
+   !> Bounds of the law of a load times its factor while its slots are within intervals; where they overflow it is not defined.
+   function range_within(load, low, high) result(range)
+      type(effort_load_type), intent(in) :: load
+      !> Ends of the intervals (slots)
+      real(wp), intent(in) :: low(:), high(:)
+      type(range_type) :: range
+      type(ieee_status_type) :: status
+      real(wp) :: ends(2)
+      call ieee_get_status(status)
+      call ieee_set_halting_mode(ieee_all, .false.)
+      range = law_range_over(load%law, low(:size(load%slots)), high(:size(load%slots)))
+      if (range%defined) then
+         ends = load%factor*[range%low, range%high]
+         range%low = minval(ends)
+         range%high = maxval(ends)
+         range%defined = abs(range%low) <= huge(ends) .and. abs(range%high) <= huge(ends)
+      end if
+      call ieee_set_status(status)
+   end function range_within
+
+   !> What a watched law changes by, times its factor, for what its slots are not known to: a small part of the tolerance, and
+   !> round-off.
+   real(wp) function law_noise(system, loads, law, moment, tolerance, duration, h) result(noise)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: loads(:), law
+      type(moment_type), intent(in) :: moment
+      !> Of a step relative to the scales; length of the whole analysis, and of the step
+      real(wp), intent(in) :: tolerance, duration, h
+      real(wp), parameter :: share = 1.0e-3_wp, few = 8*epsilon(1.0_wp)
+      type(range_type) :: range
+      real(wp) :: low(max_slots), high(max_slots), scale, change
+      integer :: k
+      noise = 0.0_wp
+      select type (load => system%loads(loads(law))%item)
+      type is (effort_load_type)
+         do k = 1, size(load%slots)
+            associate (place => moment%place(k, law), rate => moment%rate(k, law))
+               low(k) = place
+               change = few*abs(place)
+               if (load%slots(k) > 0) then
+                  scale = system%model%length
+                  if (load%gauges(load%slots(k))%kind == gauge_angle) scale = 1.0_wp
+                  change = share*tolerance*scale + few*(abs(place) + scale)
+                  if (load%by_rate(k)) then
+                     low(k) = rate
+                     change = share*tolerance*scale/duration + few*(abs(rate) + (abs(place) + scale)/h)
+                  end if
+               end if
+               high(k) = low(k) + change
+               low(k) = low(k) - change
+            end associate
+         end do
+         range = range_within(load, low, high)
+         if (range%defined) noise = 0.5_wp*range%high - 0.5_wp*range%low
+      end select
+   end function law_noise
+
+   !> About the largest velocity that a load of unit force gives in a unit of time, rotations and deflections included
+   !> [length/(time force time)]: that of the least mass, where it acts on bodies without mass.
+   pure real(wp) function law_effect(system, load) result(effect)
+      type(system_type), intent(in) :: system
+      !> Index of the load
+      integer, intent(in) :: load
+      real(wp) :: inertia
+      integer :: i
+      effect = 0.0_wp
+      select type (item => system%loads(load)%item)
+      type is (effort_load_type)
+         do i = 1, size(item%bodies)
+            associate (body => system%model%bodies(item%bodies(i)), own => system%inertia(:, item%bodies(i)), &
+               & length => system%model%length)
+               inertia = own(4)
+               if (own(1) > 0.0_wp) inertia = inertia - dot_product(own(2:3), own(2:3))/own(1)
+               if (own(1) > 0.0_wp .and. item%gauges(1)%kind /= gauge_angle) effect = effect + 1/own(1)
+               if (inertia > 1.0e-12_wp*own(4)) effect = effect + length*merge(1.0_wp, body%size, &
+                  & item%gauges(1)%kind == gauge_angle)/inertia
+               if (allocated(body%reduced%omega2)) then
+                  if (size(body%reduced%omega2) > 0) effect = effect + body%largest_shape**2
+               end if
+            end associate
+         end do
+      end select
+      if (effect > 0.0_wp) return
+      inertia = minval(system%inertia(1, :), mask=system%inertia(1, :) > 0.0_wp)
+      if (any(system%inertia(1, :) > 0.0_wp)) effect = 1/inertia
+   end function law_effect
 
    !> Bounds of a slot by the control points of the cubic through both ends.
    pure subroutine bound_slot(h, place_a, rate_a, place_b, rate_b, by_rate, low, high)

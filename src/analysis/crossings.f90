@@ -240,7 +240,7 @@ contains
             self%excess(i, 0) = excess_of(range, a%force(i), b%force(i))
             self%allowed(i) = little*largest_of(self, i, range) + part*change
             self%idle(i) = self%excess(i, 0) <= self%allowed(i) .and. range%whole .and. a%branches(i) == b%branches(i)
-            if (means .and. change > slight*self%largest(i)) self%idle(i) = .false.
+            if (means .and. change > little*self%largest(i)) self%idle(i) = .false.
             if (self%idle(i)) cycle
             self%nothing(i) = no_matter(self, system, i)
             self%idle(i) = self%excess(i, 0) <= self%nothing(i) .and. change <= self%nothing(i)
@@ -250,13 +250,14 @@ contains
    end function is_plain
 
    !> Change of a law within the step that does not matter, whatever its own size: that makes no velocity worth the name, or is
-   !> due to what its places and rates are not known to, eq. (E6).
+   !> due to what its places and rates are not known to.
    real(wp) function no_matter(self, system, law) result(change)
       type(crossings_type), intent(in) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: law
       real(wp) :: h
-      h = self%quarters(4)%t - self%quarters(0)%t
+      ! Steps that crawl, as where something sticks, count as longer ones
+      h = max(self%quarters(4)%t - self%quarters(0)%t, 1.0e-3_wp*self%duration)
       change = min(law_noise(system, self%loads, law, self%quarters(0), self%tolerance, self%duration, h), &
          & law_noise(system, self%loads, law, self%quarters(4), self%tolerance, self%duration, h))
       if (self%effect(law) > 0.0_wp) change = max(change, matters*self%tolerance*system%model%length &
@@ -364,6 +365,8 @@ contains
       class(integrator_type), intent(inout) :: integrator
       type(moment_type), intent(in) :: a, b
       integer, intent(in) :: depth
+      !> Part of a step that is not worth a repetition
+      real(wp), parameter :: last = 0.01_wp
       type(range_type) :: range
       logical :: stubborn(size(self%loads)), opens
       real(wp) :: h
@@ -387,6 +390,7 @@ contains
       end do
       if (changed > 0 .and. b%t - a%t <= max(8*spacing(b%t), fine*h)) then
          call take_crossing(self, integrator, a, b, changed)
+         if (self%found /= found_nothing .and. b%t < self%quarters(4)%t - last*h) self%again = is_unseen(self, system, a)
          return
       end if
       if (changed == 0 .and. (.not. opens .or. self%looks >= most_looks .or. b%t - a%t <= coarse*h)) return
@@ -403,6 +407,27 @@ contains
       if (self%found /= found_nothing) return
       call search(self, system, work, integrator, self%halves(depth), b, depth + 1)
    end subroutine search
+
+   !> Whether a law does something between the start of the step and a moment in it that the ends of the step do not show. Then the
+   !> dense output up to there does not know of it, and the step must be done again to end there.
+   logical function is_unseen(self, system, moment) result(unseen)
+      type(crossings_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(moment_type), intent(in) :: moment
+      type(range_type) :: range
+      real(wp) :: ends(2), most
+      integer :: i
+      unseen = .false.
+      do i = 1, size(self%loads)
+         if (self%idle(i)) cycle
+         range = law_between(system, self%loads, i, self%quarters(0), moment)
+         ends = [self%quarters(0)%force(i), self%quarters(4)%force(i)]
+         most = little*largest_of(self, i, range) + part*abs(moment%force(i) - ends(1))
+         most = max(most, no_matter(self, system, i))
+         unseen = unseen .or. excess_of(range, ends(1), moment%force(i)) > most .or. &
+            & max(minval(ends) - moment%force(i), moment%force(i) - maxval(ends)) > most
+      end do
+   end function is_unseen
 
    !> Takes a change of formula between two moments that are next to each other. It jumps if the law does.
    subroutine take_crossing(self, integrator, a, b, law)

@@ -1,6 +1,6 @@
 !> Where laws of the motion change their formula, or come and go, within a step. After a step the watched laws are looked at along
 !> its dense output, by bounds that miss nothing between looks; where one has changed, the step is cut. So scalars of the motion
-!> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E5).
+!> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E6).
 module limber_analysis_crossings
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -250,7 +250,7 @@ contains
    end function is_plain
 
    !> Change of a law within the step that does not matter, whatever its own size: that makes no velocity worth the name, or is
-   !> due to what its places and rates are not known to.
+   !> due to what its places and rates are not known to, eq. (E6).
    real(wp) function no_matter(self, system, law) result(change)
       type(crossings_type), intent(in) :: self
       type(system_type), intent(in) :: system

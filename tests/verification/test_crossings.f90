@@ -20,6 +20,7 @@ program test_crossings
       call check_bump(integrators(i), '1e-3', 0.2_wp)
       call check_bump(integrators(i), '1e-6', 3.0e-3_wp)
       call check_pulse(integrators(i))
+      call check_spike(integrators(i))
       call check_sticking(integrators(i))
    end do
    call check_bump('INTEGRATOR=RADAU', '1e-10', 1.0e-6_wp)
@@ -54,6 +55,17 @@ contains
       call check_close(speed(size(speed)), sqrt(acos(-1.0_wp)), 1.0e-2_wp, trim(integrator)//': pulse in place')
       call reader%close()
    end subroutine check_pulse
+
+   !> Its speed across is the area of the spike over the speed, 0.5/20; what is at rest costs no steps (MAXIMUM STEPS).
+   subroutine check_spike(integrator)
+      character(*), intent(in) :: integrator
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: speed(:)
+      call run_changed('verification/spike.inp', trim(results), ['INTEGRATOR=ADAMS'], [integrator], reader)
+      allocate (speed, source=channel(reader, 'vy_bob'))
+      call check_close(speed(size(speed)), 0.025_wp, 1.0e-4_wp, trim(integrator)//': spike of a table in place')
+      call reader%close()
+   end subroutine check_spike
 
    !> A brake that does not know what to do at rest.
    subroutine check_sticking(integrator)

@@ -323,6 +323,7 @@ contains
          line = '      mode   frequency [rad/'//unit//']   [1/'//unit//']'
          write (line(46:), '(a)') 'damping ratio'
          text = newline//trim(line)
+         kind = ''
          do i = 1, size(vibrations%frequency)
             write (line, '(i10,2es17.7,es16.4)') i, vibrations%frequency(i), vibrations%frequency(i)/turn_once, &
                & damping_ratio(vibrations%frequency(i), vibrations%growth(i))

@@ -114,7 +114,9 @@ contains
       type(constraint_matrix_type), intent(inout) :: self
       !> Which (columns)
       logical, intent(in) :: held(:)
-      self%scale = merge(0.0_wp, self%unweighted, held)
+      associate (n => size(held))
+         self%scale(:n) = merge(0.0_wp, self%unweighted(:n), held)
+      end associate
    end subroutine hold_columns
 
    !> Columns of what the deck gives, in the order in which they are to be kept: angles, then places of bodies.

@@ -590,7 +590,7 @@ contains
       share = self%layer*sqrt(max(0.0_wp, self%peak(peak_tension)))
       value = 0.0_wp
       if (self%shows_shear) value = min(1.0_wp, 0.3_wp*share)
-      if (self%shows_moment) value = max(value, min(1.0_wp, 0.09_wp*share**2))
+      if (self%shows_moment) value = max(value, min(1.0_wp, 0.05_wp*share**2))
    end function layer_error
 
    !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the

@@ -274,9 +274,11 @@ contains
       type(assembly_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
+      type(part_type) :: parts(1)
       if (is_keyword_line(line)) then
          call end_block(assembly, deck, diagnostics)
-         call tell_name([part_type(line, origin_type())], diagnostics)
+         parts(1)%text = line
+         call tell_name(parts, diagnostics)
          assembly%skipping = .true.
       else
          assembly%seen = assembly%seen + 1

@@ -21,6 +21,7 @@ program test_mistakes
       first = last + 2
    end do
    call check_warnings()
+   deallocate (deck, mistakes)
    call finish()
 
 contains

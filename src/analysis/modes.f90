@@ -156,9 +156,10 @@ contains
                do side = 1, 2
                   if (item%bodies(side) == ground) cycle
                   first = system%layout%w(item%bodies(side))
+                  n = min(3, system%layout%rates(item%bodies(side)))
                   do row = 1, item%rows
                      largest = max(largest, abs(work%lambda(item%first + row - 1)) &
-                        & *maxval(abs(work%jacobians(side, i)%z(row, 1:3)*scale(first:first + 2))))
+                        & *maxval(abs(work%jacobians(side, i)%z(row, :n)*scale(first:first + n - 1))))
                   end do
                end do
             end associate

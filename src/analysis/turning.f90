@@ -85,7 +85,7 @@ contains
       longest = huge(longest)
       do i = 1, size(self%spin)
          speed = 0.5_wp*abs(self%spin(i)) + sqrt(0.25_wp*self%spin(i)**2 + most*self%change(i))
-         if (longest*speed > most) longest = most/speed
+         if (speed > most/longest) longest = most/speed
       end do
    end function turn_time
 

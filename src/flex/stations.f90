@@ -285,8 +285,8 @@ contains
       load = 0.0_wp
       if (joints == 1 .and. clamps == 1) then
          load = pi**2*beam%ei/(2*max(from, beam%length - from))**2
-      else if (joints == 2 .and. clamps == 2 .and. to - from > (1 - 1.0e-9_wp)*beam%length) then
-         load = 4*pi**2*beam%ei/beam%length**2
+      else if (joints == 2 .and. clamps == 2) then
+         if (to - from > (1 - 1.0e-9_wp)*beam%length) load = 4*pi**2*beam%ei/beam%length**2
       end if
    end function true_euler
 

@@ -62,7 +62,7 @@ contains
             & ' samples, not below round-off; shrinkage from a run at check_tolerance', error)
          end if
          if (.not. (allocated(error) .or. estimate%of_model)) call history%put_attribute('/'//group, 'excluded', excluded, error)
-         if (.not. allocated(error) .and. estimate%without /= '') call history%put_attribute('/'//group, 'excluded', &
+         if (.not. allocated(error) .and. leaves_out(estimate)) call history%put_attribute('/'//group, 'excluded', &
             & 'not in them: the model of '//estimate%without, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group, 'companion_tolerance', estimate%companion, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group, 'check_tolerance', estimate%check, error)
@@ -111,7 +111,7 @@ contains
       first = maxval([7, (len(channels(i)%name), i=1, size(channels))])
       text = '   estimated errors of the time integration, from runs at TOLERANCE='//as_text(estimate%companion, 3)
       if (estimate%of_model) text = '   verified errors, from finer runs, at TOLERANCE='//as_text(estimate%companion, 3)
-      if (estimate%without /= '') text = '   errors without that of the model of '//estimate%without// &
+      if (leaves_out(estimate)) text = '   errors without that of the model of '//estimate%without// &
          & ', from finer runs, at TOLERANCE='//as_text(estimate%companion, 3)
       if (estimate%check > 0.0_wp) text = text//' and '//as_text(estimate%check, 3)
       text = text//', '//as_text(estimate%cpu, 3)//' s CPU or '//as_text(estimate%factor, 2)//' times the run itself:'//newline// &
@@ -146,5 +146,12 @@ contains
       character(:), allocatable :: text
       text = repeat(' ', max(1, width - len(cell)))//cell
    end function right
+
+   !> Whether a model is left out of the verification.
+   pure logical function leaves_out(estimate)
+      type(estimate_type), intent(in) :: estimate
+      leaves_out = .false.
+      if (allocated(estimate%without)) leaves_out = len(estimate%without) > 0
+   end function leaves_out
 
 end module limber_analysis_estimate_report

@@ -10,7 +10,7 @@ module limber_analysis_dynamics
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_guard, only: guard_type
-   use limber_analysis_indicators, only: start_indicators
+   use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, check_energy

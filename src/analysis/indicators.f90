@@ -2,7 +2,7 @@
 !> each with its time.
 !> An analysis lets a state be observed now and then; nothing is allocated there. `limber_analysis_ranges` judges them.
 !>
-!>     call start_indicators(indicators, system)                    ! before the first step; makes the constants of the beams
+!>     call start_indicators(indicators, system)                    ! limber_analysis_indicator_start: before the first step
 !>     call observe(indicators, system, work, t, q, v, a)           ! limber_analysis_observation: at a state
 !>     value = indicator_value(indicators%bodies(i), indicator_slope)
 !>     t = indicator_time(indicators%bodies(i), indicator_slope)
@@ -11,18 +11,13 @@
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
-   use limber_analysis_surveys, only: surveys_type, start_surveys
-   use limber_base_error, only: error_type
-   use limber_flex_quasistatic, only: quasistatic_type, new_quasistatic
-   use limber_flex_reduced, only: reduced_type
-   use limber_flex_stations, only: stations_type, new_stations
-   use limber_model_scene, only: ground, body_rigid, body_type, joint_point_on_line, joint_translational, joint_curve, &
-      & joint_sliding, joint_revolute, joint_weld
-   use limber_model_quantities, only: quantity_shear_force, quantity_bending_moment, quantity_stress_top, quantity_stress_bottom
-   use limber_system_system, only: system_type
+   use limber_analysis_phase, only: phase_type, join_phases, phase_error
+   use limber_analysis_surveys, only: surveys_type
+   use limber_flex_quasistatic, only: quasistatic_type
+   use limber_flex_stations, only: stations_type
    implicit none
    private
-   public :: indicators_type, body_indicators_type, start_indicators, join_indicators, raise_peak, indicator_value, indicator_time
+   public :: indicators_type, body_indicators_type, set_type, join_indicators, raise_peak, indicator_value, indicator_time
    public :: indicator_names, indicator_meanings
 
    !> Kinds of indicators, those of a body in this order
@@ -30,12 +25,12 @@ module limber_analysis_indicators
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
-      & indicator_count = 18
+      & indicator_phase = 19, indicator_count = 19
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
-      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer']
+      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -54,7 +49,8 @@ module limber_analysis_indicators
       & 'elongation by the axial force that the axial functions lack / largest elongation or deflection', &
       & 'work on the bending of the inertia that the shortening has and the model lacks / energy of bending', &
       & 'relative change of the stiffness under compression by functions that do not fit how joints hold the beam', &
-      & 'error of the internal forces that channels ask for, by bending near ends that tension makes too short']
+      & 'error of the internal forces that channels ask for, by bending near ends that tension makes too short', &
+      & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -107,6 +103,8 @@ module limber_analysis_indicators
       integer :: anchor = 0
       !> Relative error of each bending frequency by the lumped masses (bending)
       real(wp), allocatable :: lumping(:)
+      !> Vibrations and swings that lumped masses delay
+      type(phase_type) :: phase
       !> Of a frame: motions that strain it as the joints with the ground hold it, u.K u = 1: rotation, coordinates that are
       !> watched (0:chosen, motions); made when it is first observed
       real(wp), allocatable :: strained(:, :)
@@ -129,14 +127,6 @@ module limber_analysis_indicators
       type(stations_type) :: stations
    end type set_type
 
-   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that does not slide along the beam, whether it
-   !> keeps it from turning, and the other body of a pin or weld, -1 for others
-   type :: contact_type
-      integer :: point = 0
-      logical :: is_joint = .false., is_weld = .false.
-      integer :: partner = -1
-   end type contact_type
-
    !> All flexible bodies of a scene
    type :: indicators_type
       type(body_indicators_type), allocatable :: bodies(:)
@@ -145,6 +135,8 @@ module limber_analysis_indicators
       integer :: count = 0
       !> Number of states that were observed
       integer :: observations = 0
+      !> Sums of kinetic energies that swings are judged by, eq. (R19)
+      real(wp) :: swings(2) = 0.0_wp
       !> Index into `bodies` of each body of the model; 0: none
       integer, allocatable :: of(:)
       !> Place of each point among those of its beam; 0: none (points)
@@ -162,352 +154,6 @@ module limber_analysis_indicators
    end type indicators_type
 
 contains
-
-   !> Makes the constants; bodies whose constants cannot be made are left out.
-   subroutine start_indicators(self, system)
-      type(indicators_type), intent(out) :: self
-      type(system_type), intent(in) :: system
-      type(contact_type), allocatable :: contacts(:)
-      integer :: first(size(system%model%bodies) + 1)
-      integer :: i, k, count, most
-      allocate (self%of(size(system%model%bodies)), self%place(size(system%model%points)))
-      allocate (self%fixed(2, size(system%constraints)), self%turned(size(system%model%bodies)))
-      self%turned = .false.
-      self%of = 0
-      self%place = 0
-      self%fixed = .true.
-      count = 0
-      do i = 1, size(self%of)
-         if (system%layout%n(i) == 0 .and. .not. is_rigid_beam(system%model%bodies(i))) cycle
-         count = count + 1
-         self%of(i) = count
-      end do
-      allocate (self%bodies(count), self%sets(min(count, 4)))
-      most = 0
-      do i = 1, size(system%loads)
-         most = max(most, sum(system%loads(i)%item%rates))
-      end do
-      allocate (self%scratch(most))
-      if (count == 0) return
-      do i = 1, size(system%model%joints)
-         select case (system%model%joints(i)%kind)
-         case (joint_point_on_line, joint_translational, joint_curve, joint_sliding)
-            self%fixed(2, i) = .false.
-         end select
-      end do
-      do i = 1, size(system%constraints)
-         do k = 1, 2
-            associate (item => system%constraints(i)%item)
-               if (item%bodies(k) /= ground .and. item%points(k) == 0) self%turned(item%bodies(k)) = .true.
-            end associate
-         end do
-      end do
-      call list_contacts(self, system, first, contacts)
-      call start_surveys(self%surveys, system, frames_only=.true.)
-      do i = 1, size(self%of)
-         if (self%of(i) > 0) call start_body(self, system, i, contacts(first(i):first(i + 1) - 1), self%bodies(self%of(i)))
-      end do
-      call find_shown(self, system)
-   end subroutine start_indicators
-
-   !> Which bodies channels ask for internal forces of.
-   subroutine find_shown(self, system)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      integer :: i, j, body
-      associate (model => system%model)
-         do i = 1, size(model%channels)
-            do j = 1, size(model%channels(i)%quantities)
-               associate (quantity => model%channels(i)%quantities(j))
-                  if (.not. any(quantity%kind == [quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
-                     & quantity_stress_bottom])) cycle
-                  body = self%of(model%points(quantity%of)%body)
-                  if (body == 0) cycle
-                  if (quantity%kind == quantity_shear_force) self%bodies(body)%shows_shear = .true.
-                  if (quantity%kind /= quantity_shear_force) self%bodies(body)%shows_moment = .true.
-               end associate
-            end do
-         end do
-         do i = 1, size(model%bodies)
-            if (self%of(i) == 0 .or. .not. model%bodies(i)%envelope) cycle
-            self%bodies(self%of(i))%shows_shear = .true.
-            self%bodies(self%of(i))%shows_moment = .true.
-         end do
-      end associate
-   end subroutine find_shown
-
-   !> Whether a body is a straight beam that is taken for rigid.
-   pure logical function is_rigid_beam(body)
-      type(body_type), intent(in) :: body
-      is_rigid_beam = body%kind == body_rigid .and. body%beam%length > 0.0_wp .and. body%beam%ei > 0.0_wp .and. &
-         & body%beam%rho_a > 0.0_wp .and. .not. allocated(body%beam%mass)
-   end function is_rigid_beam
-
-   !> The constants of a rigid beam.
-   subroutine start_rigid(self, system, index, contacts, body)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: index
-      type(contact_type), intent(in) :: contacts(:)
-      type(body_indicators_type), intent(inout) :: body
-      real(wp), allocatable :: place(:)
-      logical, allocatable :: jointed(:), welded(:)
-      logical :: held, clamped
-      body%is_rigid = .true.
-      call find_places(self, system, index, contacts, place, jointed, welded, held)
-      clamped = self%turned(index) .or. any(contacts%is_weld)
-      associate (beam => system%model%bodies(index)%beam, choice => system%model%bodies(index)%choice)
-         body%quasistatic = new_quasistatic(beam%ei, beam%rho_a, beam%length, choice%origin, place, jointed, clamped)
-      end associate
-      body%first_frequency = body%quasistatic%frequency
-      body%length = system%model%bodies(index)%beam%length
-      allocate (body%modal(0), body%modal_time(0), body%moving(0), body%pressed(3, size(place)))
-   end subroutine start_rigid
-
-   !> The masses that hang on a beam, and the place that stays where it is: one on the ground, or else the start.
-   subroutine find_carried(self, system, contacts, body)
-      type(indicators_type), intent(in) :: self
-      type(system_type), intent(in) :: system
-      type(contact_type), intent(in) :: contacts(:)
-      type(body_indicators_type), intent(inout) :: body
-      integer :: i, at
-      allocate (body%carried(self%sets(body%set)%stations%places))
-      body%carried = 0.0_wp
-      do i = 1, size(contacts)
-         at = self%place(contacts(i)%point)
-         if (contacts(i)%partner == ground) body%anchor = at
-         if (contacts(i)%partner > ground) body%carried(at) = body%carried(at) &
-            & + system%model%bodies(contacts(i)%partner)%reduced%mass
-      end do
-   end subroutine find_carried
-
-   !> The constants of one body.
-   subroutine start_body(self, system, index, contacts, body)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: index
-      type(contact_type), intent(in) :: contacts(:)
-      type(body_indicators_type), intent(inout) :: body
-      real(wp), allocatable :: place(:)
-      logical, allocatable :: jointed(:), clamped(:)
-      logical :: held
-      body%body = index
-      if (system%layout%n(index) == 0) then
-         call start_rigid(self, system, index, contacts, body)
-         return
-      end if
-      associate (flexible => system%model%bodies(index))
-         body%is_beam = .not. flexible%is_frame .and. flexible%reduced%bending > 0
-         body%first_frequency = sqrt(minval(flexible%reduced%omega2))
-         body%length = flexible%size
-         body%is_full = flexible%reduced%full
-         allocate (body%modal(flexible%reduced%bending), body%modal_time(flexible%reduced%bending))
-         body%modal = 0.0_wp
-         body%modal_time = 0.0_wp
-         allocate (body%moving, source=body%modal)
-         if (flexible%is_frame) call start_frame(self, index, flexible%reduced, body)
-         if (.not. body%is_beam) return
-         call find_places(self, system, index, contacts, place, jointed, clamped, held)
-         call find_set(self, system, index, place, jointed, clamped, held, body%set)
-         body%is_beam = body%set > 0
-         if (.not. body%is_beam) return
-         associate (stations => self%sets(body%set)%stations)
-            body%elements = stations%elements
-            body%held = stations%membrane > 0.0_wp
-            body%misfit = stations%misfit
-            if (stations%euler < huge(1.0_wp)) body%layer = sqrt(stations%euler/flexible%beam%ei)*flexible%beam%length/ &
-               & stations%bending
-            call find_carried(self, system, contacts, body)
-            allocate (body%lumping, source=stations%lumping)
-            allocate (body%slope(stations%count), body%force(stations%count))
-            allocate (body%along(size(stations%pull, 1)), body%across(2 + 2*size(place)), body%own(stations%bending), &
-               & body%push(3, stations%bending))
-         end associate
-      end associate
-   end subroutine start_body
-
-   !> Room for what a frame is watched with; none if it has no survey.
-   subroutine start_frame(self, index, reduced, body)
-      type(indicators_type), intent(in) :: self
-      integer, intent(in) :: index
-      type(reduced_type), intent(in) :: reduced
-      type(body_indicators_type), intent(inout) :: body
-      integer :: m
-      if (self%surveys%of(index) == 0) return
-      associate (survey => self%surveys%bodies(self%surveys%of(index))%survey)
-         m = size(survey%chosen)
-         allocate (body%slope_work(0:m, 0:m), body%lacking(0:m), body%elastic(reduced%n), body%z(size(reduced%cubic, 1)), &
-            & body%s(size(reduced%cubic, 1)), body%lumping(reduced%n))
-         body%lumping = 0.0_wp
-         body%lumping(survey%chosen) = survey%lumping
-      end associate
-   end subroutine start_frame
-
-   !> The set of constants of a beam: that of an earlier one if it is the same, else a new one; 0 if they cannot be made.
-   subroutine find_set(self, system, index, place, jointed, clamped, held, set)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      !> The body; coordinates along it where joints and loads act, and whether these are joints, and welds to the ground; whether
-      !> two of them are held by the same other body
-      integer, intent(in) :: index
-      real(wp), intent(in) :: place(:)
-      logical, intent(in) :: jointed(:), clamped(:), held
-      integer, intent(out) :: set
-      !> Sets before the last that are looked at
-      integer, parameter :: last = 8
-      type(error_type), allocatable :: error
-      do set = self%count, max(1, self%count - last), -1
-         if (is_same(self%sets(set))) return
-      end do
-      if (self%count == size(self%sets)) call make_room(self)
-      set = self%count + 1
-      associate (new => self%sets(set), flexible => system%model%bodies(index))
-         call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, clamped, held, &
-            & new%stations, error)
-         if (.not. allocated(error)) then
-            new%body = index
-            new%held = held
-            allocate (new%jointed, source=jointed)
-            allocate (new%clamped, source=clamped)
-            self%count = set
-         else
-            set = 0
-         end if
-      end associate
-
-   contains
-
-      !> Whether a set is that of this beam.
-      pure logical function is_same(other)
-         type(set_type), intent(in) :: other
-         associate (bodies => system%model%bodies)
-            is_same = bodies(index)%twin > 0 .and. bodies(other%body)%twin == bodies(index)%twin .and. (other%held .eqv. held)
-         end associate
-         if (is_same) is_same = size(other%jointed) == size(jointed)
-         if (is_same) is_same = all(other%jointed .eqv. jointed) .and. all(other%clamped .eqv. clamped) .and. &
-            & all(abs(other%stations%place - place) <= 0.0_wp)
-      end function is_same
-
-   end subroutine find_set
-
-   !> Twice as many sets.
-   subroutine make_room(self)
-      type(indicators_type), intent(inout) :: self
-      type(set_type), allocatable :: more(:)
-      integer :: i
-      allocate (more(2*size(self%sets)))
-      do i = 1, self%count
-         more(i) = self%sets(i)
-      end do
-      call move_alloc(more, self%sets)
-   end subroutine make_room
-
-   !> What acts on flexible bodies, body by body.
-   subroutine list_contacts(self, system, first, contacts)
-      type(indicators_type), intent(in) :: self
-      type(system_type), intent(in) :: system
-      !> Where the contacts of a body begin (bodies + 1)
-      integer, intent(out) :: first(:)
-      type(contact_type), allocatable, intent(out) :: contacts(:)
-      integer :: pass, i, side, fill(size(first)), partner
-      logical :: is_weld
-      first = 0
-      do pass = 1, 2
-         do i = 1, size(system%constraints)
-            associate (item => system%constraints(i)%item)
-               do side = 1, 2
-                  partner = -1
-                  is_weld = .false.
-                  if (i <= size(system%model%joints)) then
-                     is_weld = system%model%joints(i)%kind == joint_weld
-                     if (any(system%model%joints(i)%kind == [joint_revolute, joint_weld])) partner = item%bodies(3 - side)
-                  end if
-                  call enter(item%bodies(side), item%points(side), i <= size(system%model%joints) .and. self%fixed(side, i), &
-                     & is_weld, partner)
-               end do
-            end associate
-         end do
-         do i = 1, size(system%loads)
-            associate (item => system%loads(i)%item)
-               do side = 1, size(item%points)
-                  call enter(item%bodies(side), item%points(side), .false., .false., -1)
-               end do
-            end associate
-         end do
-         if (pass == 2) exit
-         first(1) = 1
-         do i = 2, size(first)
-            first(i) = first(i - 1) + first(i)
-         end do
-         fill = first
-         allocate (contacts(first(size(first)) - 1))
-      end do
-
-   contains
-
-      !> First counts, then enters.
-      subroutine enter(body, point, is_joint, is_weld, partner)
-         integer, intent(in) :: body, point, partner
-         logical, intent(in) :: is_joint, is_weld
-         if (body == ground .or. point == 0) return
-         if (self%of(body) == 0) return
-         if (pass == 1) then
-            first(body + 1) = first(body + 1) + 1
-         else
-            contacts(fill(body))%point = point
-            contacts(fill(body))%is_joint = is_joint
-            contacts(fill(body))%is_weld = is_weld
-            contacts(fill(body))%partner = partner
-            fill(body) = fill(body) + 1
-         end if
-      end subroutine enter
-
-   end subroutine list_contacts
-
-   !> Where joints and loads act on a beam.
-   subroutine find_places(self, system, index, contacts, place, jointed, clamped, held)
-      type(indicators_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: index
-      !> Those of the beam
-      type(contact_type), intent(in) :: contacts(:)
-      !> Coordinates along the beam, all different, and whether joints act there, and welds to the ground
-      real(wp), allocatable, intent(out) :: place(:)
-      logical, allocatable, intent(out) :: jointed(:), clamped(:)
-      !> Whether two places are pinned or welded to the same other body
-      logical, intent(out) :: held
-      real(wp) :: found(size(contacts)), x
-      logical :: joint(size(contacts)), weld(size(contacts))
-      integer :: i, k, count
-      count = 0
-      joint = .false.
-      weld = .false.
-      held = .false.
-      associate (body => system%model%bodies(index))
-         do i = 1, size(contacts)
-            x = min(max(system%model%points(contacts(i)%point)%p0(1) + body%choice%origin, 0.0_wp), body%beam%length)
-            do k = 1, count
-               if (abs(found(k) - x) <= 1.0e-9_wp*body%beam%length) exit
-            end do
-            if (k > count) then
-               count = k
-               found(k) = x
-            end if
-            joint(k) = joint(k) .or. contacts(i)%is_joint
-            weld(k) = weld(k) .or. (contacts(i)%is_weld .and. contacts(i)%partner == ground)
-            self%place(contacts(i)%point) = k
-         end do
-      end associate
-      do i = 1, size(contacts)
-         do k = 1, i - 1
-            if (contacts(i)%partner < 0 .or. contacts(i)%partner /= contacts(k)%partner) cycle
-            held = held .or. self%place(contacts(i)%point) /= self%place(contacts(k)%point)
-         end do
-      end do
-      allocate (place, source=found(:count))
-      allocate (jointed, source=joint(:count))
-      allocate (clamped, source=weld(:count))
-   end subroutine find_places
 
    !> Takes a value into the maximum of its kind.
    pure subroutine raise_peak(self, kind, value, t)
@@ -545,6 +191,7 @@ contains
             whole%bodies(i)%modal(k) = part%bodies(i)%modal(k)
             whole%bodies(i)%modal_time(k) = part%bodies(i)%modal_time(k)
          end do
+         call join_phases(part%bodies(i)%phase, whole%bodies(i)%phase)
          whole%bodies(i)%moving = max(whole%bodies(i)%moving, part%bodies(i)%moving)
       end do
    end subroutine join_indicators
@@ -577,6 +224,7 @@ contains
          case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))
          case (indicator_buckling); value = self%misfit*peak(peak_compression)/max(0.01_wp, abs(1 - peak(peak_compression)))
          case (indicator_layer); value = layer_error(self)
+         case (indicator_phase); value = phase_error(self%phase, peak(peak_bent), peak(peak_deflection)*self%length)
          case default; value = peak(kind)
          end select
       end associate
@@ -639,6 +287,7 @@ contains
       case (indicator_elongation); t = self%time(peak_unstretched)
       case (indicator_buckling); t = self%time(peak_compression)
       case (indicator_layer); t = self%time(peak_tension)
+      case (indicator_phase); t = max(0.0_wp, self%phase%span(2))
       case default; t = self%time(kind)
       end select
    end function indicator_time
@@ -671,8 +320,10 @@ contains
          call snapshot%keep('modal', self%bodies(i)%modal)
          call snapshot%keep('modal_time', self%bodies(i)%modal_time)
          call snapshot%keep('moving', self%bodies(i)%moving)
+         call self%bodies(i)%phase%exchange(snapshot)
       end do
       call snapshot%exchange('observations', self%observations)
+      call snapshot%exchange('swings', self%swings)
    end subroutine exchange_indicators
 
 end module limber_analysis_indicators

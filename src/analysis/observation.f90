@@ -10,6 +10,7 @@ module limber_analysis_observation
       & sum_locked, sum_bent, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
+   use limber_analysis_phase, only: observe_phase, observe_swings
    use limber_analysis_frame_watch, only: observe_frames
    use limber_model_scene, only: body_type, ground
    use limber_system_algebra, only: cross
@@ -41,6 +42,7 @@ contains
             call observe_motion(self%bodies(i), system%model%bodies(self%bodies(i)%body), t, &
                & cross(u, v(first + 2:first + 3)), eta, rate)
             if (self%bodies(i)%is_rigid) self%bodies(i)%pressed = 0.0_wp
+            call observe_phase(self%bodies(i)%phase, system, work, self%bodies(i)%body, t, q, v, a)
             if (.not. self%bodies(i)%is_beam) cycle
             associate (stations => self%sets(self%bodies(i)%set)%stations)
                call bend(self%bodies(i), stations, t, eta)
@@ -55,6 +57,8 @@ contains
             end associate
          end associate
       end do
+      call observe_swings(self%bodies%phase, self%bodies%body, system, v, q, self%swings)
+      if (self%swings(2) > 0.0_wp) self%bodies%phase%swing = 0.5_wp*self%swings(1)/self%swings(2)
       call add_reactions(self, system, work, q)
       call add_loads(self, system, work, q)
       call observe_frames(self, system, work, t, q, v, a)

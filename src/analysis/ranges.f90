@@ -10,7 +10,7 @@ module limber_analysis_ranges
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
-      & indicator_buckling, indicator_layer
+      & indicator_buckling, indicator_layer, indicator_phase
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -19,6 +19,8 @@ module limber_analysis_ranges
 
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
+   !> Shift of vibrations beyond which only this is told
+   real(wp), parameter :: beyond = 0.5_wp
    !> Of a rigid beam: frequency of loads, relative to the first one, from which its deflection is more than at rest, and how much
    !> more at most
    real(wp), parameter :: quick = 0.5_wp, resonant = 10.0_wp
@@ -65,13 +67,15 @@ contains
          limit = 0.03_wp
       case (indicator_drift)
          limit = 0.015_wp
+      case (indicator_phase)
+         limit = 0.03_wp
       case (indicator_elongation, indicator_recoil)
          limit = 0.05_wp
       case (indicator_buckling, indicator_layer)
          if (.not. linear) limit = 0.05_wp
       end select
       excess = indicator_value(indicators, kind)/limit
-      if (any(kind == [indicator_rotation, indicator_compression, indicator_buckling])) return
+      if (any(kind == [indicator_rotation, indicator_compression, indicator_buckling, indicator_phase])) return
       if (kind == indicator_elongation) then
          if (.not. indicators%peak(peak_unstretched) > nothing) excess = 0.0_wp
          return
@@ -120,6 +124,7 @@ contains
          do i = 1, size(indicators%bodies)
             value = excess(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind)
             if (.not. value > 1.0_wp) cycle
+            if (is_told(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind, value)) cycle
             if (all(kind /= [indicator_rotation, indicator_compression, indicator_elongation, indicator_buckling]) .and. &
                & indicators%bodies(i)%length*indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
             others = others + 1
@@ -135,6 +140,18 @@ contains
          end associate
       end do
    end function range_warnings
+
+   !> Whether another kind tells the same with a larger number: masses in the nodes are told once.
+   pure logical function is_told(indicators, body, kind, value)
+      type(body_indicators_type), intent(in) :: indicators
+      type(body_type), intent(in) :: body
+      integer, intent(in) :: kind
+      !> Its excess
+      real(wp), intent(in) :: value
+      is_told = .false.
+      if (kind == indicator_lumping) is_told = excess(indicators, body, indicator_phase) > value
+      if (kind == indicator_phase) is_told = excess(indicators, body, indicator_lumping) >= value
+   end function is_told
 
    !> The number, when, and why it matters.
    function what_is_wrong(indicators, body, kind) result(text)
@@ -193,6 +210,10 @@ contains
             & as_text(body%reduced%bending)//trim(merge('        ', ' bending', body%is_frame))//' coordinates cannot'//when
       case (indicator_lumping)
          text = 'has too few elements: with the mass in the nodes its deflection errs by about '//percent//when
+      case (indicator_phase)
+         percent = 'about '//percent
+         if (indicator_value(indicators, kind) > beyond) percent = 'more than '//as_text(100*beyond, 2)//' %'
+         text = 'has too few elements: with the mass in the nodes its vibrations are late by '//percent//' of their amplitude'//when
       case (indicator_drift)
          text = 'locks a little, and vibrates long enough for that to shift the vibrations by about '//percent// &
             & ' of the largest deflection'//when//': its axial functions cannot carry all of the shortening by bending'
@@ -265,7 +286,7 @@ contains
          if (.not. body%reduced%full) text = text//', or GEOMETRIC INTEGRAL=LINEAR'
       case (indicator_residual)
          text = 'use more BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints'
-      case (indicator_lumping)
+      case (indicator_lumping, indicator_phase)
          text = 'use ELEMENTS='//as_text(ceiling(1.2_wp*body%beam%elements*sqrt(over)))
       case default; text = 'divide the beam into SEGMENTS'
       end select
@@ -282,7 +303,7 @@ contains
       select case (kind)
       case (indicator_axial); text = 'use CORRECTIONS=YES, or *ATTACHMENT where forces act along members'
       case (indicator_residual); text = 'use CORRECTIONS=YES, more MODES, or a *BOUNDARY that is like its joints'
-      case (indicator_lumping); text = 'use DIVISIONS='//as_text(ceiling(1.2_wp*divisions*sqrt(over)))
+      case (indicator_lumping, indicator_phase); text = 'use DIVISIONS='//as_text(ceiling(1.2_wp*divisions*sqrt(over)))
       case (indicator_rotation, indicator_geometric); text = 'use GEOMETRIC=K_G or FULL'
       case (indicator_compression)
          text = 'use beams in SEGMENTS for its members'

@@ -7,7 +7,7 @@ module limber_analysis_statics
    use limber_base_text, only: as_text
    use limber_analysis_branch, only: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, &
       & find_critical, loads_drive, tell, tell_of_leaving
-   use limber_analysis_indicators, only: start_indicators
+   use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_sampling, only: check_residuals

@@ -9,7 +9,8 @@ module limber_analysis_steps
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
    use limber_analysis_guard, only: guard_type
    use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_indicators, only: join_indicators, start_indicators
+   use limber_analysis_indicators, only: join_indicators
+   use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_kinematics, only: run_kinematics
    use limber_analysis_modes, only: run_modes
    use limber_analysis_scene, only: scene_type, settle_integrator

@@ -19,6 +19,7 @@ program test_model_watch
    call check_size()
    call check_weight()
    call check_ends()
+   call check_phase()
    call check_defaults()
    call check_follower()
    call check_damping()
@@ -151,6 +152,63 @@ contains
       call check_warning(reader, 'shear forces there err by about', 'a stretched cantilever')
       call reader%close()
    end subroutine check_ends
+
+   !> A cantilever under a sudden force for four and a half vibrations, and a pendulum for thirteen swings: the masses in the nodes
+   !> shift them, which is told; with more elements they are right without a word.
+   subroutine check_phase()
+      character(*), parameter :: late = 'with the mass in the nodes its vibrations are late by ', clamped = 'SUPPORT=CLAMPED-FREE'
+      call judge_phase('modes of a cantilever', clamped, 8.0_wp, late)
+      call judge_phase('modes of pins with shapes of its ends', 'END SHAPES=YES', 8.0_wp, late)
+      call judge_phase('many elements', clamped//', ELEMENTS=100', 8.0_wp, '')
+      call judge_swing('ten elements', 10, late)
+      call judge_swing('eighty elements', 80, '')
+   end subroutine check_phase
+
+   !> The tip against the sum of the first modes, relative to the amplitude.
+   subroutine judge_phase(name, words, duration, warning)
+      character(*), intent(in) :: name, words, warning
+      real(wp), intent(in) :: duration
+      real(wp), parameter :: omega(3) = [3.5160153_wp, 22.034492_wp, 61.697214_wp], force = 0.01_wp
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: tip(:)
+      real(wp) :: off, t
+      integer :: i
+      call run_words('verification/watch_beam.inp', 'LENGTH=1 > LENGTH=1, GEOMETRIC=LINEAR, '//words//'; push = 0 > push = '// &
+         & as_text(force, 4)//'; *STATICS, NAME=loaded, INCREMENTS=1 > *DYNAMICS, TOLERANCE=1e-7, END='//as_text(duration, 4)// &
+         & '; *MODES, NAME=small, NUMBER=1 > ** no modes', reader)
+      allocate (tip, source=channel(reader, 'tip'))
+      off = 0.0_wp
+      do i = 1, size(tip)
+         t = duration*(i - 1)/(size(tip) - 1)
+         off = max(off, abs(tip(i) - sum(4*force/omega**2*(1 - cos(omega*t))))/(force/3))
+      end do
+      print '(2a,es12.4)', name, ': error of the tip', off
+      if (warning == '') call check(off < 0.03_wp, 'vibrations, '//name//': right to 3 %')
+      if (warning /= '') call check(off > 0.05_wp, 'vibrations, '//name//': wrong')
+      call check_warning(reader, warning, 'vibrations, '//name)
+      call reader%close()
+   end subroutine judge_phase
+
+   !> The angle of a stiff beam that hangs on a pin at first 0.05 beside its rest, against small swings of a slender bar.
+   subroutine judge_swing(name, elements, warning)
+      character(*), intent(in) :: name, warning
+      integer, intent(in) :: elements
+      real(wp), parameter :: first = 0.05_wp, duration = 21.0_wp
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: angle(:)
+      real(wp) :: off
+      call run_words('verification/watch_beam.inp', 'LENGTH=1 > LENGTH=1, GEOMETRIC=LINEAR, END SHAPES=YES,'// &
+         & ' ANGLE=-pi/2 + 0.05, ELEMENTS='//as_text(elements)//'; TYPE=WELD > TYPE=REVOLUTE; *FORCE > *GRAVITY@*FORCE;'// &
+         & ' YOUNG=1e4 > YOUNG=1e8; *STATICS, NAME=loaded, INCREMENTS=1 > *DYNAMICS, TOLERANCE=1e-8, END='// &
+         & as_text(duration, 4)//'; *MODES, NAME=small, NUMBER=1 > ** no modes; tip =  > swing = angle(beam), tip = ', reader)
+      allocate (angle, source=channel(reader, 'swing'))
+      off = abs(angle(size(angle)) + pi/2 - first*cos(sqrt(1.5_wp*9.81_wp)*(1 - first**2/16)*duration))/first
+      print '(2a,2es12.4)', name, ': angle and its error', angle(size(angle)), off
+      if (warning == '') call check(off < 0.01_wp, 'swings, '//name//': right to 1 %')
+      if (warning /= '') call check(off > 0.05_wp, 'swings, '//name//': wrong')
+      call check_warning(reader, warning, 'swings, '//name)
+      call reader%close()
+   end subroutine judge_swing
 
    !> The first frequency against its true value.
    subroutine judge_mode(name, words, truth, warning)

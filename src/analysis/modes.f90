@@ -5,6 +5,7 @@ module limber_analysis_modes
    use limber_base_error, only: error_type, raise
    use limber_base_signals, only: let_signals_end
    use limber_base_text, only: as_text, newline
+   use limber_analysis_kinks, only: kink_warnings
    use limber_analysis_mode_checks, only: mode_warnings
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: check_residuals
@@ -204,7 +205,8 @@ contains
       call update_jacobians(scene%system, scene%work)
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
-         & balance%rotation, vibrations, step%name)
+         & balance%rotation, vibrations, step%name)//kink_warnings(scene%system, balance%tangent, scene%work%kinematics, &
+         & step%dynamics%start, scene%q, balance%v, step%damped, vibrations, step%name)
    end subroutine check_frequencies
 
    !> Writes frequencies, damping ratios and shapes.

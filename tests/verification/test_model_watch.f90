@@ -20,6 +20,7 @@ program test_model_watch
    call check_weight()
    call check_ends()
    call check_phase()
+   call check_kinks()
    call check_defaults()
    call check_follower()
    call check_damping()
@@ -152,6 +153,26 @@ contains
       call check_warning(reader, 'shear forces there err by about', 'a stretched cantilever')
       call reader%close()
    end subroutine check_ends
+
+   !> Laws that bend or jump where the mass rests: between 10 and 20 rad/s, damping ratios of 0.15 and -0.15, Coulomb's friction; none
+   !> a little beside the bend, nor for a law that is smooth there.
+   subroutine check_kinks()
+      call judge_kink('a stop that touches', '', "the law of 'stop' on body 'm' bends in this state: with its slope to one side"// &
+         & ' the frequency is 20 rad/s, with that to the other 10 rad/s, and *MODES takes one of them; go off the bend')
+      call judge_kink('a stop beside it', 'gap = 0 > gap = 1e-5', '')
+      call judge_kink('a damper to one side', '-300*max(0, x(m) - 1 - gap) > -3*abs(vx(m))', 'with its slope to one side the'// &
+         & ' damping ratio is 0.15, with that to the other -0.15')
+      call judge_kink('dry friction', '-300*max(0, x(m) - 1 - gap) > 1 - 2*step(vx(m))', 'jumps in this state')
+      call judge_kink('a smooth law', '-300*max(0, x(m) - 1 - gap) > -3*tanh(vx(m)/1e-3) - 50*abs(x(m) - 1)*(x(m) - 1)', '')
+   end subroutine check_kinks
+
+   subroutine judge_kink(name, words, warning)
+      character(*), intent(in) :: name, words, warning
+      type(history_reader_type) :: reader
+      call run_words('verification/watch_kink.inp', words, reader)
+      call check_warning(reader, warning, name)
+      call reader%close()
+   end subroutine judge_kink
 
    !> A cantilever under a sudden force for four and a half vibrations, and a pendulum for thirteen swings: the masses in the nodes
    !> shift them, which is told; with more elements they are right without a word.

@@ -1,6 +1,6 @@
 !> Where laws of the motion change their formula, or come and go, within a step. After a step the watched laws are looked at along
 !> its dense output, by bounds that miss nothing between looks; where one has changed, the step is cut. So scalars of the motion
-!> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E6).
+!> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E7).
 module limber_analysis_crossings
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -10,7 +10,7 @@ module limber_analysis_crossings
    use limber_integrator_integrator, only: integrator_type
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_moments, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, &
-      & law_effect, describe_law
+      & law_effect, law_turn, describe_law
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -199,6 +199,8 @@ contains
       end if
       call look(self, system, work, integrator, integrator%t, self%quarters(4))
       if (is_plain(self, system, integrator%ends_on_samples)) return
+      if (integrator%ends_on_samples .and. .not. integrator%fixed_step > 0.0_wp) call find_turn(self, system, h)
+      if (self%found /= found_nothing) return
       if (self%rest > 0 .and. all(self%quarters(0)%branches == self%quarters(4)%branches)) then
          self%rest = self%rest - 1
          return
@@ -248,6 +250,28 @@ contains
          end associate
       end do
    end function is_plain
+
+   !> Whether a law turns the motion within a step more than the tolerance allows, eq. (E7). An error estimate that leaves out what
+   !> a step does not resolve, as a vibration whose size is all that counts, does not see that a hard contact is not one.
+   subroutine find_turn(self, system, h)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Length of the step
+      real(wp), intent(in) :: h
+      real(wp), parameter :: least = 0.1_wp, most = 0.5_wp
+      real(wp) :: turn
+      integer :: i
+      if (h < crawl*self%duration) return
+      turn = 0.0_wp
+      do i = 1, size(self%loads)
+         if (self%idle(i)) cycle
+         turn = max(turn, law_turn(system, self%loads, i, self%quarters(0), self%quarters(4), self%effect(i), self%excess(i, 0)))
+      end do
+      if (turn <= self%tolerance) return
+      self%found = found_pulse
+      self%again = .true.
+      self%t = self%quarters(0)%t + max(least, min(most, sqrt(self%tolerance/turn)))*h
+   end subroutine find_turn
 
    !> Change of a law within the step that does not matter, whatever its own size: that makes no velocity worth the name, or is
    !> due to what its places and rates are not known to, eq. (E6).

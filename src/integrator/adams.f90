@@ -26,6 +26,8 @@ module limber_integrator_adams
    !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
    real(wp), parameter :: gamma_star(13) = [0.5_wp, 0.0833_wp, 0.0417_wp, 0.0264_wp, 0.0188_wp, 0.0143_wp, 0.0114_wp, &
       & 0.00936_wp, 0.00789_wp, 0.00679_wp, 0.00592_wp, 0.00524_wp, 0.00468_wp]
+   !> Relative difference of norms up to which those of several orders count as the same
+   real(wp), parameter :: flat = 0.15_wp
 
    !> Memory of the method, in the names of Shampine and Gordon
    type, extends(integrator_type) :: adams_type
@@ -335,6 +337,10 @@ contains
       end do
       norm = self%h*sqrt(norm)
       err = norm(0)*(self%g(k) - self%g(k + 1))
+      if (k > 1) then
+         if (abs(norm(1) - norm(0)) <= flat*norm(0) .and. (k == 2 .or. abs(norm(2) - norm(0)) <= flat*norm(0))) &
+            & err = max(err, norm(0)*gamma_star(seen_order(self, norm(0))))
+      end if
       estimate = 0.0_wp
       estimate(0) = norm(0)*self%sig(k + 1)*gamma_star(k)
       if (k > 1) estimate(1) = norm(1)*self%sig(k)*gamma_star(k - 1)
@@ -347,6 +353,25 @@ contains
       end if
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_errors
+
+   !> The lowest order whose difference is as large as that of the present one: a law that jumps, or nearly does, within the step
+   !> adds the same to the differences of all orders, and what the higher ones promise does not hold, eq. (W7).
+   pure integer function seen_order(self, largest) result(order)
+      class(adams_type), intent(in) :: self
+      !> Difference of the present order times the step, in units of the scales
+      real(wp), intent(in) :: largest
+      real(wp) :: norm
+      integer :: i
+      order = max(1, self%k - 2)
+      do while (order > 1)
+         norm = 0.0_wp
+         do i = 1, self%weighed
+            norm = norm + ((self%phi(i, order) + self%yp(i) - self%phi(i, 1))/self%scale(i))**2
+         end do
+         if (abs(self%h*sqrt(norm) - largest) > flat*largest) return
+         order = order - 1
+      end do
+   end function seen_order
 
    !> Puts the differences back and chooses a smaller step (block 3).
    subroutine retreat(self, failures, estimate, k_next)

@@ -13,7 +13,8 @@ module limber_system_moments
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, describe_law
+   public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, law_turn, &
+      & describe_law
 
    !> Watched laws at a moment
    type :: moment_type
@@ -186,6 +187,31 @@ contains
       inertia = minval(system%inertia(1, :), mask=system%inertia(1, :) > 0.0_wp)
       if (any(system%inertia(1, :) > 0.0_wp)) effect = 1/inertia
    end function law_effect
+
+   !> Error of a place that a scheme of order 2 makes between two moments where a watched law of it changes: the twelfth of the time
+   !> between times what the law changes of its rate, relative to the length of the scene, or a radian, eq. (E7).
+   real(wp) function law_turn(system, loads, law, a, b, effect, beyond) result(turn)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: loads(:), law
+      type(moment_type), intent(in) :: a, b
+      !> What a unit of force gives to velocities, and by how much the law may be beyond its values at both moments
+      real(wp), intent(in) :: effect, beyond
+      real(wp) :: h, change
+      integer :: k
+      turn = 0.0_wp
+      h = b%t - a%t
+      select type (load => system%loads(loads(law))%item)
+      type is (effort_load_type)
+         do k = 1, size(load%slots)
+            if (load%slots(k) == 0 .or. load%by_rate(k)) cycle
+            change = abs(b%rate(k, law) - a%rate(k, law))
+            if (load%gauges(load%slots(k))%kind /= gauge_angle) change = change/system%model%length
+            turn = max(turn, change)
+         end do
+         change = abs(b%force(law) - a%force(law)) + min(beyond, 1.0e30_wp*(1 + abs(b%force(law))))
+         turn = h/12*min(turn, change*(h*effect/system%model%length))
+      end select
+   end function law_turn
 
    !> Bounds of a slot by the control points of the cubic through both ends.
    pure subroutine bound_slot(h, place_a, rate_a, place_b, rate_b, by_rate, low, high)

@@ -1,5 +1,6 @@
 !> Laws of the motion that steps could jump over: a quarter car over a bump far away, whose numbers an integrator with events has
-!> made (Dormand and Prince, order 8, the breaks met); a narrow pulse in place, in closed form; and what sticks where a law jumps.
+!> made (Dormand and Prince, order 8, the breaks met); a narrow pulse in place, in closed form; friction whose law nearly jumps (the
+!> same integrator); a ball on a hard floor, in closed form; and what sticks where a law jumps.
 !> Usage, in tests/: test_crossings RESULT_FILE
 program test_crossings
    use limber_base_kinds, only: wp
@@ -23,6 +24,16 @@ program test_crossings
       call check_spike(integrators(i))
       call check_sticking(integrators(i))
    end do
+   call check_layer('INTEGRATOR=ADAMS', '1e-4', 40.0e-4_wp)
+   call check_layer('INTEGRATOR=ADAMS', '1e-6', 40.0e-6_wp)
+   call check_layer('INTEGRATOR=ADAMS', '1e-8', 40.0e-8_wp)
+   call check_layer('INTEGRATOR=RADAU', '1e-6', 40.0e-6_wp)
+   call check_layer('INTEGRATOR=ALPHA', '1e-4', 300.0e-4_wp)
+   call check_layer('INTEGRATOR=CONSERVING', '1e-4', 300.0e-4_wp)
+   call check_floor('INTEGRATOR=CONSERVING', '1e-3', 40.0e-3_wp)
+   call check_floor('INTEGRATOR=CONSERVING', '1e-4', 40.0e-4_wp)
+   call check_floor('INTEGRATOR=CONSERVING', '1e-6', 40.0e-6_wp)
+   call check_floor('INTEGRATOR=RADAU', '1e-6', 200.0e-6_wp)
    call check_bump('INTEGRATOR=RADAU', '1e-10', 1.0e-6_wp)
    call check_bump('INTEGRATOR=ADAMS', '1e-10', 1.0e-6_wp)
    call finish()
@@ -66,6 +77,49 @@ contains
       call check_close(speed(size(speed)), 0.025_wp, 1.0e-4_wp, trim(integrator)//': spike of a table in place')
       call reader%close()
    end subroutine check_spike
+
+   !> Angle after 10 s of swings: each turning point passes the layer in which friction changes its sign.
+   subroutine check_layer(integrator, tolerance, most)
+      character(*), intent(in) :: integrator, tolerance
+      !> Error [rad]
+      real(wp), intent(in) :: most
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: angle(:)
+      call run_changed('verification/layer.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6'], &
+         & [character(24) :: integrator, 'tol = '//tolerance], reader)
+      allocate (angle, source=channel(reader, 'angle'))
+      call check_close(angle(51), -1.171549728061_wp, most, trim(integrator)//' '//tolerance//': friction in a pin, 5 s')
+      call check_close(angle(101), -1.496642375379_wp, most, trim(integrator)//' '//tolerance//': friction in a pin, 10 s')
+      call reader%close()
+   end subroutine check_layer
+
+   !> Heights of a ball that bounces: flights, and contacts that are parts of a vibration about its place at rest.
+   subroutine check_floor(integrator, tolerance, most)
+      character(*), intent(in) :: integrator, tolerance
+      !> Error relative to the first height
+      real(wp), intent(in) :: most
+      real(wp), parameter :: g = 9.81_wp, high = 28.0_wp, k = 1.4e9_wp
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: y(:)
+      real(wp) :: fall, speed, omega, sag, touch, since, exact(0:54)
+      integer :: j
+      call run_changed('verification/hard_floor.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-4'], &
+         & [character(24) :: integrator, 'tol = '//tolerance], reader)
+      allocate (y, source=channel(reader, 'y'))
+      omega = sqrt(k)
+      fall = sqrt(2*high/g)
+      speed = g*fall
+      sag = g/k
+      touch = 2*(acos(-1.0_wp) - atan2(speed/omega, sag))/omega
+      do j = 0, 54
+         since = modulo(0.5_wp*j + fall, 2*fall + touch)
+         exact(j) = speed*since - 0.5_wp*g*since**2
+         since = since - 2*fall
+         if (since > 0.0_wp) exact(j) = -sag + sag*cos(omega*since) - speed/omega*sin(omega*since)
+      end do
+      call check_close(maxval(abs(y - exact)), 0.0_wp, most*high, trim(integrator)//' '//tolerance//': bounces')
+      call reader%close()
+   end subroutine check_floor
 
    !> A brake that does not know what to do at rest.
    subroutine check_sticking(integrator)

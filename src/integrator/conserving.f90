@@ -30,9 +30,10 @@ module limber_integrator_conserving
    !> Number of rates above which round-off of the corrections grows with it
    real(wp), parameter :: many_rates = 200.0_wp
    !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
-   !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off
+   !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off, or that
+   !> in units of the round-off of places: what is stiff multiplies it
    real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
-      & no_progress = 0.5_wp
+      & no_progress = 0.5_wp, stiff = 200.0_wp
 
    !> Memory of the method
    type, extends(integrator_type) :: conserving_type
@@ -266,7 +267,7 @@ contains
             ratio = size_now/max(size_last, tiny(size_last))
             converged = ratio*size_now <= negligible .or. size_last <= noise
             if (.not. converged .and. ratio > slow .and. size_now > noise) then
-               converged = fresh .and. ratio > no_progress .and. size_now <= small_correction
+               converged = fresh .and. ratio > no_progress .and. size_now <= max(small_correction, stiff*noise)
                self%h_factors = 0.0_wp
             end if
          end if

@@ -208,7 +208,7 @@ contains
       self%reach = system%model%length
       do i = 1, size(system%model%bodies)
          self%reach = max(self%reach, abs(self%q(system%layout%q(i))), abs(self%q(system%layout%q(i) + 1)))
-         momentum = momentum + system%model%bodies(i)%reduced%mass*self%scales%speed
+         momentum = momentum + system%model%bodies(i)%reduced%mass*max(self%scales%speed, self%scales%driven)
       end do
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
@@ -244,7 +244,8 @@ contains
       fresh = .false.
       if (abs(self%trial%h - self%h_factors) > same_step*self%trial%h) self%h_factors = 0.0_wp
       ! Rounding of one joint moves all that follows in a chain
-      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*self%scales%speed))*max(1.0_wp, nw/many_rates)
+      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*max(self%scales%speed, self%scales%driven))) &
+         & *max(1.0_wp, nw/many_rates)
       size_last = 0.0_wp
       do round = 1, most_iterations
          call find_residual(self, system, work)

@@ -7,6 +7,7 @@
 module limber_integrator_scales
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
+   use limber_system_drivers, only: driven_origin_type
    use limber_system_system, only: system_type
    implicit none
    private
@@ -16,8 +17,10 @@ module limber_integrator_scales
    type :: scales_type
       !> Value for each component (2 nq)
       real(wp), allocatable :: value(:)
-      !> Speed [length/time], common to all bodies
-      real(wp) :: speed = 0.0_wp
+      !> Speed [length/time], common to all bodies, without coordinates that drivers prescribe, and that of these
+      real(wp) :: speed = 0.0_wp, driven = 0.0_wp
+      !> Whether a driver prescribes x or y of a body (2, bodies)
+      logical, allocatable :: given(:, :)
       !> Deflection coordinate and its rate, of each body (bodies)
       real(wp), allocatable :: deflection(:), rate(:)
       !> True if rates of fast coordinates are weighed by the deflection that they make
@@ -44,6 +47,13 @@ contains
       scales%deflection = 0.0_wp
       scales%rate = 0.0_wp
       scales%damping = damping
+      allocate (scales%given(2, size(scales%deflection)), source=.false.)
+      do i = 1, size(system%constraints)
+         select type (item => system%constraints(i)%item)
+         type is (driven_origin_type)
+            scales%given(item%axis, item%bodies(1)) = .true.
+         end select
+      end do
       do i = 1, size(scales%deflection)
          if (system%layout%n(i) == 0) cycle
          associate (body => system%model%bodies(i))
@@ -62,12 +72,18 @@ contains
       type(scales_type), intent(inout) :: scales
       !> Whether any was
       logical, intent(out), optional :: raised
-      integer :: i, first, last
+      integer :: i, k, first, last
       logical :: changed
       changed = .false.
       do i = 1, size(scales%deflection)
          first = system%layout%q(i)
-         call raise_to(scales%speed, max(abs(v(first)), abs(v(first + 1))))
+         do k = 1, 2
+            if (scales%given(k, i)) then
+               call raise_to(scales%driven, abs(v(first + k - 1)))
+            else
+               call raise_to(scales%speed, abs(v(first + k - 1)))
+            end if
+         end do
          if (.not. system%layout%framed(i)) cycle
          call raise_to(scales%speed, system%model%length*max(abs(v(first + 2)), abs(v(first + 3))))
          if (system%layout%n(i) == 0) cycle
@@ -115,7 +131,7 @@ contains
    pure real(wp) function energy_scale(system, scales)
       type(system_type), intent(in) :: system
       type(scales_type), intent(in) :: scales
-      energy_scale = 0.1_wp*sum(system%inertia(1, :))*scales%speed**2
+      energy_scale = 0.1_wp*sum(system%inertia(1, :))*max(scales%speed, scales%driven)**2
    end function energy_scale
 
    !> Writes the scales of all components.
@@ -127,7 +143,7 @@ contains
       do i = 1, size(scales%deflection)
          first = system%layout%q(i)
          scales%value(first:first + 1) = system%model%length
-         scales%value(nq + first:nq + first + 1) = scales%speed
+         scales%value(nq + first:nq + first + 1) = merge(max(scales%speed, scales%driven), scales%speed, scales%given(:, i))
          if (.not. system%layout%framed(i)) cycle
          n = system%layout%n(i)
          scales%value(first + 2:first + 3) = 1.0_wp
@@ -145,6 +161,7 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%keep('value', self%value)
       call snapshot%exchange('speed', self%speed)
+      call snapshot%exchange('driven_speed', self%driven)
       call snapshot%keep('deflection', self%deflection)
       call snapshot%keep('rate', self%rate)
    end subroutine exchange_scales

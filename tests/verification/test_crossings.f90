@@ -1,6 +1,6 @@
 !> Laws of the motion that steps could jump over: a quarter car over a bump far away, whose numbers an integrator with events has
-!> made (Dormand and Prince, order 8, the breaks met); a narrow pulse in place, in closed form; friction whose law nearly jumps (the
-!> same integrator); a ball on a hard floor, in closed form; and what sticks where a law jumps.
+!> made (Dormand and Prince, order 8, the breaks met); a narrow pulse in place, in closed form; pulses of a road, and
+!> friction whose law nearly jumps (the same integrator); a ball on a hard floor, in closed form; and what sticks where a law jumps.
 !> Usage, in tests/: test_crossings RESULT_FILE
 program test_crossings
    use limber_base_kinds, only: wp
@@ -22,6 +22,8 @@ program test_crossings
       call check_bump(integrators(i), '1e-6', 3.0e-3_wp)
       call check_pulse(integrators(i))
       call check_spike(integrators(i))
+      call check_roads(integrators(i), '1e-4', 20.0e-4_wp)
+      call check_roads(integrators(i), '1e-6', merge(20.0e-6_wp, 150.0e-6_wp, i <= 2))
       call check_sticking(integrators(i))
    end do
    call check_layer('INTEGRATOR=ADAMS', '1e-4', 40.0e-4_wp)
@@ -55,6 +57,43 @@ contains
       call check_close(body(size(body)), 0.00035354048007024_wp, most*0.00035_wp, trim(integrator)//' '//tolerance//': body')
       call reader%close()
    end subroutine check_bump
+
+   !> Heights 40 and 90 ms behind pulses of a road in four shapes, which move the wheel by less than a thousandth of its speed times
+   !> the time: errors relative to the peak.
+   subroutine check_roads(integrator, tolerance, most)
+      character(*), intent(in) :: integrator, tolerance
+      !> Relative error
+      real(wp), intent(in) :: most
+      character(*), parameter :: shapes(4) = [character(90) :: 'road(x(wheel))', &
+         & 'high*max(0, 1 - abs(x(wheel) - at - wide/2)/(wide/2))', &
+         & 'high*sin(pi*(x(wheel) - at)/wide)**2*step(x(wheel) - at)*step(at + wide - x(wheel))', &
+         & 'high*exp(-((x(wheel) - at - wide/2)/(wide/4))**2)']
+      real(wp), parameter :: peaks(4) = [0.007873931258_wp, 0.007873931258_wp, 0.007900091938_wp, 0.007005005857_wp]
+      real(wp), parameter :: wheels(2, 4) = reshape([-0.001636477143_wp, 0.001165763806_wp, -0.001636477143_wp, 0.001165763806_wp, &
+         & -0.001647526115_wp, 0.001169031144_wp, -0.001461675800_wp, 0.001036491776_wp], [2, 4])
+      real(wp), parameter :: bodies(2, 4) = reshape([0.001129056668_wp, 0.000959039988_wp, 0.001129056668_wp, 0.000959039988_wp, &
+         & 0.001129666513_wp, 0.000959064061_wp, 0.001001227137_wp, 0.000849952183_wp], [2, 4])
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: wheel(:), body(:)
+      character(90) :: old(3), new(3)
+      integer :: k
+      old = [character(90) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6', 'road(x(wheel))']
+      do k = 1, size(shapes)
+         new(1) = integrator
+         new(2) = 'tol = '//tolerance
+         new(3) = shapes(k)
+         call run_changed('verification/road.inp', trim(results), old, new, reader)
+         if (allocated(wheel)) deallocate (wheel, body)
+         allocate (wheel, source=channel(reader, 'wheel'))
+         allocate (body, source=channel(reader, 'body'))
+         call check_close(maxval(wheel), peaks(k), most*peaks(k), trim(integrator)//' '//tolerance//': peak of '//shapes(k))
+         call check_close(maxval(abs(wheel([2006, 2011]) - wheels(:, k))), 0.0_wp, most*peaks(k), trim(integrator)//' '// &
+            & tolerance//': wheel behind '//shapes(k))
+         call check_close(maxval(abs(body([2006, 2011]) - bodies(:, k))), 0.0_wp, most*peaks(k), trim(integrator)//' '// &
+            & tolerance//': body behind '//shapes(k))
+         call reader%close()
+      end do
+   end subroutine check_roads
 
    !> Its speed across is the integral of the pulse over the time, which passes at 20 a second: F d sqrt(pi)/v.
    subroutine check_pulse(integrator)

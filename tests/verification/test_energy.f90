@@ -13,6 +13,8 @@ program test_energy
    call check_squeezer('1e-3', 1.0e-2_wp)
    call check_squeezer('1e-6', 2.0e-3_wp)
    call check_slider_crank()
+   call check_far('10')
+   call check_far('300')
    call finish()
 
 contains
@@ -54,5 +56,23 @@ contains
       call reader%close()
       deallocate (energy, kinetic, deflection)
    end subroutine check_slider_crank
+
+   !> A stiff beam on a slide far from the origin, whose stiffness multiplies the round-off of places: it moves as at the origin.
+   subroutine check_far(far)
+      !> Distance
+      character(*), intent(in) :: far
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: here(:), there(:), energy(:)
+      call run_changed('verification/sliding_beam.inp', trim(results), ['far = 0'], ['far = 0'], reader)
+      allocate (here, source=channel(reader, 'x'))
+      call reader%close()
+      call run_changed('verification/sliding_beam.inp', trim(results), ['far = 0'], ['far = '//far], reader)
+      allocate (there, source=channel(reader, 'x'))
+      allocate (energy, source=channel(reader, 'energy'))
+      call reader%close()
+      call check_close(maxval(abs(there - here)), 0.0_wp, 1.0e-9_wp, 'beam on a slide at '//far//': place')
+      call check(maxval(here) > here(1) + 1.0e-4_wp, 'beam on a slide moves')
+      call check_close(maxval(abs(energy - energy(1))), 0.0_wp, 1.0e-8_wp, 'beam on a slide at '//far//': energy')
+   end subroutine check_far
 
 end program test_energy

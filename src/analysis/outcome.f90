@@ -24,6 +24,8 @@ module limber_analysis_outcome
       !> Largest velocity residual of a constraint at a sample, relative to its scale [1/time], its time, and the constraint
       real(wp) :: slip = 0.0_wp, slip_time = 0.0_wp
       integer :: slip_of = 0
+      !> Distance of the centres of each joint of wheels at the first sample, -1 behind a warning (joints)
+      real(wp), allocatable :: centres(:)
       !> Whether a sample could not be brought onto the constraints
       logical :: astray = .false.
       !> Whether a channel had no value at a sample (channels); not allocated if all had one
@@ -69,6 +71,7 @@ contains
       call snapshot%exchange('slip', self%slip)
       call snapshot%exchange('slip_time', self%slip_time)
       call snapshot%exchange('slip_of', self%slip_of)
+      call snapshot%keep('centres', self%centres)
       call snapshot%exchange('astray', self%astray)
       call snapshot%keep('undefined', self%undefined)
       call snapshot%exchange('first_energy', self%first_energy)

@@ -4,6 +4,7 @@ module limber_analysis_sampling
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
+   use limber_analysis_centres, only: check_centres
    use limber_analysis_outcome, only: outcome_type, warn, allowed_imbalance
    use limber_analysis_scene, only: scene_type
    use limber_integrator_integrator, only: integrator_type
@@ -88,6 +89,7 @@ contains
          if (allocated(error)) return
          call check_residuals(system, work, t, recorder%needs_velocities, sample%v, outcome)
          call check_place(system, work, t, residual, outcome)
+         call check_centres(system, t, sample%q, outcome)
          if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
             & sample%a)
          recorder%work = sample%w

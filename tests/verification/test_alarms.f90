@@ -25,6 +25,7 @@ program test_alarms
    call test_rest()
    call test_loss()
    call test_corrections()
+   call test_wheels()
    call finish()
 
 contains
@@ -83,6 +84,31 @@ contains
          & ' 0, 0.03*smoothstep(t/15)'//newline//'*DYNAMICS, END=20, OUTPUTS=20, TOLERANCE=1e-6, INTEGRATOR=RADAU'//newline// &
          & '*OUTPUT'//newline//' y(beam.end)', 0.01_wp, 3.0e-5_wp, '')
    end subroutine test_corrections
+
+   !> Wheels turn each other; what does not hold their centres is warned of, for then they part.
+   subroutine test_wheels()
+      character(*), parameter :: first = '*RIGID BODY, NAME=a, MASS=1, INERTIA=0.04, SPIN=10'//newline// &
+         & '*JOINT, NAME=pin, TYPE=REVOLUTE'//newline//' a.origin, ground.origin'//newline//'*GROUND'//newline//' post, 0.3, 0'// &
+         & newline//'*RIGID BODY, NAME=b, MASS=1, INERTIA=0.01, X=0.3, SPIN='
+      character(*), parameter :: pinned = '*JOINT, NAME=pin2, TYPE=REVOLUTE'//newline//' b.origin, ground.post'//newline
+      character(*), parameter :: gear = '-20'//newline//'*JOINT, NAME=mesh, TYPE=GEAR, FIRST RADIUS=0.2, SECOND RADIUS=0.1'// &
+         & newline//' a.origin, b.origin'//newline
+      character(*), parameter :: belt = '20'//newline//'*JOINT, NAME=mesh, TYPE=BELT, FIRST RADIUS=0.2, SECOND RADIUS=0.1'// &
+         & newline//' a.origin, b.origin'//newline
+      character(*), parameter :: rack = '*RIGID BODY, NAME=a, MASS=1, INERTIA=0.04, SPIN=10, VX=-2, Y=0.2'//newline// &
+         & '*JOINT, NAME=mesh, TYPE=RACK, RADIUS=0.2'//newline//' a.origin, ground.origin'//newline
+      character(*), parameter :: held = '*JOINT, NAME=height, TYPE=POINT ON LINE'//newline//' a.origin, ground.bar'//newline// &
+         & '*GROUND'//newline//' bar, 0, 0.2'//newline
+      character(*), parameter :: run = '*GRAVITY'//newline//'*DYNAMICS, END=0.5, OUTPUTS=10'//newline//'*OUTPUT'//newline// &
+         & ' spin(a)'//newline
+      character(*), parameter :: loose = "nothing holds the centres of joint 'mesh'"
+      call judge('gears that are held', first//gear//pinned//run, 10.0_wp, 1.0e-4_wp, '')
+      call judge('a gear that is not held', first//gear//run, 0.0_wp, 100.0_wp, loose)
+      call judge('a belt that is held', first//belt//pinned//run, 10.0_wp, 1.0e-4_wp, '')
+      call judge('a belt that is not held', first//belt//run, 0.0_wp, 100.0_wp, loose)
+      call judge('a pinion that is held', rack//held//run, 10.0_wp, 1.0e-4_wp, '')
+      call judge('a pinion that is not held', rack//run, 0.0_wp, 100.0_wp, loose)
+   end subroutine test_wheels
 
    !> Runs a deck, compares the last sample of its channel with the truth, and looks for a warning.
    subroutine judge(name, deck, truth, error, warning)

@@ -31,6 +31,9 @@ if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
   if(CMAKE_BUILD_TYPE STREQUAL "Debug")
     # All but the notes that a temporary copy is made: thousands a second, and no error
     list(APPEND LIMBER_FORTRAN_CODE -fcheck=all,no-array-temps -fbacktrace)
+  else()
+    # Without it gfortran goes on where there was no memory for a local array or what is assigned, and crashes: `allocate` alone asks
+    list(APPEND LIMBER_FORTRAN_CODE -fcheck=mem)
   endif()
   if(LIMBER_SANITIZE)
     # Undefined behaviour traps, and the trace says where: half the time to compile, a quarter of the code. Places of variables,

@@ -14,9 +14,14 @@ fail() {
   tail -n 20 messages
   exit 1
 }
-# interrupt COMMAND...: sends the signal, ever earlier, until it comes before the end
+# interrupt COMMAND...: sends the signal until it comes before the end: earlier if that was too late; with `gently`, later if it was so
+# early that the command could only end at once
+gently=yes
 interrupt() {
-  for moment in 1 0.5 0.25 0.12 0.06 0.03; do
+  moment=1
+  early=0
+  late=
+  for try in 1 2 3 4 5 6 7 8 9 10 11 12; do
     rm -rf left.*
     "$limber" "$@" > output 2> messages &
     process=$!
@@ -24,10 +29,15 @@ interrupt() {
     kill -$signal $process 2> /dev/null
     wait $process
     status=$?
-    [ $status -eq 0 ] && continue
-    [ $status -eq 4 ] || fail "status $status"
-    [ -s messages ] || fail "no word"
-    return
+    if [ $status -eq 0 ]; then
+      late=$moment
+    else
+      [ $status -eq 4 ] || fail "status $status"
+      [ -s messages ] || fail "no word"
+      [ $gently = yes ] && grep -q "^limber: ended at once by a signal" messages || return
+      early=$moment
+    fi
+    moment=$(awk "BEGIN { print ($early + ${late:-3*$moment})/2 }")
   done
   fail "it was never interrupted"
 }
@@ -74,6 +84,7 @@ done
 # While LAPACK computes nobody looks: the run ends at once, as all was written before
 what=modes
 signal=TERM
+gently=no
 interrupt run modes.inp --quiet -o left.h5
 grep -q "interrupted by SIGTERM at t = 0.* --restart" messages || says "^limber: ended at once by a signal"
 "$limber" run modes.inp --quiet --restart -o left.h5 > messages 2>&1 || fail "does not go on"
@@ -90,6 +101,7 @@ what=advise
 interrupt advise advise.inp --write left.inp
 [ -z "$(ls left.* 2> /dev/null)" ] || fail "leaves $(ls left.*)"
 
+gently=yes
 # A study: its table has what has run
 what=study
 interrupt study study.inp --quiet -o left.h5

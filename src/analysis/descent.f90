@@ -9,7 +9,7 @@ module limber_analysis_descent
    use limber_analysis_rungs, only: rung_type, lower_rungs, bound_rung, better_rung, can_climb, rung_name, &
       & enough_derivatives, level_linear, &
       & level_kg, level_full, most_lower
-   use limber_analysis_trial, only: trial_type, run_trial, take_trial
+   use limber_analysis_trial, only: trial_type, run_trial, take_trial, least_patience
    use limber_analysis_truth, only: truth_type, error_against
    use limber_analysis_verification, only: sharpen, rest_after_looks, least_verified
    use limber_deck_content, only: deck_type
@@ -327,7 +327,7 @@ contains
          tried(tries)%name = name
          tried(tries)%tolerance = tolerance
          tried(tries)%counts = .true.
-         call run_trial(deck, rungs, tolerance, 1.0_wp, 2 + 4*best%outcome%cpu, .false., quiet, &
+         call run_trial(deck, rungs, tolerance, 1.0_wp, least_patience + 4*best%work, .false., quiet, &
             & 'less: '//name, trial, error, truth%values, target*truth%scale, (1 - saved)*best%work)
          if (allocated(error)) return
          given_up = 1.0_wp

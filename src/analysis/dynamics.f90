@@ -189,7 +189,7 @@ contains
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
          stop = min(stop, crossings%hold)
          call integrator%step(scene%system, scene%work, stop, error)
-         if (.not. allocated(error)) call history%check_limit(integrator%t, error)
+         if (.not. allocated(error)) call history%check_limit(integrator%t, error, integrator%statistics%evaluations)
          if (allocated(error)) exit
          t = integrator%t
          cut = .false.

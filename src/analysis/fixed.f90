@@ -169,7 +169,7 @@ contains
       do attempt = 1, 2
          call free_rungs(deck, truth%rungs, attempt == 1, rungs, aside)
          call run_check(freed, [rungs, aside], reached%advice%tolerance, truth%tolerance/truth%verified_tolerance, &
-            & 60*candidate%outcome%cpu, .false., quiet, 'run aside, with all free that the deck fixes', reached, check, error)
+            & 60*candidate%work, .false., quiet, 'run aside, with all free that the deck fixes', reached, check, error)
          if (.not. allocated(error)) exit
          if (error%status == status_interrupted) return
          failure = first_line(error%message)

@@ -9,7 +9,7 @@ module limber_analysis_target
    use limber_analysis_descent, only: descend
    use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words, support_words
    use limber_analysis_reached, only: reached_type, record_errors, say_why
-   use limber_analysis_trial, only: trial_type, run_trial, take_samples, take_outcome
+   use limber_analysis_trial, only: trial_type, run_trial, take_samples, take_outcome, least_patience
    use limber_analysis_truth, only: truth_type, error_against
    use limber_analysis_verification, only: verify, matters
    use limber_deck_content, only: deck_type
@@ -94,7 +94,7 @@ contains
          call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., quiet, 'run', &
             & candidate, error)
          if (allocated(error)) return
-         limit = 10 + patience*candidate%outcome%cpu
+         limit = 5*least_patience + patience*candidate%work
          reached%runs = reached%runs + 1
          reached%work = reached%work + candidate%work
          ! Up only if what is there can be run as well

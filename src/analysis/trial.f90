@@ -2,7 +2,7 @@
 !> target needs. Floor: analysis; deck + rungs -> scene -> samples.
 module limber_analysis_trial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise, status_interrupted
    use limber_base_signals, only: signal_came, signal_name
    use limber_base_text, only: as_text, first_line
@@ -24,7 +24,10 @@ module limber_analysis_trial
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: trial_type, run_trial, take_samples, take_outcome, take_trial
+   public :: trial_type, run_trial, take_samples, take_outcome, take_trial, least_patience
+
+   !> Counted work, eq. (182), that every run of a search may take: a second or two, as runs may be short and what verifies them not
+   real(wp), parameter :: least_patience = 5.0e5_wp
 
    !> Samples in memory of a run that is given up when they leave those of another by too much
    type, extends(memory_type) :: watched_type
@@ -65,7 +68,7 @@ contains
       type(deck_type), intent(in) :: deck
       type(rung_type), intent(in) :: rungs(:)
       !> Tolerance, and what part it is of that of the run: steps that the deck gives are shortened as those of order two would be;
-      !> CPU seconds after which the run is given up
+      !> counted work after which the run is given up
       real(wp), intent(in) :: tolerance, part, limit
       !> Whether the quantities of the channels are sampled too, and their scales found
       logical, intent(in) :: wide, quiet
@@ -104,7 +107,8 @@ contains
          model%dynamics%maximum_step = part**(1.0_wp/3)*model%dynamics%maximum_step
          model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step
          call new_integrator(model%dynamics, integrator)
-         call trial%samples%start(width, model%dynamics%outputs + 1, limit)
+         call trial%samples%start(width, model%dynamics%outputs + 1, huge(limit))
+         trial%samples%most_evaluations = int(min(limit/work_of(scene%system%layout%nw), 1.0e18_wp), long)
          trial%samples%heeds_signals = .true.
          if (present(truth)) allocate (trial%samples%truth, source=truth)
          if (present(allowed)) allocate (trial%samples%allowed, source=allowed)

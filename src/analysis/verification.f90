@@ -10,7 +10,7 @@ module limber_analysis_verification
    use limber_analysis_rungs, only: rung_type, next_rung, in_pieces, can_climb, rung_name, rest_beyond, level_rigid, level_full, &
       & first_pieces, most_piece_modes, most_elements
    use limber_analysis_shares, only: no_matter, no_effect
-   use limber_analysis_trial, only: trial_type, run_trial
+   use limber_analysis_trial, only: trial_type, run_trial, least_patience
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type
    implicit none
@@ -134,7 +134,7 @@ contains
          real(wp), intent(in) :: part
          logical, intent(in) :: wide
          character(*), intent(in) :: label
-         call run_check(higher, rungs, reached%advice%tolerance, part, 60*candidate%outcome%cpu, wide, quiet, label, reached, &
+         call run_check(higher, rungs, reached%advice%tolerance, part, 60*candidate%work, wide, quiet, label, reached, &
             & check, error)
       end subroutine run_next
 
@@ -241,12 +241,12 @@ contains
          channels = size(truth%scale)
          n = size(truth%finest, 2)
          if (.not. allocated(truth%coarse)) then
-            call run_check(deck, truth%verified, truth%verified_tolerance, part, 2*reached%cpu, .false., quiet, &
+            call run_check(deck, truth%verified, truth%verified_tolerance, part, 2*reached%work, .false., quiet, &
                & 'second look at the integration', reached, check, error)
             if (allocated(error) .or. check%reason /= '') return
             allocate (truth%coarse, source=check%samples%values(:channels, :n))
          end if
-         call run_check(deck, truth%verified, truth%verified_tolerance, ladder*part, 2*reached%cpu, .false., quiet, &
+         call run_check(deck, truth%verified, truth%verified_tolerance, ladder*part, 2*reached%work, .false., quiet, &
             & 'second look at the integration', reached, check, error)
          if (allocated(error) .or. check%reason /= '') return
          truth%values = truth%finest + (check%samples%values(:channels, :n) - truth%coarse)
@@ -279,7 +279,7 @@ contains
             higher = higher_deck(deck, reached)
          end if
          call run_check(higher, [rungs, truth%aside], truth%verified_tolerance, truth%tolerance/truth%verified_tolerance, &
-            & 2*reached%cpu, .false., quiet, 'second look at the models', reached, check, error)
+            & 2*reached%work, .false., quiet, 'second look at the models', reached, check, error)
          if (allocated(error) .or. check%reason /= '') return
          channels = size(truth%scale)
          n = size(truth%finest, 2)
@@ -308,7 +308,7 @@ contains
       type(rung_type), intent(in) :: rungs(:)
       !> Tolerance of the run that it verifies, and its own in units of that
       real(wp), intent(in) :: tolerance, part
-      !> CPU seconds, about, after which it is given up
+      !> Counted work beyond `least_patience` after which it is given up
       real(wp), intent(in) :: limit
       !> Whether the scales of the channels are found
       logical, intent(in) :: wide, quiet
@@ -316,7 +316,7 @@ contains
       type(reached_type), intent(inout) :: reached
       type(trial_type), intent(inout) :: check
       type(error_type), allocatable, intent(out) :: error
-      call run_trial(deck, rungs, max(least_tolerance, part*tolerance), part, 2 + limit, wide, quiet, label, check, &
+      call run_trial(deck, rungs, max(least_tolerance, part*tolerance), part, least_patience + limit, wide, quiet, label, check, &
          & error)
       reached%runs = reached%runs + 1
       reached%cpu = reached%cpu + check%outcome%cpu

@@ -1,7 +1,7 @@
 !> Where an analysis puts its samples: a results file, or memory. Floor: output.
 module limber_output_sink
    use limber_base_error, only: error_type, raise, status_interrupted
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_signals, only: signal_came, signal_name
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
@@ -13,6 +13,8 @@ module limber_output_sink
    type, abstract :: sink_type
       !> CPU time after which the run is given up at its next step or sample, and CPU clock at its start [s]
       real(wp) :: limit = huge(1.0_wp), started = 0.0_wp
+      !> Evaluations after which it is given up at its next step: the same on every machine
+      integer(long) :: most_evaluations = huge(1_long)
       !> Whether the run ends at its next step, increment or sample when a signal asks for that: one that could not go on from there
       logical :: heeds_signals = .false.
       !> What channels were over the samples: sums, in the units of the channel and its square, where they are asked for
@@ -80,19 +82,25 @@ contains
       call cpu_time(self%started)
    end subroutine watch_limit
 
-   !> Gives up the run if its time is over, or a signal asks for that: asked at each step or increment.
-   subroutine check_limit(self, t, error)
+   !> Gives up the run if its time or its evaluations are over, or a signal asks for that: asked at each step or increment.
+   subroutine check_limit(self, t, error, evaluations)
       class(sink_type), intent(in) :: self
       !> Time reached
       real(wp), intent(in) :: t
       !> The time is over, or a signal came
       type(error_type), allocatable, intent(out) :: error
+      !> So far
+      integer(long), intent(in), optional :: evaluations
       real(wp) :: now
       if (self%heeds_signals) then
          if (signal_came()) then
             call raise(error, 'interrupted by '//signal_name()//' at t = '//as_text(t, 8), status_interrupted)
             return
          end if
+      end if
+      if (present(evaluations)) then
+         if (evaluations > self%most_evaluations) call raise(error, 'given up after '//as_text(evaluations)// &
+            & ' evaluations at t = '//as_text(t, 4))
       end if
       if (.not. self%limit < huge(now)) return
       call cpu_time(now)

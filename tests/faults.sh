@@ -39,6 +39,11 @@ limited() {
     exec "$@"
   )
 }
+# awaits FILE: it is there, within a minute, or the run in $process has ended
+awaits() {
+  tries=0
+  while [ ! -e "$1" ] && kill -0 $process 2> /dev/null && [ $tries -lt 6000 ]; do tries=$((tries + 1)); sleep 0.01; done
+}
 same() { expect 0 "the same" "$limber" diff "$1" "$work/whole.h5" --rtol 0 --range 0; }
 # What a results file holds is the beginning of the whole
 begins() {
@@ -67,13 +72,15 @@ swept() {
   expect 0 "the same" "$limber" diff swept.h5 "$work/sweep.h5" --rtol 0 --range 0
   table swept.csv | cmp - "$work/wanted.csv" || exit 1
 }
-# As many rows are done as were said to be
+# As many rows are done as were said to be. Where one journal takes all the room the other process may end the sweep before it has a row
 goes_on() {
   done=$(sed -n 's/^ *\([0-9]*\) of 100 rows are done and are kept in swept.rows; called again, .*/\1/p' "$work/messages")
-  [ "${done:-0}" -gt 0 ] || { echo "no row is done"; exit 1; }
+  [ "${done:-0}" -gt 0 ] || [ "$1" = 4 ] || { echo "no row is done"; exit 1; }
   [ "$(echo swept*)" = swept.rows ] || { echo "there are $(echo swept*)"; exit 1; }
   [ -z "$1" ] || mount -o remount,size=20m .
-  expect 0 "^$done rows were done already" "$limber" sweep "$work/sweep.inp" --jobs 2 -o swept.h5
+  before="^$done rows were done already"
+  [ "${done:-0}" -gt 0 ] || before="100 rows: 100 ok"
+  expect 0 "$before" "$limber" sweep "$work/sweep.inp" --jobs 2 -o swept.h5
   swept
 }
 
@@ -91,7 +98,7 @@ full() {
 }
 if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   cd disk || exit 1
-  full "$limber" run ../deck.inp --quiet -o full.h5 --checkpoint 0.02
+  full "$limber" run ../deck.inp --quiet -o full.h5 --checkpoint 0.005
   cp full.h5 full.checkpoint.h5 ..
   full "$limber" run ../deck.inp --quiet -o full.h5 --checkpoint 0.02 --restart
   mount -o remount,size=20m .
@@ -102,9 +109,9 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   # before that, which ends the run
   rm -f full*
   mount -o remount,size=400k .
-  "$limber" run ../long.inp --quiet -o full.h5 --checkpoint 0.02 > ../messages 2>&1 &
+  "$limber" run ../long.inp --quiet -o full.h5 --checkpoint 0.005 > ../messages 2>&1 &
   process=$!
-  while [ ! -e full.checkpoint.h5 ]; do sleep 0.01; done
+  awaits full.checkpoint.h5
   # More than once: the run itself gives room free now and then
   for i in 1 2 3 4 5 6; do
     head -c 400000 /dev/zero > rest$i 2> /dev/null
@@ -135,7 +142,7 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   # Room for the file and the copy before, but not for another one: the run reaches its end all the same
   rm -f rest7 advised.inp
   mount -o remount,size=$((size*9/5)) .
-  expect 0 "warning: the last checkpoint could not be written: No space left on device" "$limber" run ../deck.inp -o tight.h5 --checkpoint 0.02
+  expect 0 "warning: the last checkpoint could not be written: No space left on device" "$limber" run ../deck.inp -o tight.h5 --checkpoint 0.005
   same tight.h5
   rm -f tight*
   mount -o remount,size=20m .
@@ -143,7 +150,7 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   for size in 4 8 20 48; do
     mount -o remount,size=${size}k .
     expect 3 "takes no more rows: is the disk full?\|the summary could not be written: .*: No space left on device" sweep
-    goes_on room
+    goes_on $size
     rm -rf swept*
   done
   # Room for the results file, but not for the table; never a part of either
@@ -168,7 +175,7 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   # A summary that is there stays as it is when another one finds no room
   cp swept.h5 swept.csv ..
   head -c 1000000 /dev/zero > rest 2> /dev/null
-  expect 3 "is the disk full?" sweep --set speed=10:105:200
+  expect 3 "is the disk full?\|No space left on device" sweep --set speed=10:105:200
   cmp swept.h5 ../swept.h5 && cmp swept.csv ../swept.csv || exit 1
   rm -rf swept* rest
   # Histories that find no room make their rows fail, until there is some
@@ -184,11 +191,17 @@ if mount -t tmpfs -o size=300k tmpfs disk 2> /dev/null; then
   rm -rf swept*
 
   # A folder that is read-only: nothing can be made, and what is there is left as it is
-  "$limber" run ../deck.inp --quiet -o fixed.h5 --checkpoint 0.02 > ../messages 2>&1 &
-  process=$!
-  while [ ! -e fixed.checkpoint.h5 ]; do sleep 0.01; done
-  kill -9 $process
-  wait $process 2> /dev/null
+  for try in 1 2 3 4 5; do
+    rm -f fixed*
+    "$limber" run ../deck.inp --quiet -o fixed.h5 --checkpoint 0.005 > ../messages 2>&1 &
+    process=$!
+    awaits fixed.checkpoint.h5
+    kill -9 $process 2> /dev/null
+    wait $process 2> /dev/null
+    # Too late where it has come to its end and needs none
+    [ ! -e fixed.checkpoint.h5 ] || break
+  done
+  [ -e fixed.checkpoint.h5 ] || { echo "no checkpoint of a run is seen"; exit 1; }
   cp fixed.h5 fixed.checkpoint.h5 ..
   mount -o remount,ro .
   expect 2 "cannot create new.h5.running: Read-only file system" "$limber" run ../deck.inp --quiet -o new.h5
@@ -226,7 +239,7 @@ fi
 mkdir gone
 "$limber" run long.inp --quiet -o gone/a.h5 --checkpoint 0.02 > messages 2>&1 &
 process=$!
-while [ ! -e gone/a.checkpoint.h5 ]; do sleep 0.01; done
+awaits gone/a.checkpoint.h5
 mv gone elsewhere
 wait $process
 status=$?
@@ -236,7 +249,7 @@ fi
 "$limber" export elsewhere/a.h5 > /dev/null || exit 1
 number=$(ls -i elsewhere/a.checkpoint.h5)
 expect 4 "interrupted" sh -c "'$limber' run long.inp --quiet -o elsewhere/a.h5 --restart --checkpoint 0.02 & p=\$!
-  while [ \"\$(ls -i elsewhere/a.checkpoint.h5)\" = '$number' ]; do sleep 0.02; done; kill -TERM \$p; wait \$p"
+  while [ \"\$(ls -i elsewhere/a.checkpoint.h5)\" = '$number' ] && kill -0 \$p; do sleep 0.02; done; kill -TERM \$p; wait \$p"
 expect 2 "cannot create gone/a.h5.running: No such file or directory" "$limber" run deck.inp --quiet -o gone/a.h5
 [ $skipped -eq 0 ] || exit 77
 echo "all as it should be"

@@ -49,7 +49,7 @@ done
 awk -v runs=$runs -v seed=$seed -v count=$count 'BEGIN {
   while ((getline line < "seconds") > 0) seconds[++n] = line
   srand(seed)
-  for (i = 1; i <= 3*runs; i++) {
+  for (i = 1; i <= 10*runs; i++) {
     k = (i - 1)%count + 1
     line = k " " (rand() < 0.5 ? 0.01 : 0.1)
     m = 1 + int(3*rand())

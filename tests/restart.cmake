@@ -16,7 +16,7 @@ function(expect status text command)
 endfunction()
 
 # Waits for the first checkpoint of a run, if that does not end before
-set(later "p=$!; while test ! -e FILE.checkpoint.h5 && kill -0 $p; do sleep 0.02; done; sleep 0.05")
+set(later "p=$!; while test ! -e FILE.checkpoint.h5 && kill -0 $p; do sleep 0.01; done; sleep 0.02")
 set(run "${LIMBER} run ${DECK} --set turns=${TURNS} --quiet")
 expect(0 "" "${run} -o whole.h5")
 foreach(signal TERM INT USR1)

@@ -225,12 +225,16 @@ contains
       real(wp) :: ends(2), middle(2), noise
       if (by_rate) then
          ends = [rate_a, rate_b]
-         noise = 16*spacing(max(abs(place_a), abs(place_b)))/h
-         middle = 3*(place_b - place_a)/h - rate_a - rate_b
-         middle = [min(maxval(ends), middle(1) + noise), max(minval(ends), middle(2) - noise)]
+         middle = ends
       else
          ends = [place_a, place_b]
          middle = [place_a + h*rate_a/3, place_b - h*rate_b/3]
+      end if
+      ! One moment and the same: what begins with a step
+      if (by_rate .and. h > 0.0_wp) then
+         noise = 16*spacing(max(abs(place_a), abs(place_b)))/h
+         middle = 3*(place_b - place_a)/h - rate_a - rate_b
+         middle = [min(maxval(ends), middle(1) + noise), max(minval(ends), middle(2) - noise)]
       end if
       low = minval(ends)
       high = maxval(ends)

@@ -117,7 +117,7 @@ contains
          end do
       end do
       print '(a)', as_text(refused)//' of '//as_text(3*601)//' changes of a heap refused'
-      call check(refused > 200, 'heaps are refused')
+      call check(refused > 100, 'heaps are refused')
       call put_bytes(path, bytes)
       call open_file(path, file, error)
       call check_no_error(error, 'the heap as it was')

@@ -71,16 +71,17 @@ contains
       call check_close(v(size(v)), 1.0e-6_wp*atanh(1/3.0_wp), 1.0e-8_wp, integrator//': creep')
    end subroutine check_implicit
 
-   !> ADAMS as the deck asks for it.
+   !> ADAMS as the deck asks for it, in a layer wide enough for a test: a tenth of it costs 15 times as much.
    subroutine check_told(results)
       character(*), intent(in) :: results
       character(:), allocatable :: report
       real(wp), allocatable :: x(:), v(:)
-      call run_it(results, [character(40) :: 'OUTPUTS=20'], [character(40) :: 'OUTPUTS=20, INTEGRATOR=ADAMS'], report, x, v)
+      call run_it(results, [character(40) :: 'OUTPUTS=20', 'eps = 1e-4'], [character(40) :: 'OUTPUTS=20, INTEGRATOR=ADAMS', &
+         & 'eps = 1e-3'], report, x, v)
       call check(index(report, 'warning: ADAMS is bound to steps of ') > 0, 'ADAMS is questioned')
       call check(index(report, 'the fastest decay (') > 0 .and. index(report, 'use INTEGRATOR=AUTO or RADAU') > 0, &
          & 'cause and remedy')
-      call check_close(x(size(x)), 1.0_wp, 1.0e-3_wp, 'ADAMS: way')
+      call check_close(x(size(x)), 1.0_wp + 1.0e-3_wp*atanh(1/3.0_wp)*9, 1.0e-4_wp, 'ADAMS: way')
    end subroutine check_told
 
    !> A damper without a mass that is worth it: x = exp(-k t/c).

@@ -397,7 +397,7 @@ contains
       do round = 1, most
          call linearise_balance(system, work, balance, t, q, lambda)
          call judge_stiffness(system, work, balance, lambda)
-         spring = max(spring, -2*balance%lowest)
+         if (balance%lowest < 0.0_wp) spring = max(spring, -2*balance%lowest)
          if (.not. spring > 0.0_wp) spring = max(1.0e-3_wp*balance%largest, balance%forces)
          if (.not. spring > 0.0_wp) spring = 1.0_wp
          do

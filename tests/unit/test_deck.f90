@@ -235,12 +235,17 @@ contains
       call check_again(effective_deck(deck))
    end subroutine test_lines_behind_includes
 
-   !> A line of 20 MB where the end of a *REPEAT is looked for: no words are taken from it, which the stack could not hold.
+   !> A line of 20 MB, or of as many words as the program is told, where the end of a *REPEAT is looked for: no words are taken from
+   !> it, which the stack could not hold.
    subroutine test_long_line()
       type(deck_type) :: deck
       type(diagnostics_type) :: diagnostics
       character(:), allocatable :: text
-      integer, parameter :: words = 6000000
+      character(16) :: argument
+      integer :: words
+      words = 6000000
+      call get_command_argument(1, argument)
+      if (argument /= '') read (argument, *) words
       allocate (character(30 + 3*words) :: text)
       text(:) = '*REPEAT, COUNT=2, INDEX=i'//newline//'*'//repeat('END', words)
       call read_deck_text('deck.inp', text, deck, diagnostics)

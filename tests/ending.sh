@@ -122,4 +122,24 @@ done
 "$limber" sweep sweep.inp --quiet --jobs 2 -o left.h5 > messages 2>&1 || fail "does not go on"
 for table in left whole; do cut -d, -f1-5,7-9 $table.csv > $table.columns; done
 cmp left.columns whole.columns || fail "another table"
+
+# Too little memory [kB], wherever it is missed: status 3 and a word. Sanitizers themselves need more than any limit
+what=memory
+signal="less and less memory"
+{ chain 2000; echo '*DYNAMICS, END=1e-3'; printf '*OUTPUT\n y = y(b9.end)\n'; } > memory.inp
+if (ulimit -v 400000 && "$limber" --version) > messages 2>&1; then
+  few=0
+  for moment in 95000 90000 85000 80000 75000 70000 65000 60000 55000; do
+    (ulimit -v $moment && exec "$limber" run memory.inp --quiet --force -o left.h5) > messages 2>&1
+    status=$?
+    case $status in
+      0) ;;
+      3) few=1; [ -s messages ] || fail "no word" ;;
+      # Not even its libraries find room
+      127) break ;;
+      *) fail "status $status" ;;
+    esac
+  done
+  [ $few -eq 1 ] || fail "it was always enough"
+fi
 echo "all as it should be"

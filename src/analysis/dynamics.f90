@@ -250,7 +250,7 @@ contains
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       text = slip_warning(watch, scene%system, dynamics, outcome%slip, outcome%slip_time, outcome%slip_of)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
-      text = ringing_warning(integrator%ringing, scene%system, dynamics%integrator)
+      text = ringing_warning(integrator%ringing, scene%system, dynamics)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       call report_axial(scene, axial, outcome)
 

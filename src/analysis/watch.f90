@@ -167,6 +167,7 @@ contains
    end function phase_warning
 
    !> A warning if velocities at samples are further off what joints and drivers prescribe than the tolerance lets them be, eq. (W6).
+   !> A scene that moves by less than the tolerance in the whole run is at rest: its velocities are round-off.
    function slip_warning(self, system, dynamics, slip, t, culprit) result(text)
       type(jump_watch_type), intent(in) :: self
       type(system_type), intent(in) :: system
@@ -184,7 +185,7 @@ contains
       real(wp) :: part, allowed
       text = ''
       if (culprit == 0 .or. .not. self%speed > 0.0_wp) return
-      part = slip*system%model%length/self%speed
+      part = slip*system%model%length/max(self%speed, dynamics%tolerance*system%model%length/(dynamics%end - dynamics%start))
       allowed = min(many*dynamics%tolerance**(2.0_wp/3), much)
       remedy = 'a smaller TOLERANCE, or another INTEGRATOR'
       if (dynamics%fixed_step > 0.0_wp) then
@@ -198,11 +199,11 @@ contains
    end function slip_warning
 
    !> A warning if accelerations lack vibrations that the integrator does not follow, eq. (W4).
-   function ringing_warning(ringing, system, integrator) result(text)
+   function ringing_warning(ringing, system, dynamics) result(text)
       type(ringing_type), intent(in) :: ringing
       type(system_type), intent(in) :: system
-      !> Its name
-      character(*), intent(in) :: integrator
+      !> Integrator, tolerance and time of the run
+      type(dynamics_type), intent(in) :: dynamics
       !> Empty if all is well
       character(:), allocatable :: text
       !> Part of the largest acceleration that may be lost
@@ -210,11 +211,11 @@ contains
       real(wp) :: share, omega
       integer :: body
       text = ''
-      call ringing%worst(system, body, share, omega)
+      call ringing%worst(system, dynamics%tolerance*system%model%length/(dynamics%end - dynamics%start)**2, body, share, omega)
       if (share <= allowed) return
       ! A run of ADAMS that has it has gone over to RADAU
       text = 'RADAU'
-      if (integrator /= 'ADAMS') text = integrator
+      if (dynamics%integrator /= 'ADAMS') text = dynamics%integrator
       text = text//" does not follow a vibration of body '"//system%model%bodies(body)%name//"' (about "// &
          & as_text(omega, 2)//' rad/'//system%model%units%time//'), whose deflection is below the tolerance, but not its'// &
          & ' acceleration: accelerations, reactions and section forces there may err by '//as_text(100*share, 2)// &

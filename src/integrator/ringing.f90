@@ -76,9 +76,11 @@ contains
    end subroutine note
 
    !> The body whose accelerations have lost most.
-   pure subroutine worst(self, system, body, share, omega)
+   pure subroutine worst(self, system, least, body, share, omega)
       class(ringing_type), intent(in) :: self
       type(system_type), intent(in) :: system
+      !> Acceleration below which a body counts as at rest [length/time^2]
+      real(wp), intent(in) :: least
       !> Its index; 0: none
       integer, intent(out) :: body
       !> Part of its largest acceleration; frequency of the vibration [rad/time]
@@ -92,7 +94,7 @@ contains
       do i = 1, size(self%scale)
          do k = 1, system%layout%n(i)
             at = system%layout%w(i) + 2 + k
-            part = min(self%lost(at), 2*self%top(at))*system%model%bodies(i)%largest_shape/max(self%scale(i), tiny(part))
+            part = min(self%lost(at), 2*self%top(at))*system%model%bodies(i)%largest_shape/max(self%scale(i), least, tiny(part))
             if (.not. part > share) cycle
             body = i
             share = part

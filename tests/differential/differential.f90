@@ -2,19 +2,20 @@
 !> elimination, mirrored, turned, moved, in other units, under other names, in another order, at another time. A scene follows
 !> from its number alone.
 !>
-!>    differential [--show] [--all] [--reduce] [--slow] FIRST COUNT
+!>    differential [--show] [--talk] [--all] [--reduce] [--slow] FIRST COUNT
 !>
-!> --show prints the decks of all views; --all a line for each scene; --reduce leaves out of a scene that disagrees whatever is not
+!> --show prints the decks of all views; --talk how each run ended, and its warnings; --all a line for each scene; --reduce leaves out of a scene that disagrees whatever is not
 !> needed for it, and leaves its decks in the working folder, as NUMBER-a.inp and NUMBER-b.inp; --slow has ten times the patience.
 program differential
    use, intrinsic :: iso_fortran_env, only: output_unit
    use limber_base_text, only: as_text, newline
+   use comparisons, only: verdict_type
    use drafts, only: draft_type
    use inventions, only: invent
+   use plans, only: plan_type, make_plan, deck_of
    use reductions, only: judge_apart, reduce, line_of, patience_for_all
-   use verdicts, only: verdict_type, plan_type, make_plan, deck_of
+   use verdicts, only: talks
    implicit none
-
 
    character(*), parameter :: kinds(*) = [character(10) :: 'same', 'warned', 'estimated', 'refused', 'failed', 'values', 'status', &
       & 'warnings', 'slow', 'crash', 'hang']
@@ -39,6 +40,7 @@ contains
          if (word == '--show') shows = .true.
          if (word == '--all') lists = .true.
          if (word == '--reduce') reduces = .true.
+         if (word == '--talk') talks = .true.
          if (word == '--slow') patience_for_all = 10*patience_for_all
          if (word(1:2) /= '--') exit
          arguments = arguments + 1

@@ -265,7 +265,8 @@ contains
       call add_named(body, 'middle', length/2, 0.0_wp)
       call add_named(body, 'third', length/4, 0.0_wp)
       rung = rung_of(support)
-      if (present(in_one_piece) .and. has(rung, 'SEGMENTS')) rung = ', GEOMETRIC=LINEAR, BENDING MODES=3, AXIAL MODES=1'
+      if (present(in_one_piece) .and. (has(rung, 'SEGMENTS') .or. has(rung, 'RIGID'))) &
+         & rung = ', GEOMETRIC=LINEAR, BENDING MODES=3, AXIAL MODES=1'
       body%bends = .not. has(rung, 'RIGID')
       body%whole = .not. has(rung, 'SEGMENTS')
       text = '*BEAM, NAME=<N|'//trim(body%name)//'>'//new_stuff(draft, length)//', LENGTH=<D|0,1,0|+|'//t(length)//'>'// &

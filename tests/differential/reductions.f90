@@ -5,7 +5,9 @@ module reductions
    use limber_base_process, only: start_copy, end_copy
    use limber_base_text, only: as_text, newline
    use drafts, only: draft_type
-   use verdicts, only: verdict_type, plan_type, judge, deck_of
+   use comparisons, only: verdict_type
+   use plans, only: plan_type, deck_of
+   use verdicts, only: judge
    use views, only: mentions, view_type
    implicit none
    private

@@ -4,7 +4,6 @@ module trials
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: newline
-   use limber_analysis_closing, only: energy_warning
    use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: estimate_warning
    use limber_analysis_outcome, only: outcome_type
@@ -22,7 +21,7 @@ module trials
    public :: trial_type, try, kinds_of_warnings
 
    !> CPU seconds after which a run is given up
-   real(wp), parameter, public :: patience = 4.0_wp
+   real(wp), parameter, public :: patience = 1.0_wp
 
    !> A run
    type :: trial_type
@@ -89,7 +88,6 @@ contains
       call cpu_time(trial%cpu)
       trial%cpu = trial%cpu - before
       if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
-      if (single_dynamics(scene%system%model)) scene%warnings = scene%warnings//energy_warning(outcome)
       allocate (trial%values, source=history%memory%values(:, :history%memory%samples))
       if (allocated(lines)) call read_modes(lines, trial%modes)
       if (allocated(error)) then

@@ -119,7 +119,7 @@ contains
          out = coordinate(text, word(text, 2), word(text, 3), p, view)
       case ('U', 'V')
          p = scale_of(word(text, 2), view)*seen([value(word(text, 3)), value(word(text, 4))], view)
-         if (view%change > 0.0_wp) p = p*disturbance(view)
+         if (abs(view%change) > 0.0_wp) p = p*disturbance(view)
          out = coordinate(text, word(text, 3), word(text, 4), p, view)
       case ('A'); out = added(word(text, 2), view%side, view%turn)
       case ('S'); out = added(word(text, 4), view%side, view%turn*grounded(word(text, 2), word(text, 3)))
@@ -200,7 +200,7 @@ contains
    real(wp) function disturbance(view) result(factor)
       type(view_type), intent(inout) :: view
       factor = 1.0_wp
-      if (.not. view%change > 0.0_wp) return
+      if (.not. abs(view%change) > 0.0_wp) return
       view%changed = view%changed + 1
       factor = 1.0_wp + view%change*merge(1.0_wp, -0.5_wp, mod(view%changed, 2) == 1)
    end function disturbance
@@ -235,7 +235,7 @@ contains
    pure logical function is_plain(view)
       type(view_type), intent(in) :: view
       is_plain = view%side > 0.0_wp .and. abs(view%turn) <= 0.0_wp .and. all(abs(view%moved) <= 0.0_wp) .and. &
-         & all(abs(view%units - 1.0_wp) <= 0.0_wp) .and. .not. view%change > 0.0_wp
+         & all(abs(view%units - 1.0_wp) <= 0.0_wp) .and. .not. abs(view%change) > 0.0_wp
    end function is_plain
 
    !> A coordinate: as it is written where the view changes nothing.

@@ -1,0 +1,102 @@
+!> What a warning excuses. A warning tells how wrong a run may be; a difference is excused up to a stated multiple of that, in the
+!> quantities that the warning speaks of, and no further. Warnings of a model (its range, its modes) excuse nothing: all views of a
+!> scene have the same model.
+module pardons
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: newline
+   use couplings, only: places, angles, speeds, spins, accelerations, forces, moments, energies, stresses, powers
+   implicit none
+   private
+   public :: pardoned, without_near_ones
+
+   !> Multiple of what is told that a channel may be off
+   real(wp), parameter :: multiple = 5.0_wp
+   !> A part x of the energy that is lost in vibrations is a part sqrt(x) of their speeds; accelerations and forces are those of the
+   !> vibrations first of all
+   real(wp), parameter :: of_vibrations = 10.0_wp
+   !> Warnings that begin at a part of something: what stands before the number and behind it, and the part at which they begin
+   character(*), parameter :: energy_words = 'energy balance is off by ', ringing_words = 'there may err by ', &
+      & slip_words = 'they are off by ', phase_words = 'the motion is '
+   real(wp), parameter :: energy_begins = 1.0e-2_wp, ringing_begins = 1.0e-2_wp, slip_begins = 2.0e-2_wp, phase_begins = 2.0e-2_wp
+   !> A warning that tells less than so many times the part at which it begins may be missing in another view
+   real(wp), parameter :: near = 10.0_wp
+
+contains
+
+   !> Part of the largest of its group that a channel may be off, by what a run warns of.
+   pure real(wp) function pardoned(warnings, group) result(part)
+      character(*), intent(in) :: warnings
+      !> Of the channel
+      integer, intent(in) :: group
+      integer :: first, last
+      part = 0.0_wp
+      first = 1
+      do while (first <= len(warnings))
+         last = first + index(warnings(first:)//newline, newline) - 2
+         part = max(part, by_line(warnings(first:last), group))
+         first = last + 2
+      end do
+   end function pardoned
+
+   !> The same of one warning.
+   pure real(wp) function by_line(line, group) result(part)
+      character(*), intent(in) :: line
+      integer, intent(in) :: group
+      logical :: of_forces
+      of_forces = any(group == [accelerations, forces, moments, stresses, powers])
+      part = 0.0_wp
+      if (index(line, energy_words) > 0) then
+         part = 0.01_wp*number_behind(line, energy_words)
+         if (group /= energies) part = sqrt(part)
+         if (of_forces) part = of_vibrations*part
+      else if (index(line, ringing_words) > 0) then
+         if (of_forces) part = 0.01_wp*number_behind(line, ringing_words)
+      else if (index(line, slip_words) > 0) then
+         if (all(group /= [places, angles])) part = 0.01_wp*number_behind(line, slip_words)
+      else if (index(line, phase_words) > 0) then
+         part = number_behind(line, ' by about ')
+      else if (index(line, 'another branch') > 0 .or. index(line, 'sets the scale of the errors') > 0) then
+         part = huge(part)/multiple
+      end if
+      part = multiple*part
+   end function by_line
+
+   !> Warnings without those that are so near the part at which they begin that another view may not have them.
+   pure function without_near_ones(warnings) result(left)
+      character(*), intent(in) :: warnings
+      character(:), allocatable :: left
+      integer :: first, last
+      left = ''
+      first = 1
+      do while (first <= len(warnings))
+         last = first + index(warnings(first:)//newline, newline) - 2
+         associate (line => warnings(first:last))
+            if (.not. (is_near(line, energy_words, 0.01_wp, energy_begins) .or. is_near(line, ringing_words, 0.01_wp, &
+               & ringing_begins) .or. is_near(line, slip_words, 0.01_wp, slip_begins) .or. is_near(line, ' by about ', 1.0_wp, &
+               & phase_begins))) left = left//line//newline
+         end associate
+         first = last + 2
+      end do
+   end function without_near_ones
+
+   pure logical function is_near(line, words, unit, begins)
+      character(*), intent(in) :: line, words
+      real(wp), intent(in) :: unit, begins
+      is_near = index(line, words) > 0
+      if (is_near) is_near = unit*number_behind(line, words) < near*begins
+   end function is_near
+
+   !> The number behind some words; 0 if there is none.
+   pure real(wp) function number_behind(line, words) result(number)
+      character(*), intent(in) :: line, words
+      integer :: first, last, status
+      number = 0.0_wp
+      first = index(line, words)
+      if (first == 0) return
+      first = first + len(words)
+      last = first + index(line(first:)//' ', ' ') - 2
+      read (line(first:last), *, iostat=status) number
+      if (status /= 0) number = 0.0_wp
+   end function number_behind
+
+end module pardons

@@ -97,7 +97,7 @@ contains
          call run_view(draft, plan%changed, changed)
          call find_scales(draft, plan%base, reference, changed, scales)
          call compare(draft, plan%base, base, reference, scales, 'base', verdict)
-         if (verdict%kind == 'values') call look_at_estimate(draft, plan%base, reference, scales, verdict)
+         if (verdict%kind == 'values') call look_at_estimate(draft, plan, plan%base, reference, scales, verdict)
          if (is_disagreement(verdict)) return
       end if
       do i = 1, size(plan%others)
@@ -115,7 +115,7 @@ contains
          end if
          if (base%status /= 0) cycle
          call compare(draft, plan%others(i), other, reference, scales, plan%others(i)%name, verdict)
-         if (verdict%kind == 'values') call look_at_estimate(draft, plan%others(i), reference, scales, verdict)
+         if (verdict%kind == 'values') call look_at_estimate(draft, plan, plan%others(i), reference, scales, verdict)
          if (is_disagreement(verdict)) return
          call compare_warnings(plan%others(i)%name)
       end do
@@ -192,65 +192,56 @@ contains
       end do
    end function odd_line
 
-   !> Whether limber's own estimate of the errors says as much; the verdict is `estimated` then.
-   subroutine look_at_estimate(draft, view, reference, scales, verdict)
+   !> Whether limber's own estimates of the errors say as much, of the view and of the reference, whose tolerance may ask for more
+   !> than round-off leaves; the verdict is `estimated` then.
+   subroutine look_at_estimate(draft, plan, view, reference, scales, verdict)
       type(draft_type), intent(in) :: draft
+      type(plan_type), intent(in) :: plan
       type(view_type), intent(in) :: view
       type(trial_type), intent(in) :: reference
       type(scales_type), intent(in) :: scales
       type(verdict_type), intent(inout) :: verdict
-      type(view_type) :: asking
       type(trial_type) :: trial
-      integer :: row
+      real(wp) :: estimate(size(scales%own)), doubt(size(scales%own)), difference
+      integer :: i, row
       if (draft%timeless) return
-      asking = view
-      asking%estimated = .true.
-      call run_view(draft, asking, trial)
-      if (.not. allocated(trial%errors)) return
-      do row = 1, size(scales%own)
-         if (is_placed(row) .and. any(abs(view%moved) > 0.0_wp)) cycle
-         if (maxval(abs(trial%values(row, :) - reference%values(row, :))) > allowed_by(view)*scales%own(row) + &
-            & multiple_of_estimate*maxval(estimate_of(row))) return
+      call find_estimates(draft, plan%reference, trial, doubt)
+      call find_estimates(draft, view, trial, estimate)
+      if (any(shape(trial%values) /= shape(reference%values))) return
+      row = 0
+      do i = 1, size(draft%channels)
+         do row = row + 1, row + merge(2, 1, allocated(draft%channels(i)%second))
+            if (draft%channels(i)%placed .and. any(abs(view%moved) > 0.0_wp)) cycle
+            difference = maxval(abs(trial%values(row, :) - reference%values(row, :)))
+            if (difference > allowed_by(view)*scales%own(row) + multiple_of_estimate*(estimate(row) + doubt(row))) return
+         end do
+         row = row - 1
       end do
       verdict%kind = 'estimated'
       verdict%ratio = 0.0_wp
-
-   contains
-
-      !> Whether a channel depends on the place of the origin.
-      pure logical function is_placed(row)
-         integer, intent(in) :: row
-         integer :: i, at
-         at = 0
-         is_placed = .false.
-         do i = 1, size(draft%channels)
-            at = at + merge(2, 1, allocated(draft%channels(i)%second))
-            if (row > at) cycle
-            is_placed = draft%channels(i)%placed
-            return
-         end do
-      end function is_placed
-
-      !> Estimates are in the units of the view; those of places and vectors may be either component's.
-      pure function estimate_of(row) result(errors)
-         integer, intent(in) :: row
-         real(wp) :: errors(size(trial%errors, 2))
-         integer :: i, at
-         at = 0
-         errors = 0.0_wp
-         do i = 1, size(draft%channels)
-            if (allocated(draft%channels(i)%second)) then
-               if (row <= at + 2) errors = max(trial%errors(at + 1, :), trial%errors(at + 2, :))
-               at = at + 2
-            else
-               at = at + 1
-               if (row <= at) errors = trial%errors(at, :)
-            end if
-            if (row <= at) exit
-         end do
-         errors = errors/product(view%units**draft%channels(i)%dimension)
-      end function estimate_of
-
    end subroutine look_at_estimate
+
+   !> Runs a view with an estimate of its errors; the largest of each channel, in the units of the scene itself. Those of places and
+   !> vectors may be either component's.
+   subroutine find_estimates(draft, view, trial, errors)
+      type(draft_type), intent(in) :: draft
+      type(view_type), intent(in) :: view
+      type(trial_type), intent(out) :: trial
+      !> (channels); 0 if there are none
+      real(wp), intent(out) :: errors(:)
+      type(view_type) :: asking
+      integer :: i, row, rows
+      asking = view
+      asking%estimated = .true.
+      call run_view(draft, asking, trial)
+      errors = 0.0_wp
+      if (.not. allocated(trial%errors)) return
+      row = 1
+      do i = 1, size(draft%channels)
+         rows = merge(2, 1, allocated(draft%channels(i)%second))
+         errors(row:row + rows - 1) = maxval(trial%errors(row:row + rows - 1, :))/product(view%units**draft%channels(i)%dimension)
+         row = row + rows
+      end do
+   end subroutine find_estimates
 
 end module verdicts

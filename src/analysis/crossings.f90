@@ -2,7 +2,7 @@
 !> its dense output, by bounds that miss nothing between looks; where one has changed, the step is cut. So scalars of the motion
 !> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E7).
 module limber_analysis_crossings
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
@@ -37,6 +37,8 @@ module limber_analysis_crossings
    real(wp), parameter :: little = 1.0e-4_wp, part = 0.02_wp, quartered = 0.4_wp, halved = 0.6_wp, rough = 0.5_wp, &
       & level = 1.0e-6_wp, slight = 0.05_wp
 
+   !> Part of a step right behind a crossing in which the same crossing, found again, is round-off
+   real(wp), parameter :: just_met = 1.0e-8_wp
    !> Part of the tolerance below which a change of velocity within a step does not matter
    real(wp), parameter :: matters = 0.1_wp
 
@@ -61,6 +63,8 @@ module limber_analysis_crossings
       logical, allocatable :: idle(:)
       !> Steps since the last bend of each law; looks in this step; steps to rest, and the next number of these
       integer, allocatable :: steps(:)
+      !> Formula of each law behind the last crossing of it that was found (laws)
+      integer(long), allocatable :: entered(:)
       integer :: looks = 0, rest = 0, next_rest = 1
       !> The last jumps: law, time, time before it that counts as long, and how often it has gone to and fro; steps in a row that
       !> are next to nothing
@@ -109,6 +113,7 @@ contains
       allocate (self%smooth(n), self%steps(n), self%idle(n), self%nothing(n))
       allocate (self%effect, source=[(law_effect(system, self%loads(i)), i=1, n)])
       self%steps = huge(n)
+      allocate (self%entered(n), source=-1_long)
       self%smooth = .true.
    end subroutine new_crossings
 
@@ -402,7 +407,7 @@ contains
       do i = 1, size(self%loads)
          if (self%idle(i)) cycle
          if (a%branches(i) /= b%branches(i)) then
-            changed = i
+            if (.not. is_met(self, b, i)) changed = i
             self%excess(i, depth) = huge(h)
             cycle
          end if
@@ -453,6 +458,18 @@ contains
       end do
    end function is_unseen
 
+   !> Whether a change of formula up to a moment is the crossing that the step begins at: by round-off the state at its start is
+   !> still before it.
+   pure logical function is_met(self, moment, law) result(met)
+      type(crossings_type), intent(in) :: self
+      type(moment_type), intent(in) :: moment
+      integer, intent(in) :: law
+      associate (start => self%quarters(0)%t, end => self%quarters(4)%t)
+         met = self%steps(law) <= 1 .and. moment%branches(law) == self%entered(law) .and. &
+            & moment%t - start <= just_met*(end - start)
+      end associate
+   end function is_met
+
    !> Takes a change of formula between two moments that are next to each other. It jumps if the law does.
    subroutine take_crossing(self, integrator, a, b, law)
       type(crossings_type), intent(inout) :: self
@@ -465,6 +482,7 @@ contains
       real(wp), parameter :: at_start = 1.0e-7_wp
       if (integrator%ends_on_samples .and. b%t - self%quarters(0)%t <= at_start*(self%quarters(4)%t - self%quarters(0)%t)) return
       self%which = law
+      self%entered(law) = b%branches(law)
       self%t = b%t
       self%found = found_bend
       if (abs(b%force(law) - a%force(law)) > jump*self%largest(law)) then
@@ -540,6 +558,7 @@ contains
       call snapshot%keep('crossing_largest', self%largest)
       do i = 1, size(self%steps)
          call snapshot%exchange('crossing_steps', self%steps(i))
+         call snapshot%exchange('crossing_entered', self%entered(i))
       end do
       call snapshot%exchange('crossing_rest', self%rest)
       call snapshot%exchange('crossing_next_rest', self%next_rest)

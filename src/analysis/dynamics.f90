@@ -18,7 +18,7 @@ module limber_analysis_dynamics
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_text
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
-      & phase_warning, ringing_warning, slip_warning
+      & phase_warning, ringing_warning, slip_warning, largest_speed
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -289,7 +289,7 @@ contains
             call count_crossing(crossings, scene%system, error)
             if (allocated(error)) return
          end if
-         call pass_break(scene, time, t, of_time, integrator, sample, outcome, error)
+         call pass_break(scene, time, t, of_time, watch%speed, integrator, sample, outcome, error)
          if (allocated(error)) return
          call start_watch(watch, time, sample%v)
          call start_turning(turning, scene%system, time, sample%q, sample%v, integrator%ends_on_samples)
@@ -473,19 +473,21 @@ contains
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.
-   subroutine pass_break(scene, t, last, of_time, integrator, sample, outcome, error)
+   subroutine pass_break(scene, t, last, of_time, fastest, integrator, sample, outcome, error)
       type(scene_type), intent(inout) :: scene
       !> The instant, and the time of the last step right before it
       real(wp), intent(in) :: t, last
       !> Whether a law of time changes there; else constraints are left only by what dense output errs
       logical, intent(in) :: of_time
+      !> Largest speed so far [length/time]: where a motion turns back, what is left of its velocities is round-off
+      real(wp), intent(in) :: fastest
       class(integrator_type), intent(inout) :: integrator
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       !> Relative residuals beyond which a position and a velocity have jumped
       real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
-      real(wp) :: residual, energy(2), before, speed
+      real(wp) :: residual, energy(2), before
       integer :: culprit
       logical :: demanded
       associate (system => scene%system, work => scene%work)
@@ -504,14 +506,13 @@ contains
          end if
          call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
          before = sum(energy)
-         speed = maxval(abs(sample%v))
          sample%change = sample%v
          call settle(system, work, t, sample%q, sample%v, sample%a, .true., residual, error)
          if (allocated(error)) return
          call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
-         if (maxval(abs(sample%v - sample%change)) > impact*speed .and. demanded) call warn(outcome, 'velocities jump at t = '// &
-            & as_text(t, 8)//' as by an impact, for a driver changes its speed abruptly there; the energy changes by '// &
-            & as_text(sum(energy) - before, 3))
+         if (largest_speed(system, sample%v - sample%change) > impact*max(fastest, largest_speed(system, sample%v)) .and. &
+            & demanded) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for a driver changes'// &
+            & ' its speed abruptly there; the energy changes by '//as_text(sum(energy) - before, 3))
          integrator%work_at_start = sample%w + sum(energy) - before
          associate (dynamics => system%model%dynamics)
             call integrator%start(system, work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)

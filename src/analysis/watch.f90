@@ -14,7 +14,7 @@ module limber_analysis_watch
    implicit none
    private
    public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning, ringing_warning, &
-      & slip_warning
+      & slip_warning, largest_speed
 
    !> Velocities that change faster than a motion changes them
    type :: jump_watch_type
@@ -80,6 +80,21 @@ contains
       self%since = t
       self%last = t
    end subroutine start_watch
+
+   !> Largest speed of a point of a frame as far from its origin as the scene is long, of all bodies, or of a change of velocities.
+   pure real(wp) function largest_speed(system, v) result(speed)
+      type(system_type), intent(in) :: system
+      !> Velocities (nq)
+      real(wp), intent(in) :: v(:)
+      integer :: i
+      speed = 0.0_wp
+      do i = 1, size(system%layout%q)
+         associate (first => system%layout%q(i))
+            speed = max(speed, abs(v(first)), abs(v(first + 1)))
+            if (system%layout%framed(i)) speed = max(speed, system%model%length*norm2(v(first + 2:first + 3)))
+         end associate
+      end do
+   end function largest_speed
 
    !> Looks whether velocities have changed by half of the largest speed while a body could move by a tenth of the scene only, or in
    !> a single step, and that where branches of the motion meet: then it may have gone over to another branch.

@@ -25,8 +25,8 @@ module comparisons
    !> what follows from them for the forces in beams as they are here
    integer, parameter :: resting(11) = [speeds, spins, accelerations, forces, moments, stresses, deflections, rotations, &
       & powers, others, others + 1]
-   real(wp), parameter :: of_rest(11) = [1.0_wp, 1.0_wp, 3000.0_wp, 300.0_wp, 30.0_wp, 1.0e7_wp, 5.0e-4_wp, 1.0e-3_wp, &
-      & 300.0_wp, 1.0_wp, 1.0_wp]
+   real(wp), parameter :: of_rest(11) = [1.0_wp, 1.0_wp, 1.0e4_wp, 1.0e3_wp, 100.0_wp, 3.0e7_wp, 5.0e-4_wp, 1.0e-3_wp, &
+      & 1.0e3_wp, 1.0_wp, 1.0_wp]
    !> Part of the largest of its group that a channel counts as at least
    real(wp), parameter :: part_of_group = 0.05_wp
 

@@ -3,12 +3,13 @@ module couplings
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
    use chances, only: pick, between, decades, likely
-   use drafts, only: draft_type, add, add_channel, place_of, ref, t, new_name, is_ground, is_rigid, is_point, is_beam, is_frame
+   use drafts, only: draft_type, add, add_channel, place_of, ref, t, new_name, add_ground, is_ground, is_rigid, is_point, &
+      & is_beam, is_frame
    use views, only: of_place, of_vector, of_number, of_change
    implicit none
    private
-   public :: add_joint, add_rod, add_spring, add_bushing, add_turning_spring, add_force, add_torque, add_spread_load, &
-      & add_friction, drive_angle, add_gravity, ask_bodies, ask_system, law_of_time
+   public :: add_joint, add_rod, add_spring, hold_by_spring, add_bushing, add_turning_spring, add_force, add_torque, &
+      & add_spread_load, add_friction, drive_angle, add_gravity, ask_bodies, ask_system, law_of_time
 
    !> Groups of channels
    integer, parameter, public :: places = 1, speeds = 2, accelerations = 3, forces = 4, moments = 5, energies = 6, angles = 7, &
@@ -118,6 +119,18 @@ contains
       call add_channel(draft, name, of_number, places, 'elongation(<N|'//name//'>)', dimension=[0, 1, 0])
       if (likely(3)) call ask_power(draft, name)
    end subroutine add_spring
+
+   !> A spring to a point of the ground nearby.
+   subroutine hold_by_spring(draft, body)
+      type(draft_type), intent(inout) :: draft
+      integer, intent(in) :: body
+      real(wp) :: place(2)
+      integer :: point, there
+      point = pick(draft%bodies(body)%points)
+      place = place_of(draft, body, point) + [between(0.1_wp, 0.5_wp), between(0.1_wp, 0.5_wp)]
+      there = add_ground(draft, place)
+      call add_spring(draft, body, point, 0, there)
+   end subroutine hold_by_spring
 
    !> Powers as decks write them.
    pure function power(text) result(out)

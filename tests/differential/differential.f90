@@ -2,18 +2,21 @@
 !> elimination, mirrored, turned, moved, in other units, under other names, in another order, at another time. A scene follows
 !> from its number alone.
 !>
-!>    differential [--show] [--talk] [--all] [--reduce] [--slow] FIRST COUNT
+!>    differential [--show] [--talk] [--all] [--reduce] [--slow] [--quick] FIRST COUNT
 !>
-!> --show prints the decks of all views; --talk how each run ended, and its warnings; --all a line for each scene; --reduce leaves out of a scene that disagrees whatever is not
-!> needed for it, and leaves its decks in the working folder, as NUMBER-a.inp and NUMBER-b.inp; --slow has ten times the patience.
+!> --show prints the decks of all views; --talk how each run ended, and its warnings; --all a line for each scene; --reduce leaves
+!> out of a scene that disagrees whatever is not needed for it, and leaves its decks in the working folder, as NUMBER-a.inp and
+!> NUMBER-b.inp; --slow has ten times the patience, --quick a third of it for each run.
 program differential
    use, intrinsic :: iso_fortran_env, only: output_unit
+   use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
    use comparisons, only: verdict_type
    use drafts, only: draft_type
    use inventions, only: invent
    use plans, only: plan_type, make_plan, deck_of
    use reductions, only: judge_apart, reduce, line_of, patience_for_all
+   use trials, only: patience
    use verdicts, only: talks
    implicit none
 
@@ -41,6 +44,7 @@ contains
          if (word == '--all') lists = .true.
          if (word == '--reduce') reduces = .true.
          if (word == '--talk') talks = .true.
+         if (word == '--quick') patience = 0.3_wp*patience
          if (word == '--slow') patience_for_all = 10*patience_for_all
          if (word(1:2) /= '--') exit
          arguments = arguments + 1

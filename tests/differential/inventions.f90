@@ -2,9 +2,11 @@
 module inventions
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
+   use additions, only: add_hoist, add_press, add_flywheel, settle_first
    use chances, only: sow, pick, between, decades, likely
-   use couplings, only: add_joint, add_rod, add_spring, add_bushing, add_turning_spring, add_force, add_torque, add_spread_load, &
-      & add_friction, drive_angle, add_gravity, ask_bodies, ask_system, places, moments, forces, others
+   use couplings, only: add_joint, add_rod, add_spring, hold_by_spring, add_bushing, add_turning_spring, add_force, add_torque, &
+      & add_spread_load, add_friction, drive_angle, add_gravity, ask_bodies, ask_system, places, moments, forces, others
+   use structures, only: add_structure, add_rotor, add_column
    use drafts, only: draft_type, add, add_ground, add_rigid, add_point, add_beam, add_frame, add_channel, place_of, ref, t, &
       & new_name, is_point, is_beam, is_frame
    use views, only: of_number, of_vector
@@ -27,6 +29,36 @@ contains
       first = add_ground(draft, [0.0_wp, 0.0_wp])
       call add(draft, '', '*ASSEMBLY, LARGEST TURN=3<H>', 1)
       call add(draft, '', '*ACCURACY, ESTIMATE=<I>', 1)
+      if (mod(seed, 7) == 0) then
+         call invent_more(draft)
+      else
+         call invent_usual(draft)
+      end if
+      call ask_bodies(draft)
+      call ask_system(draft)
+   end subroutine invent
+
+   !> Kinds that came later.
+   subroutine invent_more(draft)
+      type(draft_type), intent(inout) :: draft
+      select case (pick(6))
+      case (1); call add_hoist(draft)
+      case (2); call add_press(draft)
+      case (3); call add_flywheel(draft)
+      case (4); call add_column(draft)
+      case (5); call tree(draft)
+      case default; call slider_crank(draft)
+      end select
+      if (any(draft%title == [character(24) :: 'tree', 'slider-crank'])) then
+         call settle_first(draft)
+      else if (.not. draft%timeless) then
+         call run_in_time(draft, 1.0_wp)
+      end if
+   end subroutine invent_more
+
+   !> Kinds that were there from the beginning.
+   subroutine invent_usual(draft)
+      type(draft_type), intent(inout) :: draft
       select case (pick(20))
       case (1:5); call tree(draft)
       case (6:8); call four_bar(draft)
@@ -36,14 +68,12 @@ contains
       case (13); call cam(draft)
       case (14); call crossing(draft)
       case (15); call road(draft)
-      case (16, 17); call still(draft)
-      case (18); call rotor(draft)
+      case (16, 17); call add_structure(draft)
+      case (18); call add_rotor(draft)
       case (19); call prescribed(draft)
       case default; call loose(draft)
       end select
-      call ask_bodies(draft)
-      call ask_system(draft)
-   end subroutine invent
+   end subroutine invent_usual
 
    !> A motion in time at the end of a deck.
    subroutine run_in_time(draft, longest)
@@ -98,18 +128,6 @@ contains
          end select
       end do
    end subroutine load
-
-   !> A spring to a point of the ground nearby.
-   subroutine hold_by_spring(draft, body)
-      type(draft_type), intent(inout) :: draft
-      integer, intent(in) :: body
-      real(wp) :: place(2)
-      integer :: point, there
-      point = pick(draft%bodies(body)%points)
-      place = place_of(draft, body, point) + [between(0.1_wp, 0.5_wp), between(0.1_wp, 0.5_wp)]
-      there = add_ground(draft, place)
-      call add_spring(draft, body, point, 0, there)
-   end subroutine hold_by_spring
 
    !> Bodies on one another.
    subroutine tree(draft)
@@ -422,104 +440,6 @@ contains
       character(:), allocatable :: text
       text = '{tab:'//table//'}('//argument//')'
    end function table_law
-
-   !> A structure that stands still: equilibrium, vibrations, and what comes of it when it is let go.
-   subroutine still(draft)
-      type(draft_type), intent(inout) :: draft
-      integer :: body, mass, there
-      real(wp) :: length, angle
-      character(:), allocatable :: other
-      draft%title = 'statics'
-      draft%timeless = .true.
-      draft%elastic = .true.
-      length = between(0.4_wp, 1.0_wp)
-      angle = between(-3.0_wp, 3.0_wp)
-      select case (pick(5))
-      case (1)
-         body = add_frame(draft, [0.1_wp, 0.0_wp], angle, length)
-         there = add_ground(draft, [0.1_wp, 0.0_wp])
-         call add_joint(other, draft, 'WELD', body, 1, 0, there)
-      case (2)
-         body = add_beam(draft, [0.1_wp, 0.0_wp], angle, length, 'CLAMPED')
-         there = add_ground(draft, [0.1_wp, 0.0_wp])
-         call add_joint(other, draft, 'WELD', body, 1, 0, there)
-         if (likely(3)) then
-            mass = add_point(draft, place_of(draft, body, 2))
-            call add_joint(other, draft, 'REVOLUTE', mass, 1, body, 2)
-         end if
-      case (3)
-         body = add_beam(draft, [0.0_wp, 0.0_wp], angle, length, 'PINNED')
-         call add_joint(other, draft, 'REVOLUTE', body, 1, 0, 1)
-         there = add_ground(draft, place_of(draft, body, 2))
-         call add_joint(other, draft, 'POINT ON LINE', body, 2, 0, there, angle)
-      case (4)
-         body = add_rigid(draft, [0.0_wp, 0.0_wp], angle, length)
-         call add_joint(other, draft, 'REVOLUTE', body, 1, 0, 1)
-         call hold_by_spring(draft, body)
-         call add_turning_spring(draft, body, 1, 0, 1)
-      case default
-         body = add_rigid(draft, [0.0_wp, 0.0_wp], angle, length)
-         call add_bushing(draft, body, 1, 0, 1)
-         mass = add_point(draft, place_of(draft, body, 2))
-         call add_joint(other, draft, 'REVOLUTE', mass, 1, body, 2)
-      end select
-      if (.not. likely(4)) call add_gravity(draft)
-      if (likely(2)) call push(draft, body)
-      if (likely(3)) call add_spread_load_safely(draft, body)
-      call add(draft, '', '*STATICS, PERIOD=<D|0,0,1|+|1>, INCREMENTS='//as_text(pick(5)), 3)
-      if (likely(2)) call add(draft, '', '*MODES, NUMBER=3'//trim(merge(', DAMPED', '        ', likely(3))), 3)
-      if (likely(3)) then
-         if (likely(2)) call push(draft, body)
-         call add(draft, '', '*DYNAMICS, END=<D|0,0,1|+|1.1>, OUTPUTS=10<O>', 3)
-      end if
-   end subroutine still
-
-   !> A constant force.
-   subroutine push(draft, body)
-      type(draft_type), intent(inout) :: draft
-      integer, intent(in) :: body
-      character(:), allocatable :: name, both
-      name = new_name(draft, 'w')
-      both = t(between(-3.0_wp, 3.0_wp))//'|'//t(between(-3.0_wp, 3.0_wp))
-      call add(draft, name, '*FORCE, NAME=<N|'//name//'>, POINT=<N|'//trim(draft%bodies(body)%name)//'.'// &
-         & trim(draft%bodies(body)%point(2))//'>'//newline//' <F|1,1,-2|'//both//'>, <G|1,1,-2|'//both//'>')
-   end subroutine push
-
-   subroutine add_spread_load_safely(draft, body)
-      type(draft_type), intent(inout) :: draft
-      integer, intent(in) :: body
-      if (any(draft%bodies(body)%kind == [is_beam, is_frame])) call add_spread_load(draft, body)
-   end subroutine add_spread_load_safely
-
-   !> A beam or a mass in steady rotation, and its vibrations.
-   subroutine rotor(draft)
-      type(draft_type), intent(inout) :: draft
-      integer :: body, hub
-      real(wp) :: angle, speed, length
-      character(:), allocatable :: other
-      draft%title = 'rotation'
-      draft%timeless = .true.
-      draft%elastic = .true.
-      angle = between(-3.0_wp, 3.0_wp)
-      length = between(0.3_wp, 0.8_wp)
-      speed = between(1.0_wp, 10.0_wp)
-      select case (pick(3))
-      case (1)
-         body = add_beam(draft, [0.0_wp, 0.0_wp], angle, length, 'CLAMPED')
-         call add_joint(other, draft, 'WELD', body, 1, 0, 1)
-      case (2)
-         hub = add_ground(draft, 0.3_wp*[cos(angle), sin(angle)])
-         body = add_frame(draft, 0.3_wp*[cos(angle), sin(angle)], angle, length)
-         call add_joint(other, draft, 'WELD', body, 1, 0, hub)
-      case default
-         hub = add_ground(draft, 0.3_wp*[cos(angle), sin(angle)])
-         body = add_rigid(draft, 0.3_wp*[cos(angle), sin(angle)], angle, length)
-         call add_bushing(draft, body, 1, 0, hub)
-      end select
-      call add(draft, '', '*STATICS, PERIOD=<D|0,0,1|+|1>, INCREMENTS=2, ROTATION=<D|0,0,-1|-|'//t(speed)// &
-         & '>, CENTRE X=<X|0|0>, CENTRE Y=<Y|0|0>', 3)
-      call add(draft, '', '*MODES, NUMBER=3'//trim(merge(', DAMPED', '        ', likely(2))), 3)
-   end subroutine rotor
 
    !> A mechanism that is moved wholly.
    subroutine prescribed(draft)

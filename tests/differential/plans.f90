@@ -11,7 +11,7 @@ module plans
 
    character(10), parameter :: integrators(5) = [character(10) :: 'ADAMS', 'RADAU', 'AUTO', 'ALPHA', 'CONSERVING']
    !> Relative change of the scene that tells how it answers, and the one beyond which a warning is of no threshold
-   real(wp), parameter :: small_change = 1.0e-4_wp, large_change = 3.0e-2_wp
+   real(wp), parameter :: small_change = 1.0e-4_wp, large_change = 0.1_wp
 
    !> Views of a scene: the base, the reference at a tighter tolerance, the same of a scene that is changed a little, others
    type :: plan_type

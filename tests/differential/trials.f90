@@ -21,7 +21,7 @@ module trials
    public :: trial_type, try, kinds_of_warnings
 
    !> CPU seconds after which a run is given up
-   real(wp), parameter, public :: patience = 1.0_wp
+   real(wp), public :: patience = 1.0_wp
 
    !> A run
    type :: trial_type

@@ -86,7 +86,6 @@ contains
       !> First byte of the heap, and bytes of the file
       integer(long), intent(in) :: at, bytes
       character(head_length) :: head
-      character(:), allocatable :: heap
       integer(long) :: length, place, step
       integer :: status
       sound = .false.
@@ -94,17 +93,15 @@ contains
       if (status /= 0) return
       length = length_in(head)
       if (length < head_length .or. length > bytes - at + 1) return
-      allocate (character(length) :: heap, stat=status)
-      if (status /= 0) return
-      read (unit, pos=at, iostat=status) heap
-      if (status /= 0) return
       place = head_length
       ! Less than the head of a text is left over
       do while (place + head_length <= length)
-         step = length_in(heap(place + 1:place + head_length))
+         read (unit, pos=at + place, iostat=status) head
+         if (status /= 0) return
+         step = length_in(head)
          if (step < 0 .or. step > length) return
          ! A text has a number above zero, and fills eights of bytes behind its head; what has the number zero is free
-         if (heap(place + 1:place + 2) /= repeat(achar(0), 2)) step = head_length + 8*((step + 7)/8)
+         if (head(1:2) /= repeat(achar(0), 2)) step = head_length + 8*((step + 7)/8)
          if (step < head_length .or. place + step > length) return
          place = place + step
       end do

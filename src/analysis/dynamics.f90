@@ -248,7 +248,9 @@ contains
       if (allocated(outcome%turned)) text = phase_warning(scene%system, integrator%tolerance, maxval(abs(outcome%turned)), &
          & dynamics%end - dynamics%start, outcome%ahead)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
-      text = slip_warning(watch, scene%system, dynamics, outcome%slip, outcome%slip_time, outcome%slip_of)
+      text = ''
+      if (allocated(outcome%slip)) text = slip_warning(watch, scene%system, dynamics, outcome%slip, outcome%slip_time, &
+         & outcome%slip_speed)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       text = ringing_warning(integrator%ringing, scene%system, dynamics)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)

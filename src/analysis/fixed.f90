@@ -84,8 +84,10 @@ contains
       end do
    end function fixed_words
 
-   !> Models that no finer run verifies: frames, which have no ladder, and beams that are damped by their modes, whose meaning
-   !> depends on the modes. 'frame 'portal', beam 'rod' (damped by its modes)'; empty: there is none.
+   !> Models that no finer run verifies: frames, which have no ladder, beams in SEGMENTS that are damped by their modes, which are
+   !> those of the pieces, and such beams in FULL, whose axial modes are damped although the shortening by bending moves them.
+   !> LINEAR and K_G beams in one frame are verified by more modes, for their damping belongs to the modes as they are held.
+   !> 'frame 'portal'; beam 'rod', whose SEGMENTS are damped by modes of their own'; empty: there is none.
    function unverified_words(deck) result(text)
       type(deck_type), intent(in) :: deck
       character(:), allocatable :: text
@@ -98,7 +100,11 @@ contains
             call add("frame '"//deck%blocks(i)%name()//"'")
          case ('BEAM')
             rung = given_rung(deck, i)
-            if (rung%damped) call add("beam '"//deck%blocks(i)%name()//"', which is damped by its modes")
+            if (rung%damped .and. rung%segments > 1) then
+               call add("beam '"//deck%blocks(i)%name()//"', whose SEGMENTS are damped by modes of their own")
+            else if (rung%damped .and. (rung%open_level .or. rung%level == level_full)) then
+               call add("beam '"//deck%blocks(i)%name()//"', whose damping brakes the shortening as well in FULL")
+            end if
          end select
       end do
 

@@ -6,12 +6,10 @@ module limber_analysis_frame_watch
    use limber_base_finite, only: dsyev
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
       & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness
-   use limber_analysis_surveys, only: body_survey_type, take_amplitudes
+   use limber_analysis_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_flex_elastic, only: elastic_force
    use limber_flex_reduced, only: reduced_type
    use limber_flex_survey, only: axial_work
-   use limber_model_scene, only: ground
-
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -44,7 +42,8 @@ contains
       end do
    end subroutine observe_frames
 
-   !> The motions that strain a frame as its joints with the ground hold it; without any, those of its coordinates alone.
+   !> The motions that strain a frame as its joints with the ground, or with rigid bodies of known motion, hold it; without any,
+   !> those of its coordinates alone.
    subroutine hold(system, work, own, body)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
@@ -63,7 +62,7 @@ contains
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
             do side = 1, 2
-               if (item%bodies(side) /= own%body .or. item%bodies(3 - side) /= ground) cycle
+               if (item%bodies(side) /= own%body .or. .not. is_base(system, item%bodies(3 - side))) cycle
                do row = 1, item%rows
                   count = count + 1
                   rows(count, :3) = work%jacobians(side, i)%z(row, 1:3)*scale(1:3)

@@ -5,7 +5,7 @@ module limber_analysis_indicator_start
    use limber_base_error, only: error_type
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, set_type
    use limber_analysis_phase, only: start_phase
-   use limber_analysis_surveys, only: start_surveys
+   use limber_analysis_surveys, only: start_surveys, is_base
    use limber_flex_quasistatic, only: new_quasistatic
    use limber_flex_reduced, only: reduced_type
    use limber_flex_stations, only: new_stations
@@ -291,6 +291,9 @@ contains
                   if (i <= size(system%model%joints)) then
                      is_weld = system%model%joints(i)%kind == joint_weld
                      if (any(system%model%joints(i)%kind == [joint_revolute, joint_weld])) partner = item%bodies(3 - side)
+                     if (partner > ground) then
+                        if (is_base(system, partner)) partner = ground
+                     end if
                   end if
                   call enter(item%bodies(side), item%points(side), i <= size(system%model%joints) .and. self%fixed(side, i), &
                      & is_weld, partner)

@@ -25,12 +25,12 @@ module limber_analysis_indicators
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
-      & indicator_phase = 19, indicator_count = 19
+      & indicator_phase = 19, indicator_braking = 20, indicator_count = 20
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
-      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase']
+      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'braking']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -50,7 +50,8 @@ module limber_analysis_indicators
       & 'work on the bending of the inertia that the shortening has and the model lacks / energy of bending', &
       & 'relative change of the stiffness under compression by functions that do not fit how joints hold the beam', &
       & 'error of the internal forces that channels ask for, by bending near ends that tension makes too short', &
-      & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses']
+      & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses', &
+      & 'work of the damping on the shortening by bending / energy of bending']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -63,9 +64,10 @@ module limber_analysis_indicators
       & peak_coarse_grown = 20, peaks = 20
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and the
-   !> work on the bending of tension that is there only because the shortening cannot be carried
+   !> work on the bending of tension that is there only because the shortening cannot be carried; power of the damping of axial
+   !> coordinates of FULL
    integer, parameter, public :: sum_kinetic = 1, sum_elastic = 2, sum_shortening = 3, sum_acceleration = 4, &
-      & sum_locked = 5, sum_bent = 6, sums = 6
+      & sum_locked = 5, sum_bent = 6, sum_braked = 7, sums = 7
 
    !> One flexible body, or one rigid beam
    type :: body_indicators_type
@@ -224,6 +226,10 @@ contains
          case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))
          case (indicator_buckling); value = self%misfit*peak(peak_compression)/max(0.01_wp, abs(1 - peak(peak_compression)))
          case (indicator_layer); value = layer_error(self)
+         case (indicator_braking)
+            value = 0.0_wp
+            if (self%looks > 0) value = ratio(self%total(sum_braked)*max(0.0_wp, self%span(2) - self%span(1))/self%looks, &
+               & peak(peak_energy))
          case (indicator_phase); value = phase_error(self%phase, peak(peak_bent), peak(peak_deflection)*self%length)
          case default; value = peak(kind)
          end select
@@ -288,6 +294,7 @@ contains
       case (indicator_buckling); t = self%time(peak_compression)
       case (indicator_layer); t = self%time(peak_tension)
       case (indicator_phase); t = max(0.0_wp, self%phase%span(2))
+      case (indicator_braking); t = max(0.0_wp, self%span(2))
       case default; t = self%time(kind)
       end select
    end function indicator_time

@@ -7,7 +7,7 @@ module limber_analysis_observation
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
       & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_kinetic, sum_elastic, sum_shortening, &
-      & sum_locked, sum_bent, &
+      & sum_locked, sum_bent, sum_braked, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
    use limber_analysis_phase, only: observe_phase, observe_swings
@@ -143,6 +143,12 @@ contains
       do k = 1, bending
          self%total(sum_elastic) = self%total(sum_elastic) + body%reduced%omega2(k)*eta(k)**2
       end do
+      if (body%reduced%damped .and. body%reduced%full) then
+         do k = bending + 1, size(rate)
+            self%total(sum_braked) = self%total(sum_braked) + rate(k)*dot_product(body%reduced%damping(bending + 1:, k), &
+               & rate(bending + 1:))
+         end do
+      end if
       self%looks = self%looks + 1
       self%span = [min(self%span(1), t), max(self%span(2), t)]
    end subroutine add_vibration

@@ -21,11 +21,11 @@ module limber_analysis_outcome
       real(wp) :: wall = 0.0_wp, cpu = 0.0_wp
       !> Largest constraint residuals at a sample: position [length or 1], velocity [the same per time]
       real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
-      !> Largest velocity residual of a constraint at a sample, relative to its scale [1/time], its time, and the constraint
-      real(wp) :: slip = 0.0_wp, slip_time = 0.0_wp
-      integer :: slip_of = 0
       !> Distance of the centres of each joint of wheels at the first sample, -1 behind a warning (joints)
       real(wp), allocatable :: centres(:)
+      !> Of each constraint the largest velocity residual at a sample, its time, and the largest speed that a side of it makes, or its
+      !> law [length/time or 1/time] (constraints); not allocated without any
+      real(wp), allocatable :: slip(:), slip_time(:), slip_speed(:)
       !> Whether a sample could not be brought onto the constraints
       logical :: astray = .false.
       !> Whether a channel had no value at a sample (channels); not allocated if all had one
@@ -68,10 +68,10 @@ contains
       call snapshot%exchange('cpu', self%cpu)
       call snapshot%exchange('position_residual', self%position_residual)
       call snapshot%exchange('velocity_residual', self%velocity_residual)
-      call snapshot%exchange('slip', self%slip)
-      call snapshot%exchange('slip_time', self%slip_time)
-      call snapshot%exchange('slip_of', self%slip_of)
       call snapshot%keep('centres', self%centres)
+      call snapshot%keep('slip', self%slip)
+      call snapshot%keep('slip_time', self%slip_time)
+      call snapshot%keep('slip_speed', self%slip_speed)
       call snapshot%exchange('astray', self%astray)
       call snapshot%keep('undefined', self%undefined)
       call snapshot%exchange('first_energy', self%first_energy)

@@ -10,7 +10,7 @@ module limber_analysis_ranges
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
-      & indicator_buckling, indicator_layer, indicator_phase
+      & indicator_buckling, indicator_layer, indicator_phase, indicator_braking
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -67,6 +67,8 @@ contains
          limit = 0.03_wp
       case (indicator_drift)
          limit = 0.015_wp
+      case (indicator_braking)
+         limit = 0.005_wp
       case (indicator_phase)
          limit = 0.03_wp
       case (indicator_elongation, indicator_recoil)
@@ -214,6 +216,9 @@ contains
          percent = 'about '//percent
          if (indicator_value(indicators, kind) > beyond) percent = 'more than '//as_text(100*beyond, 2)//' %'
          text = 'has too few elements: with the mass in the nodes its vibrations are late by '//percent//' of their amplitude'//when
+      case (indicator_braking)
+         text = 'is damped along its axis as well, where FULL shortens it as it bends: that takes '//percent// &
+            & ' of the energy of bending'//when
       case (indicator_drift)
          text = 'locks a little, and vibrates long enough for that to shift the vibrations by about '//percent// &
             & ' of the largest deflection'//when//': its axial functions cannot carry all of the shortening by bending'
@@ -259,6 +264,7 @@ contains
          return
       end if
       select case (kind)
+      case (indicator_braking); text = 'list the bending modes alone in *DAMPING, or use GEOMETRIC=K_G'
       case (indicator_recoil); text = 'use GEOMETRIC=FULL'
       case (indicator_drift)
          text = 'use GEOMETRIC=FULL'

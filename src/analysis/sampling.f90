@@ -8,11 +8,11 @@ module limber_analysis_sampling
    use limber_analysis_outcome, only: outcome_type, warn, allowed_imbalance
    use limber_analysis_scene, only: scene_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_scene, only: dynamics_type
+   use limber_model_scene, only: dynamics_type, ground
    use limber_output_channels, only: recorder_type, channel_values, gather_balance
    use limber_output_sink, only: sink_type
    use limber_system_algebra, only: cross
-   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, worst_velocity, &
+   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, &
       & mechanical_energy, add_parts_of_power, worst_constraint
    use limber_system_projection, only: harmless, settle, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
@@ -158,11 +158,40 @@ contains
       if (.not. moving) return
       largest = velocity_residual(system, work, v)
       outcome%velocity_residual = max(outcome%velocity_residual, maxval(abs(work%gamma)))
-      if (.not. largest > outcome%slip) return
-      outcome%slip = largest
-      outcome%slip_time = t
-      outcome%slip_of = worst_velocity(system, work)
+      call add_slips(system, work, t, v, outcome)
    end subroutine check_residuals
+
+   !> Velocity residuals of all constraints, which work%gamma holds, and the speeds that they are to be compared with: what either
+   !> side of a single equation makes by its place, or by its rotation.
+   subroutine add_slips(system, work, t, v, outcome)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      real(wp), intent(in) :: t, v(:)
+      type(outcome_type), intent(inout) :: outcome
+      real(wp) :: slip
+      integer :: i, side, first
+      if (.not. allocated(outcome%slip)) allocate (outcome%slip(size(system%constraints)), outcome%slip_time( &
+         & size(system%constraints)), outcome%slip_speed(size(system%constraints)), source=0.0_wp)
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            slip = maxval(abs(work%gamma(item%first:item%first + item%rows - 1)))
+            if (slip > outcome%slip(i)) then
+               outcome%slip(i) = slip
+               outcome%slip_time(i) = t
+            end if
+            if (item%rows > 1) cycle
+            do side = 1, 2
+               if (item%bodies(side) == ground) cycle
+               first = system%layout%q(item%bodies(side))
+               associate (z => work%jacobians(side, i)%z)
+                  outcome%slip_speed(i) = max(outcome%slip_speed(i), abs(z(1, 1)*v(first) + z(1, 2)*v(first + 1)))
+                  if (system%layout%framed(item%bodies(side))) outcome%slip_speed(i) = max(outcome%slip_speed(i), &
+                     & abs(z(1, 3)*cross(work%kinematics%frames(item%bodies(side))%u, v(first + 2:first + 3))))
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine add_slips
 
    !> Energy balance at the end of a step.
    subroutine check_energy(scene, t, sample, outcome)

@@ -12,7 +12,7 @@ module limber_analysis_surveys
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: surveys_type, body_survey_type, start_surveys, take_amplitudes
+   public :: surveys_type, body_survey_type, start_surveys, take_amplitudes, is_base
 
    !> The survey of one body
    type :: body_survey_type
@@ -35,6 +35,14 @@ module limber_analysis_surveys
    end type surveys_type
 
 contains
+
+   !> Whether what holds another body at a body holds it as the ground does: the ground, and rigid bodies of known motion.
+   pure logical function is_base(system, body)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      is_base = body == ground
+      if (.not. is_base) is_base = system%layout%n(body) == 0 .and. system%layout%framed(body) .and. system%tree%count(body) == 0
+   end function is_base
 
    !> Makes the surveys; bodies whose stiffness cannot be factored have none.
    subroutine start_surveys(self, system, frames_only)

@@ -183,24 +183,41 @@ contains
 
    !> A warning if velocities at samples are further off what joints and drivers prescribe than the tolerance lets them be, eq. (W6).
    !> A scene that moves by less than the tolerance in the whole run is at rest: its velocities are round-off.
-   function slip_warning(self, system, dynamics, slip, t, culprit) result(text)
+   function slip_warning(self, system, dynamics, slip, t, own) result(text)
       type(jump_watch_type), intent(in) :: self
       type(system_type), intent(in) :: system
       !> Integrator, tolerance and step
       type(dynamics_type), intent(in) :: dynamics
-      !> Largest residual [1/time] and its time
-      real(wp), intent(in) :: slip, t
-      !> Its constraint; 0: there is none
-      integer, intent(in) :: culprit
+      !> Largest residuals, their times, and the largest speeds of their sides (constraints)
+      real(wp), intent(in) :: slip(:), t(:), own(:)
       !> Empty if all is well
       character(:), allocatable :: text
       !> Number of times that a method of order 2 may have tolerance**(2/3), and the part that matters always
-      real(wp), parameter :: many = 100.0_wp, much = 2.0e-2_wp
-      character(:), allocatable :: remedy
-      real(wp) :: part, allowed
+      !> Part of the largest speed that the speed of a side counts as at least
+      real(wp), parameter :: many = 100.0_wp, much = 2.0e-2_wp, least = 1.0e-3_wp
+      character(:), allocatable :: remedy, whose
+      real(wp) :: part, allowed, speed, worst, rest
+      integer :: i, culprit
       text = ''
-      if (culprit == 0 .or. .not. self%speed > 0.0_wp) return
-      part = slip*system%model%length/max(self%speed, dynamics%tolerance*system%model%length/(dynamics%end - dynamics%start))
+      if (.not. self%speed > 0.0_wp) return
+      rest = dynamics%tolerance*system%model%length/(dynamics%end - dynamics%start)
+      part = 0.0_wp
+      culprit = 0
+      whose = ''
+      do i = 1, size(slip)
+         associate (item => system%constraints(i)%item)
+            ! Of an angle a length of one
+            speed = max(self%speed, rest)*item%scale/system%model%length
+            worst = slip(i)/speed
+            if (item%rows == 1) worst = slip(i)/max(own(i), least*speed, rest*item%scale/system%model%length)
+            if (worst <= part) cycle
+            part = worst
+            culprit = i
+            whose = ' of the largest velocity'
+            if (item%rows == 1 .and. own(i) < speed) whose = ' of the largest velocity there'
+         end associate
+      end do
+      if (culprit == 0) return
       allowed = min(many*dynamics%tolerance**(2.0_wp/3), much)
       remedy = 'a smaller TOLERANCE, or another INTEGRATOR'
       if (dynamics%fixed_step > 0.0_wp) then
@@ -209,7 +226,7 @@ contains
       end if
       if (part <= allowed) return
       text = dynamics%integrator//' does not keep the velocities that '//system%constraints(culprit)%item%label// &
-         & ' prescribes: at t = '//as_text(t, 8)//' they are off by '//as_text(100*part, 2)//' % of the largest velocity, and'// &
+         & ' prescribes: at t = '//as_text(t(culprit), 8)//' they are off by '//as_text(100*part, 2)//' %'//whose//', and'// &
          & ' kinetic energy, work, accelerations and forces with them; use '//remedy
    end function slip_warning
 

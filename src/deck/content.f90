@@ -75,6 +75,7 @@ module limber_deck_content
       !> Whether an error stands in it, so that nothing can be built of it
       logical :: broken = .false.
    contains
+      procedure :: knows
       procedure :: given
       procedure :: has
       procedure :: real => real_of
@@ -119,54 +120,52 @@ module limber_deck_content
 
 contains
 
-   !> Index of an option; 0 if the keyword has none of this name.
+   !> Index of an option. A name that the keyword does not have is an error in the program and ends it: a pure procedure has no
+   !> other way to do that than to deallocate what is not allocated.
    pure integer function position(self, name)
       class(block_type), intent(in) :: self
       character(*), intent(in) :: name
+      integer, allocatable :: option_that_the_keyword_table_does_not_have
       do position = size(self%options), 1, -1
          if (self%options(position)%name == name) return
       end do
+      deallocate (option_that_the_keyword_table_does_not_have)
    end function position
+
+   !> Whether the keyword has an option of this name: to be asked before, where a procedure serves several keywords.
+   pure logical function knows(self, name)
+      class(block_type), intent(in) :: self
+      !> Name of the option in upper case; so in all procedures below
+      character(*), intent(in) :: name
+      knows = any(self%options%name == name)
+   end function knows
 
    !> Whether the deck gives an option.
    pure logical function given(self, name)
       class(block_type), intent(in) :: self
-      !> Name of the option in upper case; so in all procedures below
       character(*), intent(in) :: name
-      integer :: i
-      i = self%position(name)
-      given = .false.
-      if (i > 0) given = self%options(i)%given
+      given = self%options(self%position(name))%given
    end function given
 
    !> Whether an option has a value, given or by default.
    pure logical function has(self, name)
       class(block_type), intent(in) :: self
       character(*), intent(in) :: name
-      integer :: i
-      i = self%position(name)
-      has = .false.
-      if (i > 0) has = self%options(i)%has_value
+      has = self%options(self%position(name))%has_value
    end function has
 
    !> The value of a number [unit of the table]; 0 if it has none.
    pure real(wp) function real_of(self, name) result(value)
       class(block_type), intent(in) :: self
       character(*), intent(in) :: name
-      integer :: i
-      i = self%position(name)
-      value = 0.0_wp
-      if (i > 0) value = self%options(i)%value
+      value = self%options(self%position(name))%value
    end function real_of
 
    !> The value of a whole number; 0 if it has none.
    pure integer function integer_of(self, name) result(value)
       class(block_type), intent(in) :: self
       character(*), intent(in) :: name
-      integer :: i
-      i = self%position(name)
-      value = 0
-      if (i > 0) value = self%options(i)%whole
+      value = self%options(self%position(name))%whole
    end function integer_of
 
    !> The value as text: a word in upper case, a name or point in lower case; empty if it has none.
@@ -177,7 +176,6 @@ contains
       integer :: i
       i = self%position(name)
       text = ''
-      if (i == 0) return
       if (allocated(self%options(i)%text)) text = self%options(i)%text
    end function text_of
 
@@ -189,8 +187,10 @@ contains
       character(:), allocatable :: text
       if (present(name)) then
          text = self%text(name)
-      else
+      else if (self%knows('NAME')) then
          text = self%text('NAME')
+      else
+         text = ''
       end if
    end function name_of
 
@@ -208,7 +208,6 @@ contains
       integer :: i
       i = self%position(name)
       origin = self%origin
-      if (i == 0) return
       if (self%options(i)%given) origin = self%options(i)%origin
    end function origin_of
 
@@ -357,7 +356,6 @@ contains
       logical, intent(in), optional :: given
       integer :: i
       i = self%blocks(block)%position(name)
-      if (i == 0) return
       associate (option => self%blocks(block)%options(i))
          option%text = text
          if (present(given)) option%given = given
@@ -379,7 +377,6 @@ contains
       logical, intent(in), optional :: given
       integer :: i
       i = self%blocks(block)%position(name)
-      if (i == 0) return
       associate (option => self%blocks(block)%options(i))
          option%value = value
          if (present(given)) option%given = given

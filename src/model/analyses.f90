@@ -32,7 +32,9 @@ contains
       do i = 1, size(deck%blocks)
          if (step_kind(deck%blocks(i)%keyword) == 0) cycle
          count = count + 1
-         if (.not. deck%blocks(i)%given('START')) call deck%set_number(i, 'START', now)
+         if (deck%blocks(i)%knows('START')) then
+            if (.not. deck%blocks(i)%given('START')) call deck%set_number(i, 'START', now)
+         end if
          if (.not. deck%blocks(i)%broken) call read_step(deck%blocks(i), i, model%steps(:count), diagnostics)
          model%steps(count)%dynamics%wanted = .true.
          if (model%steps(count)%kind == step_statics .or. model%steps(count)%kind == step_modes) then

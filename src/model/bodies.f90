@@ -25,11 +25,12 @@ contains
       body%kind = kind
       body%position = [block%real('X'), block%real('Y')]
       body%velocity = [block%real('VX'), block%real('VY')]
+      body%given = [block%given('X'), block%given('Y'), .false., block%given('VX'), block%given('VY'), .false.]
+      if (kind == body_point) return
       body%angle = block%real('ANGLE')
       body%spin = block%real('SPIN')
-      body%given = [block%given('X'), block%given('Y'), .false., block%given('VX'), block%given('VY'), .false.]
-      if (kind /= body_point) body%given(3) = block%given('ANGLE')
-      if (kind /= body_point) body%given(6) = block%given('SPIN')
+      body%given(3) = block%given('ANGLE')
+      body%given(6) = block%given('SPIN')
    end function new_body
 
    subroutine add_rigid_body(block, model, diagnostics)

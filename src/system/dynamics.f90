@@ -17,7 +17,7 @@ module limber_system_dynamics
    implicit none
    private
    public :: linearise, linearise_placed, accelerations, accelerate, sum_forces
-   public :: position_residual, velocity_residual, worst_velocity
+   public :: position_residual, velocity_residual
    public :: input_power, add_parts_of_power, mechanical_energy, worst_constraint
 
 contains
@@ -248,28 +248,6 @@ contains
          end associate
       end do
    end subroutine worst_constraint
-
-   !> The constraint whose velocity is furthest from what it should be, by the last `velocity_residual`.
-   pure integer function worst_velocity(system, work) result(index)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      integer :: i
-      index = 1
-      do i = 2, size(system%constraints)
-         if (size_of(i) > size_of(index)) index = i
-      end do
-
-   contains
-
-      !> Residual of a constraint, relative to its scale.
-      pure real(wp) function size_of(i)
-         integer, intent(in) :: i
-         associate (item => system%constraints(i)%item)
-            size_of = maxval(abs(work%gamma(item%first:item%first + item%rows - 1)))/item%scale
-         end associate
-      end function size_of
-
-   end function worst_velocity
 
    !> Residual of the velocity equations into work%gamma (rate - Jacobian v); returns the largest, relative to its scale.
    !> Kinematics and Jacobians are those of q.

@@ -478,9 +478,6 @@ contains
       integer, intent(in) :: law
       !> Relative to the largest value
       real(wp), parameter :: jump = 1.0e-6_wp
-      !> Part of the step that counts as its start, where a step ends that was done again to end at this crossing
-      real(wp), parameter :: at_start = 1.0e-7_wp
-      if (integrator%ends_on_samples .and. b%t - self%quarters(0)%t <= at_start*(self%quarters(4)%t - self%quarters(0)%t)) return
       self%which = law
       self%entered(law) = b%branches(law)
       self%t = b%t

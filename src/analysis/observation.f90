@@ -413,7 +413,7 @@ contains
          if (own%is_rigid) then
             own%pressed(1, at) = own%pressed(1, at) + dot_product(u, force(1:2))
             if (.not. is_fixed) return
-            arm = point_position(system%layout, system%model%points(point), q) - q(first:first + 1)
+            arm = point_position(system%model, system%layout, system%model%points(point), q) - q(first:first + 1)
             own%pressed(2, at) = own%pressed(2, at) + cross(u, force(1:2))
             own%pressed(3, at) = own%pressed(3, at) + force(3) - cross(arm, force(1:2))
          end if
@@ -423,7 +423,7 @@ contains
          end associate
          if (.not. is_fixed) return
          own%across(1 + 2*at) = own%across(1 + 2*at) + cross(u, force(1:2))
-         arm = point_position(system%layout, system%model%points(point), q)
+         arm = point_position(system%model, system%layout, system%model%points(point), q)
          arm = arm - q(first:first + 1)
          own%across(2 + 2*at) = own%across(2 + 2*at) + force(3) - cross(arm, force(1:2))
       end associate

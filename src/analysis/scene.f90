@@ -386,8 +386,8 @@ contains
             if (model%loads(i)%list /= in_springs) cycle
             do k = model%loads(i)%first, model%loads(i)%last
                associate (spring => model%springs(k))
-                  gap = point_position(layout, model%points(spring%points(1)), scene%q) &
-                     & - point_position(layout, model%points(spring%points(2)), scene%q)
+                  gap = point_position(model, layout, model%points(spring%points(1)), scene%q) &
+                     & - point_position(model, layout, model%points(spring%points(2)), scene%q)
                   if (norm2(gap) > 1.0e-12_wp*spring%length .or. .not. spring%stiffness*spring%length > 0.0_wp) cycle
                end associate
                origin = origin_type(file=1)

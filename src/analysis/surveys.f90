@@ -328,7 +328,7 @@ contains
       first = system%layout%q(body)
       associate (own => self%bodies(self%of(body)), u => q(first + 2:first + 3))
          at = 4 + 2*size(own%survey%chosen) + 3*self%place(point) - 2
-         arm = point_position(system%layout, system%model%points(point), q) - q(first:first + 1)
+         arm = point_position(system%model, system%layout, system%model%points(point), q) - q(first:first + 1)
          own%amplitude(at:at + 2) = own%amplitude(at:at + 2) + [dot_product(u, force(1:2)), cross(u, force(1:2)), &
             & force(3) - cross(arm, force(1:2))]
       end associate

@@ -163,8 +163,12 @@ module limber_deck_keywords
       &    '', 'PINNED-ROLLER', 'how the ends are held in the floating frame: defines the modes'), &
       & option_spec_type('BEAM', 'END SHAPES', kind_yes, '', &
       &    '', '', 'YES: shapes of forces and moments at the ends beside the bending modes, for beams that are welded'), &
-      & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
-      &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G (the paper), or von Karman with curvature'), &
+      & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL|EXACT', &
+      &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G (the paper), von Karman with curvature, or exact'), &
+      & option_spec_type('BEAM', 'FUNCTIONS', kind_counting, '', &
+      &    '', '6', 'functions of the section angle of an EXACT beam', most=200), &
+      & option_spec_type('BEAM', 'STRAIN FUNCTIONS', kind_count, '', &
+      &    '', '1', 'functions of the strain along the axis of an EXACT beam; 0: it does not stretch', most=100), &
       & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
       &    '', '2', 'elements for the geometric part, independent of ELEMENTS', most=1000), &
       & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &

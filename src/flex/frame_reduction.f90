@@ -14,7 +14,8 @@ module limber_flex_frame_reduction
    use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
    use limber_flex_modes, only: lowest_modes, count_held_modes
-   use limber_flex_reduced, only: check_size, check_slopes, reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_limits, only: check_size, check_slopes
+   use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
    implicit none
    private

@@ -14,7 +14,7 @@ module limber_flex_modes
    use limber_base_finite, only: dsyev, dpbtrf, dpbtrs, not_finite
    use limber_base_lapack, only: dsaupd, dseupd
    use limber_base_text, only: as_text
-   use limber_flex_reduced, only: check_operations
+   use limber_flex_limits, only: check_operations
    implicit none
    private
    public :: lowest_modes, count_modes, count_held_modes, null_space

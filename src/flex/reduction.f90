@@ -6,6 +6,7 @@ module limber_flex_reduction
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
+   use limber_flex_exact, only: exact_choice_type, exact_type, new_exact, reach_of, angles_at
    use limber_flex_axial, only: element_functions, static_functions, axial_basis
    use limber_flex_frame, only: frame_type, beam_frame, beam_nodes
    use limber_flex_frame_solver, only: solver_type, new_solver, remove_motion
@@ -16,10 +17,11 @@ module limber_flex_reduction
       & project_cubic, project_membrane, project_curvature
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
       & nodal_inertias, count_bending_modes, count_axial_modes, deflection_at, slope_at, extension_at
-   use limber_flex_reduced, only: check_size, check_slopes, reduced_type, start_inertia, add_inertia, add_rotary
+   use limber_flex_limits, only: check_size, check_slopes
+   use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
    implicit none
    private
-   public :: reduction_type, reduce_beam, available_modes, point_shape
+   public :: reduction_type, reduce_beam, available_modes, point_shape, exact_shape
 
    !> Modes that are looked for at first if their number is not given but a limit of their frequencies
    integer, parameter :: first_search = 8
@@ -27,7 +29,7 @@ module limber_flex_reduction
    integer, parameter :: max_limited = 1000
 
    !> Fidelities of a flexible body
-   integer, parameter, public :: fidelity_linear = 1, fidelity_kg = 2, fidelity_full = 3
+   integer, parameter, public :: fidelity_linear = 1, fidelity_kg = 2, fidelity_full = 3, fidelity_exact = 4
    !> Axial bases: vibration modes, one function for each k_G element, chosen static functions
    integer, parameter, public :: axial_by_modes = 1, axial_by_elements = 2, axial_static = 3
 
@@ -64,6 +66,8 @@ module limber_flex_reduction
       real(wp) :: origin = 0.0_wp
       !> Whether the axial coordinates follow at rest, without vibrations of their own
       logical :: condensed = .false.
+      !> Of an exact beam
+      type(exact_choice_type) :: exact
    end type reduction_type
 
 contains
@@ -115,6 +119,11 @@ contains
       integer :: pieces, left_out(2)
 
       field = mesh_beam(beam)
+      if (present(note)) note = ''
+      if (choice%fidelity == fidelity_exact) then
+         call reduce_exact(beam, choice%exact, field, body, error)
+         return
+      end if
       left_out = 0
       call compute_modes(beam, choice, field, error)
       if (.not. allocated(error)) call add_static(beam, choice, field, left_out, error)
@@ -167,6 +176,60 @@ contains
       end if
       if (choice%condensed) call start_folding(body)
    end subroutine reduce_beam
+
+   !> Reduces a beam to the functions of an exact one; the fields are those of small deflections.
+   subroutine reduce_exact(beam, choice, field, body, error)
+      type(beam_type), intent(in) :: beam
+      type(exact_choice_type), intent(in) :: choice
+      type(field_type), intent(inout) :: field
+      type(reduced_type), intent(out) :: body
+      type(error_type), allocatable, intent(out) :: error
+      type(exact_type), allocatable :: exact
+      real(wp), allocatable :: phi(:, :), psi(:), omega2(:)
+      integer :: i, a, n
+      allocate (exact, omega2(0))
+      call new_exact(beam, choice, exact, omega2, error)
+      if (allocated(error)) return
+      n = exact%n
+      a = exact%angles
+      deallocate (field%w, field%theta, field%u)
+      allocate (field%w(0:beam%elements, a), field%theta(0:beam%elements, a), field%u(0:beam%elements, n - a))
+      do i = 0, beam%elements
+         call exact_shape(exact, field%s(i), phi, psi)
+         field%w(i, :) = phi(2, :a)
+         field%theta(i, :) = psi(:a)
+         field%u(i, :) = phi(1, a + 1:)
+      end do
+      field%omega2_bending = omega2(:a)
+      field%omega2_axial = omega2(a + 1:)
+      call sum_inertia(beam, choice%origin, field, body)
+      call move_alloc(exact, body%exact)
+      call move_alloc(omega2, body%omega2)
+      body%is_exact = .true.
+      allocate (body%cubic(0, 0), body%quartic(0, 0))
+   end subroutine reduce_exact
+
+   !> Displacement (2,n) and rotation (n) of the coordinates of an exact beam at a place along it, undeformed, and what its stations
+   !> give to the place (stations).
+   pure subroutine exact_shape(exact, x, phi, psi, reach)
+      type(exact_type), intent(in) :: exact
+      !> Coordinate along the beam [length]
+      real(wp), intent(in) :: x
+      real(wp), allocatable, intent(out) :: phi(:, :), psi(:)
+      real(wp), allocatable, intent(out), optional :: reach(:)
+      real(wp) :: own(exact%stations)
+      integer :: i
+      own = reach_of(exact, x) - exact%base
+      allocate (phi(2, exact%n), psi(exact%n))
+      phi = 0.0_wp
+      psi = 0.0_wp
+      psi(:exact%angles) = angles_at(exact, x)
+      phi(2, :exact%angles) = matmul(exact%psi, own)
+      do i = 1, exact%strains
+         phi(:, exact%angles + i) = matmul(exact%chi(:, i, :), own)
+      end do
+      if (present(reach)) allocate (reach, source=own)
+   end subroutine exact_shape
 
    !> Displacement (2,n) and rotation (n) of all coordinates at a place along the beam.
    pure subroutine point_shape(field, x, phi, psi)

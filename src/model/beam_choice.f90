@@ -6,7 +6,7 @@ module limber_model_beam_choice
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_functions, only: attachment_type
    use limber_flex_mesh, only: new_support, concentrate
-   use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_full, &
+   use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_full, fidelity_exact, &
       & axial_by_modes, axial_by_elements, axial_static
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_parts, only: is_part
@@ -56,6 +56,7 @@ contains
             & block%origin_of('ORIGIN'), "the origin of the frame lies outside beam '"//body%name//"'", &
             & 'give a coordinate from 0 to '//as_text(block%real('LENGTH')))
          if (pieces > 1) call choose_frame(block, piece, body%choice)
+         if (body%choice%fidelity == fidelity_exact) call choose_exact(deck, index, body)
          if (body%choice%linear .and. body%choice%fidelity == fidelity_full) call diagnostics%add( &
             & block%origin_of('GEOMETRIC INTEGRAL'), "beam '"//body%name//"': FULL needs a tension that is constant in each "// &
             & 'geometric element', 'use GEOMETRIC INTEGRAL=EXACT, or GEOMETRIC=K_G')
@@ -107,7 +108,7 @@ contains
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: index
       logical :: full, static
-      if (deck%blocks(index)%word('AXIAL BASIS') /= '') return
+      if (deck%blocks(index)%word('AXIAL BASIS') /= '' .or. deck%blocks(index)%word('GEOMETRIC') == 'EXACT') return
       associate (block => deck%blocks(index))
          full = block%word('GEOMETRIC') == 'FULL'
          static = .not. (block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES') &
@@ -262,6 +263,63 @@ contains
       end do
    end subroutine find_acting
 
+   !> The functions of an exact beam: how many, the support of its modes, which follows from what holds it if the deck does not say,
+   !> and the places within it where something acts.
+   subroutine choose_exact(deck, index, body)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(body_type), intent(inout) :: body
+      type(attachment_type), allocatable :: acting(:)
+      character(:), allocatable :: support
+      real(wp) :: length
+      associate (block => deck%blocks(index), choice => body%choice%exact)
+         length = block%real('LENGTH')
+         choice%angles = block%integer('FUNCTIONS')
+         choice%strains = block%integer('STRAIN FUNCTIONS')
+         choice%origin = body%choice%origin
+         choice%support = body%choice%support
+         allocate (acting(0))
+         call find_acting(deck, index, acting)
+         choice%kinks = pack(acting%x, acting%part == 2)
+         choice%steps = pack(acting%x, acting%part == 3)
+         if (allocated(body%beam%mass)) then
+            choice%kinks = [choice%kinks, pack(body%beam%place, body%beam%mass > 0.0_wp)]
+            choice%steps = [choice%steps, pack(body%beam%place, body%beam%inertia > 0.0_wp)]
+         end if
+         if (block%given('SUPPORT')) return
+         if (turns_frame(deck, block%name())) acting = [acting, attachment_type(1, body%choice%origin, 2), &
+            & attachment_type(1, body%choice%origin, 3)]
+         support = end_support(0.0_wp)//'-'//end_support(length)
+         if (support == 'FREE-FREE' .and. size(acting) > 0) support = 'PINNED-FREE'
+         choice%support = new_support(support)
+      end associate
+
+   contains
+
+      !> What holds an end.
+      pure function end_support(x) result(word)
+         real(wp), intent(in) :: x
+         character(:), allocatable :: word
+         word = 'FREE'
+         if (any(abs(acting%x - x) < 1.0e-6_wp*length .and. acting%part == 2)) word = 'PINNED'
+         if (any(abs(acting%x - x) < 1.0e-6_wp*length .and. acting%part == 3)) word = 'CLAMPED'
+      end function end_support
+
+   end subroutine choose_exact
+
+   !> Whether a driver or a torque turns the frame of a body.
+   pure logical function turns_frame(deck, body)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: body
+      integer :: i
+      turns_frame = .false.
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'DRIVER' .and. deck%blocks(i)%keyword /= 'TORQUE') cycle
+         if (.not. deck%blocks(i)%has('BODY')) cycle
+         turns_frame = turns_frame .or. deck%blocks(i)%name('BODY') == body
+      end do
+   end function turns_frame
+
    !> What the block says of the reduction.
    function new_choice(block) result(choice)
       type(block_type), intent(in) :: block
@@ -284,6 +342,7 @@ contains
       case ('LINEAR'); choice%fidelity = fidelity_linear
       case ('K_G'); choice%fidelity = fidelity_kg
       case ('FULL'); choice%fidelity = fidelity_full
+      case ('EXACT'); choice%fidelity = fidelity_exact
       end select
       choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
       choice%nodal = block%word('GEOMETRIC INTEGRAL') == 'NODAL'
@@ -307,7 +366,7 @@ contains
       type(body_type), intent(in) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: available(2)
-      if (body%choice%frequency_limit > 0.0_wp) return
+      if (body%choice%frequency_limit > 0.0_wp .or. body%choice%fidelity == fidelity_exact) return
       available = available_modes(body%beam, body%choice)
       call check_count('MODES', body%choice%modes, sum(available), 'bending and axial')
       call check_count('BENDING MODES', body%choice%bending, available(1), 'bending')

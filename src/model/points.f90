@@ -13,7 +13,7 @@ module limber_model_points
 contains
 
    !> Appends a point; its index is then the number of points in `counts`.
-   subroutine add_point(model, name, body, p0, phi, psi)
+   subroutine add_point(model, name, body, p0, phi, psi, reach)
       type(model_type), intent(inout) :: model
       !> Name of the body and of the point: 'rod.middle'
       character(*), intent(in) :: name
@@ -23,6 +23,8 @@ contains
       real(wp), intent(in) :: p0(2)
       !> Displacement (2,n) and rotation (n) for each coordinate of a flexible body
       real(wp), intent(in), optional :: phi(:, :), psi(:)
+      !> Of a point of an exact beam: what its stations give to the place (stations)
+      real(wp), intent(in), optional :: reach(:)
       type(point_type) :: point
       point%name = name
       point%body = body
@@ -32,6 +34,10 @@ contains
          allocate (point%psi, source=psi)
       else
          allocate (point%phi(2, 0), point%psi(0))
+      end if
+      if (present(reach)) then
+         point%exact = .true.
+         allocate (point%reach, source=reach)
       end if
       call append(model%points, model%counts%points, point)
       call enter_name(model, 'point', name, model%counts%points)

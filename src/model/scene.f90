@@ -143,6 +143,10 @@ module limber_model_scene
       real(wp) :: p0(2) = 0.0_wp
       !> Displacement (2,n) and rotation of the section (n) for each coordinate of the body
       real(wp), allocatable :: phi(:, :), psi(:)
+      !> True of a point or direction of an exact beam, whose section turns by psi.eta; what the stations of the beam give to the
+      !> place of the point (stations) [length]
+      logical :: exact = .false.
+      real(wp), allocatable :: reach(:)
       !> True for a direction of the section, which does not move with the origin of the frame: p0 a unit vector, phi what psi
       !> makes of it; the system makes these of points
       logical :: direction = .false.

@@ -9,7 +9,7 @@ module limber_model_segments
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_flex_mesh, only: new_support
-   use limber_flex_reduction, only: reduction_type, point_shape
+   use limber_flex_reduction, only: reduction_type, point_shape, exact_shape
    use limber_model_lists, only: append
    use limber_model_points, only: add_point, enter_name, find_body
    use limber_model_scene, only: model_type, body_type, whole_type, joint_type, body_flexible, joint_weld
@@ -139,11 +139,15 @@ contains
       integer, intent(in) :: body
       !> Coordinate along the body [length]
       real(wp), intent(in) :: s
-      real(wp), allocatable :: phi(:, :), psi(:)
+      real(wp), allocatable :: phi(:, :), psi(:), reach(:)
       real(wp) :: p0(2)
       p0 = [s - model%bodies(body)%choice%origin, 0.0_wp]
-      if (model%bodies(body)%kind == body_flexible) call point_shape(model%bodies(body)%field, s, phi, psi)
-      call add_point(model, name, body, p0, phi, psi)
+      if (model%bodies(body)%reduced%is_exact) then
+         call exact_shape(model%bodies(body)%reduced%exact, s, phi, psi, reach)
+      else if (model%bodies(body)%kind == body_flexible) then
+         call point_shape(model%bodies(body)%field, s, phi, psi)
+      end if
+      call add_point(model, name, body, p0, phi, psi, reach)
       model%points(model%counts%points)%member = 1
       model%points(model%counts%points)%along = s
    end subroutine add_beam_point

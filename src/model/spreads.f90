@@ -8,7 +8,7 @@ module limber_model_spreads
    use limber_deck_expression, only: expression_type
    use limber_flex_frame, only: member_length
    use limber_flex_frame_reduction, only: frame_point_shape
-   use limber_flex_reduction, only: point_shape
+   use limber_flex_reduction, only: point_shape, exact_shape
    use limber_model_loads, only: new_effort, set_law, append_effort, name_load, constant
    use limber_model_points, only: add_point, find_body
    use limber_model_segments, only: pieces_of, piece_start
@@ -101,26 +101,27 @@ contains
       real(wp), intent(in) :: start, whole(2)
       type(model_type), intent(inout) :: model
       real(wp) :: total, absolute, place, level, ends(2)
-      real(wp), allocatable :: shape(:, :)
+      real(wp), allocatable :: shape(:, :), reach(:)
       ends = whole - start
       if (.not. model%bodies(body)%is_frame) ends = min(max(ends, 0.0_wp), model%bodies(body)%beam%length)
       if (.not. ends(2) > ends(1)) return
-      allocate (shape(2, model%bodies(body)%reduced%n))
+      allocate (shape(2, model%bodies(body)%reduced%n), reach(0))
+      if (model%bodies(body)%reduced%is_exact) reach = model%bodies(body)%reduced%exact%base
       associate (law => line%fields(component)%expression)
          if (block%yes('FOLLOWER') .and. model%bodies(body)%reduced%n > 0) then
             call follow_sections()
             return
          end if
-         call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, place, shape)
+         call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, place, shape, reach)
          if (.not. absolute > 0.0_wp) return
          if (abs(total) >= 0.01_wp*absolute) then
             call push(law, 0.0_wp, total)
          else
             ! A load whose parts cancel has no place: a uniform one is added and taken away
             level = absolute/(ends(2) - ends(1))
-            call weigh(model%bodies(body), member, constant(1.0_wp), start, 0.0_wp, ends, total, absolute, place, shape)
+            call weigh(model%bodies(body), member, constant(1.0_wp), start, 0.0_wp, ends, total, absolute, place, shape, reach)
             call push(constant(1.0_wp), 0.0_wp, total, -level)
-            call weigh(model%bodies(body), member, law, start, level, ends, total, absolute, place, shape)
+            call weigh(model%bodies(body), member, law, start, level, ends, total, absolute, place, shape, reach)
             call push(law, level, total)
          end if
       end associate
@@ -137,14 +138,14 @@ contains
          psi = 0.0_wp
          force = total
          if (present(factor)) force = factor*total
-         call act(place/total, shape/total, psi, force)
+         call act(place/total, shape/total, psi, reach/total, force)
          call append_spread(model, law, start, added, total, member, ends)
       end subroutine push
 
       !> Forces that turn with the sections at the stations of Gauss's formula, eq. (R1): the load is divided by Lagrange's
       !> polynomials of the stations in each interval, whose sum is one, so that force, moment and work at rest stay what they are.
       subroutine follow_sections()
-         real(wp), allocatable :: phi(:, :), psi(:)
+         real(wp), allocatable :: phi(:, :), psi(:), own(:)
          real(wp) :: whole(2), s(size(points))
          integer :: i, k, count
          count = 1 + model%bodies(body)%reduced%bending/follower_coordinates
@@ -154,14 +155,14 @@ contains
                ends = whole(1) + (whole(2) - whole(1))*[k - 1, k]/real(count, wp)
                s(:) = 0.5_wp*(ends(1) + ends(2)) + 0.5_wp*(ends(2) - ends(1))*points
                do i = 1, size(points)
-                  call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, place, shape, i)
+                  call weigh(model%bodies(body), member, law, start, 0.0_wp, ends, total, absolute, place, shape, reach, i)
                   if (.not. absolute > 0.0_wp) cycle
-                  call section_shape(model%bodies(body), member, s(i), phi, psi)
+                  call section_shape(model%bodies(body), member, s(i), phi, psi, own)
                   if (abs(total) > 0.01_wp*absolute) then
-                     call act(place/total, shape/total, psi, total)
+                     call act(place/total, shape/total, psi, reach/total, total)
                      call append_spread(model, law, start, 0.0_wp, total, member, ends, i)
                   else
-                     call act(s(i), phi, psi, total)
+                     call act(s(i), phi, psi, own, total)
                   end if
                end do
             end do
@@ -169,14 +170,19 @@ contains
       end subroutine follow_sections
 
       !> A force at a point that stands for a load.
-      subroutine act(along, phi, psi, force)
-         !> Coordinate along the beam or member [length]; shapes of the point and of its section (2, n), (n)
-         real(wp), intent(in) :: along, phi(:, :), psi(:)
+      subroutine act(along, phi, psi, reach, force)
+         !> Coordinate along the beam or member [length]; shapes of the point and of its section (2, n), (n); of an exact beam what
+         !> its stations give to the place (stations)
+         real(wp), intent(in) :: along, phi(:, :), psi(:), reach(:)
          real(wp), intent(in) :: force
          type(effort_type) :: effort
          real(wp) :: origin(2), axis(2)
          call line_of(model%bodies(body), member, origin, axis)
-         call add_point(model, ' '//block%name(), body, origin + axis*along, phi, psi)
+         if (model%bodies(body)%reduced%is_exact) then
+            call add_point(model, ' '//block%name(), body, origin + axis*along, phi, psi, reach)
+         else
+            call add_point(model, ' '//block%name(), body, origin + axis*along, phi, psi)
+         end if
          model%points(model%counts%points)%member = member
          model%points(model%counts%points)%along = along
          effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), model%counts%points, 0)
@@ -231,17 +237,17 @@ contains
    end subroutine append_spread
 
    !> Integrals along a member of a load and of its magnitude, and of the places and shapes times the load.
-   subroutine weigh(body, member, law, start, added, ends, total, absolute, place, shape, station)
+   subroutine weigh(body, member, law, start, added, ends, total, absolute, place, shape, reach, station)
       type(body_type), intent(in) :: body
       integer, intent(in) :: member
       !> Load, of the coordinate s along the beam or member, where the body begins there, and what is added [force/length]
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, added, ends(2)
-      !> [force], [force length]; shape (2, n)
-      real(wp), intent(out) :: total, absolute, place, shape(:, :)
+      !> [force], [force length]; shape (2, n); of an exact beam what its stations give to the places (stations), else of no size
+      real(wp), intent(out) :: total, absolute, place, shape(:, :), reach(:)
       !> Whose part of the load is meant; without it the whole
       integer, intent(in), optional :: station
-      real(wp), allocatable :: s(:), q(:), phi(:, :), psi(:)
+      real(wp), allocatable :: s(:), q(:), phi(:, :), psi(:), own(:)
       integer :: g
       call sample(law, start, added, edges_of(body, member, ends), s, q)
       if (present(station)) q = q*part_of_station(station, ends, s)
@@ -249,22 +255,29 @@ contains
       absolute = sum(abs(q))
       place = sum(q*s)
       shape = 0.0_wp
+      reach = 0.0_wp
       if (body%kind /= body_flexible) return
       do g = 1, size(s)
-         call section_shape(body, member, s(g), phi, psi)
+         call section_shape(body, member, s(g), phi, psi, own)
          shape = shape + q(g)*phi
+         if (size(reach) > 0) reach = reach + q(g)*own
       end do
    end subroutine weigh
 
    !> Displacement (2, n) and rotation (n) of a section of a beam or member for each coordinate.
-   pure subroutine section_shape(body, member, s, phi, psi)
+   pure subroutine section_shape(body, member, s, phi, psi, reach)
       type(body_type), intent(in) :: body
       integer, intent(in) :: member
       !> Coordinate along it [length]
       real(wp), intent(in) :: s
       real(wp), allocatable, intent(out) :: phi(:, :), psi(:)
+      !> Of an exact beam what its stations give to the place (stations)
+      real(wp), allocatable, intent(out) :: reach(:)
+      allocate (reach(0))
       if (body%is_frame) then
          call frame_point_shape(body%mesh, body%shape, member, s, phi, psi)
+      else if (body%reduced%is_exact) then
+         call exact_shape(body%reduced%exact, s, phi, psi, reach)
       else
          call point_shape(body%field, s, phi, psi)
       end if

@@ -189,11 +189,11 @@ contains
       end if
       select case (quantity%kind)
       case (quantity_x, quantity_y)
-         vector = point_position(system%layout, system%model%points(quantity%of), q)
+         vector = point_position(system%model, system%layout, system%model%points(quantity%of), q)
       case (quantity_vx, quantity_vy)
-         vector = point_velocity(system%layout, system%model%points(quantity%of), q, v)
+         vector = point_velocity(system%model, system%layout, system%model%points(quantity%of), q, v)
       case (quantity_ax, quantity_ay)
-         vector = point_acceleration(system%layout, system%model%points(quantity%of), q, v, a)
+         vector = point_acceleration(system%model, system%layout, system%model%points(quantity%of), q, v, a)
       case (quantity_force_x, quantity_force_y)
          vector = joint_force(system, work, quantity%of)
       case (quantity_angle)
@@ -289,9 +289,9 @@ contains
       real(wp), intent(in) :: q(:)
       real(wp) :: start(2), chord(2)
       associate (points => system%model%points, body => system%model%bodies(system%model%points(point)%body))
-         start = point_position(system%layout, points(body%start_point), q)
-         chord = point_position(system%layout, points(body%end_point), q) - start
-         deflection = cross(chord, point_position(system%layout, points(point), q) - start)/norm2(chord)
+         start = point_position(system%model, system%layout, points(body%start_point), q)
+         chord = point_position(system%model, system%layout, points(body%end_point), q) - start
+         deflection = cross(chord, point_position(system%model, system%layout, points(point), q) - start)/norm2(chord)
       end associate
    end function deflection
 

@@ -182,7 +182,8 @@ contains
       if (effort%place(point) == 0) return
       first = system%layout%q(body)
       u = q(first + 2:first + 3)
-      couple = force(3) - cross(point_position(system%layout, system%model%points(point), q) - q(first:first + 1), force(1:2))
+      couple = force(3) - cross(point_position(system%model, system%layout, system%model%points(point), q) &
+         & - q(first:first + 1), force(1:2))
       at = size(effort%amplitude) - 3*maxval(effort%place) + 3*(effort%place(point) - 1)
       effort%amplitude(at + 1:at + 3) = effort%amplitude(at + 1:at + 3) + [dot_product(u, force(1:2)), cross(u, force(1:2)), couple]
    end subroutine add_force

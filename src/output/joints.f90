@@ -57,7 +57,7 @@ contains
          if (.not. system%layout%framed(body)) return
          pull = reaction(system, work, joint, side)
          place = q(system%layout%q(body):system%layout%q(body) + 1) &
-            & - point_position(system%layout, system%model%points(system%model%joints(joint)%points(1)), q)
+            & - point_position(system%model, system%layout, system%model%points(system%model%joints(joint)%points(1)), q)
          moment = pull(3) + cross(place, pull(1:2))
          if (side == 2) moment = -moment
       end associate
@@ -86,8 +86,8 @@ contains
       real(wp) :: axis(2), turning(2)
       call find_axis(system, joint, q, q, axis, turning)
       associate (spec => system%model%joints(joint))
-         place = dot_product(axis, point_position(system%layout, system%model%points(spec%points(1)), q) &
-            & - point_position(system%layout, system%model%points(spec%points(2)), q))
+         place = dot_product(axis, point_position(system%model, system%layout, system%model%points(spec%points(1)), q) &
+            & - point_position(system%model, system%layout, system%model%points(spec%points(2)), q))
       end associate
    end function joint_displacement
 
@@ -100,8 +100,10 @@ contains
       call find_axis(system, joint, q, v, axis, turning)
       associate (a => system%model%points(system%model%joints(joint)%points(1)), &
             & b => system%model%points(system%model%joints(joint)%points(2)))
-         speed = dot_product(axis, point_velocity(system%layout, a, q, v) - point_velocity(system%layout, b, q, v)) &
-            & + dot_product(turning, point_position(system%layout, a, q) - point_position(system%layout, b, q))
+         speed = dot_product(axis, point_velocity(system%model, system%layout, a, q, v) - point_velocity(system%model, &
+            & system%layout, b, q, v)) &
+            & + dot_product(turning, point_position(system%model, system%layout, a, q) - point_position(system%model, &
+               & system%layout, b, q))
       end associate
    end function joint_sliding
 
@@ -123,6 +125,12 @@ contains
          last = first + size(point%psi) - 1
          slope = dot_product(point%psi, q(first:last))
          rate = dot_product(point%psi, v(first:last))
+         if (point%exact) then
+            p = along(p, [cos(slope), sin(slope)])
+            axis = along(p, q(first - 2:first - 1))
+            turning = along(p, v(first - 2:first - 1)) + along(rate*turn(p), q(first - 2:first - 1))
+            return
+         end if
          axis = along(p + slope*turn(p), q(first - 2:first - 1))
          turning = along(p + slope*turn(p), v(first - 2:first - 1)) + along(rate*turn(p), q(first - 2:first - 1))
       end associate
@@ -139,7 +147,8 @@ contains
       associate (own => system%model%points(point))
          if (size(own%psi) == 0) return
          first = system%layout%q(own%body) + 4
-         angle = atan(dot_product(own%psi, q(first:first + size(own%psi) - 1)))
+         angle = dot_product(own%psi, q(first:first + size(own%psi) - 1))
+         if (.not. own%exact) angle = atan(angle)
       end associate
    end function section_rotation
 
@@ -164,8 +173,9 @@ contains
       if (.not. system%layout%framed(point%body)) return
       first = system%layout%q(point%body) + 4
       last = first + size(point%psi) - 1
-      spin = cross(q(first - 2:first - 1), v(first - 2:first - 1)) &
-         & + dot_product(point%psi, v(first:last))/(1 + dot_product(point%psi, q(first:last))**2)
+      spin = dot_product(point%psi, v(first:last))
+      if (.not. point%exact) spin = spin/(1 + dot_product(point%psi, q(first:last))**2)
+      spin = spin + cross(q(first - 2:first - 1), v(first - 2:first - 1))
    end function section_spin
 
    !> Force or torque of a driver, positive where it drives its coordinate forward.

@@ -41,8 +41,8 @@ contains
             spin = cross(q(first:first + 1), v(first:first + 1))
          else
             along = chord(system, whole, q)
-            rate = point_velocity(system%layout, points(own%end_point), q, v) &
-               & - point_velocity(system%layout, points(own%start_point), q, v)
+            rate = point_velocity(system%model, system%layout, points(own%end_point), q, v) &
+               & - point_velocity(system%model, system%layout, points(own%start_point), q, v)
             spin = cross(along, rate)/dot_product(along, along)
          end if
       end associate
@@ -55,7 +55,8 @@ contains
       real(wp), intent(in) :: q(:)
       real(wp) :: chord(2)
       associate (own => system%model%bodies(system%model%wholes(whole)%first), points => system%model%points)
-         chord = point_position(system%layout, points(own%end_point), q) - point_position(system%layout, points(own%start_point), q)
+         chord = point_position(system%model, system%layout, points(own%end_point), q) - point_position(system%model, &
+            & system%layout, points(own%start_point), q)
       end associate
    end function chord
 
@@ -71,7 +72,8 @@ contains
       associate (own => system%model%points(point), points => system%model%points)
          associate (body => system%model%bodies(own%body))
             direction = whole_direction(system, body%whole, q)
-            arm = point_position(system%layout, own, q) - point_position(system%layout, points(body%start_point), q)
+            arm = point_position(system%model, system%layout, own, q) - point_position(system%model, system%layout, &
+               & points(body%start_point), q)
             piece = own%body - system%model%wholes(body%whole)%first
             displacement = [dot_product(direction, arm) - (own%along + piece*body%beam%length), cross(direction, arm)]
          end associate

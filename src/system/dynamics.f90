@@ -7,7 +7,8 @@ module limber_system_dynamics
    use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
    use limber_flex_reduced, only: add_damping, damping_power
    use limber_model_scene, only: body_flexible, ground
-   use limber_system_algebra, only: turn, cross
+   use limber_system_algebra, only: turn, along, cross
+   use limber_system_eta_mass, only: factor_eta_masses
    use limber_system_condensation, only: update_folds, project_vector, condense_forces, gather_loads, push_bending, axial_posture
    use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_frames, move_frames
@@ -44,6 +45,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
       logical :: singular
       if (system%condensed) call update_folds(system, work, q)
+      if (system%exact) then
+         call factor_eta_masses(work, singular)
+         if (singular) then
+            call raise(error, 'the mass matrix of an exact beam is singular at t = '//as_text(t, &
+               & 6)//': it is wound up too much '// &
+               & 'for its functions')
+            return
+         end if
+      end if
       call update_jacobians(system, work)
       call factor_multiplier_system(system, work, q, singular)
       if (singular) call raise(error, 'the multiplier system is singular at t = '//as_text(t, 6)// &
@@ -159,8 +169,14 @@ contains
                body%eta_force = -body%eta_force
                if (reduced%damped) call add_damping(reduced, -1.0_wp, v(first:last), body%eta_force)
             end if
+            if (reduced%is_exact) cycle
             call velocity_forces(reduced, frame%u, frame%omega, q(first:last), v(first:last), body%force, body%eta_force)
             if (heavy) call gravity_forces(reduced, system%model%gravity, frame%u, q(first:last), body%force, body%eta_force)
+         end associate
+      end do
+      do i = 1, size(work%kinematics%beams)
+         associate (body => work%bodies(work%kinematics%beams(i)), frame => work%kinematics%frames(work%kinematics%beams(i)))
+            call work%kinematics%lines(i)%forces(system%model%gravity, frame%u, frame%omega, body%force, body%eta_force)
          end associate
       end do
       do i = 1, size(system%loads)
@@ -403,8 +419,18 @@ contains
             last = first + 3 + reduced%n
             u = q(first + 2:first + 3)
             omega = dot_product(turn(u), v(first + 2:first + 3))
-            kinetic = kinetic + kinetic_energy(reduced, u, q(first + 4:last), v(first:first + 1), omega, v(first + 4:last))
-            potential = potential + weight_potential(reduced, system%model%gravity, q(first:first + 1), u, q(first + 4:last))
+            if (reduced%is_exact) then
+               associate (line => work%bodies(i)%line)
+                  call line%place(q(first + 4:last))
+                  call line%move(v(first + 4:last))
+                  kinetic = kinetic + line%kinetic(along(v(first:first + 1), [u(1), -u(2)]), omega, v(first + 4:last))
+                  potential = potential - dot_product(system%model%gravity, reduced%mass*q(first:first + 1) &
+                     & + along(line%moment(), u))
+               end associate
+            else
+               kinetic = kinetic + kinetic_energy(reduced, u, q(first + 4:last), v(first:first + 1), omega, v(first + 4:last))
+               potential = potential + weight_potential(reduced, system%model%gravity, q(first:first + 1), u, q(first + 4:last))
+            end if
             call elastic_energy(reduced, q(first + 4:last), work%bodies(i)%z, work%bodies(i)%s, elastic)
             potential = potential + elastic
          end associate

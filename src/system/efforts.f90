@@ -171,7 +171,7 @@ contains
       do m = 1, most
          p = self%gauges(1)%parts(m)
          if (p == 0) cycle
-         call marker_stiffness(kinematics%markers(self%gauges(1)%markers(m)), -force*along(:, m), &
+         call marker_stiffness(kinematics, self%gauges(1)%markers(m), -force*along(:, m), &
             & stiffness(self%offsets(p) + 1:self%offsets(p) + self%rates(p), self%offsets(p) + 1:self%offsets(p) + self%rates(p)))
       end do
    end subroutine effort_add_tangent

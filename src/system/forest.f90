@@ -84,7 +84,7 @@ contains
       integer, allocatable :: pin(:)
       integer :: bodies, i, n, pairs
       bodies = size(system%model%bodies)
-      if (bodies < many .or. size(system%loads) > 0 .or. system%redundant .or. system%condensed) return
+      if (bodies < many .or. size(system%loads) > 0 .or. system%redundant .or. system%condensed .or. system%exact) return
       if (3 + maxval(system%layout%n) > most_order) return
       if (size(system%constraints) > bodies .or. size(system%angles) + size(system%bends) > 0) return
       do i = 1, bodies

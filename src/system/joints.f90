@@ -84,8 +84,8 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(in) :: lambda(:)
       real(wp), intent(inout) :: first(:, :), second(:, :), across(:, :)
-      call marker_stiffness(kinematics%markers(self%markers(1)), lambda, first)
-      call marker_stiffness(kinematics%markers(self%markers(2)), -lambda(1:2), second)
+      call marker_stiffness(kinematics, self%markers(1), lambda, first)
+      call marker_stiffness(kinematics, self%markers(2), -lambda(1:2), second)
       across = across
    end subroutine revolute_stiffness
 
@@ -141,7 +141,7 @@ contains
       integer :: k
       force = lambda(1)*normal(self, kinematics)
       associate (a => kinematics%markers(self%markers(1)), frame => kinematics%frames(self%bodies(2)))
-         call marker_stiffness(a, force, first)
+         call marker_stiffness(kinematics, self%markers(1), force, first)
          if (self%bodies(2) == ground .or. size(second, 1) < 3) return
          turned = turn(force)
          arm = a%position - frame%position

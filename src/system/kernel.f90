@@ -207,10 +207,10 @@ contains
       do row = 1, self%rows
          call gather_weights(self, at%gradient(row, :self%count), g, weight)
          do j = 1, self%vectors
-            associate (marker => kinematics%markers(self%markers(j)))
-               if (side_of(self, kinematics, j) == 1) call marker_stiffness(marker, lambda(row)*weight(:, j), first)
-               if (side_of(self, kinematics, j) == 2) call marker_stiffness(marker, lambda(row)*weight(:, j), second)
-            end associate
+            if (side_of(self, kinematics, j) == 1) call marker_stiffness(kinematics, self%markers(j), lambda(row)*weight(:, j), &
+               & first)
+            if (side_of(self, kinematics, j) == 2) call marker_stiffness(kinematics, self%markers(j), lambda(row)*weight(:, j), &
+               & second)
          end do
          do j = 1, m + n
             call columns_of(self, kinematics, m, j, move, change)

@@ -8,6 +8,7 @@ module limber_system_kinematics
    use limber_model_laws, only: driven_motion
    use limber_model_scene, only: model_type, point_type, body_point, driver_type, driver_angle, ground
    use limber_system_algebra, only: turn, along, cross
+   use limber_system_centreline, only: centreline_type, new_centreline, follow_place
    implicit none
    private
    public :: layout_type, new_layout, marker_type, angle_type, kinematics_type, new_kinematics
@@ -58,6 +59,10 @@ module limber_system_kinematics
       real(wp) :: p0(2) = 0.0_wp
       !> A(phi_k) u (2,n); no columns where no deflection moves it
       real(wp), allocatable :: shape(:, :)
+      !> Of a point or direction of an exact beam: which of the centrelines that is, else 0; what its stations give to the place
+      !> of the point (stations)
+      integer :: line = 0
+      real(wp), allocatable :: reach(:)
    end type marker_type
 
    !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to where its anchor has moved, eq. (E1)
@@ -98,6 +103,9 @@ module limber_system_kinematics
       real(wp) :: span = 0.0_wp
       type(drive_type), allocatable :: drives(:)
       type(frame_type), allocatable :: frames(:)
+      !> The exact beams, and the body of each
+      type(centreline_type), allocatable :: lines(:)
+      integer, allocatable :: beams(:)
       type(marker_type), allocatable :: markers(:)
       !> Whether there are any of the following
       logical :: turns = .false.
@@ -143,6 +151,12 @@ contains
       type(kinematics_type) :: kinematics
       integer :: m
       allocate (kinematics%frames(0:size(model%bodies)), kinematics%markers(size(points)))
+      allocate (kinematics%beams(count([(model%bodies(m)%reduced%is_exact, m=1, size(model%bodies))])))
+      kinematics%beams = pack([(m, m=1, size(model%bodies))], [(model%bodies(m)%reduced%is_exact, m=1, size(model%bodies))])
+      allocate (kinematics%lines(size(kinematics%beams)))
+      do m = 1, size(kinematics%beams)
+         call new_centreline(model%bodies(kinematics%beams(m))%reduced%exact, kinematics%lines(m))
+      end do
       allocate (kinematics%drives(size(model%drivers) + count(model%joints%has_law)))
       kinematics%drives(size(model%drivers) + 1:)%joint = pack([(m, m=1, size(model%joints))], model%joints%has_law)
       do m = 1, size(model%drivers)
@@ -157,6 +171,9 @@ contains
          kinematics%markers(m)%carrier = merge(ground, kinematics%markers(m)%body, kinematics%markers(m)%direction)
          associate (point => model%points(points(m)))
             allocate (kinematics%markers(m)%shape(2, merge(size(point%psi), 0, any(abs(point%phi) > 0.0_wp))), source=0.0_wp)
+            if (point%exact) kinematics%markers(m)%line = findloc(kinematics%beams, point%body, dim=1)
+            allocate (kinematics%markers(m)%reach(0))
+            if (allocated(point%reach)) kinematics%markers(m)%reach = point%reach
          end associate
          if (kinematics%markers(m)%body == ground) kinematics%markers(m)%position = model%points(points(m))%p0
       end do
@@ -227,11 +244,19 @@ contains
          kinematics%frames(i)%position = q(first:first + 1)
          if (layout%framed(i)) kinematics%frames(i)%u = q(first + 2:first + 3)
       end do
+      do i = 1, size(kinematics%beams)
+         first = layout%q(kinematics%beams(i)) + 4
+         call kinematics%lines(i)%place(q(first:first + kinematics%lines(i)%n - 1))
+      end do
       do m = 1, size(kinematics%markers)
          associate (marker => kinematics%markers(m))
             if (marker%carrier == ground) cycle
             if (layout%n(marker%carrier) == 0) then
                call place_rigid_marker(marker%p0, kinematics%frames(marker%carrier), marker)
+               cycle
+            else if (marker%line > 0) then
+               call place_exact_marker(model%points(marker%point), kinematics%lines(marker%line), &
+                  & kinematics%frames(marker%carrier), marker)
                cycle
             end if
             first = layout%q(marker%carrier) + 4
@@ -252,6 +277,11 @@ contains
       do i = 1, size(kinematics%directions)
          associate (marker => kinematics%markers(kinematics%directions(i)))
             first = layout%q(marker%body) + 4
+            if (marker%line > 0) then
+               call place_exact_direction(model%points(marker%point), kinematics%frames(marker%body), &
+                  & q(first:first + layout%n(marker%body) - 1), marker)
+               cycle
+            end if
             call place_marker(model%points(marker%point), without_origin(kinematics%frames(marker%body)), &
                & q(first:first + layout%n(marker%body) - 1), marker)
          end associate
@@ -334,11 +364,19 @@ contains
             end if
          end associate
       end do
+      do i = 1, size(kinematics%beams)
+         first = layout%q(kinematics%beams(i)) + 4
+         call kinematics%lines(i)%move(v(first:first + kinematics%lines(i)%n - 1))
+      end do
       do m = 1, size(kinematics%markers)
          associate (marker => kinematics%markers(m))
             if (marker%carrier == ground) cycle
             if (layout%n(marker%carrier) == 0) then
                call move_rigid_marker(kinematics%frames(marker%carrier), marker)
+               cycle
+            else if (marker%line > 0) then
+               call move_exact_marker(model%points(marker%point), kinematics%lines(marker%line), &
+                  & kinematics%frames(marker%carrier), marker)
                cycle
             end if
             first = layout%q(marker%carrier) + 4
@@ -360,6 +398,10 @@ contains
          associate (marker => kinematics%markers(kinematics%directions(i)))
             first = layout%q(marker%body) + 4
             last = first + layout%n(marker%body) - 1
+            if (marker%line > 0) then
+               call move_exact_direction(model%points(marker%point), kinematics%frames(marker%body), v(first:last), marker)
+               cycle
+            end if
             call move_marker(model%points(marker%point), without_origin(kinematics%frames(marker%body)), q(first:last), &
                & v(first:last), marker)
          end associate
@@ -491,72 +533,165 @@ contains
       marker%bias = 2*along(drift, frame%rate) - dot_product(frame%rate, frame%rate)*along(p, frame%u)
    end subroutine move_marker
 
+   !> Position of a point of an exact beam and its derivatives, eq. (X7).
+   pure subroutine place_exact_marker(point, line, frame, marker)
+      type(point_type), intent(in) :: point
+      type(centreline_type), intent(in) :: line
+      type(frame_type), intent(in) :: frame
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: p(2)
+      integer :: i, k
+      p = 0.0_wp
+      marker%shape = 0.0_wp
+      do k = 1, size(point%reach)
+         p = p + point%reach(k)*line%g(:, k)
+         if (size(marker%shape, 2) == 0) cycle
+         do i = 1, line%n
+            marker%shape(1, i) = marker%shape(1, i) + point%reach(k)*line%gx(i, k)
+            marker%shape(2, i) = marker%shape(2, i) + point%reach(k)*line%gy(i, k)
+         end do
+      end do
+      do i = 1, size(marker%shape, 2)
+         marker%shape(:, i) = along(marker%shape(:, i), frame%u)
+      end do
+      p = along(p, frame%u)
+      marker%position = frame%position + p
+      marker%lever = turn(p)
+   end subroutine place_exact_marker
+
+   !> Velocity of such a point and the part of its acceleration that velocities alone make.
+   pure subroutine move_exact_marker(point, line, frame, marker)
+      type(point_type), intent(in) :: point
+      type(centreline_type), intent(in) :: line
+      type(frame_type), intent(in) :: frame
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: drift(2), swerve(2)
+      integer :: k
+      drift = 0.0_wp
+      swerve = 0.0_wp
+      do k = 1, size(point%reach)
+         drift = drift + point%reach(k)*line%drift(:, k)
+         swerve = swerve + point%reach(k)*line%bias(:, k)
+      end do
+      marker%velocity = frame%velocity + frame%omega*marker%lever + along(drift, frame%u)
+      marker%bias = 2*along(drift, frame%rate) + frame%omega**2*turn(marker%lever) + along(swerve, frame%u)
+   end subroutine move_exact_marker
+
+   !> Direction in a section of an exact beam, and its derivatives.
+   pure subroutine place_exact_direction(point, frame, eta, marker)
+      type(point_type), intent(in) :: point
+      type(frame_type), intent(in) :: frame
+      real(wp), contiguous, intent(in) :: eta(:)
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: angle
+      integer :: k
+      angle = 0.0_wp
+      do k = 1, size(eta)
+         angle = angle + point%psi(k)*eta(k)
+      end do
+      marker%position = along(along(marker%p0, [cos(angle), sin(angle)]), frame%u)
+      marker%lever = turn(marker%position)
+      do k = 1, size(marker%shape, 2)
+         marker%shape(:, k) = point%psi(k)*marker%lever
+      end do
+   end subroutine place_exact_direction
+
+   !> Velocity of such a direction, and the part of its acceleration that velocities alone make.
+   pure subroutine move_exact_direction(point, frame, rate, marker)
+      type(point_type), intent(in) :: point
+      type(frame_type), intent(in) :: frame
+      real(wp), contiguous, intent(in) :: rate(:)
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: turning
+      integer :: k
+      turning = frame%omega
+      do k = 1, size(rate)
+         turning = turning + point%psi(k)*rate(k)
+      end do
+      marker%velocity = turning*marker%lever
+      marker%bias = -turning**2*marker%position
+   end subroutine move_exact_direction
+
    !> Position of any point of the model at the coordinates q (2).
-   pure function point_position(layout, point, q) result(position)
+   pure function point_position(model, layout, point, q) result(position)
+      type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
       type(point_type), intent(in) :: point
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
-      real(wp) :: position(2), p(2)
-      integer :: first, k
+      real(wp) :: position(2), p(2), drift(2), push(2)
+      integer :: first
       position = point%p0
       if (point%body == ground) return
       first = layout%q(point%body)
       position = q(first:first + 1)
       if (.not. layout%framed(point%body)) return
-      p = point%p0
-      do k = 1, layout%n(point%body)
-         p = p + point%phi(:, k)*q(first + 3 + k)
-      end do
+      call follow_point(model, point, q(first + 4:first + 3 + layout%n(point%body)), p, drift, push)
       position = position + along(p, q(first + 2:first + 3))
    end function point_position
 
    !> Velocity of any point of the model (2).
-   pure function point_velocity(layout, point, q, v) result(velocity)
+   pure function point_velocity(model, layout, point, q, v) result(velocity)
+      type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
       type(point_type), intent(in) :: point
       !> Coordinates and velocities (nq)
       real(wp), intent(in) :: q(:), v(:)
-      real(wp) :: velocity(2), p(2), drift(2)
-      integer :: first, k
+      real(wp) :: velocity(2), p(2), drift(2), push(2)
+      integer :: first, last
       velocity = 0.0_wp
       if (point%body == ground) return
       first = layout%q(point%body)
       velocity = v(first:first + 1)
       if (.not. layout%framed(point%body)) return
-      p = point%p0
-      drift = 0.0_wp
-      do k = 1, layout%n(point%body)
-         p = p + point%phi(:, k)*q(first + 3 + k)
-         drift = drift + point%phi(:, k)*v(first + 3 + k)
-      end do
+      last = first + 3 + layout%n(point%body)
+      call follow_point(model, point, q(first + 4:last), p, drift, push, v(first + 4:last))
       velocity = velocity + along(p, v(first + 2:first + 3)) + along(drift, q(first + 2:first + 3))
    end function point_velocity
 
    !> Acceleration of any point of the model (2).
-   pure function point_acceleration(layout, point, q, v, a) result(acceleration)
+   pure function point_acceleration(model, layout, point, q, v, a) result(acceleration)
+      type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
       type(point_type), intent(in) :: point
       !> Coordinates, velocities and accelerations (nq)
       real(wp), intent(in) :: q(:), v(:), a(:)
       real(wp) :: acceleration(2), p(2), drift(2), push(2)
-      integer :: first, k
+      integer :: first, last
       acceleration = 0.0_wp
       if (point%body == ground) return
       first = layout%q(point%body)
       acceleration = a(first:first + 1)
       if (.not. layout%framed(point%body)) return
-      p = point%p0
-      drift = 0.0_wp
-      push = 0.0_wp
-      do k = 1, layout%n(point%body)
-         p = p + point%phi(:, k)*q(first + 3 + k)
-         drift = drift + point%phi(:, k)*v(first + 3 + k)
-         push = push + point%phi(:, k)*a(first + 3 + k)
-      end do
+      last = first + 3 + layout%n(point%body)
+      call follow_point(model, point, q(first + 4:last), p, drift, push, v(first + 4:last), a(first + 4:last))
       acceleration = acceleration + along(p, a(first + 2:first + 3)) + along(push, q(first + 2:first + 3)) &
          & + 2*along(drift, v(first + 2:first + 3))
    end function point_acceleration
+
+   !> Place of a point in its frame, its velocity and acceleration there (2).
+   pure subroutine follow_point(model, point, eta, p, drift, push, rate, acceleration)
+      type(model_type), intent(in) :: model
+      type(point_type), intent(in) :: point
+      !> Coordinates of its body (n)
+      real(wp), intent(in) :: eta(:)
+      real(wp), intent(out) :: p(2), drift(2), push(2)
+      !> Their rates, and second derivatives (n)
+      real(wp), intent(in), optional :: rate(:), acceleration(:)
+      integer :: k
+      p = point%p0
+      drift = 0.0_wp
+      push = 0.0_wp
+      if (point%exact) then
+         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, eta, p, drift, push, rate, acceleration)
+         return
+      end if
+      do k = 1, size(eta)
+         p = p + point%phi(:, k)*eta(k)
+         if (present(rate)) drift = drift + point%phi(:, k)*rate(k)
+         if (present(acceleration)) push = push + point%phi(:, k)*acceleration(k)
+      end do
+   end subroutine follow_point
 
    !> Saves or restores its memory.
    subroutine exchange_kinematics(self, snapshot)
@@ -577,6 +712,9 @@ contains
          call snapshot%exchange('velocity', self%frames(i)%velocity)
          call snapshot%exchange('rate', self%frames(i)%rate)
          call snapshot%exchange('omega', self%frames(i)%omega)
+      end do
+      do i = 1, size(self%lines)
+         call self%lines(i)%exchange(snapshot)
       end do
       do i = 1, size(self%markers)
          call snapshot%exchange('position', self%markers(i)%position)

@@ -125,7 +125,7 @@ contains
       class(dead_force_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
-      call marker_stiffness(kinematics%markers(self%marker), -force_at(self, kinematics%time), stiffness)
+      call marker_stiffness(kinematics, self%marker, -force_at(self, kinematics%time), stiffness)
       damping = damping
    end subroutine force_add_tangent
 

@@ -4,7 +4,7 @@
 module limber_system_markers
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
-   use limber_system_algebra, only: turn, cross
+   use limber_system_algebra, only: turn, along, cross
    use limber_system_kinematics, only: kinematics_type, marker_type
    implicit none
    private
@@ -41,24 +41,58 @@ contains
          do k = 1, size(point%shape, 2)
             row(3 + k) = row(3 + k) + frame%omega*dot_product(weight, turn(point%shape(:, k)))
          end do
+         if (point%line == 0) return
+         do k = 1, size(point%shape, 2)
+            row(3 + k) = row(3 + k) + dot_product(weight, bending_drift(kinematics, point, k))
+         end do
       end associate
    end subroutine marker_drift
 
    !> Adds the second derivatives of (force . position of a marker) with respect to (r, rotation, eta).
-   pure subroutine marker_stiffness(marker, force, k)
-      type(marker_type), intent(in) :: marker
+   pure subroutine marker_stiffness(kinematics, marker, force, k)
+      type(kinematics_type), intent(in) :: kinematics
+      !> Its index
+      integer, intent(in) :: marker
       real(wp), intent(in) :: force(2)
       real(wp), intent(inout) :: k(:, :)
       real(wp) :: part
       integer :: j
       if (size(k, 1) < 3) return
-      k(3, 3) = k(3, 3) + dot_product(turn(marker%lever), force)
-      do j = 1, size(marker%shape, 2)
-         part = dot_product(turn(marker%shape(:, j)), force)
-         k(3, 3 + j) = k(3, 3 + j) + part
-         k(3 + j, 3) = k(3 + j, 3) + part
-      end do
+      associate (point => kinematics%markers(marker))
+         k(3, 3) = k(3, 3) + dot_product(turn(point%lever), force)
+         do j = 1, size(point%shape, 2)
+            part = dot_product(turn(point%shape(:, j)), force)
+            k(3, 3 + j) = k(3, 3 + j) + part
+            k(3 + j, 3) = k(3 + j, 3) + part
+         end do
+         if (point%line > 0 .and. size(point%shape, 2) > 0) call bend_marker(kinematics, point, force, k(4:, 4:))
+      end associate
    end subroutine marker_stiffness
+
+   !> The second derivatives by the coordinates of an exact beam, eq. (X9).
+   pure subroutine bend_marker(kinematics, marker, force, k)
+      type(kinematics_type), intent(in) :: kinematics
+      type(marker_type), intent(in) :: marker
+      real(wp), intent(in) :: force(2)
+      real(wp), intent(inout) :: k(:, :)
+      real(wp) :: pull(2, size(marker%reach)), within(2)
+      integer :: i, j
+      if (marker%direction) then
+         ! shape = psi J d, so that the second derivative -psi psi d is the product of shapes along J d
+         do j = 1, size(marker%shape, 2)
+            do i = 1, size(marker%shape, 2)
+               k(i, j) = k(i, j) - dot_product(marker%shape(:, i), marker%lever)*dot_product(marker%shape(:, j), marker%lever) &
+                  & *dot_product(force, marker%position)
+            end do
+         end do
+         return
+      end if
+      within = along(force, kinematics%frames(marker%body)%u*[1.0_wp, -1.0_wp])
+      do i = 1, size(pull, 2)
+         pull(:, i) = marker%reach(i)*within
+      end do
+      call kinematics%lines(marker%line)%add_curvature(pull, k)
+   end subroutine bend_marker
 
    !> Derivative of a marker's position by one of its body's (r, rotation, eta); the same is that of its velocity by the rate.
    pure function marker_column(marker, j) result(column)
@@ -89,9 +123,25 @@ contains
          case default
             column = 0.0_wp
             if (j - 3 <= size(point%shape, 2)) column = frame%omega*turn(point%shape(:, j - 3))
+            if (j - 3 <= size(point%shape, 2) .and. point%line > 0) column = column + bending_drift(kinematics, point, j - 3)
          end select
       end associate
    end function drift_column
+
+   !> Rate of the derivative of a marker's position by a coordinate of an exact beam, without that of the frame.
+   pure function bending_drift(kinematics, marker, j) result(rate)
+      type(kinematics_type), intent(in) :: kinematics
+      type(marker_type), intent(in) :: marker
+      integer, intent(in) :: j
+      real(wp) :: rate(2)
+      associate (frame => kinematics%frames(marker%body))
+         if (marker%direction) then
+            rate = (cross(marker%position, marker%velocity) - frame%omega)*turn(marker%shape(:, j))
+         else
+            rate = along(kinematics%lines(marker%line)%drift_of(marker%reach, j), frame%u)
+         end if
+      end associate
+   end function bending_drift
 
    !> Derivative of a marker's velocity by the rotation of its frame.
    pure function swing(kinematics, marker) result(column)

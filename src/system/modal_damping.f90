@@ -5,6 +5,7 @@ module limber_system_modal_damping
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
    use limber_model_scene, only: model_type
+   use limber_system_eta_mass, only: update_eta_masses
    use limber_system_freedom, only: freedom_type, find_freedom
    use limber_system_kinematics, only: place_frames
    use limber_system_multiplier, only: update_jacobians, update_masses
@@ -46,6 +47,7 @@ contains
       call place_frames(system%model, system%layout, system%model%dynamics%start, q, work%kinematics)
       call update_jacobians(system, work)
       call update_masses(system, work, q)
+      if (system%exact) call update_eta_masses(work)
       do i = 1, size(model%bodies)
          if (.not. allocated(model%bodies(i)%ratio)) cycle
          missed(i) = sum(system%layout%rates) > most
@@ -152,6 +154,8 @@ contains
             associate (eta => motion(at + m:at + m + n - 1, j), coupling => work%bodies(i)%coupling)
                product(at:at + m - 1) = product(at:at + m - 1) + matmul(eta, coupling)
                product(at + m:at + m + n - 1) = eta + matmul(coupling, motion(at:at + m - 1, j))
+               if (allocated(work%bodies(i)%eta_mass)) product(at + m:at + m + n - 1) = product(at + m:at + m + n - 1) &
+                  & + matmul(work%bodies(i)%eta_mass, eta) - eta
             end associate
          end do
          mass(:, j) = matmul(product, motion)

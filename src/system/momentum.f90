@@ -7,6 +7,7 @@ module limber_system_momentum
    use limber_flex_reduced, only: reduced_type, rotary_row, rotary_square
    use limber_system_algebra, only: turn, cross
    use limber_system_body, only: centre_moment
+   use limber_system_centreline, only: centreline_type, new_centreline
    use limber_system_system, only: system_type
    implicit none
    private
@@ -134,6 +135,7 @@ contains
       !> Along x and y [mass length/time], and about the origin [mass length^2/time]
       real(wp), intent(out) :: momentum(3)
       real(wp) :: rates(3 + maxval(system%layout%n)), p(3 + maxval(system%layout%n)), linear(2)
+      type(centreline_type) :: line
       integer :: i, first, n
       momentum = 0.0_wp
       do i = 1, size(system%layout%q)
@@ -145,7 +147,14 @@ contains
                rates(1:2) = [dot_product(u, v(first:first + 1)), cross(u, v(first:first + 1))]
                rates(3) = cross(u, v(first + 2:first + 3))
                rates(4:3 + n) = v(first + 4:first + 3 + n)
-               call body_momentum(system%model%bodies(i)%reduced, q(first + 4:first + 3 + n), rates(:3 + n), p(:3 + n))
+               if (system%model%bodies(i)%reduced%is_exact) then
+                  call new_centreline(system%model%bodies(i)%reduced%exact, line)
+                  call line%place(q(first + 4:first + 3 + n))
+                  call line%move(v(first + 4:first + 3 + n))
+                  p(:3) = line%momenta(rates(1:2), rates(3), rates(4:3 + n))
+               else
+                  call body_momentum(system%model%bodies(i)%reduced, q(first + 4:first + 3 + n), rates(:3 + n), p(:3 + n))
+               end if
                linear = p(1)*u + p(2)*turn(u)
                momentum(3) = momentum(3) + p(3)
             end associate

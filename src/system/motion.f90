@@ -7,6 +7,7 @@ module limber_system_motion
    use limber_model_scene, only: ground
    use limber_system_body, only: body_tangent
    use limber_system_dynamics, only: sum_forces
+   use limber_system_eta_mass, only: update_eta_masses
    use limber_system_kinematics, only: kinematics_type, place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, update_masses
    use limber_system_system, only: system_type, workspace_type
@@ -28,6 +29,7 @@ contains
       call move_frames(system%model, system%layout, q, v, work%kinematics)
       call update_jacobians(system, work)
       call update_masses(system, work, q)
+      if (system%exact) call update_eta_masses(work)
    end subroutine place_motion
 
    !> Residual of the equations of motion, M a - forces + G^T lambda (nw), and of the velocity equations, G w - rate (nc), at a
@@ -59,7 +61,14 @@ contains
                end do
             end do
             do k = 1, n
-               motion(first + m + k - 1) = a(first + m + k - 1) - body%eta_force(k)
+               motion(first + m + k - 1) = -body%eta_force(k)
+               if (allocated(body%eta_mass)) then
+                  do j = 1, n
+                     motion(first + m + k - 1) = motion(first + m + k - 1) + body%eta_mass(j, k)*a(first + m + j - 1)
+                  end do
+               else
+                  motion(first + m + k - 1) = motion(first + m + k - 1) + a(first + m + k - 1)
+               end if
                do j = 1, m
                   motion(first + m + k - 1) = motion(first + m + k - 1) + body%coupling(k, j)*a(first + j - 1)
                end do
@@ -151,12 +160,20 @@ contains
          body%mass(:3, 3 + k) = work%bodies(i)%coupling(k, :)
          body%mass(3 + k, 3 + k) = 1.0_wp
       end do
+      if (allocated(work%bodies(i)%eta_mass)) body%mass(4:, 4:) = work%bodies(i)%eta_mass
       first = system%layout%q(i) + 4
       last = first + n - 1
       at = system%layout%w(i)
       associate (frame => work%kinematics%frames(i), reduced => system%model%bodies(i)%reduced)
-         call body_tangent(reduced, system%model%gravity, frame%u, frame%omega, q(first:last), v(first:last), a(at:at + 1), &
-            & a(at + 2), a(at + 3:at + 2 + n), body%stiffness(:, 3:), body%damping(:, 3:))
+         if (reduced%is_exact) then
+            associate (line => work%kinematics%lines(findloc(work%kinematics%beams, i, dim=1)))
+               call line%tangent(system%model%gravity, frame%u, frame%omega, a(at:at + 1), a(at + 2), a(at + 3:at + 2 + n), &
+                  & body%stiffness(:, 3:), body%damping(:, 3:))
+            end associate
+         else
+            call body_tangent(reduced, system%model%gravity, frame%u, frame%omega, q(first:last), v(first:last), a(at:at + 1), &
+               & a(at + 2), a(at + 3:at + 2 + n), body%stiffness(:, 3:), body%damping(:, 3:))
+         end if
          if (n > 0) call elastic_tangent(reduced, q(first:last), body%stiffness(4:, 4:), work%bodies(i)%z, work%bodies(i)%s, &
             & body%slope)
          if (.not. reduced%damped) return

@@ -13,6 +13,7 @@ module limber_system_multiplier
    use limber_model_scene, only: ground
    use limber_system_body, only: body_mass, rigid_mass
    use limber_system_condensation, only: condense_couplings, project_vector
+   use limber_system_eta_mass, only: to_unit_mass
    use limber_system_holding, only: split_motion
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -38,6 +39,7 @@ contains
                end associate
                if (system%model%bodies(i)%reduced%condensed) call project_vector(system%model%bodies(i)%reduced, body%fold, &
                   & body%normal, body%eta_rows(:, column))
+               if (allocated(body%factor)) call to_unit_mass(body%factor, body%eta_rows(:, column))
             end do
          end associate
       end do
@@ -51,6 +53,7 @@ contains
       real(wp), contiguous, intent(in) :: q(:)
       integer :: i, first
       do i = 1, size(work%bodies)
+         if (system%model%bodies(i)%reduced%is_exact) cycle
          associate (body => work%bodies(i), reduced => system%model%bodies(i)%reduced)
             if (system%layout%framed(i) .and. system%layout%n(i) == 0) then
                call rigid_mass(system%inertia(:, i), work%kinematics%frames(i)%u, body%mass)
@@ -64,6 +67,11 @@ contains
             end if
          end associate
       end do
+      do i = 1, size(work%kinematics%beams)
+         associate (body => work%bodies(work%kinematics%beams(i)), frame => work%kinematics%frames(work%kinematics%beams(i)))
+            call work%kinematics%lines(i)%mass_matrix(frame%u, body%mass, body%coupling)
+         end associate
+      end do
    end subroutine update_masses
 
    !> Builds and factors the condensed matrix at the coordinates q; kinematics are placed, Jacobians up to date.
@@ -74,9 +82,16 @@ contains
       real(wp), contiguous, intent(in) :: q(:)
       !> True if a pivot is zero
       logical, intent(out) :: singular
-      integer :: i, row
+      integer :: i, j, row
       call update_masses(system, work, q)
       if (system%condensed) call condense_couplings(system, work)
+      do i = 1, size(work%kinematics%beams)
+         associate (body => work%bodies(work%kinematics%beams(i)))
+            do j = 1, 3
+               call to_unit_mass(body%factor, body%coupling(:, j))
+            end do
+         end associate
+      end do
       call update_hanging(system, work)
       work%matrix%values = 0.0_wp
       do i = 1, size(work%bodies)

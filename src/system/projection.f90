@@ -112,7 +112,7 @@ contains
             i = tree%order(k)
             first = system%layout%q(i)
             if (tree%joint(i) > 0) then
-               place = point_position(system%layout, system%model%points(system%marker_points(tree%marker(i))), q)
+               place = point_position(system%model, system%layout, system%model%points(system%marker_points(tree%marker(i))), q)
                q(first:first + 1) = place
             end if
             if (tree%driver(i) > 0) call head_frame(tree%driver(i))
@@ -198,8 +198,8 @@ contains
       integer, intent(in) :: first
       real(wp), intent(inout) :: q(:), v(:)
       real(wp) :: place(2), rate(2)
-      place = point_position(system%layout, point, q)
-      rate = point_velocity(system%layout, point, q, v)
+      place = point_position(system%model, system%layout, point, q)
+      rate = point_velocity(system%model, system%layout, point, q, v)
       q(first:first + 1) = place
       v(first:first + 1) = rate
    end subroutine follow_carrier

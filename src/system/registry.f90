@@ -86,6 +86,7 @@ contains
       associate (section => system%model%points(point))
          wanted%name = section%name
          wanted%direction = .true.
+         wanted%exact = section%exact
          if (section%body /= ground) then
             if (system%layout%framed(section%body)) wanted%body = section%body
          end if
@@ -169,6 +170,8 @@ contains
       is_same = (a%direction .eqv. b%direction) .and. a%body == b%body .and. size(a%psi) == size(b%psi)
       if (is_same) is_same = .not. (any(abs(a%p0 - b%p0) > 0.0_wp) .or. any(abs(a%psi - b%psi) > 0.0_wp) &
          & .or. any(abs(a%phi - b%phi) > 0.0_wp))
+      if (is_same) is_same = allocated(a%reach) .eqv. allocated(b%reach)
+      if (is_same .and. allocated(a%reach)) is_same = .not. any(abs(a%reach - b%reach) > 0.0_wp)
    end function is_same
 
    !> Index of the followed angle of the vector from one marker to another, or of a direction (first marker 0).

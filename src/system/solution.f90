@@ -4,6 +4,7 @@
 module limber_system_solution
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
+   use limber_system_eta_mass, only: to_unit_mass, from_unit_mass
    use limber_system_multiplier, only: side_at
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -69,6 +70,14 @@ contains
       real(wp), contiguous, intent(out) :: a(:)
       !> Whether all forces are zero
       logical, intent(in) :: still
+      integer :: i
+      if (.not. still) then
+         do i = 1, size(work%kinematics%beams)
+            associate (body => work%bodies(work%kinematics%beams(i)))
+               call to_unit_mass(body%factor, body%eta_force)
+            end associate
+         end do
+      end if
       call set_bias(system, work, gamma)
       call set_right_side(system, work, gamma, still)
       call work%matrix%solve(work%solution)
@@ -146,6 +155,7 @@ contains
             a(first + 2:first + 3) = [body%acceleration(3), 0.0_wp]
             if (system%layout%n(i) > 0) call expand_eta(system%layout%n(i), size(body%rows), body%coupling, body%eta_rows, &
                & body%eta_force, body%rows, work%solution, body%acceleration, a(first + 4:first + 3 + system%layout%n(i)))
+            if (allocated(body%factor)) call from_unit_mass(body%factor, a(first + 4:first + 3 + system%layout%n(i)))
          end associate
       end do
    end subroutine expand

@@ -64,8 +64,8 @@ contains
             damping(i, j) = damping(i, j) + dot_product(column, push)
          end do
       end do
-      call marker_stiffness(kinematics%markers(self%markers(1)), -pull, stiffness(:first, :first))
-      call marker_stiffness(kinematics%markers(self%markers(2)), pull, stiffness(first + 1:, first + 1:))
+      call marker_stiffness(kinematics, self%markers(1), -pull, stiffness(:first, :first))
+      call marker_stiffness(kinematics, self%markers(2), pull, stiffness(first + 1:, first + 1:))
    end subroutine spring_add_tangent
 
    pure subroutine spring_add_energy(self, kinematics, sum)

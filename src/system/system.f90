@@ -5,6 +5,7 @@ module limber_system_system
    use limber_base_snapshot, only: snapshot_type
    use limber_flex_reduced, only: reduced_type
    use limber_model_scene, only: model_type, ground
+   use limber_system_centreline, only: centreline_type, new_centreline
    use limber_system_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_system_couplings, only: new_joint, new_driver
    use limber_system_kernel, only: linear_type
@@ -35,6 +36,8 @@ module limber_system_system
       type(tree_type) :: tree
       !> True if the axial coordinates of some body follow at rest; and whether their loads need several solutions (model k_g)
       logical :: condensed = .false., repeats = .false.
+      !> True if there is an exact beam
+      logical :: exact = .false.
       !> True if something puts energy in or takes it out: a driver, a load, or the force of the model k_g
       logical :: powered = .false.
       !> True if some constraint equations repeat others: then each may give way by `slack` times its multiplier (nc)
@@ -77,6 +80,10 @@ module limber_system_system
       real(wp), allocatable :: load(:), new_load(:), last_load(:), last_gap(:)
       !> Stretch that is added to the foreshortening at samples; zero else (axial); and scratch (n)
       real(wp), allocatable :: stretch(:), posture(:)
+      !> Of an exact beam (else not allocated) the mass matrix of its coordinates and its Cholesky factor, in the lower triangle
+      !> (n, n); and a centreline for what is asked at other states
+      real(wp), allocatable :: eta_mass(:, :), factor(:, :)
+      type(centreline_type), allocatable :: line
    contains
       procedure :: exchange => exchange_body_workspace
    end type body_workspace_type
@@ -140,6 +147,7 @@ contains
          associate (body => model%bodies(i)%reduced)
             if (body%damped .or. (body%geometric .and. .not. body%full)) system%powered = .true.
             if (body%condensed) system%condensed = .true.
+            if (body%is_exact) system%exact = .true.
             if (body%condensed .and. body%geometric .and. .not. body%full) system%repeats = .true.
          end associate
       end do
@@ -314,11 +322,19 @@ contains
    subroutine size_body(body, scratch)
       type(reduced_type), intent(in) :: body
       type(body_workspace_type), intent(inout) :: scratch
-      integer :: pairs
+      integer :: pairs, i
       pairs = body%bending*(body%bending + 1)/2
       allocate (scratch%coupling(body%n, 3), scratch%eta_force(body%n), scratch%z(pairs), scratch%s(pairs), scratch%rows(0))
       allocate (scratch%sources(3, 0))
       if (body%condensed) call size_condensed(body, scratch)
+      if (.not. body%is_exact) return
+      allocate (scratch%eta_mass(body%n, body%n), scratch%factor(body%n, body%n), scratch%line)
+      call new_centreline(body%exact, scratch%line)
+      scratch%factor = 0.0_wp
+      do i = 1, body%n
+         scratch%factor(i, i) = 1.0_wp
+      end do
+      scratch%eta_mass = scratch%factor
    end subroutine size_body
 
    !> Room for what condenses the axial coordinates.
@@ -372,6 +388,8 @@ contains
       call snapshot%keep('last_gap', self%last_gap)
       call snapshot%keep('stretch', self%stretch)
       call snapshot%keep('posture', self%posture)
+      call snapshot%keep('eta_mass', self%eta_mass)
+      call snapshot%keep('factor', self%factor)
    end subroutine exchange_body_workspace
 
    !> Saves or restores all that changes.

@@ -99,7 +99,7 @@ contains
       integer :: vectors(3), body
       body = system%model%points(point)%body
       if (body == ground) return
-      if (.not. any(abs(system%model%points(point)%psi) > 0.0_wp)) return
+      if (system%model%points(point)%exact .or. .not. any(abs(system%model%points(point)%psi) > 0.0_wp)) return
       vectors = 0
       vectors(1) = vector(item, frame_direction(system, body, 0.0_wp))
       vectors(2) = vector(item, direction_of(system, point, 0.0_wp))

@@ -87,10 +87,10 @@ contains
       integer :: i, first
       do i = 1, size(system%model%joints)
          associate (joint => system%model%joints(i), points => system%model%points)
-            gap = point_position(system%layout, points(joint%points(1)), q) &
-               & - point_position(system%layout, points(joint%points(2)), q)
-            slip = point_velocity(system%layout, points(joint%points(1)), q, v) &
-               & - point_velocity(system%layout, points(joint%points(2)), q, v)
+            gap = point_position(system%model, system%layout, points(joint%points(1)), q) &
+               & - point_position(system%model, system%layout, points(joint%points(2)), q)
+            slip = point_velocity(system%model, system%layout, points(joint%points(1)), q, v) &
+               & - point_velocity(system%model, system%layout, points(joint%points(2)), q, v)
             if (joint%kind == joint_point_on_line) then
                ! All lines here lie on the ground
                gap = [cos(joint%angle)*gap(2) - sin(joint%angle)*gap(1), 0.0_wp]
@@ -133,8 +133,8 @@ contains
          call check(culprit == 0, 'four-bar: nothing is to blame')
          if (.not. allocated(error)) call check_state(system, work, 0.0_wp, q, v, 'four-bar')
          ! Open, not crossed: the rocker pin lies to the left of the line from the crank pin to the right pivot
-         a = point_position(system%layout, model%points(model%joints(2)%points(2)), q)
-         b = point_position(system%layout, model%points(model%joints(3)%points(1)), q)
+         a = point_position(system%model, system%layout, model%points(model%joints(2)%points(2)), q)
+         b = point_position(system%model, system%layout, model%points(model%joints(3)%points(1)), q)
          call check((3.2_wp - a(1))*(b(2) - a(2)) + a(2)*(b(1) - a(1)) > 1.0_wp, 'four-bar: the branch of the guess')
          call check(maxval(abs(v)) > 0.1_wp, 'four-bar: the guessed speed is not lost')
       end do

@@ -1,0 +1,61 @@
+!> What a reduction may take of memory and time, checked before it is begun. Floor: flex.
+module limber_flex_limits
+   use limber_base_error, only: error_type, raise
+   use limber_base_kinds, only: wp, long
+   use limber_base_text, only: as_text
+   implicit none
+   private
+   public :: check_size, check_slopes, check_operations
+
+   !> Most memory of the constants of one body [bytes]
+   integer(long), parameter :: max_bytes = 64_long*1024**2
+   !> Most operations that modes or the geometric part of one body may take: some seconds
+   real(wp), parameter :: max_operations = 4.0e9_wp
+
+contains
+
+   !> Refuses a geometric part that would take too much memory, before it is made.
+   subroutine check_size(bending, others, full, error)
+      !> Coordinates that bend, and that carry tension
+      integer, intent(in) :: bending, others
+      !> Whether it is that of von Karman
+      logical, intent(in) :: full
+      type(error_type), allocatable, intent(out) :: error
+      integer(long) :: pairs, bytes
+      pairs = int(bending, long)*(bending + 1)/2
+      bytes = 8*pairs*others
+      if (full) bytes = bytes + 8*pairs**2
+      if (bytes > max_bytes) call raise(error, 'the geometric part of '//as_text(bending)//' coordinates would take '// &
+         & as_text(bytes/1024**2)//' MB of memory, more than '//as_text(max_bytes/1024**2)//'; ask for fewer modes')
+   end subroutine check_size
+
+   !> Refuses k_G elements whose slopes and fourth-order part would take too much memory or time, before they are made.
+   subroutine check_slopes(bending, geometric, fine, full, error)
+      !> Coordinates that bend, k_G elements, and the finite elements that they are integrated over
+      integer, intent(in) :: bending, geometric, fine
+      !> Whether the model is that of von Karman
+      logical, intent(in) :: full
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: squares, fourth
+      squares = real(bending, wp)**2
+      fourth = 0.0_wp
+      if (full) fourth = (0.5_wp*squares)**2
+      call check_operations(4*real(fine, wp)*(squares + fourth) + 3*real(geometric, wp)*(squares + fourth), &
+         & 'the geometric part of '//as_text(bending)//' coordinates', error)
+      if (allocated(error)) return
+      if (8*squares*geometric > real(max_bytes, wp)) call raise(error, 'the slopes of '//as_text(bending)//' coordinates in '// &
+         & as_text(geometric)//' elements of the geometric part would take '//as_text(8*squares*geometric/1024**2, 3)// &
+         & ' MB of memory, more than '//as_text(max_bytes/1024**2)//'; ask for fewer modes or GEOMETRIC ELEMENTS')
+   end subroutine check_slopes
+
+   !> Refuses what would take too long, before it is begun.
+   subroutine check_operations(operations, what, error)
+      !> Their estimated number, and what they are for
+      real(wp), intent(in) :: operations
+      character(*), intent(in) :: what
+      type(error_type), allocatable, intent(out) :: error
+      if (operations > max_operations) call raise(error, what//' would take about '//as_text(operations, 2)// &
+         & ' operations, more than '//as_text(max_operations, 2)//'; ask for fewer modes or elements')
+   end subroutine check_operations
+
+end module limber_flex_limits

@@ -44,6 +44,8 @@ contains
       count = 0
       do i = 1, size(self%of)
          if (system%layout%n(i) == 0 .and. .not. is_rigid_beam(system%model%bodies(i))) cycle
+         ! Nothing of these is left out of an exact beam
+         if (system%model%bodies(i)%reduced%is_exact) cycle
          count = count + 1
          self%of(i) = count
       end do

@@ -56,7 +56,8 @@ contains
       self%of = 0
       self%place = 0
       do i = 1, size(wanted)
-         wanted(i) = system%layout%n(i) > 0 .and. (system%model%bodies(i)%is_frame .or. .not. frames_only)
+         wanted(i) = system%layout%n(i) > 0 .and. (system%model%bodies(i)%is_frame .or. .not. frames_only) &
+            & .and. .not. system%model%bodies(i)%reduced%is_exact
       end do
       allocate (self%bodies(count(wanted)))
       made = 0

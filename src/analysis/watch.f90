@@ -48,7 +48,7 @@ contains
       real(wp) :: spin, first_frequency
       do i = 1, size(system%layout%n)
          n = system%layout%n(i)
-         if (n == 0) cycle
+         if (n == 0 .or. system%model%bodies(i)%reduced%is_exact) cycle
          first = system%layout%q(i) + 4
          associate (body => system%model%bodies(i))
             if (maxval(abs(q(first:first + n - 1)))*body%largest_shape <= body%size) cycle

@@ -13,6 +13,7 @@ module limber_output_channels
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
+   use limber_system_centreline, only: follow_place
    use limber_system_momentum, only: total_momentum
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -300,10 +301,18 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: point
       real(wp), intent(in) :: q(:)
-      real(wp) :: displacement(2)
+      real(wp) :: displacement(2), drift(2), push(2)
       integer :: first, k
       displacement = 0.0_wp
       first = system%layout%q(system%model%points(point)%body) + 4
+      if (system%model%points(point)%exact) then
+         associate (own => system%model%points(point))
+            call follow_place(system%model%bodies(own%body)%reduced%exact, own%reach, &
+               & q(first:first + size(own%psi) - 1), displacement, drift, push)
+            displacement = displacement - own%p0
+         end associate
+         return
+      end if
       do k = 1, size(system%model%points(point)%psi)
          displacement = displacement + system%model%points(point)%phi(:, k)*q(first + k - 1)
       end do

@@ -40,6 +40,8 @@ module limber_flex_exact
       integer :: angles = 6, strains = 1
       !> Support of the modes
       type(support_type) :: support
+      !> Whether more than the support acts at the ends: polynomials beside the modes
+      logical :: mixed = .true.
       !> Coordinate of the frame's origin [length]
       real(wp) :: origin = 0.0_wp
       !> Places within the beam where forces and couples act: the curvature has a kink, or a step, there
@@ -144,8 +146,8 @@ contains
       end do
    end function sorted
 
-   !> Curvatures at the stations, in the order of their use: of what acts within the beam, then by turns of the modes of the finite
-   !> elements and of polynomials (stations, candidates).
+   !> Curvatures at the stations, in the order of their use: of what acts within the beam, then of the modes of the finite elements,
+   !> by turns with polynomials if the support is not all that holds the beam, then polynomials (stations, candidates).
    subroutine candidate_curvatures(beam, choice, exact, candidates, error)
       type(beam_type), intent(in) :: beam
       type(exact_choice_type), intent(in) :: choice
@@ -170,19 +172,24 @@ contains
          candidates(:, size(steps) + i) = max(exact%s - kinks(i), 0.0_wp)/beam%length
       end do
       k = 0
-      do i = 1, max(size(modes, 2), polynomials)
-         if (i <= size(modes, 2)) then
-            count = count + 1
-            candidates(:, count) = modes(:, i)
-         end if
-         ! Few polynomials beside the modes; more where the modes end
-         if (i > most_polynomials .and. i <= size(modes, 2)) cycle
-         if (k >= polynomials) cycle
+      do i = 1, size(modes, 2)
+         count = count + 1
+         candidates(:, count) = modes(:, i)
+         if (k < merge(most_polynomials, 0, choice%mixed)) call add_polynomial()
+      end do
+      do while (k < polynomials)
+         call add_polynomial()
+      end do
+
+   contains
+
+      !> The next polynomial.
+      subroutine add_polynomial()
          k = k + 1
          count = count + 1
          candidates(:, count) = legendre(k - 1, 2*exact%s/beam%length - 1)
-      end do
-      candidates = candidates(:, :count)
+      end subroutine add_polynomial
+
    end subroutine candidate_curvatures
 
    !> Curvatures of the modes of the finite elements, smoothed: splines through the means of neighbouring elements.

@@ -292,6 +292,9 @@ contains
          support = end_support(0.0_wp)//'-'//end_support(length)
          if (support == 'FREE-FREE' .and. size(acting) > 0) support = 'PINNED-FREE'
          choice%support = new_support(support)
+         ! Nothing but pins at both ends, or one end free of all: then the modes have all that the motion needs
+         choice%mixed = .not. any(support == [character(13) :: 'PINNED-PINNED', 'PINNED-FREE', 'CLAMPED-FREE']) &
+            & .or. any(acting%x > 1.0e-6_wp*length .and. acting%x < (1 - 1.0e-6_wp)*length) .or. is_loaded(deck, block%name())
       end associate
 
    contains
@@ -306,6 +309,28 @@ contains
       end function end_support
 
    end subroutine choose_exact
+
+   !> Whether loads act at points of a body.
+   pure logical function is_loaded(deck, body)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: body
+      integer :: i, k
+      is_loaded = .false.
+      do i = 1, size(deck%blocks)
+         associate (block => deck%blocks(i))
+            select case (block%keyword)
+            case ('FORCE', 'TORQUE')
+               if (block%has('POINT')) is_loaded = is_loaded .or. index(block%text('POINT'), body//'.') == 1
+               if (block%has('REACTION')) is_loaded = is_loaded .or. index(block%text('REACTION'), body//'.') == 1
+            case ('SPRING', 'BUSHING')
+               if (size(block%lines) == 0) cycle
+               do k = 1, min(2, block%lines(1)%count())
+                  is_loaded = is_loaded .or. index(block%lines(1)%text(k), body//'.') == 1
+               end do
+            end select
+         end associate
+      end do
+   end function is_loaded
 
    !> Whether a driver or a torque turns the frame of a body.
    pure logical function turns_frame(deck, body)

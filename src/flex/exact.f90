@@ -60,6 +60,8 @@ module limber_flex_exact
       real(wp), allocatable :: psi(:, :), kappa(:, :), chi(:, :, :)
       !> Mass and moment of inertia of the points (points); of concentrated masses their reach (stations, masses)
       real(wp), allocatable :: mass(:), inertia(:), reach(:, :)
+      !> Coordinates of the concentrated masses (masses) [length]
+      real(wp), allocatable :: lump_at(:)
       !> What the rotary inertia adds to the couplings with the rotation (angles), and to the mass matrix (angles, angles)
       real(wp), allocatable :: rotary(:), rotary_mass(:, :)
       logical :: spinning = .false.
@@ -307,6 +309,7 @@ contains
       if (allocated(beam%mass)) lumps = count(beam%mass > 0.0_wp .or. beam%inertia > 0.0_wp)
       exact%points = exact%stations + lumps
       allocate (exact%mass(exact%points), exact%inertia(exact%points), exact%reach(exact%stations, lumps), psi(exact%angles, lumps))
+      allocate (exact%lump_at(lumps))
       exact%mass(:exact%stations) = exact%rho_a*exact%weight
       exact%inertia = 0.0_wp
       k = 0
@@ -315,6 +318,7 @@ contains
          if (.not. (beam%mass(i) > 0.0_wp .or. beam%inertia(i) > 0.0_wp)) cycle
          k = k + 1
          exact%mass(exact%stations + k) = beam%mass(i)
+         exact%lump_at(k) = beam%place(i)
          exact%inertia(exact%stations + k) = beam%inertia(i)
          exact%reach(:, k) = reach_of(exact, beam%place(i)) - exact%base
          psi(:, k) = angles_at(exact, beam%place(i))

@@ -10,7 +10,7 @@ module limber_flex_recovery
    use limber_flex_reduced, only: reduced_type
    implicit none
    private
-   public :: section_type, load_place_type, recovery_type, new_recovery, all_sections, amplitudes, internal_forces
+   public :: section_type, load_place_type, recovery_type, new_recovery, exact_recovery, all_sections, amplitudes, internal_forces
 
    !> A section: a place of a member, seen from the side of the member's start, or from that of its end
    type :: section_type
@@ -40,6 +40,8 @@ module limber_flex_recovery
       real(wp), allocatable :: slopes(:, :, :)
       !> Sections: where they are
       type(section_type), allocatable :: sections(:)
+      !> Of an exact beam, whose forces follow from equilibrium: the places of loads; `load` has no meaning there but its size
+      type(load_place_type), allocatable :: load_places(:)
    end type recovery_type
 
 contains
@@ -111,6 +113,18 @@ contains
       end do
       call quadratic_tension(frame, shape, body, geometric_elements, recovery)
    end subroutine new_recovery
+
+   !> Of an exact beam: sections and places of loads only.
+   subroutine exact_recovery(sections, places, recovery)
+      type(section_type), intent(in) :: sections(:)
+      type(load_place_type), intent(in) :: places(:)
+      type(recovery_type), intent(out) :: recovery
+      recovery%places = size(places)
+      allocate (recovery%sections, source=sections)
+      allocate (recovery%load_places, source=places)
+      allocate (recovery%modal(3, 0, size(sections)), recovery%load(3, 3*size(places), size(sections)), recovery%slopes(0, 0, 0))
+      recovery%load = 0.0_wp
+   end subroutine exact_recovery
 
    !> The accelerations that the masses resist, for unit amplitudes (3, nodes, 4 + 3n): of the frame along x, y and about its
    !> origin, the centrifugal one; then of each coordinate its own, the centrifugal and the tangential one.

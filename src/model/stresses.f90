@@ -5,7 +5,7 @@ module limber_model_stresses
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_flex_frame, only: frame_type, beam_frame
-   use limber_flex_recovery, only: section_type, load_place_type, new_recovery, all_sections
+   use limber_flex_recovery, only: section_type, load_place_type, new_recovery, exact_recovery, all_sections
    use limber_model_quantities, only: is_internal_force
    use limber_model_scene, only: model_type
    use limber_model_spreads, only: spread_parts
@@ -70,6 +70,10 @@ contains
                & [sections, all_sections(body%mesh, body%envelope)], places, body%recovery, error)
          else
             call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
+            if (body%reduced%is_exact) then
+               call exact_recovery([sections, all_sections(frame, body%envelope)], places, body%recovery)
+               return
+            end if
             call new_recovery(frame, shape, body%reduced, body%choice%geometric_elements, &
                & [sections, all_sections(frame, body%envelope)], places, body%recovery, error)
          end if

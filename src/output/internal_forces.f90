@@ -3,7 +3,8 @@
 !> Source: doc/theory, eqs. (124)-(127).
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
-   use limber_flex_recovery, only: amplitudes, internal_forces
+   use limber_output_exact_forces, only: inertia_behind, add_behind, turn_into_sections
+   use limber_flex_recovery, only: load_place_type, amplitudes, internal_forces
    use limber_model_scene, only: ground
    use limber_system_algebra, only: cross
    use limber_system_kinematics, only: point_position
@@ -23,6 +24,10 @@ module limber_output_internal_forces
       !> Of an envelope: least and greatest axial force, shear force, bending moment, and stresses to the left and to the right
       !> (5, 2, sections along the body); otherwise unallocated
       real(wp), allocatable :: extremes(:, :, :)
+      !> Of an exact beam: internal forces at its sections (3, sections); otherwise unallocated
+      real(wp), allocatable :: exact(:, :)
+      !> What acts on its frame, which is the section at the origin: force and couple in the axes of the frame
+      real(wp) :: on_frame(3) = 0.0_wp
    end type effort_type
 
 contains
@@ -41,6 +46,7 @@ contains
          if (.not. allocated(system%model%bodies(i)%recovery%load)) cycle
          allocate (efforts(i)%amplitude(size(system%model%bodies(i)%recovery%load, 2)), efforts(i)%place(size(system%model%points)))
          efforts(i)%amplitude = 0.0_wp
+         if (system%model%bodies(i)%reduced%is_exact) allocate (efforts(i)%exact(3, size(system%model%bodies(i)%recovery%sections)))
          allocate (efforts(i)%scratch(most))
          efforts(i)%place = 0
          associate (body => system%model%bodies(i))
@@ -79,12 +85,42 @@ contains
          heavy = a(first:first + 1) - system%model%gravity
          heavy = [dot_product(u, heavy), cross(u, heavy)]
          efforts(i)%amplitude = 0.0_wp
+         if (allocated(efforts(i)%exact)) then
+            call gather_exact(efforts(i), system, work, i, heavy, q, v, a)
+            cycle
+         end if
          call amplitudes(heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), q(first + 4:last), &
             & v(first + 4:last), a(first + 4:last), efforts(i)%amplitude)
          call add_reactions(efforts(i), system, work, i, q)
          if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first + 4:last))
       end do
    end subroutine gather_efforts
+
+   !> Internal forces at all sections of an exact beam.
+   subroutine gather_exact(effort, system, work, body, heavy, q, v, a)
+      type(effort_type), intent(inout) :: effort
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      integer, intent(in) :: body
+      !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2)
+      real(wp), intent(in) :: heavy(2), q(:), v(:), a(:)
+      integer :: first, last, k
+      first = system%layout%q(body)
+      last = first + 3 + system%layout%n(body)
+      effort%on_frame = 0.0_wp
+      call add_reactions(effort, system, work, body, q)
+      associate (line => work%kinematics%lines(findloc(work%kinematics%beams, body, dim=1)), u => q(first + 2:first + 3), &
+            & recovery => system%model%bodies(body)%recovery)
+         call inertia_behind(line, recovery, heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), &
+            & a(first + 4:last), effort%exact)
+         do k = 1, recovery%places
+            call add_behind(line, recovery, recovery%load_places(k), effort%amplitude(3*k - 2:3*k), effort%exact)
+         end do
+         call add_behind(line, recovery, load_place_type(x=system%model%bodies(body)%choice%origin), effort%on_frame, effort%exact)
+         call turn_into_sections(line, recovery, q(first + 4:last), effort%exact)
+      end associate
+      if (allocated(effort%extremes)) call stretch_envelope(effort, system, body, q(first + 4:last))
+   end subroutine gather_exact
 
    !> Takes a sample into the envelope.
    pure subroutine stretch_envelope(effort, system, body, eta)
@@ -96,7 +132,11 @@ contains
       integer :: k
       associate (recovery => system%model%bodies(body)%recovery, first => system%model%bodies(body)%point_sections)
          do k = 1, size(effort%extremes, 3)
-            value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude)
+            if (allocated(effort%exact)) then
+               value(:3) = effort%exact(:, first + k)
+            else
+               value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude)
+            end if
             value(4:5) = stresses(value(:3), system%model%bodies(body)%strength(:, recovery%sections(first + k)%member))
             effort%extremes(:, 1, k) = min(effort%extremes(:, 1, k), value)
             effort%extremes(:, 2, k) = max(effort%extremes(:, 2, k), value)
@@ -178,10 +218,13 @@ contains
       real(wp), intent(in) :: force(3), q(:)
       real(wp) :: u(2), couple
       integer :: first, at
-      if (point == 0) return
-      if (effort%place(point) == 0) return
       first = system%layout%q(body)
       u = q(first + 2:first + 3)
+      if (point == 0) then
+         effort%on_frame = effort%on_frame + [dot_product(u, force(1:2)), cross(u, force(1:2)), force(3)]
+         return
+      end if
+      if (effort%place(point) == 0) return
       couple = force(3) - cross(point_position(system%model, system%layout, system%model%points(point), q) &
          & - q(first:first + 1), force(1:2))
       at = size(effort%amplitude) - 3*maxval(effort%place) + 3*(effort%place(point) - 1)
@@ -200,6 +243,10 @@ contains
       body = system%model%points(point)%body
       first = system%layout%q(body)
       if (body == ground) return
+      if (allocated(efforts(body)%exact)) then
+         force = efforts(body)%exact(:, system%model%points(point)%section)
+         return
+      end if
       force = internal_forces(system%model%bodies(body)%recovery, system%model%points(point)%section, &
          & q(first + 4:first + 3 + system%layout%n(body)), efforts(body)%amplitude)
    end function section_forces

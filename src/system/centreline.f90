@@ -29,11 +29,11 @@ module limber_system_centreline
       real(wp), allocatable :: turning(:), drift(:, :), straining(:, :), bias(:, :)
       !> Velocities of the points, and what velocities alone make of their accelerations (2, points)
       real(wp), allocatable :: speed(:, :), swerve(:, :)
-      !> Scratch: (2, stations), (2, points), (n, stations), (n, points)
-      real(wp), allocatable :: field(:, :), force(:, :), hx(:, :), hy(:, :), ax(:, :), ay(:, :)
+      !> Scratch: (n, stations), (n, points)
+      real(wp), allocatable :: hx(:, :), hy(:, :), ax(:, :), ay(:, :)
    contains
       procedure :: place, move, mass_matrix, eta_mass, forces, tangent, kinetic, moment, momenta
-      procedure :: add_curvature, drift_of, exchange => exchange_centreline
+      procedure :: add_curvature, drift_of, accelerations, exchange => exchange_centreline
    end type centreline_type
 
 contains
@@ -47,7 +47,7 @@ contains
       associate (n => exact%n, k => exact%stations, m => exact%points)
          allocate (line%g(2, k), line%gx(n, k), line%gy(n, k), line%axis(2, k), line%p(2, m), line%dx(n, m), line%dy(n, m))
          allocate (line%turning(k), line%drift(2, k), line%straining(2, k), line%bias(2, k), line%speed(2, m), line%swerve(2, m))
-         allocate (line%field(2, k), line%force(2, m), line%hx(n, k), line%hy(n, k), line%ax(n, m), line%ay(n, m))
+         allocate (line%hx(n, k), line%hy(n, k), line%ax(n, m), line%ay(n, m))
          line%turning = 0.0_wp
          line%drift = 0.0_wp
          line%straining = 0.0_wp
@@ -283,12 +283,12 @@ contains
       real(wp), intent(in) :: gravity(2), u(2), omega, acceleration(2), alpha, eta_acceleration(:)
       !> Rows r'' (2), alpha, eta''; columns rotation, eta, and omega, eta': (3 + n, 1 + n). Added to
       real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
-      real(wp) :: heavy(2), swing, whirl, strain(2), h(2), part(2), pull(2, self%stations)
+      real(wp) :: heavy(2), swing, whirl, strain(2), h(2), part(2), pull(2, self%stations), force(2, self%points)
       integer :: i, k, n, a
       n = self%n
       a = self%angles
       heavy = along(acceleration - gravity, [u(1), -u(2)])
-      ! Accelerations of g without those of the frame, and what a change of the coordinates makes of the accelerations of the points
+      ! What a change of the coordinates makes of the accelerations of the points
       do k = 1, self%stations
          swing = alpha
          do i = 1, a
@@ -300,7 +300,6 @@ contains
             strain(2) = strain(2) + self%gy(i, k)*eta_acceleration(i)
          end do
          whirl = omega + self%turning(k)
-         self%field(:, k) = (swing - alpha)*turn(self%g(:, k)) + strain + self%bias(:, k)
          h = -swing*self%g(:, k) - whirl**2*turn(self%g(:, k)) - 2*whirl*self%straining(:, k) + turn(strain)
          do i = 1, a
             self%hx(i, k) = self%psi(i, k)*h(1)
@@ -311,19 +310,18 @@ contains
             self%hy(i, k) = -whirl**2*self%gy(i, k) + swing*self%gx(i, k)
          end do
       end do
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, 2, self%field, self%force)
+      call self%accelerations(heavy, omega, alpha, eta_acceleration, force)
       do k = 1, self%points
-         self%force(:, k) = self%mass(k)*(heavy + alpha*turn(self%p(:, k)) - omega**2*self%p(:, k) &
-            & + 2*omega*turn(self%speed(:, k)) + self%force(:, k))
+         force(:, k) = self%mass(k)*force(:, k)
       end do
       call integrate(self%panel, self%within, self%base, self%shifted, self%reach, n, self%hx, self%ax)
       call integrate(self%panel, self%within, self%base, self%shifted, self%reach, n, self%hy, self%ay)
       call add_columns(self, u, stiffness(:, 2:))
       do k = 1, self%points
          do i = 1, n
-            stiffness(3, 1 + i) = stiffness(3, 1 + i) + self%dx(i, k)*self%force(2, k) - self%dy(i, k)*self%force(1, k)
+            stiffness(3, 1 + i) = stiffness(3, 1 + i) + self%dx(i, k)*force(2, k) - self%dy(i, k)*force(1, k)
          end do
-         part = turn(self%force(:, k) - self%mass(k)*heavy)
+         part = turn(force(:, k) - self%mass(k)*heavy)
          stiffness(1:2, 1) = stiffness(1:2, 1) + along(part, u)
          stiffness(3, 1) = stiffness(3, 1) - self%mass(k)*dot_product(self%p(:, k), heavy)
          part = -self%mass(k)*turn(heavy)
@@ -331,7 +329,7 @@ contains
             stiffness(3 + i, 1) = stiffness(3 + i, 1) + self%dx(i, k)*part(1) + self%dy(i, k)*part(2)
          end do
       end do
-      call gather(self, self%force, pull)
+      call gather(self, force, pull)
       call self%add_curvature(pull, stiffness(4:, 2:))
       call rate_columns(self, u, omega, damping)
    end subroutine tangent
@@ -465,6 +463,26 @@ contains
             & + along(matmul(exact%chi(:, :, k), acceleration(a + 1:)), axis))
       end do
    end subroutine follow_place
+
+   !> Accelerations of the points, less that of gravity, in the axes of the frame (2, points); placed and moved.
+   pure subroutine accelerations(self, heavy, omega, alpha, eta_acceleration, push)
+      class(centreline_type), intent(in) :: self
+      !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2), angular velocity and acceleration,
+      !> second derivatives of the coordinates (n)
+      real(wp), intent(in) :: heavy(2), omega, alpha, eta_acceleration(:)
+      real(wp), intent(inout) :: push(:, :)
+      real(wp) :: field(2, self%stations)
+      integer :: k
+      do k = 1, self%stations
+         field(1, k) = dot_product(self%gx(:, k), eta_acceleration)
+         field(2, k) = dot_product(self%gy(:, k), eta_acceleration)
+         field(:, k) = field(:, k) + self%bias(:, k)
+      end do
+      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, 2, field, push)
+      do k = 1, self%points
+         push(:, k) = push(:, k) + heavy + alpha*turn(self%p(:, k)) - omega**2*self%p(:, k) + 2*omega*turn(self%speed(:, k))
+      end do
+   end subroutine accelerations
 
    !> First moment of mass in the axes of the frame (2).
    pure function moment(self) result(c)

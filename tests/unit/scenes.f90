@@ -9,7 +9,7 @@ module scenes
    use limber_flex_frame_reduction, only: frame_choice_type, frame_point_shape, reduce_frame
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduced, only: rigid_reduced
-   use limber_flex_reduction, only: axial_by_elements, point_shape, reduce_beam, reduction_type
+   use limber_flex_reduction, only: axial_by_elements, point_shape, exact_shape, reduce_beam, reduction_type
    use limber_model_scene, only: body_flexible, body_point, body_rigid, body_type, driver_type, force_type, ground, &
       & joint_point_on_line, joint_revolute, joint_type, model_type, point_type, spring_type, torque_type
    implicit none
@@ -254,9 +254,15 @@ contains
       integer, intent(in) :: body
       real(wp), intent(in) :: x
       integer :: index
-      real(wp), allocatable :: phi(:, :), psi(:)
-      call point_shape(model%bodies(body)%field, x, phi, psi)
+      real(wp), allocatable :: phi(:, :), psi(:), reach(:)
+      if (model%bodies(body)%reduced%is_exact) then
+         call exact_shape(model%bodies(body)%reduced%exact, x, phi, psi, reach)
+      else
+         call point_shape(model%bodies(body)%field, x, phi, psi)
+      end if
       index = add_place(model, name, body, [x - model%bodies(body)%choice%origin, 0.0_wp], phi, psi)
+      model%points(index)%exact = model%bodies(body)%reduced%is_exact
+      if (model%points(index)%exact) call move_alloc(reach, model%points(index)%reach)
    end function add_beam_place
 
    !> Adds a joint between two points; `angle` is that of a line in the second body's frame.

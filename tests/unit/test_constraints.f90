@@ -4,8 +4,9 @@ program test_constraints
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, reduction_type
+   use limber_flex_exact, only: exact_choice_type
+   use limber_flex_mesh, only: beam_type, concentrate, new_support
+   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_exact, fidelity_full, fidelity_kg, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_body, only: body_mass
@@ -25,20 +26,24 @@ program test_constraints
       real(wp), allocatable :: value(:), rate(:), push(:)
    end type motion_type
 
-   call test_derivatives()
-   call test_points()
+   call test_derivatives(zoo(.false.))
+   call test_points(zoo(.false.))
    call test_pendulum_force()
    call test_whole_matrix()
    call test_energy_rate(fidelity_full)
    call test_energy_rate(fidelity_kg)
    call test_joint_power()
    call test_projection()
+   call test_derivatives(zoo(.true.))
+   call test_points(zoo(.true.))
    call finish()
 
 contains
 
    !> A scene with every pairing of bodies and ground in every joint; it need not be one that can move.
-   function zoo() result(model)
+   function zoo(exact) result(model)
+      !> Whether one of the beams is an exact one
+      logical, intent(in) :: exact
       type(model_type) :: model
       type(beam_type) :: beam
       type(reduction_type) :: choice
@@ -52,7 +57,11 @@ contains
       rod = add_beam(model, 'rod', beam, choice, [0.1_wp, 0.2_wp], 0.4_wp, error)
       call check_no_error(error, 'rod')
       choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=3, &
-         & axial_basis=axial_by_elements, fidelity=fidelity_full, origin=0.3_wp)
+         & axial_basis=axial_by_elements, fidelity=merge(fidelity_exact, fidelity_full, exact), origin=0.3_wp)
+      choice%exact = exact_choice_type(angles=3, strains=2, support=choice%support, origin=0.3_wp, kinks=[0.8_wp], steps=[0.5_wp])
+      ! Heavy, so that a unit of its coordinates is no more than a stencil can follow
+      if (exact) beam%rho_a = 5000.0_wp
+      if (exact) call concentrate(beam, 0.8_wp, 200.0_wp, 50.0_wp)
       arm = add_beam(model, 'arm', beam, choice, [-0.3_wp, 0.7_wp], -1.1_wp, error)
       call check_no_error(error, 'arm')
       block = add_rigid(model, 'block', 2.0_wp, 0.3_wp, [0.1_wp, -0.2_wp], [0.5_wp, 0.5_wp], 2.0_wp)
@@ -177,7 +186,8 @@ contains
 
    !> Jacobian by a stencil in every coordinate; velocity and acceleration equations along a motion, which breaks all
    !> constraints, so that every term counts.
-   subroutine test_derivatives()
+   subroutine test_derivatives(model)
+      type(model_type), intent(in) :: model
       type(system_type) :: system
       type(workspace_type) :: work
       type(motion_type) :: motion, moved
@@ -185,7 +195,7 @@ contains
       real(wp), parameter :: h = 2.0e-3_wp, still = 0.0_wp
       real(wp) :: t, largest
       integer :: trial, k, j, i, row
-      system = new_system(zoo())
+      system = new_system(model)
       call new_workspace(system, work)
       allocate (phi(system%nc, -2:2), q(system%layout%nq), v(system%layout%nq), expected(system%nc), slope(system%nc))
       do trial = 1, 4
@@ -249,7 +259,8 @@ contains
    end subroutine check_rows
 
    !> Position, velocity and acceleration of points against the stencil; also through the markers.
-   subroutine test_points()
+   subroutine test_points(model)
+      type(model_type), intent(in) :: model
       type(system_type) :: system
       type(workspace_type) :: work
       type(motion_type) :: motion
@@ -257,7 +268,7 @@ contains
       real(wp) :: x(2, -2:2), acceleration(2)
       real(wp), parameter :: h = 2.0e-3_wp
       integer :: i, k, m
-      system = new_system(zoo())
+      system = new_system(model)
       call new_workspace(system, work)
       allocate (q(system%layout%nq), v(system%layout%nq), a(system%layout%nq))
       motion = random_motion(system)
@@ -265,12 +276,12 @@ contains
          if (system%model%points(i)%direction) cycle
          do k = -2, 2
             call at_time(system, motion, k*h, q, v)
-            x(:, k) = point_position(system%layout, system%model%points(i), q)
+            x(:, k) = point_position(system%model, system%layout, system%model%points(i), q)
          end do
          call at_time(system, motion, 0.0_wp, q, v, a)
          call check(maxval(abs(derivative(x(:, -2), x(:, -1), x(:, 1), x(:, 2), h) &
-            & - point_velocity(system%layout, system%model%points(i), q, v))) <= 1.0e-9_wp, 'velocity of a point')
-         acceleration = point_acceleration(system%layout, system%model%points(i), q, v, a)
+            & - point_velocity(system%model, system%layout, system%model%points(i), q, v))) <= 1.0e-9_wp, 'velocity of a point')
+         acceleration = point_acceleration(system%model, system%layout, system%model%points(i), q, v, a)
          call check(maxval(abs(second_derivative(x(:, -2), x(:, -1), x(:, 0), x(:, 1), x(:, 2), h) - acceleration)) &
             & <= 2.0e-8_wp*(1 + maxval(abs(acceleration))), 'acceleration of a point')
          call place_frames(system%model, system%layout, 0.0_wp, q, work%kinematics)
@@ -279,7 +290,7 @@ contains
             associate (marker => work%kinematics%markers(m))
                if (marker%point /= i) cycle
                call check(maxval(abs(marker%position - x(:, 0))) <= 4.0e-15_wp, 'position of a marker')
-               call check(maxval(abs(marker%velocity - point_velocity(system%layout, system%model%points(i), q, v))) &
+               call check(maxval(abs(marker%velocity - point_velocity(system%model, system%layout, system%model%points(i), q, v))) &
                   & <= 1.0e-14_wp, 'velocity of a marker')
             end associate
          end do

@@ -6,8 +6,9 @@ program test_tangent
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent
    use limber_flex_frame_reduction, only: frame_choice_type
+   use limber_flex_exact, only: exact_choice_type
    use limber_flex_mesh, only: beam_type, concentrate, new_support
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, axial_static, fidelity_full, fidelity_kg, &
+   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, axial_static, fidelity_exact, fidelity_full, fidelity_kg, &
       & fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
@@ -37,7 +38,7 @@ program test_tangent
    call test_scene('slider-crank, k_g', crank_with(fidelity_kg))
    call test_scene('slider-crank, full', crank_with(fidelity_full))
    call test_scene('a moving line', moving_line())
-   call test_scene('every pairing', zoo())
+   call test_scene('every pairing', zoo(.false.))
    call test_scene('loads', loaded())
    call test_scene('frame, linear', framed(fidelity_linear))
    call test_scene('frame, k_g', framed(fidelity_kg))
@@ -45,6 +46,7 @@ program test_tangent
    call test_elastic(fidelity_linear)
    call test_elastic(fidelity_kg)
    call test_elastic(fidelity_full)
+   call test_scene('every pairing, exact', zoo(.true.))
    call finish()
 
 contains
@@ -77,7 +79,9 @@ contains
    end function moving_line
 
    !> Every pairing of bodies and ground in every joint.
-   function zoo() result(model)
+   function zoo(exact) result(model)
+      !> Whether one of the beams is an exact one
+      logical, intent(in) :: exact
       type(model_type) :: model
       type(beam_type) :: beam
       type(reduction_type) :: choice
@@ -91,7 +95,11 @@ contains
       rod = add_beam(model, 'rod', beam, choice, [0.1_wp, 0.2_wp], 0.4_wp, error)
       call check_no_error(error, 'rod')
       choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=3, &
-         & axial_basis=axial_by_elements, fidelity=fidelity_full, origin=0.3_wp)
+         & axial_basis=axial_by_elements, fidelity=merge(fidelity_exact, fidelity_full, exact), origin=0.3_wp)
+      choice%exact = exact_choice_type(angles=3, strains=2, support=choice%support, origin=0.3_wp, kinks=[0.8_wp], steps=[0.5_wp])
+      ! Heavy, so that a unit of its coordinates is no more than a stencil can follow
+      if (exact) beam%rho_a = 500.0_wp
+      if (exact) call concentrate(beam, 0.8_wp, 200.0_wp, 50.0_wp)
       arm = add_beam(model, 'arm', beam, choice, [-0.3_wp, 0.7_wp], -1.1_wp, error)
       call check_no_error(error, 'arm')
       block = add_rigid(model, 'block', 2.0_wp, 0.3_wp, [0.1_wp, -0.2_wp], [0.5_wp, 0.5_wp], 2.0_wp)

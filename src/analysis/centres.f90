@@ -50,7 +50,8 @@ contains
       real(wp), intent(in) :: q(:)
       real(wp) :: gap(2)
       associate (points => system%model%points, own => system%model%joints(joint))
-         gap = point_position(system%layout, points(own%points(1)), q) - point_position(system%layout, points(own%points(2)), q)
+         gap = point_position(system%model, system%layout, points(own%points(1)), q) - point_position(system%model, &
+            & system%layout, points(own%points(2)), q)
          distance = norm2(gap)
          if (own%kind == joint_rack) distance = sqrt(max(0.0_wp, dot_product(gap, gap) - joint_displacement(system, joint, q)**2))
       end associate

@@ -74,6 +74,7 @@ contains
       integer :: j
       text = ''
       if (block%keyword /= 'BEAM') return
+      if (block%word('GEOMETRIC') == 'EXACT') return
       do j = 1, size(block%options)
          associate (option => block%options(j))
             if (.not. (option%given .and. any(options_of_beams == option%name))) cycle
@@ -99,6 +100,10 @@ contains
          case ('FRAME')
             call add("frame '"//deck%blocks(i)%name()//"'")
          case ('BEAM')
+            if (deck%blocks(i)%word('GEOMETRIC') == 'EXACT') then
+               call add("beam '"//deck%blocks(i)%name()//"', whose FUNCTIONS are not varied")
+               cycle
+            end if
             rung = given_rung(deck, i)
             if (rung%damped .and. rung%segments > 1) then
                call add("beam '"//deck%blocks(i)%name()//"', whose SEGMENTS are damped by modes of their own")

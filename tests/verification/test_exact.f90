@@ -1,0 +1,236 @@
+!> Exact beams against closed forms: large deflections, buckling, follower loads, steady rotation, tension, internal forces, and a
+!> falling soft beam whose energy stays. Usage, in tests/: test_exact RESULT_FILE
+program test_exact
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: change_deck, channel
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   character(*), parameter :: nl = new_line('a')
+   character(*), parameter :: wall = '*JOINT, NAME=wall, TYPE=WELD, TURN=0'//nl//' bar.start, ground.origin'//nl
+   character(*), parameter :: pin = '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.start, ground.origin'//nl
+   character(*), parameter :: roller = '*JOINT, NAME=roller, TYPE=POINT ON LINE'//nl//' bar.end, ground.far'//nl
+   character(*), parameter :: guide = '*JOINT, NAME=guide, TYPE=TRANSLATIONAL'//nl//' bar.end, ground.far'//nl
+   real(wp), parameter :: pi = acos(-1.0_wp)
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_elastica()
+   call check_circle()
+   call check_follower()
+   call check_euler()
+   call check_beck()
+   call check_rotation()
+   call check_tension()
+   call check_forces()
+   call check_fall()
+   call finish()
+
+contains
+
+   !> Runs the bar in a scene; its last sample of a channel.
+   subroutine run_bar(functions, scene, reader)
+      character(*), intent(in) :: functions, scene
+      type(history_reader_type), intent(out) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      character(2000) :: new(2)
+      new(1) = functions
+      new(2) = scene
+      call change_deck('verification/exact_bar.inp', trim(results)//'.inp', [character(38) :: &
+         & 'FUNCTIONS=8, STRAIN FUNCTIONS=0', '** scene'], new)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, scene)
+      if (allocated(error)) return
+      call check(index(report, 'warning') == 0, scene//': no warning: '//report)
+      call reader%open(trim(results), error)
+      call check_no_error(error, scene//': results')
+   end subroutine run_bar
+
+   !> Last sample of a channel.
+   real(wp) function last(reader, name)
+      type(history_reader_type), intent(inout) :: reader
+      character(*), intent(in) :: name
+      real(wp), allocatable :: values(:)
+      allocate (values, source=channel(reader, name))
+      last = values(size(values))
+   end function last
+
+   !> Twice Euler's load: x/L = 2 E/K - 1, y/L = 2 k/K with the modulus k = 0.95963... of K(k) = pi/sqrt(2).
+   subroutine check_elastica()
+      type(history_reader_type) :: reader
+      real(wp) :: k, first, second
+      call modulus(pi/sqrt(2.0_wp), k, first, second)
+      call run_bar('FUNCTIONS=8, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end'//nl//' -2*t*pi**2/4, 0'//nl// &
+         & '*STATICS, INCREMENTS=20'//nl, reader)
+      call check_close(last(reader, 'x'), 2*second/first - 1, 1.0e-6_wp, 'x of the elastica')
+      call check_close(abs(last(reader, 'y')), 2*k/first, 1.0e-6_wp, 'y of the elastica')
+      call reader%close()
+   end subroutine check_elastica
+
+   !> Modulus of a complete elliptic integral of the first kind, by bisection, and both integrals, by the arithmetic-geometric mean.
+   subroutine modulus(wanted, k, first, second)
+      real(wp), intent(in) :: wanted
+      real(wp), intent(out) :: k, first, second
+      real(wp) :: low, high, a, b, c, sum
+      integer :: i, j
+      low = 0.0_wp
+      high = 1.0_wp - 1.0e-12_wp
+      do i = 1, 60
+         k = 0.5_wp*(low + high)
+         a = 1.0_wp
+         b = sqrt(1 - k**2)
+         sum = 0.5_wp*k**2
+         do j = 0, 7
+            c = 0.5_wp*(a - b)
+            sum = sum + 2.0_wp**j*c**2
+            first = 0.5_wp*(a + b)
+            b = sqrt(a*b)
+            a = first
+         end do
+         first = pi/(2*a)
+         second = first*(1 - sum)
+         if (first < wanted) low = k
+         if (first >= wanted) high = k
+      end do
+   end subroutine modulus
+
+   !> A couple at the tip rolls the bar up: half a circle, a whole one, two of them.
+   subroutine check_circle()
+      type(history_reader_type) :: reader
+      character(2), parameter :: turns(3) = ['1 ', '2 ', '4 ']
+      real(wp), parameter :: y(3) = [2/pi, 0.0_wp, 0.0_wp]
+      integer :: i
+      do i = 1, 3
+         call run_bar('FUNCTIONS=6, STRAIN FUNCTIONS=0', wall//'*TORQUE, NAME=load, POINT=bar.end'//nl//' '//trim(turns(i))// &
+            & '*pi*t'//nl//'*STATICS, INCREMENTS=5'//nl, reader)
+         call check_close(last(reader, 'x'), 0.0_wp, 1.0e-9_wp, 'x of the circle')
+         call check_close(last(reader, 'y'), y(i), 1.0e-9_wp, 'y of the circle')
+         call check_close(last(reader, 'turn'), pi*2.0_wp**(i - 1), 1.0e-9_wp, 'rotation of the tip')
+         call reader%close()
+      end do
+   end subroutine check_circle
+
+   !> A follower force across the tip, P L^2/(E I) = 30: from E I theta'' = -P cos(theta - theta(L)), by quadrature to 1e-12.
+   subroutine check_follower()
+      type(history_reader_type) :: reader
+      call run_bar('FUNCTIONS=10, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl//' 0, 30*t'//nl// &
+         & '*STATICS, INCREMENTS=30'//nl, reader)
+      call check_close(last(reader, 'x'), 0.47614123713_wp, 2.0e-5_wp, 'x under a follower force')
+      call check_close(last(reader, 'y'), -0.20169084011_wp, 2.0e-5_wp, 'y under a follower force')
+      call reader%close()
+   end subroutine check_follower
+
+   !> Euler's four loads, where the analysis stops: tan x = x of the clamped and pinned one.
+   subroutine check_euler()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: time(:)
+      type(error_type), allocatable :: error
+      character(300) :: hold(4)
+      real(wp), parameter :: load(4) = [pi**2/4, pi**2, 20.190728556426630_wp, 4*pi**2]
+      character(24) :: number
+      integer :: i
+      hold = [character(300) :: wall, pin//roller, wall//roller, wall//guide]
+      do i = 1, 4
+         write (number, '(es23.16)') 1.02_wp*load(i)
+         call run_bar('FUNCTIONS=8, STRAIN FUNCTIONS=0', trim(hold(i))//nl//'*FORCE, NAME=load, POINT=bar.end'//nl//' -'// &
+            & trim(adjustl(number))//'*t, 0'//nl//'*STATICS, INCREMENTS=10, INSTABILITY=STOP'//nl, reader)
+         call reader%read_time(time, error)
+         call check_close(1.02_wp*time(size(time)), 1.0_wp, 1.0e-6_wp, "one of Euler's loads")
+         call reader%close()
+         deallocate (time)
+      end do
+   end subroutine check_euler
+
+   !> Flutter of Beck's column at 20.05095.
+   subroutine check_beck()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: time(:)
+      type(error_type), allocatable :: error
+      call run_bar('FUNCTIONS=6, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl//' -21*t, 0'//nl// &
+         & '*STATICS, INCREMENTS=10, INSTABILITY=STOP'//nl, reader)
+      call reader%read_time(time, error)
+      call check_close(21*time(size(time))/20.05095_wp, 1.0_wp, 5.0e-5_wp, "Beck's column")
+      call reader%close()
+   end subroutine check_beck
+
+   !> First frequency of a rotating cantilever in its plane, hub radius 0: the square of that across the plane less the speed's.
+   subroutine check_rotation()
+      type(history_reader_type) :: reader
+      real(wp), parameter :: speed(3) = [1.0_wp, 4.0_wp, 12.0_wp], flap(3) = [3.6816468140_wp, 5.5850014209_wp, 13.1701504875_wp]
+      real(wp), parameter :: tolerance(3) = [1.0e-6_wp, 1.0e-5_wp, 1.0e-3_wp]
+      character(2), parameter :: text(3) = ['1 ', '4 ', '12']
+      real(wp), allocatable :: frequency(:)
+      type(error_type), allocatable :: error
+      integer :: i
+      do i = 1, 3
+         call run_bar('FUNCTIONS=8, STRAIN FUNCTIONS=0', pin//'*DRIVER, NAME=hub, TYPE=ANGLE, BODY=bar'//nl//' 0'//nl// &
+            & '*STATICS, ROTATION='//trim(text(i))//', INCREMENTS=5'//nl//'*MODES, NAME=modes, NUMBER=2'//nl, reader)
+         call reader%read_real('steps/modes/frequency', frequency, error)
+         call check_no_error(error, 'frequencies')
+         if (allocated(error)) cycle
+         call check_close(frequency(1)/sqrt(flap(i)**2 - speed(i)**2), 1.0_wp, tolerance(i), 'frequency of a rotating cantilever')
+         call reader%close()
+      end do
+   end subroutine check_rotation
+
+   !> First frequency of a pinned bar under the tension T = 1000: pi sqrt(T + pi^2).
+   subroutine check_tension()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: frequency(:)
+      type(error_type), allocatable :: error
+      call run_bar('FUNCTIONS=4, STRAIN FUNCTIONS=0', pin//roller//'*FORCE, NAME=load, POINT=bar.end'//nl//' 1000*t, 0'//nl// &
+         & '*STATICS, INCREMENTS=2'//nl//'*MODES, NAME=modes, NUMBER=1'//nl, reader)
+      call reader%read_real('steps/modes/frequency', frequency, error)
+      call check_no_error(error, 'frequency')
+      if (.not. allocated(error)) call check_close(frequency(1)/(pi*sqrt(1000 + pi**2)), 1.0_wp, 1.0e-7_wp, 'frequency under tension')
+      call reader%close()
+   end subroutine check_tension
+
+   !> Internal forces of a bar that is bent to half a circle by a force at its tip are those of the force: N, V and M in the middle
+   !> follow from the place and rotation there, the moment at the wall is the reaction.
+   subroutine check_forces()
+      type(history_reader_type) :: reader
+      real(wp) :: turn, arm(2)
+      real(wp), parameter :: force(2) = [-4.0_wp, 3.0_wp]
+      call run_bar('FUNCTIONS=10, STRAIN FUNCTIONS=1', wall//'*FORCE, NAME=load, POINT=bar.end'//nl//' -4*t, 3*t'//nl// &
+         & '*STATICS, INCREMENTS=10'//nl//'*OUTPUT'//nl//' n = axial_force(bar.middle), v = shear_force(bar.middle), '// &
+         & 'm = bending_moment(bar.middle), foot = bending_moment(bar.start), held = moment(wall), '// &
+         & 'turned = rotation(bar.middle), x_middle = x(bar.middle)'//nl, reader)
+      turn = last(reader, 'turned')
+      arm = [last(reader, 'x') - last(reader, 'x_middle'), last(reader, 'y') - last(reader, 'y_middle')]
+      call check(turn > 0.5_wp, 'the bar bends much')
+      call check_close(last(reader, 'n'), cos(turn)*force(1) + sin(turn)*force(2), 1.0e-8_wp, 'axial force')
+      call check_close(last(reader, 'v'), cos(turn)*force(2) - sin(turn)*force(1), 1.0e-8_wp, 'shear force')
+      call check_close(last(reader, 'm'), arm(1)*force(2) - arm(2)*force(1), 1.0e-8_wp, 'bending moment')
+      call check_close(abs(last(reader, 'foot')), abs(last(reader, 'held')), 1.0e-8_wp, 'moment at the wall')
+      call reader%close()
+   end subroutine check_forces
+
+   !> A soft pendulum falls as a rope does: energy stays, by three integrators, and they agree.
+   subroutine check_fall()
+      type(history_reader_type) :: reader
+      character(5), parameter :: integrators(3) = ['ADAMS', 'RADAU', 'ALPHA']
+      real(wp), parameter :: tolerance(3) = [1.0e-8_wp, 1.0e-7_wp, 1.0e-5_wp], agreed(3) = [0.0_wp, 1.0e-6_wp, 5.0e-4_wp]
+      character(4), parameter :: text(3) = ['1e-9', '1e-7', '1e-6']
+      real(wp), allocatable :: energy(:)
+      real(wp) :: tip(2)
+      integer :: i
+      tip = 0.0_wp
+      do i = 1, 3
+         call run_bar('FUNCTIONS=4, STRAIN FUNCTIONS=1', pin//'*GRAVITY, Y=-100'//nl//'*DYNAMICS, INTEGRATOR='//integrators(i)// &
+            & ', END=0.25, TOLERANCE='//text(i)//', OUTPUTS=50'//nl//'*OUTPUT'//nl// &
+            & ' energy = kinetic_energy(system) + potential_energy(system)'//nl, reader)
+         allocate (energy, source=channel(reader, 'energy'))
+         call check(maxval(abs(energy)) <= 50*tolerance(i), 'the energy of a falling beam stays')
+         if (i == 1) tip = [last(reader, 'x'), last(reader, 'y')]
+         call check_close(last(reader, 'x'), tip(1), agreed(i), 'x of the tip, '//integrators(i))
+         call check_close(last(reader, 'y'), tip(2), agreed(i), 'y of the tip, '//integrators(i))
+         call reader%close()
+         deallocate (energy)
+      end do
+   end subroutine check_fall
+
+end program test_exact

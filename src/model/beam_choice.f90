@@ -319,7 +319,9 @@ contains
       do i = 1, size(deck%blocks)
          associate (block => deck%blocks(i))
             select case (block%keyword)
-            case ('FORCE', 'TORQUE')
+            case ('FORCE')
+               is_loaded = is_loaded .or. index(block%text('POINT'), body//'.') == 1
+            case ('TORQUE')
                if (block%has('POINT')) is_loaded = is_loaded .or. index(block%text('POINT'), body//'.') == 1
                if (block%has('REACTION')) is_loaded = is_loaded .or. index(block%text('REACTION'), body//'.') == 1
             case ('SPRING', 'BUSHING')

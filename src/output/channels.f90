@@ -4,6 +4,7 @@ module limber_output_channels
    use limber_base_snapshot, only: snapshot_type
    use limber_model_quantities
    use limber_model_scene, only: quantity_type, ground
+   use limber_output_drawn, only: drawn_type, new_drawn, drawn_width, drawn_coordinates
    use limber_output_internal_forces, only: effort_type, new_efforts, gather_efforts, section_forces, stresses
    use limber_output_joints, only: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, &
       & section_rotation, joint_spin, driver_effort, driver_power, coupler_effort, coupler_power
@@ -31,6 +32,8 @@ module limber_output_channels
       !> True if a channel needs internal forces; what acts on the bodies then
       logical :: needs_sections = .false.
       type(effort_type), allocatable :: efforts(:)
+      !> What is drawn of exact beams, if the motion is asked for
+      type(drawn_type), allocatable :: drawn(:)
       !> Scratch: values of one expression's slots
       real(wp), allocatable :: slots(:)
       !> True if energies and momenta are those of this sample already
@@ -87,6 +90,7 @@ contains
          & .or. recorder%needs_momentum
       allocate (recorder%slots(most))
       allocate (recorder%efforts, source=new_efforts(system))
+      if (system%model%motion) allocate (recorder%drawn, source=new_drawn(system%model))
       recorder%turns = new_turns(system, turning, q)
    end function new_recorder
 
@@ -129,7 +133,7 @@ contains
    pure integer function sample_width(system) result(width)
       type(system_type), intent(in) :: system
       width = size(system%model%channels)
-      if (system%model%motion) width = width + system%layout%nq
+      if (system%model%motion) width = width + drawn_width(system%model, system%layout)
    end function sample_width
 
    !> A sample: values of all channels, in their order, and the coordinates, if the motion is asked for.
@@ -155,7 +159,8 @@ contains
             values(i) = channel%expression%evaluate(recorder%slots(:size(channel%quantities)))
          end associate
       end do
-      if (size(values) > size(system%model%channels)) values(size(system%model%channels) + 1:) = q
+      if (system%model%motion) call drawn_coordinates(recorder%drawn, system%model, system%layout, q, &
+         & values(size(system%model%channels) + 1:))
    end subroutine channel_values
 
    !> Energies and momenta of a state, for the channels of the sample that follows.

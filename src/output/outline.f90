@@ -9,6 +9,7 @@ module limber_output_outline
    use limber_model_scene, only: model_type, joint_type, body_point, body_flexible, &
       & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
       & joint_rack, joint_belt
+   use limber_output_drawn, only: body_width, drawn_shape, drawn_place, named_places, stretches_of_beam
    use limber_output_motion, only: geometry_type, prepare
    use limber_system_algebra, only: cross
    use limber_system_kinematics, only: layout_type
@@ -16,8 +17,6 @@ module limber_output_outline
    private
    public :: geometry_of, hull
 
-   !> Least number of stretches of a beam's outline, and stretches for each bending coordinate
-   integer, parameter :: least_stretches = 24, stretches_per_mode = 6
    !> Stretches of a curve between two of its points
    integer, parameter :: per_knot = 8
    !> Stretches of each member of a frame that bends
@@ -40,6 +39,11 @@ contains
       shape = 0
       do i = 1, size(model%points)
          geometry%place_names(i) = model%points(i)%name
+         if (is_exact(model, model%points(i)%body)) then
+            call add_place(model%points(i)%body, model%points(i)%p0, drawn_shape(model, layout, model%points(i)%body, &
+               & drawn_place(model, i)), geometry, place, shape)
+            cycle
+         end if
          call add_place(model%points(i)%body, model%points(i)%p0, model%points(i)%phi, geometry, place, shape)
       end do
       call take_connections(model, geometry)
@@ -51,7 +55,7 @@ contains
          if (model%bodies(body)%kind == body_point) cycle
          if (is_bent_beam(model, body)) then
             call add_stroke(geometry, filled, [(i, i=place + 1, place + stretches(model, body) + 1)], .false.)
-            call add_stations(model, body, geometry, place, shape)
+            call add_stations(model, layout, body, geometry, place, shape)
          else if (model%bodies(body)%is_frame) then
             do member = 1, members(model, body)
                call add_stroke(geometry, filled, [(i, i=place + 1, place + stretches(model, body) + 1)], .false.)
@@ -62,7 +66,7 @@ contains
          end if
       end do
       do i = 1, size(model%joints)
-         call add_curve(model, model%joints(i), geometry, place, shape, filled)
+         call add_curve(model, layout, model%joints(i), geometry, place, shape, filled)
       end do
       geometry%stroke_places = geometry%stroke_places(:filled(2))
       call prepare(geometry)
@@ -77,14 +81,22 @@ contains
       places = size(model%points)
       shapes = 0
       do i = 1, places
-         shapes = shapes + size(model%points(i)%phi)
+         if (is_exact(model, model%points(i)%body)) then
+            shapes = shapes + 2*(body_width(model, layout, model%points(i)%body) - 4)
+         else
+            shapes = shapes + size(model%points(i)%phi)
+         end if
       end do
       allocate (geometry%bodies(size(model%bodies)), geometry%widths(size(model%bodies)))
       do body = 1, size(model%bodies)
-         geometry%widths(body) = merge(4, 2, layout%framed(body)) + layout%n(body)
+         geometry%widths(body) = body_width(model, layout, body)
          if (.not. (is_bent_beam(model, body) .or. model%bodies(body)%is_frame)) cycle
          places = places + members(model, body)*(stretches(model, body) + 1)
-         shapes = shapes + 2*layout%n(body)*members(model, body)*(stretches(model, body) + 1)
+         if (is_exact(model, body)) then
+            shapes = shapes + 2*(body_width(model, layout, body) - 4)*(stretches(model, body) + 1)
+         else
+            shapes = shapes + 2*layout%n(body)*members(model, body)*(stretches(model, body) + 1)
+         end if
       end do
       strokes = 0
       do body = 1, size(model%bodies)
@@ -94,7 +106,13 @@ contains
          if (places_of_curve(model%joints(i)) == 0) cycle
          strokes = strokes + 1
          places = places + places_of_curve(model%joints(i))
-         shapes = shapes + places_of_curve(model%joints(i))*size(model%points(model%joints(i)%points(2))%phi)
+         associate (point => model%points(model%joints(i)%points(2)))
+            if (is_exact(model, point%body)) then
+               shapes = shapes + 2*places_of_curve(model%joints(i))*(body_width(model, layout, point%body) - 4)
+            else
+               shapes = shapes + places_of_curve(model%joints(i))*size(point%phi)
+            end if
+         end associate
       end do
       allocate (geometry%places(2, places), geometry%place_bodies(places), geometry%place_names(places), geometry%shapes(shapes))
       allocate (geometry%stroke_widths(strokes), geometry%stroke_closed(strokes), geometry%stroke_places(places))
@@ -109,6 +127,15 @@ contains
       is_beam = .false.
       if (body > 0) is_beam = model%bodies(body)%end_point > 0
    end function is_beam
+
+   !> Whether a body is an exact beam.
+   pure logical function is_exact(model, body)
+      type(model_type), intent(in) :: model
+      !> Or the ground
+      integer, intent(in) :: body
+      is_exact = .false.
+      if (body > 0) is_exact = model%bodies(body)%reduced%is_exact
+   end function is_exact
 
    !> Whether a body is a beam that bends.
    pure logical function is_bent_beam(model, body)
@@ -133,7 +160,7 @@ contains
          stretches = merge(member_stretches, 1, model%bodies(body)%kind == body_flexible)
          return
       end if
-      stretches = max(least_stretches, stretches_per_mode*model%bodies(body)%reduced%bending)
+      stretches = stretches_of_beam(model, body)
    end function stretches
 
    !> Adds a place.
@@ -155,8 +182,9 @@ contains
    end subroutine add_place
 
    !> Adds the places along a beam.
-   subroutine add_stations(model, body, geometry, place, shape)
+   subroutine add_stations(model, layout, body, geometry, place, shape)
       type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
       integer, intent(in) :: body
       type(geometry_type), intent(inout) :: geometry
       integer, intent(inout) :: place, shape
@@ -166,7 +194,11 @@ contains
       associate (beam => model%bodies(body))
          do i = 0, stretches(model, body)
             s = beam%beam%length*i/stretches(model, body)
-            call point_shape(beam%field, s, phi, psi)
+            if (is_exact(model, body)) then
+               phi = drawn_shape(model, layout, body, named_places(model, body) + 1 + i)
+            else
+               call point_shape(beam%field, s, phi, psi)
+            end if
             call add_place(body, [s - beam%choice%origin, 0.0_wp], phi, geometry, place, shape)
          end do
       end associate
@@ -256,8 +288,9 @@ contains
    end function places_of_curve
 
    !> Adds the curve of a joint, which belongs to the body of its second point.
-   subroutine add_curve(model, joint, geometry, place, shape, filled)
+   subroutine add_curve(model, layout, joint, geometry, place, shape, filled)
       type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
       type(joint_type), intent(in) :: joint
       type(geometry_type), intent(inout) :: geometry
       integer, intent(inout) :: place, shape, filled(2)
@@ -271,7 +304,12 @@ contains
             s = curve%s(1) + (curve%s(size(curve%s)) - curve%s(1))*(i - 1)/(n - 1)
             x = spline_at(curve%ends, curve%s, curve%x, curve%x_bent, s)
             y = spline_at(curve%ends, curve%s, curve%y, curve%y_bent, s)
-            call add_place(point%body, point%p0 + [x(0), y(0)], point%phi, geometry, place, shape)
+            if (is_exact(model, point%body)) then
+               call add_place(point%body, point%p0 + [x(0), y(0)], drawn_shape(model, layout, point%body, &
+                  & drawn_place(model, joint%points(2))), geometry, place, shape)
+            else
+               call add_place(point%body, point%p0 + [x(0), y(0)], point%phi, geometry, place, shape)
+            end if
          end do
       end associate
       gap = norm2(geometry%places(:, place) - geometry%places(:, place - n + 1))

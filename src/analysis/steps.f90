@@ -177,7 +177,7 @@ contains
       type(scene_type), intent(in) :: scene
       type(outcome_type), intent(inout) :: outcome
       type(snapshot_type), intent(inout) :: snapshot
-      type(recorder_type) :: recorder
+      type(recorder_type), allocatable :: recorder
       logical :: has(2)
       integer :: i
       has = [allocated(outcome%indicators), allocated(outcome%efforts)]
@@ -189,7 +189,7 @@ contains
          call start_indicators(outcome%indicators, scene%system)
       end if
       if (snapshot%restoring .and. has(2)) then
-         recorder = new_recorder(scene%system, scene%q)
+         allocate (recorder, source=new_recorder(scene%system, scene%q))
          call move_alloc(recorder%efforts, outcome%efforts)
       end if
       call snapshot%exchange('reached', outcome%reached)

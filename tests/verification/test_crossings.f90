@@ -53,7 +53,7 @@ contains
       type(history_reader_type) :: reader
       real(wp), allocatable :: wheel(:), body(:)
       call run_changed('verification/bump.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6'], &
-         & [character(24) :: integrator, 'tol = '//tolerance], reader)
+         & pair(integrator, 'tol = '//tolerance), reader)
       allocate (wheel, source=channel(reader, 'wheel'))
       allocate (body, source=channel(reader, 'body'))
       call check_close(wheel(size(wheel)), -0.00076379812997251_wp, most*0.00076_wp, trim(integrator)//' '//tolerance//': wheel')
@@ -120,6 +120,14 @@ contains
       call reader%close()
    end subroutine check_spike
 
+   !> Two texts of one length: gfortran 12 makes too short a constructor of them.
+   pure function pair(first, second) result(texts)
+      character(*), intent(in) :: first, second
+      character(24) :: texts(2)
+      texts(1) = first
+      texts(2) = second
+   end function pair
+
    !> Angle after 10 s of swings: each turning point passes the layer in which friction changes its sign.
    subroutine check_layer(integrator, tolerance, most)
       character(*), intent(in) :: integrator, tolerance
@@ -127,12 +135,8 @@ contains
       real(wp), intent(in) :: most
       type(history_reader_type) :: reader
       real(wp), allocatable :: angle(:)
-      ! gfortran 12 makes a constructor of these no longer than they are
-      character(24) :: changed(2)
-      changed(1) = integrator
-      changed(2) = 'tol = '//tolerance
-      call run_changed('verification/layer.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6'], changed, &
-         & reader)
+      call run_changed('verification/layer.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6'], &
+         & pair(integrator, 'tol = '//tolerance), reader)
       allocate (angle, source=channel(reader, 'angle'))
       call check_close(angle(51), -1.171549728061_wp, most, trim(integrator)//' '//tolerance//': friction in a pin, 5 s')
       call check_close(angle(101), -1.496642375379_wp, most, trim(integrator)//' '//tolerance//': friction in a pin, 10 s')
@@ -150,7 +154,7 @@ contains
       real(wp) :: fall, speed, omega, sag, touch, since, exact(0:54)
       integer :: j
       call run_changed('verification/hard_floor.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-4'], &
-         & [character(24) :: integrator, 'tol = '//tolerance], reader)
+         & pair(integrator, 'tol = '//tolerance), reader)
       allocate (y, source=channel(reader, 'y'))
       omega = sqrt(k)
       fall = sqrt(2*high/g)
@@ -175,7 +179,7 @@ contains
       real(wp), allocatable :: torque(:)
       real(wp) :: angle
       call run_changed('verification/passed_places.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6'], &
-         & [character(24) :: integrator, tolerance], reader)
+         & pair(integrator, tolerance), reader)
       allocate (torque, source=channel(reader, 'torque_motor'))
       angle = 0.842_wp - 2.26_wp*0.3_wp + 6.78_wp/3.9_wp**2*(cos(3.9_wp*0.3_wp) - 1)
       call check_close(torque(size(torque)), -0.0163_wp*6.78_wp*cos(3.9_wp*0.3_wp) + 24*1.79_wp*0.266_wp*sin(angle), 1.0e-9_wp, &

@@ -7,7 +7,11 @@ module limber_output_internal_forces
    use limber_flex_recovery, only: load_place_type, amplitudes, internal_forces
    use limber_model_scene, only: ground
    use limber_system_algebra, only: cross
+   use limber_system_centreline, only: centreline_type
+   use limber_system_constraint, only: constraint_type
+   use limber_system_exact_path, only: exact_path_type, foot_of
    use limber_system_kinematics, only: point_position
+   use limber_system_paths, only: sliding_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -117,6 +121,7 @@ contains
             call add_behind(line, recovery, recovery%load_places(k), effort%amplitude(3*k - 2:3*k), effort%exact)
          end do
          call add_behind(line, recovery, load_place_type(x=system%model%bodies(body)%choice%origin), effort%on_frame, effort%exact)
+         call add_sliding(effort, system, work, body, line, q)
          call turn_into_sections(line, recovery, q(first + 4:last), effort%exact)
       end associate
       if (allocated(effort%extremes)) call stretch_envelope(effort, system, body, q(first + 4:last))
@@ -185,6 +190,7 @@ contains
          associate (item => system%constraints(i)%item)
             do side = 1, 2
                if (item%bodies(side) /= body) cycle
+               if (side == 2 .and. slides(item)) cycle
                force = 0.0_wp
                do row = 1, item%rows
                   force = force - work%lambda(item%first + row - 1)*work%jacobians(side, i)%z(row, :)
@@ -206,6 +212,47 @@ contains
          end associate
       end do
    end subroutine add_reactions
+
+   !> Whether the point of a joint slides along the second body, which its second point only names.
+   pure logical function slides(item)
+      class(constraint_type), intent(in) :: item
+      slides = .false.
+      select type (item)
+      class is (sliding_type)
+         slides = .true.
+      class is (exact_path_type)
+         slides = .true.
+      end select
+   end function slides
+
+   !> Adds the forces of points that slide along an exact beam, where they are.
+   subroutine add_sliding(effort, system, work, body, line, q)
+      type(effort_type), intent(inout) :: effort
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      integer, intent(in) :: body
+      type(centreline_type), intent(in) :: line
+      real(wp), intent(in) :: q(:)
+      type(load_place_type) :: at
+      real(wp) :: force(2), z(2), u(2)
+      integer :: i, first
+      first = system%layout%q(body)
+      u = q(first + 2:first + 3)
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            if (item%bodies(2) /= body) cycle
+            select type (item)
+            class is (exact_path_type)
+               z = point_position(system%model, system%layout, system%model%points(item%points(1)), q) - q(first:first + 1)
+               z = [dot_product(u, z), cross(u, z)]
+               at%x = foot_of(item, z, q(first + 4:first + 3 + system%layout%n(body)))
+               force = -work%lambda(item%first)*work%jacobians(2, i)%z(1, 1:2)
+               call add_behind(line, system%model%bodies(body)%recovery, at, &
+                  & [dot_product(u, force), cross(u, force), 0.0_wp], effort%exact)
+            end select
+         end associate
+      end do
+   end subroutine add_sliding
 
    !> A force and its moment about the frame's origin, as force and couple at a point, in the axes of the frame. What acts at no
    !> point, as a torque on the floating frame or a load along the beam, has its part in the coordinates only.

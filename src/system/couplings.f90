@@ -9,6 +9,7 @@ module limber_system_couplings
    use limber_system_constraint, only: constraint_type
    use limber_system_couplers, only: add_coupler
    use limber_system_drivers, only: driven_angle_type, driven_origin_type
+   use limber_system_exact_path, only: exact_path_type, set_axis
    use limber_system_joints, only: revolute_type, point_on_line_type
    use limber_system_kernel, only: linear_type
    use limber_system_measures, only: measure_type, measure_along, measure_angle
@@ -156,6 +157,7 @@ contains
       type(joint_type), intent(in) :: joint
       class(constraint_type), allocatable, intent(out) :: item
       type(sliding_type) :: path
+      type(exact_path_type) :: exact
       type(linear_type) :: axes
       integer :: markers(2), side, direction, body
       body = system%model%points(joint%points(2))%body
@@ -166,6 +168,13 @@ contains
          call add_measure(axes, measure_type(kind=measure_along, &
             & vectors=[vector(axes, markers(1)), vector(axes, markers(2)), vector(axes, direction)]), 1.0_wp, 1)
       end do
+      if (system%model%bodies(body)%reduced%is_exact) then
+         call take_measures(axes, exact)
+         exact%bend = bend_of(system, body)
+         call set_axis(exact, system%model%bodies(body)%reduced%exact)
+         allocate (item, source=exact)
+         return
+      end if
       call take_measures(axes, path)
       if (system%layout%n(body) > 0) path%bend = bend_of(system, body)
       call set_line(path, system%model%bodies(body)%field, system%model%bodies(body)%choice%origin)

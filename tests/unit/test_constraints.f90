@@ -7,7 +7,8 @@ program test_constraints
    use limber_flex_exact, only: exact_choice_type
    use limber_flex_mesh, only: beam_type, concentrate, new_support
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_exact, fidelity_full, fidelity_kg, reduction_type
-   use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
+   use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, joint_sliding, &
+      & model_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_body, only: body_mass
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, position_residual, velocity_residual
@@ -87,6 +88,7 @@ contains
       call add_joint(model, 'bead on ground', joint_point_on_line, f, g, 0.0_wp)
       call add_joint(model, 'rigid on bead', joint_point_on_line, e, f, 1.1_wp)
       call add_joint(model, 'on its own line', joint_point_on_line, a, d, 2.5_wp)
+      if (exact) call add_joint(model, 'along the exact beam', joint_sliding, f, c)
       call add_driver(model, 'drive rod', rod, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
       call add_driver(model, 'drive block', block, wavy_law(2.9_wp, -0.7_wp, 0.6_wp, -1.4_wp))
    end function zoo

@@ -26,6 +26,7 @@ program test_exact
    call check_tension()
    call check_forces()
    call check_fall()
+   call check_sliding()
    call finish()
 
 contains
@@ -233,5 +234,24 @@ contains
          deallocate (energy)
       end do
    end subroutine check_fall
+
+   !> A point that slides without friction along a cantilever, at a given x = 0.6, pressed down by 2.1 E I/L^2: elastica with a force
+   !> normal to the axis at its end, integrated to 1e-11 elsewhere. Behind the point the bar is straight and free of forces.
+   subroutine check_sliding()
+      type(history_reader_type) :: reader
+      call run_bar('FUNCTIONS=16, STRAIN FUNCTIONS=0', wall//'*POINT MASS, NAME=bead, MASS=1, X=0.6'//nl// &
+         & '*JOINT, NAME=slide, TYPE=SLIDING'//nl//' bead.origin, bar.end'//nl//'*DRIVER, NAME=place, TYPE=X, POINT=bead.origin'// &
+         & nl//' 0.6'//nl//'*FORCE, NAME=load, POINT=bead.origin'//nl//' 0, -2.1*t'//nl//'*STATICS, INCREMENTS=5'//nl// &
+         & '*OUTPUT'//nl//' low = y(bead), push = force_x(slide), foot = bending_moment(bar.start), '// &
+         & 'middle = bending_moment(bar.middle), tip = bending_moment(bar.end), v = shear_force(bar.middle)'//nl, reader)
+      call check_close(last(reader, 'low'), -0.197675029_wp, 1.0e-4_wp, 'place of a point that slides')
+      call check_close(last(reader, 'push'), 1.087882_wp, 1.0e-3_wp, 'force of a point that slides')
+      call check_close(last(reader, 'foot'), -1.475047_wp, 1.0e-3_wp, 'moment at the wall')
+      call check_close(last(reader, 'middle'), -54.47596673_wp*0.006_wp, 1.0e-3_wp, 'moment before the point')
+      call check_close(last(reader, 'tip'), 0.0_wp, 1.0e-12_wp, 'moment behind the point')
+      call check_close(last(reader, 'x') - 0.9212443_wp, 0.0_wp, 1.0e-4_wp, 'x of the end')
+      call check_close(last(reader, 'y') + 0.3640921_wp, 0.0_wp, 1.0e-4_wp, 'y of the end')
+      call reader%close()
+   end subroutine check_sliding
 
 end program test_exact

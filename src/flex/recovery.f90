@@ -40,8 +40,10 @@ module limber_flex_recovery
       real(wp), allocatable :: slopes(:, :, :)
       !> Sections: where they are
       type(section_type), allocatable :: sections(:)
-      !> Of an exact beam, whose forces follow from equilibrium: the places of loads; `load` has no meaning there but its size
-      type(load_place_type), allocatable :: load_places(:)
+      !> Of an exact beam, whose forces follow from equilibrium; `load` has no meaning there but its size: where each place of loads
+      !> has its parts in the lists (places + 1), and where these act [length] and how much they are, 1 of a load at a point (parts)
+      integer, allocatable :: first_part(:)
+      real(wp), allocatable :: part_at(:), part(:)
    end type recovery_type
 
 contains
@@ -119,9 +121,21 @@ contains
       type(section_type), intent(in) :: sections(:)
       type(load_place_type), intent(in) :: places(:)
       type(recovery_type), intent(out) :: recovery
+      integer :: i
       recovery%places = size(places)
       allocate (recovery%sections, source=sections)
-      allocate (recovery%load_places, source=places)
+      allocate (recovery%first_part(size(places) + 1), recovery%part_at(0), recovery%part(0))
+      do i = 1, size(places)
+         recovery%first_part(i) = size(recovery%part) + 1
+         if (allocated(places(i)%at)) then
+            recovery%part_at = [recovery%part_at, places(i)%at]
+            recovery%part = [recovery%part, places(i)%part]
+         else
+            recovery%part_at = [recovery%part_at, places(i)%x]
+            recovery%part = [recovery%part, 1.0_wp]
+         end if
+      end do
+      recovery%first_part(size(places) + 1) = size(recovery%part) + 1
       allocate (recovery%modal(3, 0, size(sections)), recovery%load(3, 3*size(places), size(sections)), recovery%slopes(0, 0, 0))
       recovery%load = 0.0_wp
    end subroutine exact_recovery

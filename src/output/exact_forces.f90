@@ -3,7 +3,7 @@
 module limber_output_exact_forces
    use limber_base_kinds, only: wp
    use limber_flex_exact, only: exact_type, reach_of, angles_at
-   use limber_flex_recovery, only: recovery_type, load_place_type, section_type
+   use limber_flex_recovery, only: recovery_type, section_type
    use limber_system_algebra, only: turn, cross
    use limber_system_centreline, only: centreline_type
    implicit none
@@ -48,37 +48,20 @@ contains
       end do
    end subroutine inertia_behind
 
-   !> Adds a force along the axes of the frame (2) and a couple at a place of loads.
-   subroutine add_behind(line, recovery, load, force, forces)
+   !> Adds a force along the axes of the frame (2) and a couple at a coordinate along the beam.
+   pure subroutine add_behind(line, recovery, x, force, forces)
       type(centreline_type), intent(in) :: line
       type(recovery_type), intent(in) :: recovery
-      type(load_place_type), intent(in) :: load
-      real(wp), intent(in) :: force(3)
+      real(wp), intent(in) :: x, force(3)
       real(wp), intent(inout) :: forces(:, :)
-      integer :: k
-      if (.not. allocated(load%at)) then
-         call add_at(load%x, 1.0_wp, force(3))
-      else
-         do k = 1, size(load%at)
-            call add_at(load%at(k), load%part(k), 0.0_wp)
-         end do
-      end if
-
-   contains
-
-      subroutine add_at(x, share, couple)
-         real(wp), intent(in) :: x, share, couple
-         real(wp) :: place(2)
-         integer :: i
-         place = place_of(line, x)
-         do i = 1, size(recovery%sections)
-            if (.not. is_behind(line%exact_type, recovery%sections(i), x)) cycle
-            forces(1:2, i) = forces(1:2, i) + share*force(1:2)
-            forces(3, i) = forces(3, i) + couple &
-               & + share*cross(place - place_of(line, recovery%sections(i)%x), force(1:2))
-         end do
-      end subroutine add_at
-
+      real(wp) :: place(2)
+      integer :: i
+      place = place_of(line, x)
+      do i = 1, size(recovery%sections)
+         if (.not. is_behind(line%exact_type, recovery%sections(i), x)) cycle
+         forces(1:2, i) = forces(1:2, i) + force(1:2)
+         forces(3, i) = forces(3, i) + force(3) + cross(place - place_of(line, recovery%sections(i)%x), force(1:2))
+      end do
    end subroutine add_behind
 
    !> Axial force, shear force and bending moment of the sections, in the place of forces along the axes of the frame.

@@ -4,7 +4,7 @@
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
    use limber_output_exact_forces, only: inertia_behind, add_behind, turn_into_sections
-   use limber_flex_recovery, only: load_place_type, amplitudes, internal_forces
+   use limber_flex_recovery, only: amplitudes, internal_forces
    use limber_model_scene, only: ground
    use limber_system_algebra, only: cross
    use limber_system_centreline, only: centreline_type
@@ -108,7 +108,7 @@ contains
       integer, intent(in) :: body
       !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2)
       real(wp), intent(in) :: heavy(2), q(:), v(:), a(:)
-      integer :: first, last, k
+      integer :: first, last, k, part
       first = system%layout%q(body)
       last = first + 3 + system%layout%n(body)
       effort%on_frame = 0.0_wp
@@ -118,9 +118,12 @@ contains
          call inertia_behind(line, recovery, heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), &
             & a(first + 4:last), effort%exact)
          do k = 1, recovery%places
-            call add_behind(line, recovery, recovery%load_places(k), effort%amplitude(3*k - 2:3*k), effort%exact)
+            do part = recovery%first_part(k), recovery%first_part(k + 1) - 1
+               call add_behind(line, recovery, recovery%part_at(part), recovery%part(part)*effort%amplitude(3*k - 2:3*k), &
+                  & effort%exact)
+            end do
          end do
-         call add_behind(line, recovery, load_place_type(x=system%model%bodies(body)%choice%origin), effort%on_frame, effort%exact)
+         call add_behind(line, recovery, system%model%bodies(body)%choice%origin, effort%on_frame, effort%exact)
          call add_sliding(effort, system, work, body, line, q)
          call turn_into_sections(line, recovery, q(first + 4:last), effort%exact)
       end associate
@@ -233,8 +236,7 @@ contains
       integer, intent(in) :: body
       type(centreline_type), intent(in) :: line
       real(wp), intent(in) :: q(:)
-      type(load_place_type) :: at
-      real(wp) :: force(2), z(2), u(2)
+      real(wp) :: force(2), z(2), u(2), at
       integer :: i, first
       first = system%layout%q(body)
       u = q(first + 2:first + 3)
@@ -245,7 +247,7 @@ contains
             class is (exact_path_type)
                z = point_position(system%model, system%layout, system%model%points(item%points(1)), q) - q(first:first + 1)
                z = [dot_product(u, z), cross(u, z)]
-               at%x = foot_of(item, z, q(first + 4:first + 3 + system%layout%n(body)))
+               at = foot_of(item, z, q(first + 4:first + 3 + system%layout%n(body)))
                force = -work%lambda(item%first)*work%jacobians(2, i)%z(1, 1:2)
                call add_behind(line, system%model%bodies(body)%recovery, at, &
                   & [dot_product(u, force), cross(u, force), 0.0_wp], effort%exact)

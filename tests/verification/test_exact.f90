@@ -5,7 +5,7 @@ program test_exact
    use limber_base_error, only: error_type
    use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: change_deck, channel
+   use runs, only: change_deck, channel, run_changed
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    character(*), parameter :: nl = new_line('a')
@@ -19,6 +19,7 @@ program test_exact
    call get_command_argument(1, results)
    call check_elastica()
    call check_circle()
+   call check_deck()
    call check_follower()
    call check_euler()
    call check_beck()
@@ -113,6 +114,17 @@ contains
          call reader%close()
       end do
    end subroutine check_circle
+
+   !> The deck of input: a full circle of radius L/(2 pi), with the moment 2 pi E I/L.
+   subroutine check_deck()
+      type(history_reader_type) :: reader
+      call run_changed('../input/rolled_up.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      call check_close(last(reader, 'x_tip'), 0.0_wp, 1.0e-9_wp, 'x of the tip rolled up')
+      call check_close(last(reader, 'y_tip'), 0.0_wp, 1.0e-9_wp, 'y of the tip rolled up')
+      call check_close(last(reader, 'turn'), 2*pi, 1.0e-9_wp, 'a full turn')
+      call check_close(last(reader, 'moment'), 2*pi, 1.0e-9_wp, 'the moment in the middle')
+      call reader%close()
+   end subroutine check_deck
 
    !> A follower force across the tip, P L^2/(E I) = 30: from E I theta'' = -P cos(theta - theta(L)), by quadrature to 1e-12.
    subroutine check_follower()

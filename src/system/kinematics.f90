@@ -620,13 +620,21 @@ contains
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
       real(wp) :: position(2), p(2), drift(2), push(2)
-      integer :: first
+      integer :: first, k
       position = point%p0
       if (point%body == ground) return
       first = layout%q(point%body)
       position = q(first:first + 1)
       if (.not. layout%framed(point%body)) return
-      call follow_point(model, point, q(first + 4:first + 3 + layout%n(point%body)), p, drift, push)
+      p = point%p0
+      if (point%exact) then
+         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, q(first + 4:first + 3 + layout%n(point%body)), &
+            & p, drift, push)
+      else
+         do k = 1, layout%n(point%body)
+            p = p + point%phi(:, k)*q(first + 3 + k)
+         end do
+      end if
       position = position + along(p, q(first + 2:first + 3))
    end function point_position
 
@@ -638,14 +646,24 @@ contains
       !> Coordinates and velocities (nq)
       real(wp), intent(in) :: q(:), v(:)
       real(wp) :: velocity(2), p(2), drift(2), push(2)
-      integer :: first, last
+      integer :: first, last, k
       velocity = 0.0_wp
       if (point%body == ground) return
       first = layout%q(point%body)
       velocity = v(first:first + 1)
       if (.not. layout%framed(point%body)) return
-      last = first + 3 + layout%n(point%body)
-      call follow_point(model, point, q(first + 4:last), p, drift, push, v(first + 4:last))
+      p = point%p0
+      drift = 0.0_wp
+      if (point%exact) then
+         last = first + 3 + layout%n(point%body)
+         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, q(first + 4:last), p, drift, push, &
+            & v(first + 4:last))
+      else
+         do k = 1, layout%n(point%body)
+            p = p + point%phi(:, k)*q(first + 3 + k)
+            drift = drift + point%phi(:, k)*v(first + 3 + k)
+         end do
+      end if
       velocity = velocity + along(p, v(first + 2:first + 3)) + along(drift, q(first + 2:first + 3))
    end function point_velocity
 
@@ -657,41 +675,29 @@ contains
       !> Coordinates, velocities and accelerations (nq)
       real(wp), intent(in) :: q(:), v(:), a(:)
       real(wp) :: acceleration(2), p(2), drift(2), push(2)
-      integer :: first, last
+      integer :: first, last, k
       acceleration = 0.0_wp
       if (point%body == ground) return
       first = layout%q(point%body)
       acceleration = a(first:first + 1)
       if (.not. layout%framed(point%body)) return
-      last = first + 3 + layout%n(point%body)
-      call follow_point(model, point, q(first + 4:last), p, drift, push, v(first + 4:last), a(first + 4:last))
-      acceleration = acceleration + along(p, a(first + 2:first + 3)) + along(push, q(first + 2:first + 3)) &
-         & + 2*along(drift, v(first + 2:first + 3))
-   end function point_acceleration
-
-   !> Place of a point in its frame, its velocity and acceleration there (2).
-   pure subroutine follow_point(model, point, eta, p, drift, push, rate, acceleration)
-      type(model_type), intent(in) :: model
-      type(point_type), intent(in) :: point
-      !> Coordinates of its body (n)
-      real(wp), intent(in) :: eta(:)
-      real(wp), intent(out) :: p(2), drift(2), push(2)
-      !> Their rates, and second derivatives (n)
-      real(wp), intent(in), optional :: rate(:), acceleration(:)
-      integer :: k
       p = point%p0
       drift = 0.0_wp
       push = 0.0_wp
       if (point%exact) then
-         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, eta, p, drift, push, rate, acceleration)
-         return
+         last = first + 3 + layout%n(point%body)
+         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, q(first + 4:last), p, drift, push, &
+            & v(first + 4:last), a(first + 4:last))
+      else
+         do k = 1, layout%n(point%body)
+            p = p + point%phi(:, k)*q(first + 3 + k)
+            drift = drift + point%phi(:, k)*v(first + 3 + k)
+            push = push + point%phi(:, k)*a(first + 3 + k)
+         end do
       end if
-      do k = 1, size(eta)
-         p = p + point%phi(:, k)*eta(k)
-         if (present(rate)) drift = drift + point%phi(:, k)*rate(k)
-         if (present(acceleration)) push = push + point%phi(:, k)*acceleration(k)
-      end do
-   end subroutine follow_point
+      acceleration = acceleration + along(p, a(first + 2:first + 3)) + along(push, q(first + 2:first + 3)) &
+         & + 2*along(drift, v(first + 2:first + 3))
+   end function point_acceleration
 
    !> Saves or restores its memory.
    subroutine exchange_kinematics(self, snapshot)

@@ -34,12 +34,13 @@ contains
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
       type(draft_type) :: draft
-      type(body_type) :: body
+      type(body_type), allocatable :: body
       type(error_type), allocatable :: error
       logical :: usable, cut
       integer :: before, added
       before = diagnostics%count
       call settle_options(deck, index)
+      allocate (body)
       body = new_body(deck%blocks(index), body_flexible)
       body%is_frame = .true.
       call read_draft(deck, index, draft, diagnostics)

@@ -24,7 +24,7 @@ contains
       !> second derivatives of the coordinates (n)
       real(wp), intent(in) :: heavy(2), omega, alpha, eta_acceleration(:)
       real(wp), intent(out) :: forces(:, :)
-      real(wp) :: push(2, line%points), part(line%stations), f(2), place(2), swing
+      real(wp) :: push(line%points, 2), part(line%stations), f(2), place(2), swing
       integer :: i, k
       call line%accelerations(heavy, omega, alpha, eta_acceleration, push)
       do i = 1, size(recovery%sections)
@@ -32,17 +32,17 @@ contains
          place = place_of(line, recovery%sections(i)%x)
          part = line%weight - reach_of(line%exact_type, recovery%sections(i)%x)
          do k = 1, line%stations
-            f = -line%rho_a*part(k)*push(:, k)
+            f = -line%rho_a*part(k)*push(k, :)
             forces(1:2, i) = forces(1:2, i) + f
-            forces(3, i) = forces(3, i) + cross(line%p(:, k) - place, f)
+            forces(3, i) = forces(3, i) + cross(line%p(k, :) - place, f)
          end do
          do k = line%stations + 1, line%points
             associate (at => line%lump_at(k - line%stations))
                if (.not. is_behind(line%exact_type, recovery%sections(i), at)) cycle
-               f = -line%mass(k)*push(:, k)
+               f = -line%mass(k)*push(k, :)
                swing = alpha + dot_product(angles_at(line%exact_type, at), eta_acceleration(:line%angles))
                forces(1:2, i) = forces(1:2, i) + f
-               forces(3, i) = forces(3, i) + cross(line%p(:, k) - place, f) - line%inertia(k)*swing
+               forces(3, i) = forces(3, i) + cross(line%p(k, :) - place, f) - line%inertia(k)*swing
             end associate
          end do
       end do
@@ -100,7 +100,7 @@ contains
       reach = reach_of(line%exact_type, x) - line%base
       place = 0.0_wp
       do k = 1, line%stations
-         place = place + reach(k)*line%g(:, k)
+         place = place + reach(k)*line%g(k, :)
       end do
    end function place_of
 

@@ -12,27 +12,31 @@ module limber_system_centreline
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
-   public :: centreline_type, new_centreline, follow_place
+   public :: centreline_type, new_centreline, follow_place, inner
 
-   !> An exact beam at a state. Vectors are in the axes of its frame
+   !> An exact beam at a state. Vectors are in the axes of its frame. Everything stands with the stations, or points, first: they are
+   !> many, the functions few
    type, extends(exact_type) :: centreline_type
-      !> Integrals of Lagrange's polynomials to the stations of a panel of unit half length
-      real(wp) :: within(panel_stations, panel_stations) = 0.0_wp
-      !> g, and its derivatives by the coordinates, at the stations (2, stations), (n, stations)
+      !> Integrals of Lagrange's polynomials to the stations of a panel of unit half length: of polynomial j to station i (j, i), and
+      !> with i first
+      real(wp) :: within(panel_stations, panel_stations) = 0.0_wp, along_panel(panel_stations, panel_stations) = 0.0_wp
+      !> Functions of the angle (stations, angles), and of the strain (stations, 2, strains)
+      real(wp), allocatable :: angle(:, :), stretch(:, :, :)
+      !> g, and its derivatives by the coordinates, at the stations (stations, 2), (stations, n)
       real(wp), allocatable :: g(:, :), gx(:, :), gy(:, :)
-      !> Section axis t at the stations (2, stations)
-      real(wp), allocatable :: axis(:, :)
-      !> Places of the points, and their derivatives (2, points), (n, points)
+      !> Places of the points, and their derivatives (points, 2), (points, n)
       real(wp), allocatable :: p(:, :), dx(:, :), dy(:, :)
-      !> Rates of the angle (stations), of g, of the strain in fixed section axes R sigma' (2, stations); what velocities alone
-      !> make of the acceleration of g (2, stations)
+      !> Rates of the angle (stations), of g, of the strain in fixed section axes R sigma' (stations, 2); what velocities alone
+      !> make of the acceleration of g (stations, 2)
       real(wp), allocatable :: turning(:), drift(:, :), straining(:, :), bias(:, :)
-      !> Velocities of the points, and what velocities alone make of their accelerations (2, points)
+      !> Velocities of the points, and what velocities alone make of their accelerations (points, 2)
       real(wp), allocatable :: speed(:, :), swerve(:, :)
-      !> Scratch: (n, stations), (n, points)
+      !> Whether the points are placed, and moved, as the stations are
+      logical :: spread = .false., swept = .false.
+      !> Scratch: (stations, n), (points, n)
       real(wp), allocatable :: hx(:, :), hy(:, :), ax(:, :), ay(:, :)
    contains
-      procedure :: place, move, mass_matrix, eta_mass, forces, tangent, kinetic, moment, momenta
+      procedure :: place, move, place_stations, move_stations, mass_matrix, eta_mass, forces, tangent, kinetic, moment, momenta
       procedure :: add_curvature, drift_of, accelerations, exchange => exchange_centreline
    end type centreline_type
 
@@ -45,9 +49,14 @@ contains
       integer :: i
       line%exact_type = exact
       associate (n => exact%n, k => exact%stations, m => exact%points)
-         allocate (line%g(2, k), line%gx(n, k), line%gy(n, k), line%axis(2, k), line%p(2, m), line%dx(n, m), line%dy(n, m))
-         allocate (line%turning(k), line%drift(2, k), line%straining(2, k), line%bias(2, k), line%speed(2, m), line%swerve(2, m))
-         allocate (line%hx(n, k), line%hy(n, k), line%ax(n, m), line%ay(n, m))
+         allocate (line%g(k, 2), line%gx(k, n), line%gy(k, n), line%p(m, 2), line%dx(m, n), line%dy(m, n))
+         allocate (line%turning(k), line%drift(k, 2), line%straining(k, 2), line%bias(k, 2), line%speed(m, 2), line%swerve(m, 2))
+         allocate (line%hx(k, n), line%hy(k, n), line%ax(m, n), line%ay(m, n))
+         allocate (line%angle(k, exact%angles), line%stretch(k, 2, exact%strains))
+         line%angle = transpose(exact%psi)
+         do i = 1, exact%strains
+            line%stretch(:, :, i) = transpose(exact%chi(:, i, :))
+         end do
          line%turning = 0.0_wp
          line%drift = 0.0_wp
          line%straining = 0.0_wp
@@ -58,6 +67,7 @@ contains
       do i = 1, panel_stations
          line%within(:, i) = inside(gauss_place(i))
       end do
+      line%along_panel = transpose(line%within)
    end subroutine new_centreline
 
    !> Places stations and points at the coordinates.
@@ -65,166 +75,208 @@ contains
       class(centreline_type), intent(inout) :: self
       !> (n)
       real(wp), contiguous, intent(in) :: eta(:)
-      real(wp) :: theta, strain(2), c, s
-      integer :: i, k, a
-      a = self%angles
-      do k = 1, self%stations
-         theta = 0.0_wp
-         do i = 1, a
-            theta = theta + self%psi(i, k)*eta(i)
-         end do
-         strain = [1.0_wp, 0.0_wp]
-         do i = 1, self%strains
-            strain = strain + self%chi(:, i, k)*eta(a + i)
-         end do
-         c = cos(theta)
-         s = sin(theta)
-         self%axis(:, k) = [c, s]
-         self%g(1, k) = c*strain(1) - s*strain(2)
-         self%g(2, k) = s*strain(1) + c*strain(2)
-         do i = 1, a
-            self%gx(i, k) = -self%g(2, k)*self%psi(i, k)
-            self%gy(i, k) = self%g(1, k)*self%psi(i, k)
-         end do
-         do i = 1, self%strains
-            self%gx(a + i, k) = c*self%chi(1, i, k) - s*self%chi(2, i, k)
-            self%gy(a + i, k) = s*self%chi(1, i, k) + c*self%chi(2, i, k)
-         end do
-      end do
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, 2, self%g, self%p)
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, self%n, self%gx, self%dx)
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, self%n, self%gy, self%dy)
+      call self%place_stations(eta)
+      call spread_points(self)
    end subroutine place
 
-   !> Velocities at the placed coordinates.
+   !> Velocities of stations and points at the placed coordinates.
    pure subroutine move(self, rate)
       class(centreline_type), intent(inout) :: self
       !> Rates of the coordinates (n)
       real(wp), contiguous, intent(in) :: rate(:)
-      real(wp) :: strain(2)
-      integer :: i, k
-      do k = 1, self%stations
-         self%turning(k) = 0.0_wp
-         do i = 1, self%angles
-            self%turning(k) = self%turning(k) + self%psi(i, k)*rate(i)
-         end do
-         strain = 0.0_wp
-         do i = self%angles + 1, self%n
-            strain(1) = strain(1) + self%gx(i, k)*rate(i)
-            strain(2) = strain(2) + self%gy(i, k)*rate(i)
-         end do
-         self%straining(:, k) = strain
-         self%drift(:, k) = self%turning(k)*turn(self%g(:, k)) + strain
-         self%bias(:, k) = 2*self%turning(k)*turn(strain) - self%turning(k)**2*self%g(:, k)
-      end do
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, 2, self%drift, self%speed)
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, 2, self%bias, self%swerve)
+      call self%move_stations(rate)
+      call sweep_points(self)
    end subroutine move
 
+   !> Places the stations: all that markers need. The points follow when something asks for them.
+   pure subroutine place_stations(self, eta)
+      class(centreline_type), intent(inout) :: self
+      !> (n)
+      real(wp), contiguous, intent(in) :: eta(:)
+      real(wp), dimension(self%stations) :: theta, c, s, along_axis, across
+      integer :: i, k, a
+      a = self%angles
+      theta = 0.0_wp
+      do i = 1, a
+         theta = theta + self%angle(:, i)*eta(i)
+      end do
+      along_axis = 1.0_wp
+      across = 0.0_wp
+      do i = 1, self%strains
+         along_axis = along_axis + self%stretch(:, 1, i)*eta(a + i)
+         across = across + self%stretch(:, 2, i)*eta(a + i)
+      end do
+      do k = 1, self%stations
+         c(k) = cos(theta(k))
+         s(k) = sin(theta(k))
+      end do
+      self%g(:, 1) = c*along_axis - s*across
+      self%g(:, 2) = s*along_axis + c*across
+      do i = 1, a
+         self%gx(:, i) = -self%g(:, 2)*self%angle(:, i)
+         self%gy(:, i) = self%g(:, 1)*self%angle(:, i)
+      end do
+      do i = 1, self%strains
+         self%gx(:, a + i) = c*self%stretch(:, 1, i) - s*self%stretch(:, 2, i)
+         self%gy(:, a + i) = s*self%stretch(:, 1, i) + c*self%stretch(:, 2, i)
+      end do
+      self%spread = .false.
+      self%swept = .false.
+   end subroutine place_stations
+
+   !> Places the points, if they are not.
+   pure subroutine spread_points(self)
+      class(centreline_type), intent(inout) :: self
+      if (self%spread) return
+      call integrate(self, 2, self%g, self%p)
+      call integrate(self, self%n, self%gx, self%dx)
+      call integrate(self, self%n, self%gy, self%dy)
+      self%spread = .true.
+   end subroutine spread_points
+
+   !> Velocities of the stations at the placed coordinates.
+   pure subroutine move_stations(self, rate)
+      class(centreline_type), intent(inout) :: self
+      !> Rates of the coordinates (n)
+      real(wp), contiguous, intent(in) :: rate(:)
+      integer :: i
+      self%turning = 0.0_wp
+      do i = 1, self%angles
+         self%turning = self%turning + self%angle(:, i)*rate(i)
+      end do
+      self%straining = 0.0_wp
+      do i = self%angles + 1, self%n
+         self%straining(:, 1) = self%straining(:, 1) + self%gx(:, i)*rate(i)
+         self%straining(:, 2) = self%straining(:, 2) + self%gy(:, i)*rate(i)
+      end do
+      self%drift(:, 1) = self%straining(:, 1) - self%turning*self%g(:, 2)
+      self%drift(:, 2) = self%straining(:, 2) + self%turning*self%g(:, 1)
+      self%bias(:, 1) = -self%turning*(2*self%straining(:, 2) + self%turning*self%g(:, 1))
+      self%bias(:, 2) = self%turning*(2*self%straining(:, 1) - self%turning*self%g(:, 2))
+      self%swept = .false.
+   end subroutine move_stations
+
+   !> Velocities of the points, if they are not there.
+   pure subroutine sweep_points(self)
+      class(centreline_type), intent(inout) :: self
+      if (self%swept) return
+      call integrate(self, 2, self%drift, self%speed)
+      call integrate(self, 2, self%bias, self%swerve)
+      self%swept = .true.
+   end subroutine sweep_points
+
    !> Integrals from the origin to all points of fields that are given at the stations.
-   pure subroutine integrate(panel, within, base, shifted, reach, n, field, integral)
-      !> As in the beam: lengths of the panels, integrals inside them, reach of the origin and of concentrated masses
-      real(wp), intent(in) :: panel(:), within(panel_stations, panel_stations), base(:)
-      logical, intent(in) :: shifted
-      real(wp), intent(in) :: reach(:, :)
+   pure subroutine integrate(self, n, field, integral)
+      class(centreline_type), intent(in) :: self
       !> Number of fields
       integer, intent(in) :: n
-      real(wp), intent(in) :: field(n, size(base))
-      real(wp), intent(inout) :: integral(n, size(base) + size(reach, 2))
-      real(wp) :: before(n), half
+      real(wp), intent(in) :: field(self%stations, n)
+      real(wp), intent(inout) :: integral(self%points, n)
+      real(wp) :: part(panel_stations), before, half
       integer :: p, i, j, first
-      before = 0.0_wp
-      if (shifted) then
-         do j = 1, size(base)
-            before = before - base(j)*field(:, j)
-         end do
-      end if
-      do p = 1, size(panel)
-         first = panel_stations*(p - 1)
-         half = 0.5_wp*panel(p)
-         do i = 1, panel_stations
-            integral(:, first + i) = before
+      do i = 1, n
+         before = 0.0_wp
+         if (self%shifted) before = -inner(self%stations, self%base, field(:, i))
+         do p = 1, size(self%panel)
+            first = panel_stations*(p - 1)
+            half = 0.5_wp*self%panel(p)
+            part = 0.0_wp
             do j = 1, panel_stations
-               integral(:, first + i) = integral(:, first + i) + half*within(j, i)*field(:, first + j)
+               part = part + self%along_panel(:, j)*field(first + j, i)
             end do
+            integral(first + 1:first + panel_stations, i) = before + half*part
+            if (p < size(self%panel)) before = before + half*inner(panel_stations, gauss_weight, field(first + 1:, i))
          end do
-         do j = 1, panel_stations
-            before = before + half*gauss_weight(j)*field(:, first + j)
-         end do
-      end do
-      do i = 1, size(reach, 2)
-         integral(:, size(base) + i) = 0.0_wp
-         do j = 1, size(base)
-            integral(:, size(base) + i) = integral(:, size(base) + i) + reach(j, i)*field(:, j)
+         do j = 1, self%points - self%stations
+            integral(self%stations + j, i) = inner(self%stations, self%reach(:, j), field(:, i))
          end do
       end do
    end subroutine integrate
 
+   !> Sum of products, in four parts that are independent of one another.
+   pure real(wp) function inner(n, a, b)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a(n), b(n)
+      real(wp) :: part(4)
+      integer :: k
+      part = 0.0_wp
+      do k = 1, n - 3, 4
+         part = part + a(k:k + 3)*b(k:k + 3)
+      end do
+      inner = (part(1) + part(2)) + (part(3) + part(4))
+      do k = n - modulo(n, 4) + 1, n
+         inner = inner + a(k)*b(k)
+      end do
+   end function inner
+
+   !> The same of two pairs.
+   pure real(wp) function inner_pair(n, a, b, c, d) result(total)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a(n), b(n), c(n), d(n)
+      real(wp) :: part(4)
+      integer :: k
+      part = 0.0_wp
+      do k = 1, n - 3, 4
+         part = part + (a(k:k + 3)*b(k:k + 3) + c(k:k + 3)*d(k:k + 3))
+      end do
+      total = (part(1) + part(2)) + (part(3) + part(4))
+      do k = n - modulo(n, 4) + 1, n
+         total = total + (a(k)*b(k) + c(k)*d(k))
+      end do
+   end function inner_pair
+
    !> The transpose: what forces at the points are for the field at the stations.
    pure subroutine gather(self, force, pull)
       class(centreline_type), intent(in) :: self
-      !> (2, points), (2, stations)
+      !> (points, 2), (stations, 2)
       real(wp), intent(in) :: force(:, :)
       real(wp), intent(inout) :: pull(:, :)
-      real(wp) :: beyond(2), whole(2), half
+      real(wp) :: part(panel_stations), beyond, half
       integer :: p, i, j, first
-      beyond = 0.0_wp
-      do p = size(self%panel), 1, -1
-         first = panel_stations*(p - 1)
-         half = 0.5_wp*self%panel(p)
-         do j = 1, panel_stations
-            pull(:, first + j) = gauss_weight(j)*beyond
-            do i = 1, panel_stations
-               pull(:, first + j) = pull(:, first + j) + self%within(j, i)*force(:, first + i)
+      do i = 1, 2
+         beyond = 0.0_wp
+         do p = size(self%panel), 1, -1
+            first = panel_stations*(p - 1)
+            half = 0.5_wp*self%panel(p)
+            part = gauss_weight*beyond
+            do j = 1, panel_stations
+               part = part + self%within(:, j)*force(first + j, i)
             end do
-            pull(:, first + j) = half*pull(:, first + j)
+            pull(first + 1:first + panel_stations, i) = half*part
+            beyond = beyond + sum(force(first + 1:first + panel_stations, i))
          end do
-         do i = 1, panel_stations
-            beyond = beyond + force(:, first + i)
+         do j = 1, self%points - self%stations
+            pull(:, i) = pull(:, i) + self%reach(:, j)*force(self%stations + j, i)
          end do
-      end do
-      whole = beyond
-      do i = 1, self%points - self%stations
-         do j = 1, self%stations
-            pull(:, j) = pull(:, j) + self%reach(j, i)*force(:, self%stations + i)
-         end do
-      end do
-      if (.not. self%shifted) return
-      do j = 1, self%stations
-         pull(:, j) = pull(:, j) - self%base(j)*whole
+         if (self%shifted) pull(:, i) = pull(:, i) - self%base*beyond
       end do
    end subroutine gather
 
    !> Mass matrix of the frame and its coupling with the coordinates, eq. (X5).
    pure subroutine mass_matrix(self, u, frame, coupling)
-      class(centreline_type), intent(in) :: self
+      class(centreline_type), intent(inout) :: self
       !> Unit vector of the frame (2)
       real(wp), intent(in) :: u(2)
       !> Of (r'', alpha) (3, 3); rows eta'', columns (r'', alpha) (n, 3)
       real(wp), intent(out) :: frame(3, 3)
       real(wp), intent(inout) :: coupling(:, :)
-      real(wp) :: c(2), m, inertia, whole
-      integer :: i, k
-      c = 0.0_wp
-      inertia = sum(self%inertia)
-      whole = 0.0_wp
-      coupling = 0.0_wp
-      do k = 1, self%points
-         m = self%mass(k)
-         whole = whole + m
-         c = c + m*self%p(:, k)
-         inertia = inertia + m*(self%p(1, k)**2 + self%p(2, k)**2)
-         do i = 1, self%n
-            coupling(i, 1) = coupling(i, 1) + m*self%dx(i, k)
-            coupling(i, 2) = coupling(i, 2) + m*self%dy(i, k)
-            coupling(i, 3) = coupling(i, 3) + m*(self%p(1, k)*self%dy(i, k) - self%p(2, k)*self%dx(i, k))
-         end do
-      end do
+      real(wp) :: c(2), inertia, whole, x, y, mx(self%points), my(self%points)
+      integer :: i, m
+      call spread_points(self)
+      m = self%points
+      mx = self%mass*self%p(:, 1)
+      my = self%mass*self%p(:, 2)
+      whole = sum(self%mass)
+      inertia = sum(self%inertia) + inner_pair(m, mx, self%p(:, 1), my, self%p(:, 2))
       do i = 1, self%n
-         coupling(i, 1:2) = along(coupling(i, 1:2), u)
+         x = inner(m, self%mass, self%dx(:, i))
+         y = inner(m, self%mass, self%dy(:, i))
+         coupling(i, 1) = u(1)*x - u(2)*y
+         coupling(i, 2) = u(1)*y + u(2)*x
+         coupling(i, 3) = inner(m, mx, self%dy(:, i)) - inner(m, my, self%dx(:, i))
       end do
       if (self%spinning) coupling(:self%angles, 3) = coupling(:self%angles, 3) + self%rotary
-      c = along(c, u)
+      c = along([sum(mx), sum(my)], u)
       frame(:, 1) = [whole, 0.0_wp, -c(2)]
       frame(:, 2) = [0.0_wp, whole, c(1)]
       frame(:, 3) = [-c(2), c(1), inertia]
@@ -232,47 +284,46 @@ contains
 
    !> Mass matrix of the coordinates, eq. (X5): its lower triangle and its upper one.
    pure subroutine eta_mass(self, mass)
-      class(centreline_type), intent(in) :: self
+      class(centreline_type), intent(inout) :: self
       !> (n, n)
       real(wp), intent(inout) :: mass(:, :)
-      real(wp) :: x, y
-      integer :: i, j, k
-      mass = 0.0_wp
-      do k = 1, self%points
-         do j = 1, self%n
-            x = self%mass(k)*self%dx(j, k)
-            y = self%mass(k)*self%dy(j, k)
-            do i = j, self%n
-               mass(i, j) = mass(i, j) + x*self%dx(i, k) + y*self%dy(i, k)
-            end do
+      real(wp) :: x(self%points), y(self%points)
+      integer :: i, j
+      call spread_points(self)
+      do j = 1, self%n
+         x = self%mass*self%dx(:, j)
+         y = self%mass*self%dy(:, j)
+         do i = j, self%n
+            mass(i, j) = inner_pair(self%points, x, self%dx(:, i), y, self%dy(:, i))
          end do
       end do
       if (self%spinning) mass(:self%angles, :self%angles) = mass(:self%angles, :self%angles) + self%rotary_mass
       do j = 2, self%n
-         mass(:j - 1, j) = mass(j, :j - 1)
+         do i = 1, j - 1
+            mass(i, j) = mass(j, i)
+         end do
       end do
    end subroutine eta_mass
 
    !> Adds velocity terms and weight: minus what the rates alone contribute to M a, and gravity, eq. (X6).
    pure subroutine forces(self, gravity, u, omega, on_frame, on_eta)
-      class(centreline_type), intent(in) :: self
+      class(centreline_type), intent(inout) :: self
       !> Acceleration of gravity (2), unit vector of the frame (2), its angular velocity
       real(wp), intent(in) :: gravity(2), u(2), omega
       !> Force and moment on the frame's origin (3), along the fixed axes; on the coordinates (n)
       real(wp), intent(inout) :: on_frame(3), on_eta(:)
-      real(wp) :: f(2), total(2), weight(2)
-      integer :: i, k
+      real(wp) :: weight(2), fx(self%points), fy(self%points)
+      integer :: i
+      call spread_points(self)
+      call sweep_points(self)
       weight = along(gravity, [u(1), -u(2)])
-      total = 0.0_wp
-      do k = 1, self%points
-         f = self%mass(k)*(omega**2*self%p(:, k) - 2*omega*turn(self%speed(:, k)) - self%swerve(:, k) + weight)
-         total = total + f
-         on_frame(3) = on_frame(3) + cross(self%p(:, k), f)
-         do i = 1, self%n
-            on_eta(i) = on_eta(i) + self%dx(i, k)*f(1) + self%dy(i, k)*f(2)
-         end do
+      fx = self%mass*(omega*(omega*self%p(:, 1) + 2*self%speed(:, 2)) - self%swerve(:, 1) + weight(1))
+      fy = self%mass*(omega*(omega*self%p(:, 2) - 2*self%speed(:, 1)) - self%swerve(:, 2) + weight(2))
+      on_frame(1:2) = on_frame(1:2) + along([sum(fx), sum(fy)], u)
+      on_frame(3) = on_frame(3) + inner(self%points, self%p(:, 1), fy) - inner(self%points, self%p(:, 2), fx)
+      do i = 1, self%n
+         on_eta(i) = on_eta(i) + inner_pair(self%points, self%dx(:, i), fx, self%dy(:, i), fy)
       end do
-      on_frame(1:2) = on_frame(1:2) + along(total, u)
    end subroutine forces
 
    !> Derivatives of the inertia forces and the weight, M a + velocity terms - weight, with respect to (rotation, eta) and to
@@ -283,56 +334,62 @@ contains
       real(wp), intent(in) :: gravity(2), u(2), omega, acceleration(2), alpha, eta_acceleration(:)
       !> Rows r'' (2), alpha, eta''; columns rotation, eta, and omega, eta': (3 + n, 1 + n). Added to
       real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
-      real(wp) :: heavy(2), swing, whirl, strain(2), h(2), part(2), pull(2, self%stations), force(2, self%points)
-      integer :: i, k, n, a
-      n = self%n
-      a = self%angles
+      real(wp) :: heavy(2), pull(self%stations, 2), force(self%points, 2), x, y
+      integer :: i, m
+      m = self%points
       heavy = along(acceleration - gravity, [u(1), -u(2)])
-      ! What a change of the coordinates makes of the accelerations of the points
-      do k = 1, self%stations
-         swing = alpha
-         do i = 1, a
-            swing = swing + self%psi(i, k)*eta_acceleration(i)
-         end do
-         strain = 0.0_wp
-         do i = a + 1, n
-            strain(1) = strain(1) + self%gx(i, k)*eta_acceleration(i)
-            strain(2) = strain(2) + self%gy(i, k)*eta_acceleration(i)
-         end do
-         whirl = omega + self%turning(k)
-         h = -swing*self%g(:, k) - whirl**2*turn(self%g(:, k)) - 2*whirl*self%straining(:, k) + turn(strain)
-         do i = 1, a
-            self%hx(i, k) = self%psi(i, k)*h(1)
-            self%hy(i, k) = self%psi(i, k)*h(2)
-         end do
-         do i = a + 1, n
-            self%hx(i, k) = -whirl**2*self%gx(i, k) - swing*self%gy(i, k)
-            self%hy(i, k) = -whirl**2*self%gy(i, k) + swing*self%gx(i, k)
-         end do
-      end do
+      call spread_points(self)
+      call sweep_points(self)
       call self%accelerations(heavy, omega, alpha, eta_acceleration, force)
-      do k = 1, self%points
-         force(:, k) = self%mass(k)*force(:, k)
-      end do
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, n, self%hx, self%ax)
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, n, self%hy, self%ay)
+      force(:, 1) = self%mass*force(:, 1)
+      force(:, 2) = self%mass*force(:, 2)
+      call change_accelerations(self, omega, alpha, eta_acceleration)
+      call integrate(self, self%n, self%hx, self%ax)
+      call integrate(self, self%n, self%hy, self%ay)
       call add_columns(self, u, stiffness(:, 2:))
-      do k = 1, self%points
-         do i = 1, n
-            stiffness(3, 1 + i) = stiffness(3, 1 + i) + self%dx(i, k)*force(2, k) - self%dy(i, k)*force(1, k)
-         end do
-         part = turn(force(:, k) - self%mass(k)*heavy)
-         stiffness(1:2, 1) = stiffness(1:2, 1) + along(part, u)
-         stiffness(3, 1) = stiffness(3, 1) - self%mass(k)*dot_product(self%p(:, k), heavy)
-         part = -self%mass(k)*turn(heavy)
-         do i = 1, n
-            stiffness(3 + i, 1) = stiffness(3 + i, 1) + self%dx(i, k)*part(1) + self%dy(i, k)*part(2)
-         end do
+      x = sum(self%mass)*heavy(1)
+      y = sum(self%mass)*heavy(2)
+      stiffness(1:2, 1) = stiffness(1:2, 1) + along([y - sum(force(:, 2)), sum(force(:, 1)) - x], u)
+      stiffness(3, 1) = stiffness(3, 1) - inner(m, self%mass, self%p(:, 1))*heavy(1) - inner(m, self%mass, self%p(:, 2))*heavy(2)
+      do i = 1, self%n
+         stiffness(3, 1 + i) = stiffness(3, 1 + i) + inner(m, self%dx(:, i), force(:, 2)) - inner(m, self%dy(:, i), force(:, 1))
+         stiffness(3 + i, 1) = stiffness(3 + i, 1) + inner(m, self%mass, self%dx(:, i))*heavy(2) &
+            & - inner(m, self%mass, self%dy(:, i))*heavy(1)
       end do
       call gather(self, force, pull)
       call self%add_curvature(pull, stiffness(4:, 2:))
       call rate_columns(self, u, omega, damping)
    end subroutine tangent
+
+   !> What a change of the coordinates makes of the accelerations of g, into the scratch.
+   pure subroutine change_accelerations(self, omega, alpha, eta_acceleration)
+      class(centreline_type), intent(inout) :: self
+      real(wp), intent(in) :: omega, alpha, eta_acceleration(:)
+      real(wp), dimension(self%stations) :: swing, whirl, x, y
+      integer :: i
+      swing = alpha
+      do i = 1, self%angles
+         swing = swing + self%angle(:, i)*eta_acceleration(i)
+      end do
+      x = 0.0_wp
+      y = 0.0_wp
+      do i = self%angles + 1, self%n
+         x = x + self%gx(:, i)*eta_acceleration(i)
+         y = y + self%gy(:, i)*eta_acceleration(i)
+      end do
+      whirl = omega + self%turning
+      do i = self%angles + 1, self%n
+         self%hx(:, i) = -whirl**2*self%gx(:, i) - swing*self%gy(:, i)
+         self%hy(:, i) = -whirl**2*self%gy(:, i) + swing*self%gx(:, i)
+      end do
+      swing = -swing
+      self%ax(:self%stations, 1) = swing*self%g(:, 1) + whirl*(whirl*self%g(:, 2) - 2*self%straining(:, 1)) - y
+      self%ay(:self%stations, 1) = swing*self%g(:, 2) - whirl*(whirl*self%g(:, 1) + 2*self%straining(:, 2)) + x
+      do i = 1, self%angles
+         self%hx(:, i) = self%angle(:, i)*self%ax(:self%stations, 1)
+         self%hy(:, i) = self%angle(:, i)*self%ay(:self%stations, 1)
+      end do
+   end subroutine change_accelerations
 
    !> Adds to the rows of frame and coordinates what changed accelerations `ax`, `ay` of the points make.
    pure subroutine add_columns(self, u, block)
@@ -340,20 +397,16 @@ contains
       real(wp), intent(in) :: u(2)
       !> (3 + n, n)
       real(wp), intent(inout) :: block(:, :)
-      real(wp) :: x, y, push(2)
-      integer :: i, j, k
+      real(wp) :: x(self%points), y(self%points)
+      integer :: i, j
       do j = 1, self%n
-         push = 0.0_wp
-         do k = 1, self%points
-            x = self%mass(k)*self%ax(j, k)
-            y = self%mass(k)*self%ay(j, k)
-            push = push + [x, y]
-            block(3, j) = block(3, j) + self%p(1, k)*y - self%p(2, k)*x
-            do i = 1, self%n
-               block(3 + i, j) = block(3 + i, j) + self%dx(i, k)*x + self%dy(i, k)*y
-            end do
+         x = self%mass*self%ax(:, j)
+         y = self%mass*self%ay(:, j)
+         block(1:2, j) = block(1:2, j) + along([sum(x), sum(y)], u)
+         block(3, j) = block(3, j) + inner(self%points, self%p(:, 1), y) - inner(self%points, self%p(:, 2), x)
+         do i = 1, self%n
+            block(3 + i, j) = block(3 + i, j) + inner_pair(self%points, self%dx(:, i), x, self%dy(:, i), y)
          end do
-         block(1:2, j) = block(1:2, j) + along(push, u)
       end do
    end subroutine add_columns
 
@@ -362,54 +415,55 @@ contains
       class(centreline_type), intent(inout) :: self
       real(wp), intent(in) :: u(2), omega
       real(wp), intent(inout) :: damping(:, :)
-      real(wp) :: part(2)
+      real(wp) :: x(self%points), y(self%points)
       integer :: i, k
-      do k = 1, self%stations
-         part = 2*(turn(self%drift(:, k)) - omega*self%g(:, k))
-         do i = 1, self%angles
-            self%hx(i, k) = self%psi(i, k)*part(1)
-            self%hy(i, k) = self%psi(i, k)*part(2)
-         end do
-         do i = self%angles + 1, self%n
-            self%hx(i, k) = -2*(omega + self%turning(k))*self%gy(i, k)
-            self%hy(i, k) = 2*(omega + self%turning(k))*self%gx(i, k)
-         end do
+      k = self%stations
+      x(:k) = -2*(self%drift(:, 2) + omega*self%g(:, 1))
+      y(:k) = 2*(self%drift(:, 1) - omega*self%g(:, 2))
+      do i = 1, self%angles
+         self%hx(:, i) = self%angle(:, i)*x(:k)
+         self%hy(:, i) = self%angle(:, i)*y(:k)
       end do
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, self%n, self%hx, self%ax)
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, self%n, self%hy, self%ay)
+      do i = self%angles + 1, self%n
+         self%hx(:, i) = -2*(omega + self%turning)*self%gy(:, i)
+         self%hy(:, i) = 2*(omega + self%turning)*self%gx(:, i)
+      end do
+      call integrate(self, self%n, self%hx, self%ax)
+      call integrate(self, self%n, self%hy, self%ay)
       call add_columns(self, u, damping(:, 2:))
-      do k = 1, self%points
-         part = 2*self%mass(k)*(turn(self%speed(:, k)) - omega*self%p(:, k))
-         damping(1:2, 1) = damping(1:2, 1) + along(part, u)
-         damping(3, 1) = damping(3, 1) + cross(self%p(:, k), part)
-         do i = 1, self%n
-            damping(3 + i, 1) = damping(3 + i, 1) + self%dx(i, k)*part(1) + self%dy(i, k)*part(2)
-         end do
+      x = -2*self%mass*(self%speed(:, 2) + omega*self%p(:, 1))
+      y = 2*self%mass*(self%speed(:, 1) - omega*self%p(:, 2))
+      damping(1:2, 1) = damping(1:2, 1) + along([sum(x), sum(y)], u)
+      damping(3, 1) = damping(3, 1) + inner(self%points, self%p(:, 1), y) - inner(self%points, self%p(:, 2), x)
+      do i = 1, self%n
+         damping(3 + i, 1) = damping(3 + i, 1) + inner_pair(self%points, self%dx(:, i), x, self%dy(:, i), y)
       end do
    end subroutine rate_columns
 
    !> Adds the second derivatives by the coordinates of the sum of pull . g over the stations, eq. (X9).
    pure subroutine add_curvature(self, pull, k)
       class(centreline_type), intent(in) :: self
-      !> In the axes of the frame (2, stations)
+      !> In the axes of the frame (stations, 2)
       real(wp), intent(in) :: pull(:, :)
       !> (n, n)
       real(wp), intent(inout) :: k(:, :)
-      real(wp) :: bend, slide
-      integer :: i, j, s
-      do s = 1, self%stations
-         bend = dot_product(pull(:, s), self%g(:, s))
-         do j = 1, self%angles
-            do i = 1, self%angles
-               k(i, j) = k(i, j) - bend*self%psi(i, s)*self%psi(j, s)
-            end do
+      real(wp) :: bend(self%stations), part(self%stations), value
+      integer :: i, j
+      bend = pull(:, 1)*self%g(:, 1) + pull(:, 2)*self%g(:, 2)
+      do j = 1, self%angles
+         part = bend*self%angle(:, j)
+         do i = j, self%angles
+            value = inner(self%stations, part, self%angle(:, i))
+            k(i, j) = k(i, j) - value
+            if (i > j) k(j, i) = k(j, i) - value
          end do
-         do j = self%angles + 1, self%n
-            slide = self%gx(j, s)*pull(2, s) - self%gy(j, s)*pull(1, s)
-            do i = 1, self%angles
-               k(i, j) = k(i, j) + slide*self%psi(i, s)
-               k(j, i) = k(j, i) + slide*self%psi(i, s)
-            end do
+      end do
+      do j = self%angles + 1, self%n
+         part = self%gx(:, j)*pull(:, 2) - self%gy(:, j)*pull(:, 1)
+         do i = 1, self%angles
+            value = inner(self%stations, part, self%angle(:, i))
+            k(i, j) = k(i, j) + value
+            k(j, i) = k(j, i) + value
          end do
       end do
    end subroutine add_curvature
@@ -419,17 +473,13 @@ contains
       class(centreline_type), intent(in) :: self
       real(wp), intent(in) :: reach(:)
       integer, intent(in) :: j
-      real(wp) :: rate(2)
-      integer :: k
-      rate = 0.0_wp
+      real(wp) :: rate(2), part(self%stations)
       if (j <= self%angles) then
-         do k = 1, self%stations
-            rate = rate + reach(k)*self%psi(j, k)*turn(self%drift(:, k))
-         end do
+         part = reach*self%angle(:, j)
+         rate = [-inner(self%stations, part, self%drift(:, 2)), inner(self%stations, part, self%drift(:, 1))]
       else
-         do k = 1, self%stations
-            rate = rate + reach(k)*self%turning(k)*[-self%gy(j, k), self%gx(j, k)]
-         end do
+         part = reach*self%turning
+         rate = [-inner(self%stations, part, self%gy(:, j)), inner(self%stations, part, self%gx(:, j))]
       end if
    end function drift_of
 
@@ -464,24 +514,23 @@ contains
       end do
    end subroutine follow_place
 
-   !> Accelerations of the points, less that of gravity, in the axes of the frame (2, points); placed and moved.
+   !> Accelerations of the points, less that of gravity, in the axes of the frame (points, 2); placed and moved.
    pure subroutine accelerations(self, heavy, omega, alpha, eta_acceleration, push)
       class(centreline_type), intent(in) :: self
       !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2), angular velocity and acceleration,
       !> second derivatives of the coordinates (n)
       real(wp), intent(in) :: heavy(2), omega, alpha, eta_acceleration(:)
       real(wp), intent(inout) :: push(:, :)
-      real(wp) :: field(2, self%stations)
-      integer :: k
-      do k = 1, self%stations
-         field(1, k) = dot_product(self%gx(:, k), eta_acceleration)
-         field(2, k) = dot_product(self%gy(:, k), eta_acceleration)
-         field(:, k) = field(:, k) + self%bias(:, k)
+      real(wp) :: field(self%stations, 2)
+      integer :: i
+      field = self%bias
+      do i = 1, self%n
+         field(:, 1) = field(:, 1) + self%gx(:, i)*eta_acceleration(i)
+         field(:, 2) = field(:, 2) + self%gy(:, i)*eta_acceleration(i)
       end do
-      call integrate(self%panel, self%within, self%base, self%shifted, self%reach, 2, field, push)
-      do k = 1, self%points
-         push(:, k) = push(:, k) + heavy + alpha*turn(self%p(:, k)) - omega**2*self%p(:, k) + 2*omega*turn(self%speed(:, k))
-      end do
+      call integrate(self, 2, field, push)
+      push(:, 1) = push(:, 1) + heavy(1) - alpha*self%p(:, 2) - omega*(omega*self%p(:, 1) + 2*self%speed(:, 2))
+      push(:, 2) = push(:, 2) + heavy(2) + alpha*self%p(:, 1) - omega*(omega*self%p(:, 2) - 2*self%speed(:, 1))
    end subroutine accelerations
 
    !> First moment of mass in the axes of the frame (2).
@@ -491,7 +540,7 @@ contains
       integer :: k
       c = 0.0_wp
       do k = 1, self%points
-         c = c + self%mass(k)*self%p(:, k)
+         c = c + self%mass(k)*self%p(k, :)
       end do
    end function moment
 
@@ -504,7 +553,7 @@ contains
       integer :: k
       energy = 0.5_wp*sum(self%inertia)*omega**2
       do k = 1, self%points
-         v = velocity + omega*turn(self%p(:, k)) + self%speed(:, k)
+         v = velocity + omega*turn(self%p(k, :)) + self%speed(k, :)
          energy = energy + 0.5_wp*self%mass(k)*(v(1)**2 + v(2)**2)
       end do
       if (.not. self%spinning) return
@@ -521,9 +570,9 @@ contains
       integer :: k
       p = [0.0_wp, 0.0_wp, sum(self%inertia)*omega]
       do k = 1, self%points
-         v = self%mass(k)*(velocity + omega*turn(self%p(:, k)) + self%speed(:, k))
+         v = self%mass(k)*(velocity + omega*turn(self%p(k, :)) + self%speed(k, :))
          p(1:2) = p(1:2) + v
-         p(3) = p(3) + cross(self%p(:, k), v)
+         p(3) = p(3) + cross(self%p(k, :), v)
       end do
       if (self%spinning) p(3) = p(3) + dot_product(self%rotary, rate(:self%angles))
    end function momenta
@@ -535,7 +584,6 @@ contains
       call snapshot%keep('g', self%g)
       call snapshot%keep('gx', self%gx)
       call snapshot%keep('gy', self%gy)
-      call snapshot%keep('axis', self%axis)
       call snapshot%keep('p', self%p)
       call snapshot%keep('dx', self%dx)
       call snapshot%keep('dy', self%dy)
@@ -545,6 +593,8 @@ contains
       call snapshot%keep('bias', self%bias)
       call snapshot%keep('speed', self%speed)
       call snapshot%keep('swerve', self%swerve)
+      self%spread = .false.
+      self%swept = .false.
    end subroutine exchange_centreline
 
 end module limber_system_centreline

@@ -8,7 +8,7 @@ module limber_system_kinematics
    use limber_model_laws, only: driven_motion
    use limber_model_scene, only: model_type, point_type, body_point, driver_type, driver_angle, ground
    use limber_system_algebra, only: turn, along, cross
-   use limber_system_centreline, only: centreline_type, new_centreline, follow_place
+   use limber_system_centreline, only: centreline_type, new_centreline, follow_place, inner
    implicit none
    private
    public :: layout_type, new_layout, marker_type, angle_type, kinematics_type, new_kinematics
@@ -60,9 +60,10 @@ module limber_system_kinematics
       !> A(phi_k) u (2,n); no columns where no deflection moves it
       real(wp), allocatable :: shape(:, :)
       !> Of a point or direction of an exact beam: which of the centrelines that is, else 0; what its stations give to the place
-      !> of the point (stations)
+      !> of the point (stations), and whether they give anything: the frame's origin has none
       integer :: line = 0
       real(wp), allocatable :: reach(:)
+      logical :: reaching = .false.
    end type marker_type
 
    !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to where its anchor has moved, eq. (E1)
@@ -174,6 +175,7 @@ contains
             if (point%exact) kinematics%markers(m)%line = findloc(kinematics%beams, point%body, dim=1)
             allocate (kinematics%markers(m)%reach(0))
             if (allocated(point%reach)) kinematics%markers(m)%reach = point%reach
+            kinematics%markers(m)%reaching = any(abs(kinematics%markers(m)%reach) > 0.0_wp)
          end associate
          if (kinematics%markers(m)%body == ground) kinematics%markers(m)%position = model%points(points(m))%p0
       end do
@@ -246,7 +248,7 @@ contains
       end do
       do i = 1, size(kinematics%beams)
          first = layout%q(kinematics%beams(i)) + 4
-         call kinematics%lines(i)%place(q(first:first + kinematics%lines(i)%n - 1))
+         call kinematics%lines(i)%place_stations(q(first:first + kinematics%lines(i)%n - 1))
       end do
       do m = 1, size(kinematics%markers)
          associate (marker => kinematics%markers(m))
@@ -255,8 +257,7 @@ contains
                call place_rigid_marker(marker%p0, kinematics%frames(marker%carrier), marker)
                cycle
             else if (marker%line > 0) then
-               call place_exact_marker(model%points(marker%point), kinematics%lines(marker%line), &
-                  & kinematics%frames(marker%carrier), marker)
+               call place_exact_marker(kinematics%lines(marker%line), kinematics%frames(marker%carrier), marker)
                cycle
             end if
             first = layout%q(marker%carrier) + 4
@@ -366,7 +367,7 @@ contains
       end do
       do i = 1, size(kinematics%beams)
          first = layout%q(kinematics%beams(i)) + 4
-         call kinematics%lines(i)%move(v(first:first + kinematics%lines(i)%n - 1))
+         call kinematics%lines(i)%move_stations(v(first:first + kinematics%lines(i)%n - 1))
       end do
       do m = 1, size(kinematics%markers)
          associate (marker => kinematics%markers(m))
@@ -375,8 +376,7 @@ contains
                call move_rigid_marker(kinematics%frames(marker%carrier), marker)
                cycle
             else if (marker%line > 0) then
-               call move_exact_marker(model%points(marker%point), kinematics%lines(marker%line), &
-                  & kinematics%frames(marker%carrier), marker)
+               call move_exact_marker(kinematics%lines(marker%line), kinematics%frames(marker%carrier), marker)
                cycle
             end if
             first = layout%q(marker%carrier) + 4
@@ -534,45 +534,41 @@ contains
    end subroutine move_marker
 
    !> Position of a point of an exact beam and its derivatives, eq. (X7).
-   pure subroutine place_exact_marker(point, line, frame, marker)
-      type(point_type), intent(in) :: point
+   pure subroutine place_exact_marker(line, frame, marker)
       type(centreline_type), intent(in) :: line
       type(frame_type), intent(in) :: frame
       type(marker_type), intent(inout) :: marker
-      real(wp) :: p(2)
-      integer :: i, k
-      p = 0.0_wp
-      marker%shape = 0.0_wp
-      do k = 1, size(point%reach)
-         p = p + point%reach(k)*line%g(:, k)
-         if (size(marker%shape, 2) == 0) cycle
-         do i = 1, line%n
-            marker%shape(1, i) = marker%shape(1, i) + point%reach(k)*line%gx(i, k)
-            marker%shape(2, i) = marker%shape(2, i) + point%reach(k)*line%gy(i, k)
-         end do
-      end do
+      real(wp) :: p(2), x, y
+      integer :: i
+      if (.not. marker%reaching) then
+         marker%position = frame%position
+         return
+      end if
       do i = 1, size(marker%shape, 2)
-         marker%shape(:, i) = along(marker%shape(:, i), frame%u)
+         x = inner(line%stations, marker%reach, line%gx(:, i))
+         y = inner(line%stations, marker%reach, line%gy(:, i))
+         marker%shape(1, i) = frame%u(1)*x - frame%u(2)*y
+         marker%shape(2, i) = frame%u(1)*y + frame%u(2)*x
       end do
-      p = along(p, frame%u)
+      p = along([inner(line%stations, marker%reach, line%g(:, 1)), inner(line%stations, marker%reach, line%g(:, 2))], frame%u)
       marker%position = frame%position + p
       marker%lever = turn(p)
    end subroutine place_exact_marker
 
    !> Velocity of such a point and the part of its acceleration that velocities alone make.
-   pure subroutine move_exact_marker(point, line, frame, marker)
-      type(point_type), intent(in) :: point
+   pure subroutine move_exact_marker(line, frame, marker)
       type(centreline_type), intent(in) :: line
       type(frame_type), intent(in) :: frame
       type(marker_type), intent(inout) :: marker
       real(wp) :: drift(2), swerve(2)
-      integer :: k
-      drift = 0.0_wp
-      swerve = 0.0_wp
-      do k = 1, size(point%reach)
-         drift = drift + point%reach(k)*line%drift(:, k)
-         swerve = swerve + point%reach(k)*line%bias(:, k)
-      end do
+      if (.not. marker%reaching) then
+         marker%velocity = frame%velocity
+         return
+      end if
+      associate (n => line%stations, reach => marker%reach)
+         drift = [inner(n, reach, line%drift(:, 1)), inner(n, reach, line%drift(:, 2))]
+         swerve = [inner(n, reach, line%bias(:, 1)), inner(n, reach, line%bias(:, 2))]
+      end associate
       marker%velocity = frame%velocity + frame%omega*marker%lever + along(drift, frame%u)
       marker%bias = 2*along(drift, frame%rate) + frame%omega**2*turn(marker%lever) + along(swerve, frame%u)
    end subroutine move_exact_marker

@@ -75,7 +75,7 @@ contains
       type(marker_type), intent(in) :: marker
       real(wp), intent(in) :: force(2)
       real(wp), intent(inout) :: k(:, :)
-      real(wp) :: pull(2, size(marker%reach)), within(2)
+      real(wp) :: pull(size(marker%reach), 2), within(2)
       integer :: i, j
       if (marker%direction) then
          ! shape = psi J d, so that the second derivative -psi psi d is the product of shapes along J d
@@ -87,10 +87,10 @@ contains
          end do
          return
       end if
+      if (.not. marker%reaching) return
       within = along(force, kinematics%frames(marker%body)%u*[1.0_wp, -1.0_wp])
-      do i = 1, size(pull, 2)
-         pull(:, i) = marker%reach(i)*within
-      end do
+      pull(:, 1) = marker%reach*within(1)
+      pull(:, 2) = marker%reach*within(2)
       call kinematics%lines(marker%line)%add_curvature(pull, k)
    end subroutine bend_marker
 

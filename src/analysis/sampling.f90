@@ -14,7 +14,7 @@ module limber_analysis_sampling
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, &
       & mechanical_energy, add_parts_of_power, worst_constraint
-   use limber_system_projection, only: harmless, settle, settle_position, settle_stretched
+   use limber_system_projection, only: harmless, settle, settle_place, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -83,12 +83,14 @@ contains
             call settle_stretched(system, work, t, sample%q, sample%v, sample%change, residual, error)
          else if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
-         else
+         else if (recorder%needs_velocities .or. recorder%needs_accelerations) then
             call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
+         else
+            call settle_place(system, work, t, sample%q, sample%change, may_stay(integrator%tolerance), residual, error)
          end if
          if (allocated(error)) return
          call check_residuals(system, work, t, recorder%needs_velocities, sample%v, outcome)
-         call check_place(system, work, t, residual, outcome)
+         if (residual > may_stay(integrator%tolerance)) call check_place(system, work, t, residual, outcome)
          call check_centres(system, t, sample%q, outcome)
          if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
             & sample%a)
@@ -100,6 +102,15 @@ contains
       call history%take(t, sample%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine record
+
+   !> Residual that samples may have which show places only: far below the error of a motion that is computed roughly. A projection
+   !> would cost as much as the motion there.
+   pure real(wp) function may_stay(tolerance)
+      !> Of the integrator
+      real(wp), intent(in) :: tolerance
+      real(wp), parameter :: rough = 1.0e-4_wp, part = 1.0e-4_wp
+      may_stay = merge(part*tolerance, 0.0_wp, tolerance >= rough)
+   end function may_stay
 
    !> A warning if a sample could not be brought onto the constraints, once a run.
    subroutine check_place(system, work, t, residual, outcome)

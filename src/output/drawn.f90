@@ -4,7 +4,7 @@ module limber_output_drawn
    use limber_base_kinds, only: wp
    use limber_flex_exact, only: reach_of
    use limber_model_scene, only: model_type
-   use limber_system_centreline, only: follow_place
+   use limber_system_exact_place, only: follow_place
    use limber_system_kinematics, only: layout_type
    implicit none
    private

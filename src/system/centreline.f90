@@ -12,13 +12,13 @@ module limber_system_centreline
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
-   public :: centreline_type, new_centreline, follow_place, inner
+   public :: centreline_type, new_centreline, inner
 
-   !> An exact beam at a state. Vectors are in the axes of its frame. Everything stands with the stations, or points, first: they are
-   !> many, the functions few
+   !> An exact beam at a state. Vectors are in the axes of its frame. Stations, or points, come first: they are many, the functions
+   !> few
    type, extends(exact_type) :: centreline_type
-      !> Integrals of Lagrange's polynomials to the stations of a panel of unit half length: of polynomial j to station i (j, i), and
-      !> with i first
+      !> Integrals of Lagrange's polynomials to the stations of a panel of unit half length: of polynomial j to station i (j, i);
+      !> the same with i first
       real(wp) :: within(panel_stations, panel_stations) = 0.0_wp, along_panel(panel_stations, panel_stations) = 0.0_wp
       !> Functions of the angle (stations, angles), and of the strain (stations, 2, strains)
       real(wp), allocatable :: angle(:, :), stretch(:, :, :)
@@ -33,8 +33,9 @@ module limber_system_centreline
       real(wp), allocatable :: speed(:, :), swerve(:, :)
       !> Whether the points are placed, and moved, as the stations are
       logical :: spread = .false., swept = .false.
-      !> Scratch: (stations, n), (points, n)
-      real(wp), allocatable :: hx(:, :), hy(:, :), ax(:, :), ay(:, :)
+      !> Scratch: (stations, n), (points, n); fields along the axis (points, 6), forces on the points (points, 2), pulls on the
+      !> stations (stations, 2)
+      real(wp), allocatable :: hx(:, :), hy(:, :), ax(:, :), ay(:, :), field(:, :), force(:, :), pull(:, :)
    contains
       procedure :: place, move, place_stations, move_stations, mass_matrix, eta_mass, forces, tangent, kinetic, moment, momenta
       procedure :: add_curvature, drift_of, accelerations, exchange => exchange_centreline
@@ -51,7 +52,8 @@ contains
       associate (n => exact%n, k => exact%stations, m => exact%points)
          allocate (line%g(k, 2), line%gx(k, n), line%gy(k, n), line%p(m, 2), line%dx(m, n), line%dy(m, n))
          allocate (line%turning(k), line%drift(k, 2), line%straining(k, 2), line%bias(k, 2), line%speed(m, 2), line%swerve(m, 2))
-         allocate (line%hx(k, n), line%hy(k, n), line%ax(m, n), line%ay(m, n))
+         allocate (line%hx(k, n), line%hy(k, n), line%ax(m, n), line%ay(m, n), line%field(m, 6), line%force(m, 2), &
+            & line%pull(k, 2))
          allocate (line%angle(k, exact%angles), line%stretch(k, 2, exact%strains))
          line%angle = transpose(exact%psi)
          do i = 1, exact%strains
@@ -93,33 +95,35 @@ contains
       class(centreline_type), intent(inout) :: self
       !> (n)
       real(wp), contiguous, intent(in) :: eta(:)
-      real(wp), dimension(self%stations) :: theta, c, s, along_axis, across
-      integer :: i, k, a
+      integer :: i, k, m, a
       a = self%angles
-      theta = 0.0_wp
-      do i = 1, a
-         theta = theta + self%angle(:, i)*eta(i)
-      end do
-      along_axis = 1.0_wp
-      across = 0.0_wp
-      do i = 1, self%strains
-         along_axis = along_axis + self%stretch(:, 1, i)*eta(a + i)
-         across = across + self%stretch(:, 2, i)*eta(a + i)
-      end do
-      do k = 1, self%stations
-         c(k) = cos(theta(k))
-         s(k) = sin(theta(k))
-      end do
-      self%g(:, 1) = c*along_axis - s*across
-      self%g(:, 2) = s*along_axis + c*across
-      do i = 1, a
-         self%gx(:, i) = -self%g(:, 2)*self%angle(:, i)
-         self%gy(:, i) = self%g(:, 1)*self%angle(:, i)
-      end do
-      do i = 1, self%strains
-         self%gx(:, a + i) = c*self%stretch(:, 1, i) - s*self%stretch(:, 2, i)
-         self%gy(:, a + i) = s*self%stretch(:, 1, i) + c*self%stretch(:, 2, i)
-      end do
+      m = self%stations
+      associate (theta => self%field(:m, 1), c => self%field(:m, 2), s => self%field(:m, 3), sigma => self%field(:m, 4:5))
+         theta = 0.0_wp
+         do i = 1, a
+            theta = theta + self%angle(:, i)*eta(i)
+         end do
+         sigma(:, 1) = 1.0_wp
+         sigma(:, 2) = 0.0_wp
+         do i = 1, self%strains
+            sigma(:, 1) = sigma(:, 1) + self%stretch(:, 1, i)*eta(a + i)
+            sigma(:, 2) = sigma(:, 2) + self%stretch(:, 2, i)*eta(a + i)
+         end do
+         do k = 1, m
+            c(k) = cos(theta(k))
+            s(k) = sin(theta(k))
+         end do
+         self%g(:, 1) = c*sigma(:, 1) - s*sigma(:, 2)
+         self%g(:, 2) = s*sigma(:, 1) + c*sigma(:, 2)
+         do i = 1, a
+            self%gx(:, i) = -self%g(:, 2)*self%angle(:, i)
+            self%gy(:, i) = self%g(:, 1)*self%angle(:, i)
+         end do
+         do i = 1, self%strains
+            self%gx(:, a + i) = c*self%stretch(:, 1, i) - s*self%stretch(:, 2, i)
+            self%gy(:, a + i) = s*self%stretch(:, 1, i) + c*self%stretch(:, 2, i)
+         end do
+      end associate
       self%spread = .false.
       self%swept = .false.
    end subroutine place_stations
@@ -260,23 +264,25 @@ contains
       !> Of (r'', alpha) (3, 3); rows eta'', columns (r'', alpha) (n, 3)
       real(wp), intent(out) :: frame(3, 3)
       real(wp), intent(inout) :: coupling(:, :)
-      real(wp) :: c(2), inertia, whole, x, y, mx(self%points), my(self%points)
+      real(wp) :: c(2), inertia, whole, x, y
       integer :: i, m
       call spread_points(self)
       m = self%points
-      mx = self%mass*self%p(:, 1)
-      my = self%mass*self%p(:, 2)
-      whole = sum(self%mass)
-      inertia = sum(self%inertia) + inner_pair(m, mx, self%p(:, 1), my, self%p(:, 2))
-      do i = 1, self%n
-         x = inner(m, self%mass, self%dx(:, i))
-         y = inner(m, self%mass, self%dy(:, i))
-         coupling(i, 1) = u(1)*x - u(2)*y
-         coupling(i, 2) = u(1)*y + u(2)*x
-         coupling(i, 3) = inner(m, mx, self%dy(:, i)) - inner(m, my, self%dx(:, i))
-      end do
+      associate (mx => self%field(:, 1), my => self%field(:, 2))
+         mx = self%mass*self%p(:, 1)
+         my = self%mass*self%p(:, 2)
+         whole = sum(self%mass)
+         inertia = sum(self%inertia) + inner_pair(m, mx, self%p(:, 1), my, self%p(:, 2))
+         do i = 1, self%n
+            x = inner(m, self%mass, self%dx(:, i))
+            y = inner(m, self%mass, self%dy(:, i))
+            coupling(i, 1) = u(1)*x - u(2)*y
+            coupling(i, 2) = u(1)*y + u(2)*x
+            coupling(i, 3) = inner(m, mx, self%dy(:, i)) - inner(m, my, self%dx(:, i))
+         end do
+         c = along([sum(mx), sum(my)], u)
+      end associate
       if (self%spinning) coupling(:self%angles, 3) = coupling(:self%angles, 3) + self%rotary
-      c = along([sum(mx), sum(my)], u)
       frame(:, 1) = [whole, 0.0_wp, -c(2)]
       frame(:, 2) = [0.0_wp, whole, c(1)]
       frame(:, 3) = [-c(2), c(1), inertia]
@@ -287,16 +293,17 @@ contains
       class(centreline_type), intent(inout) :: self
       !> (n, n)
       real(wp), intent(inout) :: mass(:, :)
-      real(wp) :: x(self%points), y(self%points)
       integer :: i, j
       call spread_points(self)
-      do j = 1, self%n
-         x = self%mass*self%dx(:, j)
-         y = self%mass*self%dy(:, j)
-         do i = j, self%n
-            mass(i, j) = inner_pair(self%points, x, self%dx(:, i), y, self%dy(:, i))
+      associate (x => self%field(:, 1), y => self%field(:, 2))
+         do j = 1, self%n
+            x = self%mass*self%dx(:, j)
+            y = self%mass*self%dy(:, j)
+            do i = j, self%n
+               mass(i, j) = inner_pair(self%points, x, self%dx(:, i), y, self%dy(:, i))
+            end do
          end do
-      end do
+      end associate
       if (self%spinning) mass(:self%angles, :self%angles) = mass(:self%angles, :self%angles) + self%rotary_mass
       do j = 2, self%n
          do i = 1, j - 1
@@ -312,18 +319,20 @@ contains
       real(wp), intent(in) :: gravity(2), u(2), omega
       !> Force and moment on the frame's origin (3), along the fixed axes; on the coordinates (n)
       real(wp), intent(inout) :: on_frame(3), on_eta(:)
-      real(wp) :: weight(2), fx(self%points), fy(self%points)
+      real(wp) :: weight(2)
       integer :: i
       call spread_points(self)
       call sweep_points(self)
       weight = along(gravity, [u(1), -u(2)])
-      fx = self%mass*(omega*(omega*self%p(:, 1) + 2*self%speed(:, 2)) - self%swerve(:, 1) + weight(1))
-      fy = self%mass*(omega*(omega*self%p(:, 2) - 2*self%speed(:, 1)) - self%swerve(:, 2) + weight(2))
-      on_frame(1:2) = on_frame(1:2) + along([sum(fx), sum(fy)], u)
-      on_frame(3) = on_frame(3) + inner(self%points, self%p(:, 1), fy) - inner(self%points, self%p(:, 2), fx)
-      do i = 1, self%n
-         on_eta(i) = on_eta(i) + inner_pair(self%points, self%dx(:, i), fx, self%dy(:, i), fy)
-      end do
+      associate (fx => self%force(:, 1), fy => self%force(:, 2))
+         fx = self%mass*(omega*(omega*self%p(:, 1) + 2*self%speed(:, 2)) - self%swerve(:, 1) + weight(1))
+         fy = self%mass*(omega*(omega*self%p(:, 2) - 2*self%speed(:, 1)) - self%swerve(:, 2) + weight(2))
+         on_frame(1:2) = on_frame(1:2) + along([sum(fx), sum(fy)], u)
+         on_frame(3) = on_frame(3) + inner(self%points, self%p(:, 1), fy) - inner(self%points, self%p(:, 2), fx)
+         do i = 1, self%n
+            on_eta(i) = on_eta(i) + inner_pair(self%points, self%dx(:, i), fx, self%dy(:, i), fy)
+         end do
+      end associate
    end subroutine forces
 
    !> Derivatives of the inertia forces and the weight, M a + velocity terms - weight, with respect to (rotation, eta) and to
@@ -334,30 +343,31 @@ contains
       real(wp), intent(in) :: gravity(2), u(2), omega, acceleration(2), alpha, eta_acceleration(:)
       !> Rows r'' (2), alpha, eta''; columns rotation, eta, and omega, eta': (3 + n, 1 + n). Added to
       real(wp), intent(inout) :: stiffness(:, :), damping(:, :)
-      real(wp) :: heavy(2), pull(self%stations, 2), force(self%points, 2), x, y
+      real(wp) :: heavy(2), x, y
       integer :: i, m
       m = self%points
       heavy = along(acceleration - gravity, [u(1), -u(2)])
       call spread_points(self)
       call sweep_points(self)
-      call self%accelerations(heavy, omega, alpha, eta_acceleration, force)
-      force(:, 1) = self%mass*force(:, 1)
-      force(:, 2) = self%mass*force(:, 2)
+      call self%accelerations(heavy, omega, alpha, eta_acceleration, self%force)
+      self%force(:, 1) = self%mass*self%force(:, 1)
+      self%force(:, 2) = self%mass*self%force(:, 2)
       call change_accelerations(self, omega, alpha, eta_acceleration)
       call integrate(self, self%n, self%hx, self%ax)
       call integrate(self, self%n, self%hy, self%ay)
       call add_columns(self, u, stiffness(:, 2:))
       x = sum(self%mass)*heavy(1)
       y = sum(self%mass)*heavy(2)
-      stiffness(1:2, 1) = stiffness(1:2, 1) + along([y - sum(force(:, 2)), sum(force(:, 1)) - x], u)
+      stiffness(1:2, 1) = stiffness(1:2, 1) + along([y - sum(self%force(:, 2)), sum(self%force(:, 1)) - x], u)
       stiffness(3, 1) = stiffness(3, 1) - inner(m, self%mass, self%p(:, 1))*heavy(1) - inner(m, self%mass, self%p(:, 2))*heavy(2)
       do i = 1, self%n
-         stiffness(3, 1 + i) = stiffness(3, 1 + i) + inner(m, self%dx(:, i), force(:, 2)) - inner(m, self%dy(:, i), force(:, 1))
+         stiffness(3, 1 + i) = stiffness(3, 1 + i) + inner(m, self%dx(:, i), self%force(:, 2)) &
+            & - inner(m, self%dy(:, i), self%force(:, 1))
          stiffness(3 + i, 1) = stiffness(3 + i, 1) + inner(m, self%mass, self%dx(:, i))*heavy(2) &
             & - inner(m, self%mass, self%dy(:, i))*heavy(1)
       end do
-      call gather(self, force, pull)
-      call self%add_curvature(pull, stiffness(4:, 2:))
+      call gather(self, self%force, self%pull)
+      call self%add_curvature(self%pull, stiffness(4:, 2:))
       call rate_columns(self, u, omega, damping)
    end subroutine tangent
 
@@ -365,49 +375,53 @@ contains
    pure subroutine change_accelerations(self, omega, alpha, eta_acceleration)
       class(centreline_type), intent(inout) :: self
       real(wp), intent(in) :: omega, alpha, eta_acceleration(:)
-      real(wp), dimension(self%stations) :: swing, whirl, x, y
-      integer :: i
-      swing = alpha
-      do i = 1, self%angles
-         swing = swing + self%angle(:, i)*eta_acceleration(i)
-      end do
-      x = 0.0_wp
-      y = 0.0_wp
-      do i = self%angles + 1, self%n
-         x = x + self%gx(:, i)*eta_acceleration(i)
-         y = y + self%gy(:, i)*eta_acceleration(i)
-      end do
-      whirl = omega + self%turning
-      do i = self%angles + 1, self%n
-         self%hx(:, i) = -whirl**2*self%gx(:, i) - swing*self%gy(:, i)
-         self%hy(:, i) = -whirl**2*self%gy(:, i) + swing*self%gx(:, i)
-      end do
-      swing = -swing
-      self%ax(:self%stations, 1) = swing*self%g(:, 1) + whirl*(whirl*self%g(:, 2) - 2*self%straining(:, 1)) - y
-      self%ay(:self%stations, 1) = swing*self%g(:, 2) - whirl*(whirl*self%g(:, 1) + 2*self%straining(:, 2)) + x
-      do i = 1, self%angles
-         self%hx(:, i) = self%angle(:, i)*self%ax(:self%stations, 1)
-         self%hy(:, i) = self%angle(:, i)*self%ay(:self%stations, 1)
-      end do
+      integer :: i, m
+      m = self%stations
+      associate (swing => self%field(:m, 1), whirl => self%field(:m, 2), x => self%field(:m, 3), y => self%field(:m, 4), &
+            & bend => self%field(:m, 5))
+         swing = alpha
+         do i = 1, self%angles
+            swing = swing + self%angle(:, i)*eta_acceleration(i)
+         end do
+         x = 0.0_wp
+         y = 0.0_wp
+         do i = self%angles + 1, self%n
+            x = x + self%gx(:, i)*eta_acceleration(i)
+            y = y + self%gy(:, i)*eta_acceleration(i)
+         end do
+         whirl = omega + self%turning
+         do i = self%angles + 1, self%n
+            self%hx(:, i) = -whirl**2*self%gx(:, i) - swing*self%gy(:, i)
+            self%hy(:, i) = -whirl**2*self%gy(:, i) + swing*self%gx(:, i)
+         end do
+         bend = x
+         x = -swing*self%g(:, 1) + whirl*(whirl*self%g(:, 2) - 2*self%straining(:, 1)) - y
+         y = -swing*self%g(:, 2) - whirl*(whirl*self%g(:, 1) + 2*self%straining(:, 2)) + bend
+         do i = 1, self%angles
+            self%hx(:, i) = self%angle(:, i)*x
+            self%hy(:, i) = self%angle(:, i)*y
+         end do
+      end associate
    end subroutine change_accelerations
 
    !> Adds to the rows of frame and coordinates what changed accelerations `ax`, `ay` of the points make.
    pure subroutine add_columns(self, u, block)
-      class(centreline_type), intent(in) :: self
+      class(centreline_type), intent(inout) :: self
       real(wp), intent(in) :: u(2)
       !> (3 + n, n)
       real(wp), intent(inout) :: block(:, :)
-      real(wp) :: x(self%points), y(self%points)
       integer :: i, j
-      do j = 1, self%n
-         x = self%mass*self%ax(:, j)
-         y = self%mass*self%ay(:, j)
-         block(1:2, j) = block(1:2, j) + along([sum(x), sum(y)], u)
-         block(3, j) = block(3, j) + inner(self%points, self%p(:, 1), y) - inner(self%points, self%p(:, 2), x)
-         do i = 1, self%n
-            block(3 + i, j) = block(3 + i, j) + inner_pair(self%points, self%dx(:, i), x, self%dy(:, i), y)
+      associate (x => self%field(:, 5), y => self%field(:, 6))
+         do j = 1, self%n
+            x = self%mass*self%ax(:, j)
+            y = self%mass*self%ay(:, j)
+            block(1:2, j) = block(1:2, j) + along([sum(x), sum(y)], u)
+            block(3, j) = block(3, j) + inner(self%points, self%p(:, 1), y) - inner(self%points, self%p(:, 2), x)
+            do i = 1, self%n
+               block(3 + i, j) = block(3 + i, j) + inner_pair(self%points, self%dx(:, i), x, self%dy(:, i), y)
+            end do
          end do
-      end do
+      end associate
    end subroutine add_columns
 
    !> The columns of omega and eta'.
@@ -415,29 +429,30 @@ contains
       class(centreline_type), intent(inout) :: self
       real(wp), intent(in) :: u(2), omega
       real(wp), intent(inout) :: damping(:, :)
-      real(wp) :: x(self%points), y(self%points)
       integer :: i, k
       k = self%stations
-      x(:k) = -2*(self%drift(:, 2) + omega*self%g(:, 1))
-      y(:k) = 2*(self%drift(:, 1) - omega*self%g(:, 2))
-      do i = 1, self%angles
-         self%hx(:, i) = self%angle(:, i)*x(:k)
-         self%hy(:, i) = self%angle(:, i)*y(:k)
-      end do
-      do i = self%angles + 1, self%n
-         self%hx(:, i) = -2*(omega + self%turning)*self%gy(:, i)
-         self%hy(:, i) = 2*(omega + self%turning)*self%gx(:, i)
-      end do
-      call integrate(self, self%n, self%hx, self%ax)
-      call integrate(self, self%n, self%hy, self%ay)
-      call add_columns(self, u, damping(:, 2:))
-      x = -2*self%mass*(self%speed(:, 2) + omega*self%p(:, 1))
-      y = 2*self%mass*(self%speed(:, 1) - omega*self%p(:, 2))
-      damping(1:2, 1) = damping(1:2, 1) + along([sum(x), sum(y)], u)
-      damping(3, 1) = damping(3, 1) + inner(self%points, self%p(:, 1), y) - inner(self%points, self%p(:, 2), x)
-      do i = 1, self%n
-         damping(3 + i, 1) = damping(3 + i, 1) + inner_pair(self%points, self%dx(:, i), x, self%dy(:, i), y)
-      end do
+      associate (x => self%field(:, 3), y => self%field(:, 4))
+         x(:k) = -2*(self%drift(:, 2) + omega*self%g(:, 1))
+         y(:k) = 2*(self%drift(:, 1) - omega*self%g(:, 2))
+         do i = 1, self%angles
+            self%hx(:, i) = self%angle(:, i)*x(:k)
+            self%hy(:, i) = self%angle(:, i)*y(:k)
+         end do
+         do i = self%angles + 1, self%n
+            self%hx(:, i) = -2*(omega + self%turning)*self%gy(:, i)
+            self%hy(:, i) = 2*(omega + self%turning)*self%gx(:, i)
+         end do
+         call integrate(self, self%n, self%hx, self%ax)
+         call integrate(self, self%n, self%hy, self%ay)
+         call add_columns(self, u, damping(:, 2:))
+         x = -2*self%mass*(self%speed(:, 2) + omega*self%p(:, 1))
+         y = 2*self%mass*(self%speed(:, 1) - omega*self%p(:, 2))
+         damping(1:2, 1) = damping(1:2, 1) + along([sum(x), sum(y)], u)
+         damping(3, 1) = damping(3, 1) + inner(self%points, self%p(:, 1), y) - inner(self%points, self%p(:, 2), x)
+         do i = 1, self%n
+            damping(3 + i, 1) = damping(3 + i, 1) + inner_pair(self%points, self%dx(:, i), x, self%dy(:, i), y)
+         end do
+      end associate
    end subroutine rate_columns
 
    !> Adds the second derivatives by the coordinates of the sum of pull . g over the stations, eq. (X9).
@@ -447,23 +462,27 @@ contains
       real(wp), intent(in) :: pull(:, :)
       !> (n, n)
       real(wp), intent(inout) :: k(:, :)
-      real(wp) :: bend(self%stations), part(self%stations), value
-      integer :: i, j
-      bend = pull(:, 1)*self%g(:, 1) + pull(:, 2)*self%g(:, 2)
-      do j = 1, self%angles
-         part = bend*self%angle(:, j)
-         do i = j, self%angles
-            value = inner(self%stations, part, self%angle(:, i))
-            k(i, j) = k(i, j) - value
-            if (i > j) k(j, i) = k(j, i) - value
+      real(wp) :: bend(panel_stations), part(panel_stations), value
+      integer :: i, j, p, from, to
+      do p = 1, size(self%panel)
+         from = panel_stations*(p - 1) + 1
+         to = panel_stations*p
+         bend = pull(from:to, 1)*self%g(from:to, 1) + pull(from:to, 2)*self%g(from:to, 2)
+         do j = 1, self%angles
+            part = bend*self%angle(from:to, j)
+            do i = j, self%angles
+               value = inner(panel_stations, part, self%angle(from:to, i))
+               k(i, j) = k(i, j) - value
+               if (i > j) k(j, i) = k(j, i) - value
+            end do
          end do
-      end do
-      do j = self%angles + 1, self%n
-         part = self%gx(:, j)*pull(:, 2) - self%gy(:, j)*pull(:, 1)
-         do i = 1, self%angles
-            value = inner(self%stations, part, self%angle(:, i))
-            k(i, j) = k(i, j) + value
-            k(j, i) = k(j, i) + value
+         do j = self%angles + 1, self%n
+            part = self%gx(from:to, j)*pull(from:to, 2) - self%gy(from:to, j)*pull(from:to, 1)
+            do i = 1, self%angles
+               value = inner(panel_stations, part, self%angle(from:to, i))
+               k(i, j) = k(i, j) + value
+               k(j, i) = k(j, i) + value
+            end do
          end do
       end do
    end subroutine add_curvature
@@ -473,46 +492,19 @@ contains
       class(centreline_type), intent(in) :: self
       real(wp), intent(in) :: reach(:)
       integer, intent(in) :: j
-      real(wp) :: rate(2), part(self%stations)
+      real(wp) :: rate(2)
+      integer :: k
+      rate = 0.0_wp
       if (j <= self%angles) then
-         part = reach*self%angle(:, j)
-         rate = [-inner(self%stations, part, self%drift(:, 2)), inner(self%stations, part, self%drift(:, 1))]
+         do k = 1, self%stations
+            rate = rate + reach(k)*self%angle(k, j)*[-self%drift(k, 2), self%drift(k, 1)]
+         end do
       else
-         part = reach*self%turning
-         rate = [-inner(self%stations, part, self%gy(:, j)), inner(self%stations, part, self%gx(:, j))]
+         do k = 1, self%stations
+            rate = rate + reach(k)*self%turning(k)*[-self%gy(k, j), self%gx(k, j)]
+         end do
       end if
    end function drift_of
-
-   !> Place with a reach, and its velocity and acceleration, in the axes of the frame, without a centreline.
-   pure subroutine follow_place(exact, reach, eta, p, drift, push, rate, acceleration)
-      type(exact_type), intent(in) :: exact
-      !> (stations), coordinates (n)
-      real(wp), intent(in) :: reach(:), eta(:)
-      real(wp), intent(out) :: p(2), drift(2), push(2)
-      !> Rates and second derivatives of the coordinates (n); zero if absent
-      real(wp), intent(in), optional :: rate(:), acceleration(:)
-      real(wp) :: axis(2), g(2), speed, swing, strain(2)
-      integer :: k, a
-      a = exact%angles
-      p = 0.0_wp
-      drift = 0.0_wp
-      push = 0.0_wp
-      do k = 1, exact%stations
-         if (.not. abs(reach(k)) > 0.0_wp) cycle
-         speed = dot_product(exact%psi(:, k), eta(:a))
-         axis = [cos(speed), sin(speed)]
-         g = along([1.0_wp, 0.0_wp] + matmul(exact%chi(:, :, k), eta(a + 1:)), axis)
-         p = p + reach(k)*g
-         if (.not. present(rate)) cycle
-         speed = dot_product(exact%psi(:, k), rate(:a))
-         strain = along(matmul(exact%chi(:, :, k), rate(a + 1:)), axis)
-         drift = drift + reach(k)*(speed*turn(g) + strain)
-         if (.not. present(acceleration)) cycle
-         swing = dot_product(exact%psi(:, k), acceleration(:a))
-         push = push + reach(k)*(swing*turn(g) + 2*speed*turn(strain) - speed**2*g &
-            & + along(matmul(exact%chi(:, :, k), acceleration(a + 1:)), axis))
-      end do
-   end subroutine follow_place
 
    !> Accelerations of the points, less that of gravity, in the axes of the frame (points, 2); placed and moved.
    pure subroutine accelerations(self, heavy, omega, alpha, eta_acceleration, push)

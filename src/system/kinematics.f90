@@ -8,7 +8,8 @@ module limber_system_kinematics
    use limber_model_laws, only: driven_motion
    use limber_model_scene, only: model_type, point_type, body_point, driver_type, driver_angle, ground
    use limber_system_algebra, only: turn, along, cross
-   use limber_system_centreline, only: centreline_type, new_centreline, follow_place, inner
+   use limber_system_centreline, only: centreline_type, new_centreline, inner
+   use limber_system_exact_place, only: follow_place
    implicit none
    private
    public :: layout_type, new_layout, marker_type, angle_type, kinematics_type, new_kinematics

@@ -19,8 +19,10 @@ module limber_system_projection
    private
    !> Residual relative to the constraints' scales that a sample may have
    real(wp), parameter, public :: harmless = 1.0e-9_wp
+   !> And the one that is aimed at
+   real(wp), parameter :: least_residual = 1.0e-14_wp
 
-   public :: project_position, project_velocity, settle, settle_position, settle_stretched, list_unplaced, place_known
+   public :: project_position, project_velocity, settle, settle_position, settle_place, settle_stretched, list_unplaced, place_known
 
 contains
 
@@ -280,16 +282,38 @@ contains
       !> Residual before, zero if nothing had to be moved but what hangs or is driven; and residual reached
       real(wp), intent(out) :: before, residual
       type(error_type), allocatable, intent(out) :: error
-      real(wp), parameter :: aim = 1.0e-14_wp
       call normalise_frames(system, q)
       if (system%condensed) call place_axial(system, work, q)
       call place_tree(system, work, t, q)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
-      call project_placed(system, work, t, q, change, aim, before, residual)
-      if (before <= aim) before = 0.0_wp
+      call project_placed(system, work, t, q, change, least_residual, before, residual)
+      if (before <= least_residual) before = 0.0_wp
       if (residual > harmless) call settle_plainly(system, work, t, q, residual, error)
    end subroutine settle_position
+
+   !> The same for coordinates alone, of which nothing else follows: without factors if they are near enough. Leaves the kinematics
+   !> placed.
+   subroutine settle_place(system, work, t, q, change, allowed, residual, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(inout) :: q(:)
+      !> Scratch (nq)
+      real(wp), contiguous, intent(inout) :: change(:)
+      !> Residual that may stay, once all that hangs or is driven is in its place, and residual reached
+      real(wp), intent(in) :: allowed
+      real(wp), intent(out) :: residual
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: before
+      call normalise_frames(system, q)
+      if (system%condensed) call place_axial(system, work, q)
+      call place_tree(system, work, t, q)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      residual = position_residual(system, work)
+      if (residual > max(allowed, least_residual)) call settle_position(system, work, t, q, change, before, residual, error)
+   end subroutine settle_place
 
    !> The same in the norm of the assembly: in the mass norm a light body between heavy ones goes far for little.
    subroutine settle_plainly(system, work, t, q, residual, error)

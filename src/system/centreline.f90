@@ -29,8 +29,8 @@ module limber_system_centreline
       !> Rates of the angle (stations), of g, of the strain in fixed section axes R sigma' (stations, 2); what velocities alone
       !> make of the acceleration of g (stations, 2)
       real(wp), allocatable :: turning(:), drift(:, :), straining(:, :), bias(:, :)
-      !> Velocities of the points, and what velocities alone make of their accelerations (points, 2)
-      real(wp), allocatable :: speed(:, :), swerve(:, :)
+      !> Velocities of the points (points, 2)
+      real(wp), allocatable :: speed(:, :)
       !> Whether the points are placed, and moved, as the stations are
       logical :: spread = .false., swept = .false.
       !> Scratch: (stations, n), (points, n); fields along the axis (points, 6), forces on the points (points, 2), pulls on the
@@ -51,7 +51,7 @@ contains
       line%exact_type = exact
       associate (n => exact%n, k => exact%stations, m => exact%points)
          allocate (line%g(k, 2), line%gx(k, n), line%gy(k, n), line%p(m, 2), line%dx(m, n), line%dy(m, n))
-         allocate (line%turning(k), line%drift(k, 2), line%straining(k, 2), line%bias(k, 2), line%speed(m, 2), line%swerve(m, 2))
+         allocate (line%turning(k), line%drift(k, 2), line%straining(k, 2), line%bias(k, 2), line%speed(m, 2))
          allocate (line%hx(k, n), line%hy(k, n), line%ax(m, n), line%ay(m, n), line%field(m, 6), line%force(m, 2), &
             & line%pull(k, 2))
          allocate (line%angle(k, exact%angles), line%stretch(k, 2, exact%strains))
@@ -64,7 +64,6 @@ contains
          line%straining = 0.0_wp
          line%bias = 0.0_wp
          line%speed = 0.0_wp
-         line%swerve = 0.0_wp
       end associate
       do i = 1, panel_stations
          line%within(:, i) = inside(gauss_place(i))
@@ -165,7 +164,6 @@ contains
       class(centreline_type), intent(inout) :: self
       if (self%swept) return
       call integrate(self, 2, self%drift, self%speed)
-      call integrate(self, 2, self%bias, self%swerve)
       self%swept = .true.
    end subroutine sweep_points
 
@@ -176,7 +174,7 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: field(self%stations, n)
       real(wp), intent(inout) :: integral(self%points, n)
-      real(wp) :: part(panel_stations), before, half
+      real(wp) :: before, half
       integer :: p, i, j, first
       do i = 1, n
          before = 0.0_wp
@@ -184,11 +182,7 @@ contains
          do p = 1, size(self%panel)
             first = panel_stations*(p - 1)
             half = 0.5_wp*self%panel(p)
-            part = 0.0_wp
-            do j = 1, panel_stations
-               part = part + self%along_panel(:, j)*field(first + j, i)
-            end do
-            integral(first + 1:first + panel_stations, i) = before + half*part
+            call integrate_panel(self%along_panel, field(first + 1:, i), before, half, integral(first + 1:, i))
             if (p < size(self%panel)) before = before + half*inner(panel_stations, gauss_weight, field(first + 1:, i))
          end do
          do j = 1, self%points - self%stations
@@ -196,6 +190,19 @@ contains
          end do
       end do
    end subroutine integrate
+
+   !> Integrals within a panel.
+   pure subroutine integrate_panel(share, field, before, half, integral)
+      !> Integrals of Lagrange's polynomials: of polynomial j to station i (i, j)
+      real(wp), intent(in) :: share(panel_stations, panel_stations), field(panel_stations)
+      !> Integral up to the panel, and half the length of the panel
+      real(wp), intent(in) :: before, half
+      real(wp), intent(inout) :: integral(panel_stations)
+      associate (w => share, f => field)
+         integral = before + half*(((w(:, 1)*f(1) + w(:, 2)*f(2)) + (w(:, 3)*f(3) + w(:, 4)*f(4))) &
+            & + ((w(:, 5)*f(5) + w(:, 6)*f(6)) + (w(:, 7)*f(7) + w(:, 8)*f(8))))
+      end associate
+   end subroutine integrate_panel
 
    !> Sum of products, in four parts that are independent of one another.
    pure real(wp) function inner(n, a, b)
@@ -322,11 +329,13 @@ contains
       real(wp) :: weight(2)
       integer :: i
       call spread_points(self)
-      call sweep_points(self)
       weight = along(gravity, [u(1), -u(2)])
+      self%pull(:, 1) = omega*(omega*self%g(:, 1) + 2*self%drift(:, 2)) - self%bias(:, 1)
+      self%pull(:, 2) = omega*(omega*self%g(:, 2) - 2*self%drift(:, 1)) - self%bias(:, 2)
+      call integrate(self, 2, self%pull, self%force)
       associate (fx => self%force(:, 1), fy => self%force(:, 2))
-         fx = self%mass*(omega*(omega*self%p(:, 1) + 2*self%speed(:, 2)) - self%swerve(:, 1) + weight(1))
-         fy = self%mass*(omega*(omega*self%p(:, 2) - 2*self%speed(:, 1)) - self%swerve(:, 2) + weight(2))
+         fx = self%mass*(fx + weight(1))
+         fy = self%mass*(fy + weight(2))
          on_frame(1:2) = on_frame(1:2) + along([sum(fx), sum(fy)], u)
          on_frame(3) = on_frame(3) + inner(self%points, self%p(:, 1), fy) - inner(self%points, self%p(:, 2), fx)
          do i = 1, self%n
@@ -348,7 +357,6 @@ contains
       m = self%points
       heavy = along(acceleration - gravity, [u(1), -u(2)])
       call spread_points(self)
-      call sweep_points(self)
       call self%accelerations(heavy, omega, alpha, eta_acceleration, self%force)
       self%force(:, 1) = self%mass*self%force(:, 1)
       self%force(:, 2) = self%mass*self%force(:, 2)
@@ -429,14 +437,13 @@ contains
       class(centreline_type), intent(inout) :: self
       real(wp), intent(in) :: u(2), omega
       real(wp), intent(inout) :: damping(:, :)
-      integer :: i, k
-      k = self%stations
-      associate (x => self%field(:, 3), y => self%field(:, 4))
-         x(:k) = -2*(self%drift(:, 2) + omega*self%g(:, 1))
-         y(:k) = 2*(self%drift(:, 1) - omega*self%g(:, 2))
+      integer :: i
+      associate (x => self%force(:, 1), y => self%force(:, 2))
+         self%pull(:, 1) = -2*(self%drift(:, 2) + omega*self%g(:, 1))
+         self%pull(:, 2) = 2*(self%drift(:, 1) - omega*self%g(:, 2))
          do i = 1, self%angles
-            self%hx(:, i) = self%angle(:, i)*x(:k)
-            self%hy(:, i) = self%angle(:, i)*y(:k)
+            self%hx(:, i) = self%angle(:, i)*self%pull(:, 1)
+            self%hy(:, i) = self%angle(:, i)*self%pull(:, 2)
          end do
          do i = self%angles + 1, self%n
             self%hx(:, i) = -2*(omega + self%turning)*self%gy(:, i)
@@ -445,8 +452,9 @@ contains
          call integrate(self, self%n, self%hx, self%ax)
          call integrate(self, self%n, self%hy, self%ay)
          call add_columns(self, u, damping(:, 2:))
-         x = -2*self%mass*(self%speed(:, 2) + omega*self%p(:, 1))
-         y = 2*self%mass*(self%speed(:, 1) - omega*self%p(:, 2))
+         call integrate(self, 2, self%pull, self%force)
+         x = self%mass*x
+         y = self%mass*y
          damping(1:2, 1) = damping(1:2, 1) + along([sum(x), sum(y)], u)
          damping(3, 1) = damping(3, 1) + inner(self%points, self%p(:, 1), y) - inner(self%points, self%p(:, 2), x)
          do i = 1, self%n
@@ -506,7 +514,7 @@ contains
       end if
    end function drift_of
 
-   !> Accelerations of the points, less that of gravity, in the axes of the frame (points, 2); placed and moved.
+   !> Accelerations of the points, less that of gravity, in the axes of the frame (points, 2); stations are placed and moved.
    pure subroutine accelerations(self, heavy, omega, alpha, eta_acceleration, push)
       class(centreline_type), intent(in) :: self
       !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2), angular velocity and acceleration,
@@ -515,14 +523,15 @@ contains
       real(wp), intent(inout) :: push(:, :)
       real(wp) :: field(self%stations, 2)
       integer :: i
-      field = self%bias
+      field(:, 1) = self%bias(:, 1) - alpha*self%g(:, 2) - omega*(omega*self%g(:, 1) + 2*self%drift(:, 2))
+      field(:, 2) = self%bias(:, 2) + alpha*self%g(:, 1) - omega*(omega*self%g(:, 2) - 2*self%drift(:, 1))
       do i = 1, self%n
          field(:, 1) = field(:, 1) + self%gx(:, i)*eta_acceleration(i)
          field(:, 2) = field(:, 2) + self%gy(:, i)*eta_acceleration(i)
       end do
       call integrate(self, 2, field, push)
-      push(:, 1) = push(:, 1) + heavy(1) - alpha*self%p(:, 2) - omega*(omega*self%p(:, 1) + 2*self%speed(:, 2))
-      push(:, 2) = push(:, 2) + heavy(2) + alpha*self%p(:, 1) - omega*(omega*self%p(:, 2) - 2*self%speed(:, 1))
+      push(:, 1) = push(:, 1) + heavy(1)
+      push(:, 2) = push(:, 2) + heavy(2)
    end subroutine accelerations
 
    !> First moment of mass in the axes of the frame (2).
@@ -584,7 +593,6 @@ contains
       call snapshot%keep('straining', self%straining)
       call snapshot%keep('bias', self%bias)
       call snapshot%keep('speed', self%speed)
-      call snapshot%keep('swerve', self%swerve)
       self%spread = .false.
       self%swept = .false.
    end subroutine exchange_centreline

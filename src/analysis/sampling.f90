@@ -195,7 +195,8 @@ contains
                if (item%bodies(side) == ground) cycle
                first = system%layout%q(item%bodies(side))
                associate (z => work%jacobians(side, i)%z)
-                  outcome%slip_speed(i) = max(outcome%slip_speed(i), abs(z(1, 1)*v(first) + z(1, 2)*v(first + 1)))
+                  ! Across a rod as along it
+                  outcome%slip_speed(i) = max(outcome%slip_speed(i), norm2(z(1, 1:2))*norm2(v(first:first + 1)))
                   if (system%layout%framed(item%bodies(side))) outcome%slip_speed(i) = max(outcome%slip_speed(i), &
                      & abs(z(1, 3)*cross(work%kinematics%frames(item%bodies(side))%u, v(first + 2:first + 3))))
                end associate

@@ -23,7 +23,6 @@ module limber_output_hdf5
    use limber_base_files, only: is_locked, remove_file, kind_of_path, path_free, path_folder, path_other
    use limber_base_kinds, only: wp, long
    use limber_output_hdf5_error, only: hdf5_error, no_id, open_library, reason_in_use, stack_reason
-   use limber_output_hdf5_heaps, only: check_heaps
    use limber_output_hdf5_inside, only: check_inside
    implicit none
    private
@@ -140,8 +139,7 @@ contains
          call raise(error, 'cannot open '//path//': '//stack_reason(), status_deck)
          return
       end if
-      call check_heaps(path, error)
-      if (.not. allocated(error)) call check_inside(path, file, error)
+      call check_inside(path, file, error)
       if (.not. allocated(error)) return
       call h5fclose_f(file, status)
       file = no_id

@@ -35,7 +35,6 @@ program test_damage
    logical :: is_read
    call make_folder('damage', folder)
    call test_flips()
-   call test_texts()
    call test_elsewhere()
    call test_motion()
    call execute_command_line('rm -rf '//folder)
@@ -79,52 +78,6 @@ contains
       print '(a)', as_text(size(bytes))//' bytes: '//as_text(refused)//' changes refused, '//as_text(same)//' without an effect'
       call check(refused > 100, 'changes are refused')
    end subroutine test_flips
-
-   !> Texts of variable length: whatever the lengths of their heap say, they are read or refused, and the search for them ends.
-   subroutine test_texts()
-      type(error_type), allocatable :: error
-      integer(hid_t) :: file
-      character(1), allocatable :: bytes(:)
-      character(:), allocatable :: path, text, all_bytes
-      character(1) :: kept
-      integer :: i, k, heap, refused
-      path = folder//'/texts.h5'
-      call create_file(path, .true., file, error)
-      call check_no_error(error, 'a file for texts')
-      do i = 1, 8
-         call write_attribute(file, '/', 'text '//as_text(i), repeat('word ', 3*i), error)
-      end do
-      call close_file(path, file, error)
-      call get_bytes(path, bytes)
-      allocate (character(size(bytes)) :: all_bytes)
-      do i = 1, size(bytes)
-         all_bytes(i:i) = bytes(i)
-      end do
-      heap = index(all_bytes, 'GCOL')
-      call check(heap > 0, 'there is a heap')
-      refused = 0
-      do i = heap, heap + 600
-         do k = 1, 3
-            kept = bytes(i)
-            bytes(i) = achar(merge(0, ieor(iachar(kept), merge(255, 16, k == 2)), k == 1))
-            call put_bytes(path, bytes)
-            call open_file(path, file, error)
-            if (.not. allocated(error)) call read_attribute(file, '/', 'text 8', text, error)
-            if (allocated(error)) refused = refused + 1
-            bytes(i) = kept
-            if (allocated(error)) deallocate (error)
-            call close_file(path, file, error)
-         end do
-      end do
-      print '(a)', as_text(refused)//' of '//as_text(3*601)//' changes of a heap refused'
-      call check(refused > 100, 'heaps are refused')
-      call put_bytes(path, bytes)
-      call open_file(path, file, error)
-      call check_no_error(error, 'the heap as it was')
-      call read_attribute(file, '/', 'text 8', text, error)
-      call check(trim(text) == trim(repeat('word ', 24)), 'its text')
-      call close_file(path, file, error)
-   end subroutine test_texts
 
    !> Whether what is read is what was written; whether anything is.
    logical function is_same(path)

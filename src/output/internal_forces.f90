@@ -11,6 +11,7 @@ module limber_output_internal_forces
    use limber_system_constraint, only: constraint_type
    use limber_system_exact_path, only: exact_path_type, foot_of
    use limber_system_kinematics, only: point_position
+   use limber_system_kernel, only: linear_type, most_vectors, vector_pulls
    use limber_system_paths, only: sliding_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -194,6 +195,13 @@ contains
             do side = 1, 2
                if (item%bodies(side) /= body) cycle
                if (side == 2 .and. slides(item)) cycle
+               if (item%points(side) == 0) then
+                  select type (item)
+                  type is (linear_type)
+                     call add_vectors(effort, system, work, body, item, q)
+                     cycle
+                  end select
+               end if
                force = 0.0_wp
                do row = 1, item%rows
                   force = force - work%lambda(item%first + row - 1)*work%jacobians(side, i)%z(row, :)
@@ -215,6 +223,32 @@ contains
          end associate
       end do
    end subroutine add_reactions
+
+   !> Forces of a coupler, which may have several points and sections of a body.
+   subroutine add_vectors(effort, system, work, body, item, q)
+      type(effort_type), intent(inout) :: effort
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      integer, intent(in) :: body
+      type(linear_type), intent(in) :: item
+      real(wp), intent(in) :: q(:)
+      real(wp) :: pull(2, most_vectors), force(3)
+      integer :: j, k, point
+      call vector_pulls(item, work%kinematics, work%lambda(item%first:item%first + item%rows - 1), pull)
+      do j = 1, item%vectors
+         associate (marker => work%kinematics%markers(item%markers(j)))
+            if (marker%body /= body) cycle
+            force(3) = cross(marker%position - merge(0.0_wp, q(system%layout%q(body):system%layout%q(body) + 1), &
+               & marker%direction), pull(:, j))
+            force(1:2) = merge(0.0_wp, pull(:, j), marker%direction)
+            point = 0
+            do k = 1, size(effort%place)
+               if (effort%place(k) > 0 .and. system%model%points(k)%name == system%model%points(marker%point)%name) point = k
+            end do
+         end associate
+         call add_force(effort, system, body, point, force, q)
+      end do
+   end subroutine add_vectors
 
    !> Whether the point of a joint slides along the second body, which its second point only names.
    pure logical function slides(item)

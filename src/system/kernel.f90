@@ -11,7 +11,7 @@ module limber_system_kernel
    use limber_system_measures, only: measure_type, measure_angle, measure_value, measure_gradient, measure_hessian
    implicit none
    private
-   public :: kernel_type, linear_type, variables_type
+   public :: kernel_type, linear_type, variables_type, vector_pulls
 
    !> Most vectors, measures, deflections and equations of a constraint
    integer, parameter, public :: most_vectors = 12, most_measures = 6
@@ -366,6 +366,25 @@ contains
          end do
       end do
    end subroutine gather_weights
+
+   !> What a constraint with given multipliers pulls its vectors by: forces on points, and on the ends of directions.
+   pure subroutine vector_pulls(self, kinematics, lambda, pull)
+      class(kernel_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      !> (rows)
+      real(wp), intent(in) :: lambda(:)
+      !> (2, vectors)
+      real(wp), intent(out) :: pull(2, most_vectors)
+      type(variables_type) :: at
+      real(wp) :: y(2, most_vectors), rate(2, most_vectors), g(2, 3, most_measures), weight(2, most_vectors)
+      integer :: row
+      call find_slopes(self, kinematics, 1, y, rate, g, at)
+      pull = 0.0_wp
+      do row = 1, self%rows
+         call gather_weights(self, at%gradient(row, :self%count), g, weight)
+         pull(:, :self%vectors) = pull(:, :self%vectors) - lambda(row)*weight(:, :self%vectors)
+      end do
+   end subroutine vector_pulls
 
    !> What an equation's derivatives by vectors and deflections change by when these move: d2 f/dY2 applied to a motion.
    pure subroutine turn_weights(self, row, y, move, change, g, at, push, bend)

@@ -28,6 +28,7 @@ program test_exact
    call check_forces()
    call check_fall()
    call check_sliding()
+   call check_coupler()
    call finish()
 
 contains
@@ -265,5 +266,23 @@ contains
       call check_close(last(reader, 'y') + 0.3640921_wp, 0.0_wp, 1.0e-4_wp, 'y of the end')
       call reader%close()
    end subroutine check_sliding
+
+   !> A coupler of two wheels on a cantilever, (first) + 2 (second) = const, a torque of 0.2 on the second: its couples on the sections
+   !> are 0.1 at the end and 0.2 in the middle.
+   subroutine check_coupler()
+      type(history_reader_type) :: reader
+      call run_bar('FUNCTIONS=4, STRAIN FUNCTIONS=0', wall//'*RIGID BODY, NAME=first, MASS=1, INERTIA=1, X=1'//nl// &
+         & '*RIGID BODY, NAME=second, MASS=1, INERTIA=1, X=0.5'//nl//'*JOINT, NAME=one, TYPE=REVOLUTE'//nl// &
+         & ' first.origin, bar.end'//nl//'*JOINT, NAME=two, TYPE=REVOLUTE'//nl//' second.origin, bar.middle'//nl// &
+         & '*COUPLER, NAME=mesh'//nl//' 1, joint_angle, one'//nl//' 2, joint_angle, two'//nl//'*TORQUE, NAME=motor, BODY=second'// &
+         & nl//' 0.2*t'//nl//'*SPRING, NAME=grip, TYPE=ROTATIONAL, STIFFNESS=1'//nl//' first.origin, ground.origin'//nl// &
+         & '*STATICS, INCREMENTS=2'//nl//'*OUTPUT'//nl//' foot = bending_moment(bar.start), '// &
+         & 'tip = bending_moment(bar.end)'//nl, reader)
+      call check_close(last(reader, 'foot'), 0.3_wp, 1.0e-8_wp, 'couples of a coupler on two sections')
+      call check_close(last(reader, 'tip'), 0.1_wp, 1.0e-8_wp, 'couple of a coupler at the end')
+      ! EI theta' = 0.3 up to the middle, 0.1 behind it
+      call check_close(last(reader, 'turn'), 0.2_wp, 1.0e-8_wp, 'rotation of the end')
+      call reader%close()
+   end subroutine check_coupler
 
 end program test_exact

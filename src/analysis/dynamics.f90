@@ -455,7 +455,7 @@ contains
       integer, parameter :: steps = 32, parts = 50, evaluations = 24
       type(error_type), allocatable :: error
       integer :: before(2)
-      if (size(outcome%indicators%bodies) == 0) return
+      if (size(outcome%indicators%bodies) + size(outcome%indicators%functions%beams) == 0) return
       if (integrator%statistics%steps < sample%next_step .and. integrator%t < sample%next_look) return
       if (scene%work%evaluations < sample%next_evaluation) return
       sample%next_evaluation = scene%work%evaluations + evaluations

@@ -3,6 +3,7 @@
 module limber_analysis_indicator_start
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
+   use limber_analysis_function_watch, only: start_functions
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, set_type
    use limber_analysis_phase, only: start_phase
    use limber_analysis_surveys, only: start_surveys, is_base
@@ -35,6 +36,7 @@ contains
       type(contact_type), allocatable :: contacts(:)
       integer :: first(size(system%model%bodies) + 1)
       integer :: i, k, count, most
+      call start_functions(self%functions, system)
       allocate (self%of(size(system%model%bodies)), self%place(size(system%model%points)))
       allocate (self%fixed(2, size(system%constraints)), self%turned(size(system%model%bodies)))
       self%turned = .false.

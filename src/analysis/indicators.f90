@@ -11,6 +11,7 @@
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
+   use limber_analysis_function_watch, only: function_watch_type, join_functions
    use limber_analysis_phase, only: phase_type, join_phases, phase_error
    use limber_analysis_surveys, only: surveys_type
    use limber_flex_quasistatic, only: quasistatic_type
@@ -151,6 +152,8 @@ module limber_analysis_indicators
       real(wp), allocatable :: scratch(:)
       !> Axial forces in frames, and what these cannot carry
       type(surveys_type) :: surveys
+      !> What the functions of exact beams leave out
+      type(function_watch_type) :: functions
    contains
       procedure :: exchange => exchange_indicators
    end type indicators_type
@@ -196,6 +199,7 @@ contains
          call join_phases(part%bodies(i)%phase, whole%bodies(i)%phase)
          whole%bodies(i)%moving = max(whole%bodies(i)%moving, part%bodies(i)%moving)
       end do
+      call join_functions(part%functions, whole%functions)
    end subroutine join_indicators
 
    !> Value of an indicator so far; zero where a body has none of its kind.
@@ -329,6 +333,7 @@ contains
          call snapshot%keep('moving', self%bodies(i)%moving)
          call self%bodies(i)%phase%exchange(snapshot)
       end do
+      call self%functions%exchange(snapshot)
       call snapshot%exchange('observations', self%observations)
       call snapshot%exchange('swings', self%swings)
    end subroutine exchange_indicators

@@ -10,6 +10,7 @@ module limber_analysis_observation
       & sum_locked, sum_bent, sum_braked, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
+   use limber_analysis_function_watch, only: observe_functions
    use limber_analysis_phase, only: observe_phase, observe_swings
    use limber_analysis_frame_watch, only: observe_frames
    use limber_model_scene, only: body_type, ground
@@ -33,6 +34,7 @@ contains
       !> Time; coordinates, velocities, accelerations (nq)
       real(wp), intent(in) :: t, q(:), v(:), a(:)
       integer :: i, first, last
+      call observe_functions(self%functions, system, work, t, q, v, a)
       if (size(self%bodies) == 0) return
       self%observations = self%observations + 1
       do i = 1, size(self%bodies)

@@ -5,14 +5,14 @@ module limber_model_stresses
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_flex_frame, only: frame_type, beam_frame
-   use limber_flex_recovery, only: section_type, load_place_type, new_recovery, exact_recovery, all_sections
+   use limber_flex_recovery, only: section_type, load_place_type, recovery_type, new_recovery, exact_recovery, all_sections
    use limber_model_quantities, only: is_internal_force
    use limber_model_scene, only: model_type
    use limber_model_spreads, only: spread_parts
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: add_recoveries
+   public :: add_recoveries, recover_stations
 
 contains
 
@@ -51,18 +51,14 @@ contains
       type(frame_type) :: frame
       type(error_type), allocatable :: error
       real(wp), allocatable :: shape(:, :, :)
-      integer :: i, place
-      allocate (places(own_points(model, index)))
-      place = 0
+      integer :: i
       do i = 1, size(model%points)
          associate (point => model%points(i))
             if (point%body /= index .or. point%member == 0) cycle
-            place = place + 1
-            places(place)%member = point%member
-            places(place)%x = point%along
             if (point%section > 0) sections(point%section) = section_type(point%member, point%along, .not. point%along > 0.0_wp)
          end associate
       end do
+      allocate (places(own_points(model, index)))
       call spread_places(model, index, sections, places)
       associate (body => model%bodies(index))
          if (body%is_frame) then
@@ -81,7 +77,21 @@ contains
       end associate
    end subroutine add_recovery
 
-   !> The places of a body that stand for loads along a member.
+   !> Sections at all stations of an exact beam.
+   subroutine recover_stations(model, index, recovery)
+      type(model_type), intent(in) :: model
+      !> Index of the body
+      integer, intent(in) :: index
+      type(recovery_type), intent(out) :: recovery
+      type(section_type) :: sections(model%bodies(index)%reduced%exact%stations)
+      type(load_place_type), allocatable :: places(:)
+      sections%x = model%bodies(index)%reduced%exact%s
+      allocate (places(own_points(model, index)))
+      call spread_places(model, index, sections, places)
+      call exact_recovery(sections, places, recovery)
+   end subroutine recover_stations
+
+   !> The places of a body where points are, and those that stand for loads along a member.
    subroutine spread_places(model, index, sections, places)
       type(model_type), intent(in) :: model
       integer, intent(in) :: index
@@ -92,6 +102,8 @@ contains
       do i = 1, size(model%points)
          if (model%points(i)%body /= index .or. model%points(i)%member == 0) cycle
          place = place + 1
+         places(place)%member = model%points(i)%member
+         places(place)%x = model%points(i)%along
          do k = 1, size(model%spreads)
             if (model%spreads(k)%point == i) call spread_parts(model%spreads(k), model%bodies(index), &
                & pack(sections%x, sections%member == places(place)%member), places(place)%at, places(place)%part)

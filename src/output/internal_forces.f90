@@ -4,7 +4,7 @@
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
    use limber_output_exact_forces, only: inertia_behind, add_behind, turn_into_sections
-   use limber_flex_recovery, only: amplitudes, internal_forces
+   use limber_flex_recovery, only: recovery_type, amplitudes, internal_forces
    use limber_model_scene, only: ground
    use limber_system_algebra, only: cross
    use limber_system_centreline, only: centreline_type
@@ -16,7 +16,7 @@ module limber_output_internal_forces
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: effort_type, new_efforts, gather_efforts, join_envelopes, section_forces, stresses
+   public :: effort_type, new_efforts, start_effort, gather_efforts, gather_exact, join_envelopes, section_forces, stresses
 
    !> What acts on one body that has sections; none otherwise
    type :: effort_type
@@ -41,19 +41,11 @@ contains
    function new_efforts(system) result(efforts)
       type(system_type), intent(in) :: system
       type(effort_type), allocatable :: efforts(:)
-      integer :: i, p, count, most
+      integer :: i
       allocate (efforts(size(system%model%bodies)))
-      most = 0
-      do i = 1, size(system%loads)
-         most = max(most, sum(system%loads(i)%item%rates))
-      end do
       do i = 1, size(efforts)
          if (.not. allocated(system%model%bodies(i)%recovery%load)) cycle
-         allocate (efforts(i)%amplitude(size(system%model%bodies(i)%recovery%load, 2)), efforts(i)%place(size(system%model%points)))
-         efforts(i)%amplitude = 0.0_wp
-         if (system%model%bodies(i)%reduced%is_exact) allocate (efforts(i)%exact(3, size(system%model%bodies(i)%recovery%sections)))
-         allocate (efforts(i)%scratch(most))
-         efforts(i)%place = 0
+         call start_effort(efforts(i), system, i, system%model%bodies(i)%recovery)
          associate (body => system%model%bodies(i))
             if (body%envelope) then
                allocate (efforts(i)%extremes(5, 2, size(body%recovery%load, 3) - body%point_sections))
@@ -61,16 +53,35 @@ contains
                efforts(i)%extremes(:, 2, :) = -huge(1.0_wp)
             end if
          end associate
-         count = 0
-         do p = 1, size(system%model%points)
-            if (system%model%points(p)%body /= i .or. system%model%points(p)%member == 0) cycle
-            ! Behind the points of the model stand directions that the system made of them
-            if (count == system%model%bodies(i)%recovery%places) exit
-            count = count + 1
-            efforts(i)%place(p) = count
-         end do
       end do
    end function new_efforts
+
+   !> What acts on one body: nothing yet.
+   subroutine start_effort(effort, system, body, recovery)
+      type(effort_type), intent(out) :: effort
+      type(system_type), intent(in) :: system
+      !> Index of the body
+      integer, intent(in) :: body
+      !> Its sections
+      type(recovery_type), intent(in) :: recovery
+      integer :: i, most, count
+      most = 0
+      do i = 1, size(system%loads)
+         most = max(most, sum(system%loads(i)%item%rates))
+      end do
+      allocate (effort%amplitude(size(recovery%load, 2)), effort%place(size(system%model%points)), effort%scratch(most))
+      effort%amplitude = 0.0_wp
+      if (system%model%bodies(body)%reduced%is_exact) allocate (effort%exact(3, size(recovery%sections)))
+      effort%place = 0
+      count = 0
+      do i = 1, size(system%model%points)
+         if (system%model%points(i)%body /= body .or. system%model%points(i)%member == 0) cycle
+         ! Behind the points of the model stand directions that the system made of them
+         if (count == recovery%places) exit
+         count = count + 1
+         effort%place(i) = count
+      end do
+   end subroutine start_effort
 
    !> Amplitudes of all bodies that have sections; multipliers, Jacobians and kinematics are those of the state.
    subroutine gather_efforts(efforts, system, work, q, v, a)
@@ -87,13 +98,14 @@ contains
          first = system%layout%q(i)
          last = first + 3 + n
          u = q(first + 2:first + 3)
+         if (allocated(efforts(i)%exact)) then
+            call gather_exact(efforts(i), system, work, i, system%model%bodies(i)%recovery, q, v, a)
+            if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first + 4:last))
+            cycle
+         end if
          heavy = a(first:first + 1) - system%model%gravity
          heavy = [dot_product(u, heavy), cross(u, heavy)]
          efforts(i)%amplitude = 0.0_wp
-         if (allocated(efforts(i)%exact)) then
-            call gather_exact(efforts(i), system, work, i, heavy, q, v, a)
-            cycle
-         end if
          call amplitudes(heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), q(first + 4:last), &
             & v(first + 4:last), a(first + 4:last), efforts(i)%amplitude)
          call add_reactions(efforts(i), system, work, i, q)
@@ -101,21 +113,26 @@ contains
       end do
    end subroutine gather_efforts
 
-   !> Internal forces at all sections of an exact beam.
-   subroutine gather_exact(effort, system, work, body, heavy, q, v, a)
+   !> Internal forces at all sections of an exact beam; multipliers, Jacobians and kinematics are those of the state.
+   subroutine gather_exact(effort, system, work, body, recovery, q, v, a)
       type(effort_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
-      !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2)
-      real(wp), intent(in) :: heavy(2), q(:), v(:), a(:)
+      !> Its sections
+      type(recovery_type), intent(in) :: recovery
+      !> Coordinates, velocities, accelerations (nq)
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      real(wp) :: heavy(2)
       integer :: first, last, k, part
       first = system%layout%q(body)
       last = first + 3 + system%layout%n(body)
+      effort%amplitude = 0.0_wp
       effort%on_frame = 0.0_wp
       call add_reactions(effort, system, work, body, q)
-      associate (line => work%kinematics%lines(findloc(work%kinematics%beams, body, dim=1)), u => q(first + 2:first + 3), &
-            & recovery => system%model%bodies(body)%recovery)
+      heavy = a(first:first + 1) - system%model%gravity
+      heavy = [dot_product(q(first + 2:first + 3), heavy), cross(q(first + 2:first + 3), heavy)]
+      associate (line => work%kinematics%lines(findloc(work%kinematics%beams, body, dim=1)), u => q(first + 2:first + 3))
          call inertia_behind(line, recovery, heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), &
             & a(first + 4:last), effort%exact)
          do k = 1, recovery%places
@@ -125,10 +142,9 @@ contains
             end do
          end do
          call add_behind(line, recovery, system%model%bodies(body)%choice%origin, effort%on_frame, effort%exact)
-         call add_sliding(effort, system, work, body, line, q)
+         call add_sliding(effort, system, work, body, line, recovery, q)
          call turn_into_sections(line, recovery, q(first + 4:last), effort%exact)
       end associate
-      if (allocated(effort%extremes)) call stretch_envelope(effort, system, body, q(first + 4:last))
    end subroutine gather_exact
 
    !> Takes a sample into the envelope.
@@ -263,12 +279,13 @@ contains
    end function slides
 
    !> Adds the forces of points that slide along an exact beam, where they are.
-   subroutine add_sliding(effort, system, work, body, line, q)
+   subroutine add_sliding(effort, system, work, body, line, recovery, q)
       type(effort_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
       type(centreline_type), intent(in) :: line
+      type(recovery_type), intent(in) :: recovery
       real(wp), intent(in) :: q(:)
       real(wp) :: force(2), z(2), u(2), at
       integer :: i, first
@@ -283,7 +300,7 @@ contains
                z = [dot_product(u, z), cross(u, z)]
                at = foot_of(item, z, q(first + 4:first + 3 + system%layout%n(body)))
                force = -work%lambda(item%first)*work%jacobians(2, i)%z(1, 1:2)
-               call add_behind(line, system%model%bodies(body)%recovery, at, &
+               call add_behind(line, recovery, at, &
                   & [dot_product(u, force), cross(u, force), 0.0_wp], effort%exact)
             end select
          end associate

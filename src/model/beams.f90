@@ -9,6 +9,7 @@ module limber_model_beams
    use limber_flex_library, only: library_type
    use limber_flex_reduced, only: rigid_reduced
    use limber_flex_reduction, only: reduce_beam, axial_by_modes
+   use limber_model_beam_options, only: check_options
    use limber_model_beam_choice, only: read_beam
    use limber_model_bodies, only: new_body, append_body, is_new_point, memory_of, warn_of_rounding
    use limber_model_points, only: enter_name, find_named
@@ -85,6 +86,7 @@ contains
       logical :: usable
       integer :: twin, added
       body = new_body(deck%blocks(index), body_flexible)
+      if (piece == 1) call check_options(deck%blocks(index), diagnostics)
       call read_beam(deck, index, piece, pieces, body, rigid, diagnostics, usable)
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          twin = find_twin(model, body)

@@ -1,0 +1,41 @@
+!> Options of a beam that mean nothing of the model that the deck chooses for it. Floor: model.
+module limber_model_beam_options
+   use limber_deck_content, only: block_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   implicit none
+   private
+   public :: check_options
+
+contains
+
+   !> A warning for each option of modes that is given for an exact beam, and of an exact beam that is given for another one.
+   subroutine check_options(block, diagnostics)
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(18), parameter :: of_modes(14) = [character(18) :: 'MODES', 'BENDING MODES', 'AXIAL MODES', 'FREQUENCY LIMIT', &
+         & 'BASIS', 'CORRECTIONS', 'END SHAPES', 'GEOMETRIC ELEMENTS', 'GEOMETRIC INTEGRAL', 'AXIAL BASIS', 'END FORCE', &
+         & 'CENTRIFUGAL', 'MODAL DERIVATIVES', 'AXIAL DYNAMICS']
+      character(18), parameter :: of_exact(2) = [character(18) :: 'FUNCTIONS', 'STRAIN FUNCTIONS']
+      if (block%word('GEOMETRIC') == 'EXACT') then
+         call look(of_modes, 'of an EXACT beam', 'leave it out: FUNCTIONS and STRAIN FUNCTIONS '// &
+            & 'say how finely it bends and stretches')
+      else
+         call look(of_exact, 'of a beam that is not EXACT', 'leave it out, or write GEOMETRIC=EXACT')
+      end if
+
+   contains
+
+      subroutine look(options, kind, remedy)
+         character(*), intent(in) :: options(:), kind, remedy
+         integer :: i
+         do i = 1, size(options)
+            if (.not. block%knows(trim(options(i)))) cycle
+            if (block%given(trim(options(i)))) call diagnostics%warn(block%origin_of(trim(options(i))), "beam '"// &
+               & block%name()//"': "//trim(options(i))//' means nothing '//kind, remedy)
+         end do
+      end subroutine look
+
+   end subroutine check_options
+
+end module limber_model_beam_options

@@ -43,6 +43,9 @@ module drafts
       character(24) :: title = ''
    end type draft_type
 
+   !> Whether beams are exact ones
+   logical, public :: exact_rungs = .false.
+
 contains
 
    !> A number as text, that reads back as it is.
@@ -299,6 +302,10 @@ contains
       case ('FREE'); text = ', SUPPORT=FREE-FREE'
       case default; text = ', SUPPORT=PINNED-ROLLER'
       end select
+      if (exact_rungs) then
+         text = ', GEOMETRIC=EXACT, FUNCTIONS='//as_text(2 + pick(4))//', STRAIN FUNCTIONS='//as_text(pick(3) - 1)
+         return
+      end if
       select case (pick(10))
       case (1); text = text//', GEOMETRIC=RIGID'
       case (2, 3); text = text//', GEOMETRIC=LINEAR, BENDING MODES='//as_text(pick(3))//', AXIAL MODES='//as_text(pick(3) - 1)

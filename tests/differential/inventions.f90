@@ -8,7 +8,7 @@ module inventions
       & add_spread_load, add_friction, drive_angle, add_gravity, ask_bodies, ask_system, places, moments, forces, others
    use structures, only: add_structure, add_rotor, add_column
    use drafts, only: draft_type, add, add_ground, add_rigid, add_point, add_beam, add_frame, add_channel, place_of, ref, t, &
-      & new_name, is_point, is_beam, is_frame
+      & new_name, exact_rungs, is_point, is_beam, is_frame
    use views, only: of_number, of_vector
    implicit none
    private
@@ -25,6 +25,7 @@ contains
       !> A point of the ground that many scenes stand on
       integer :: first
       call sow(seed)
+      exact_rungs = has_exact(seed)
       allocate (draft%blocks(0), draft%channels(0))
       first = add_ground(draft, [0.0_wp, 0.0_wp])
       call add(draft, '', '*ASSEMBLY, LARGEST TURN=3<H>', 1)
@@ -37,6 +38,12 @@ contains
       call ask_bodies(draft)
       call ask_system(draft)
    end subroutine invent
+
+   !> Whether the beams of a scene are exact ones: every fifth from 10000 on.
+   pure logical function has_exact(seed)
+      integer, intent(in) :: seed
+      has_exact = seed >= 10000 .and. mod(seed, 5) == 0
+   end function has_exact
 
    !> Kinds that came later.
    subroutine invent_more(draft)

@@ -5,6 +5,7 @@ module limber_analysis_function_watch
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
+   use limber_flex_exact_profile, only: of_ei, of_ea
    use limber_flex_recovery, only: recovery_type
    use limber_model_scene, only: model_type
    use limber_model_stresses, only: recover_stations
@@ -85,20 +86,21 @@ contains
       integer :: k, kind
       associate (body => system%model%bodies(beam%body), exact => system%model%bodies(beam%body)%reduced%exact)
          ! Damping makes moments, too
-         strained = eta
+         strained = eta - exact%rest
          if (allocated(body%reduced%damping)) then
-            if (size(body%reduced%damping, 1) == size(eta)) strained = eta + matmul(body%reduced%damping, rate)/body%reduced%omega2
+            if (size(body%reduced%damping, 1) == size(eta)) strained = strained &
+            & + matmul(body%reduced%damping, rate)/body%reduced%omega2
          end if
          energy = 0.0_wp
          left_out = 0.0_wp
          do k = 1, exact%stations
             own = dot_product(exact%kappa(:, k), strained(:exact%angles))
-            parts(1) = beam%effort%exact(3, k)/exact%ei - own
-            energy = energy + 0.5_wp*exact%weight(k)*exact%ei*own**2
+            parts(1) = beam%effort%exact(3, k)/exact%section(of_ei, k) - own
+            energy = energy + 0.5_wp*exact%weight(k)*exact%section(of_ei, k)*own**2
             own = dot_product(exact%chi(1, :, k), strained(exact%angles + 1:))
-            parts(2) = beam%effort%exact(1, k)/exact%ea - own
-            energy(2) = energy(2) + 0.5_wp*exact%weight(k)*exact%ea*own**2
-            left_out = left_out + 0.5_wp*exact%weight(k)*[exact%ei, exact%ea]*parts**2
+            parts(2) = beam%effort%exact(1, k)/exact%section(of_ea, k) - own
+            energy(2) = energy(2) + 0.5_wp*exact%weight(k)*exact%section(of_ea, k)*own**2
+            left_out = left_out + 0.5_wp*exact%weight(k)*[exact%section(of_ei, k), exact%section(of_ea, k)]*parts**2
          end do
          energy = energy + [left_out(1), sum(left_out)]
          beam%energy = max(beam%energy, energy)
@@ -106,7 +108,8 @@ contains
             if (left_out(kind) <= beam%left_out(kind)) cycle
             beam%left_out(kind) = left_out(kind)
             beam%when(kind) = t
-            beam%size(kind) = sqrt(2*left_out(kind)/merge(exact%ei/exact%total, exact%ea*exact%total, kind == 1))
+            beam%size(kind) = sqrt(2*left_out(kind)/merge(exact%section(of_ei, 1)/exact%total, &
+               & exact%section(of_ea, 1)*exact%total, kind == 1))
          end do
       end associate
    end subroutine compare

@@ -70,6 +70,9 @@ module limber_deck_examples
       & line_type('BOUNDARY', ' base, 1, 6'), &
       & line_type('MASS', '*MASS'), &
       & line_type('MASS', ' 3, 800, 150'), &
+      & line_type('PROFILE', '*PROFILE, BODY=mast'), &
+      & line_type('PROFILE', ' 0.5, wide, narrow'), &
+      & line_type('PROFILE', ' 1.2, narrow'), &
       & line_type('ATTACHMENT', '*ATTACHMENT'), &
       & line_type('ATTACHMENT', ' 3, 2'), &
       & line_type('ATTACHMENT', ' 3, 6')]

@@ -50,6 +50,7 @@ module limber_deck_keywords
       & keyword_type('BOUNDARY', many, form_fields, 1, many, &
       &    'What holds nodes of a frame in its floating frame: defines the modes'), &
       & keyword_type('MASS', many, form_fields, 1, many, 'Concentrated masses on nodes of a frame or points of a beam'), &
+      & keyword_type('PROFILE', many, form_fields, 1, many, 'Other sections of an EXACT beam, from a coordinate on'), &
       & keyword_type('ATTACHMENT', many, form_fields, 1, many, &
       &    'Functions of a frame or beam beside its modes: static responses to a unit force or couple; or its interface'), &
       & keyword_type('JOINT', many, form_fields, 1, 1, 'A joint of two points'), &
@@ -104,6 +105,7 @@ module limber_deck_keywords
       & option_spec_type('MATERIAL', 'NAME', kind_name, 'materials', '', needed, 'name of the material'), &
       & option_spec_type('MATERIAL', 'YOUNG', kind_positive, '', 'Pa', needed, 'Young''s modulus'), &
       & option_spec_type('MATERIAL', 'DENSITY', kind_positive, '', 'kg/m^3', needed, 'mass per volume'), &
+      & option_spec_type('MATERIAL', 'POISSON', kind_real, '', '', '0.3', 'Poisson''s ratio, for beams with SHEAR'), &
       & option_spec_type('SECTION', 'NAME', kind_name, 'sections', '', needed, 'name of the section'), &
       & option_spec_type('SECTION', 'SHAPE', kind_word, 'CIRCLE|RECTANGLE|TUBE|GENERAL', &
       &    '', needed, 'shape; decides which of the other options are needed'), &
@@ -118,6 +120,8 @@ module limber_deck_keywords
       & option_spec_type('SECTION', 'TOP', kind_positive, '', &
       &    'm', '', 'GENERAL: distance from the axis of the extreme fibre to the left of the beam, for stresses'), &
       & option_spec_type('SECTION', 'BOTTOM', kind_positive, '', 'm', '', 'GENERAL: the same to the right; if not given, TOP'), &
+      & option_spec_type('SECTION', 'SHEAR FACTOR', kind_positive, '', &
+      &    '', '', 'area in shear divided by area; default 5/6 of RECTANGLE, 6/7 of CIRCLE, of TUBE by its wall'), &
       & option_spec_type('GRAVITY', 'X', kind_real, '', 'm/s^2', '0', 'along x'), &
       & option_spec_type('GRAVITY', 'Y', kind_real, '', 'm/s^2', '-9.81', 'along y')]
    type(option_spec_type), parameter :: body_options(*) = [ &
@@ -169,6 +173,18 @@ module limber_deck_keywords
       &    '', '6', 'functions of the section angle of an EXACT beam', most=200), &
       & option_spec_type('BEAM', 'STRAIN FUNCTIONS', kind_count, '', &
       &    '', '1', 'functions of the strain along the axis of an EXACT beam; 0: it does not stretch', most=100), &
+      & option_spec_type('BEAM', 'SHEAR', kind_yes, '', &
+      &    '', 'NO', 'EXACT: shear and rotary inertia (Timoshenko), with as many functions of the shear as of the angle'), &
+      & option_spec_type('BEAM', 'END SECTION', kind_reference, 'SECTION', &
+      &    '', '', 'EXACT: section at the end, or where *PROFILE begins; sizes change linearly up to it'), &
+      & option_spec_type('BEAM', 'CURVATURE', kind_real, '', &
+      &    '1/m', '0', 'EXACT: curvature of the undeformed axis, positive to the left'), &
+      & option_spec_type('BEAM', 'THERMAL STRAIN', kind_real, '', &
+      &    '', '0', 'EXACT: strain of the beam that nothing holds'), &
+      & option_spec_type('BEAM', 'THERMAL CURVATURE', kind_real, '', &
+      &    '1/m', '0', 'EXACT: curvature of the beam that nothing holds, beside CURVATURE'), &
+      & option_spec_type('BEAM', 'PRETENSION', kind_real, '', &
+      &    'N', '0', 'EXACT: tension of the undeformed beam'), &
       & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
       &    '', '2', 'elements for the geometric part, independent of ELEMENTS', most=1000), &
       & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &
@@ -241,6 +257,8 @@ module limber_deck_keywords
       & option_spec_type('BOUNDARY', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
       & option_spec_type('MASS', 'BODY', kind_reference, 'FRAME|BEAM', &
       &    '', '', 'frame or beam that it belongs to; default the last one above'), &
+      & option_spec_type('PROFILE', 'BODY', kind_reference, 'BEAM', &
+      &    '', '', 'beam that it belongs to; default the last one above'), &
       & option_spec_type('ATTACHMENT', 'BODY', kind_reference, 'FRAME|BEAM', &
       &    '', '', 'frame or beam that it belongs to; default the last one above')]
    type(option_spec_type), parameter :: other_options(*) = [ &
@@ -466,6 +484,10 @@ module limber_deck_keywords
       & field_spec_type('MASS', 'mass', kind_nonnegative, 'kg', 'mass on each'), &
       & field_spec_type('MASS', 'inertia', kind_nonnegative, 'kg m^2', &
       &    'moment of inertia about the node, turning with its section', optional=.true.), &
+      & field_spec_type('PROFILE', 'coordinate', kind_real, 'm', 'along the undeformed beam: the section is this from here on'), &
+      & field_spec_type('PROFILE', 'section', kind_name, '', 'its cross-section'), &
+      & field_spec_type('PROFILE', 'end section', kind_name, '', &
+      &    'the section at the next coordinate, or at the end; sizes change linearly up to it', optional=.true.), &
       & field_spec_type('ATTACHMENT', 'place', kind_label, '', &
       &    'number of a node or a set of nodes; of a beam: a coordinate or one of its points'), &
       & field_spec_type('ATTACHMENT', 'freedom', kind_counting, '', 'degree of freedom: 1 is x, 2 is y, 6 the rotation'), &

@@ -22,6 +22,7 @@ contains
       do i = 1, body%n
          f(i) = f(i) + body%omega2(i)*eta(i)
       end do
+      if (body%strained) f = f - body%omega2*body%exact%rest
       if (.not. body%geometric) return
       call pair_tension(body, eta, z, s)
       p = 0
@@ -182,6 +183,7 @@ contains
       do j = 1, body%n
          energy = energy + 0.5_wp*body%omega2(j)*eta(j)**2
       end do
+      if (body%strained) energy = energy - sum(body%omega2*body%exact%rest*(eta - 0.5_wp*body%exact%rest))
       if (.not. body%full) return
       call pair_tension(body, eta, z, s)
       do p = 1, size(body%cubic, 1)

@@ -10,12 +10,14 @@ module limber_flex_exact
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_finite, only: dsyev
-   use limber_base_spline, only: spline_type, new_spline, spline_natural
-   use limber_flex_beam, only: bending_curvature
-   use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, count_bending_modes, slope_at
+   use limber_flex_exact_functions, only: exact_choice_type, candidate_moments, legendre, sorted
+   use limber_flex_exact_profile, only: profile_type, uniform_profile, profile_at, of_ea, of_ei, of_ga, of_mass, of_rotary, &
+      & profile_values
+   use limber_flex_mesh, only: beam_type
    implicit none
    private
-   public :: exact_type, exact_choice_type, new_exact, reach_of, angles_at, sum_along, inside
+   public :: exact_type, new_exact, reach_of, angles_at, inside
+   public :: undeformed_place, lean_at
    public :: panel_stations, gauss_place, gauss_weight
 
    !> Stations of a panel
@@ -31,27 +33,12 @@ module limber_flex_exact
    real(wp), parameter :: stations_per_function = 1.6_wp
    !> Part of a function that the others must leave for it to count
    real(wp), parameter :: independent = 1.0e-5_wp
-   !> Most functions of the angle that are polynomials, beside the modes
-   integer, parameter :: most_polynomials = 4
-
-   !> What the user, or the program for him, chooses of an exact beam
-   type :: exact_choice_type
-      !> Functions of the angle, of the strain along the axis, and of the shear
-      integer :: angles = 6, strains = 1
-      !> Support of the modes
-      type(support_type) :: support
-      !> Whether more than the support acts at the ends: polynomials beside the modes
-      logical :: mixed = .true.
-      !> Coordinate of the frame's origin [length]
-      real(wp) :: origin = 0.0_wp
-      !> Places within the beam where forces and couples act: the curvature has a kink, or a step, there
-      real(wp), allocatable :: kinks(:), steps(:)
-   end type exact_choice_type
-
    !> Constants of an exact beam. Its n coordinates eta are those of the angle, then those of the strain; at rest they are
    !> modes with unit mass
    type :: exact_type
       integer :: n = 0, angles = 0, strains = 0
+      !> How many of the strains, the last ones, are of shear
+      integer :: shears = 0
       !> Stations, and points with mass: the stations, then concentrated masses
       integer :: stations = 0, points = 0
       !> Coordinates of the stations [length] and their weights [length] (stations); lengths of the panels
@@ -68,8 +55,16 @@ module limber_flex_exact
       !> Reach of the frame's origin (stations), of use if that is not the start
       real(wp), allocatable :: base(:)
       logical :: shifted = .false.
-      !> Rigidities, mass per length [mass/length], length
-      real(wp) :: ea = 0.0_wp, ei = 0.0_wp, rho_a = 0.0_wp, total = 0.0_wp
+      !> Sections at the stations: axial, bending and shear rigidity, mass and rotary inertia per length (profile_values, stations)
+      real(wp), allocatable :: section(:, :)
+      !> Angle of the undeformed axis at the stations, zero at the origin (stations) [rad]; its curvature [1/length], and the
+      !> coordinate of the origin [length]
+      real(wp), allocatable :: lean(:)
+      real(wp) :: arc = 0.0_wp, origin = 0.0_wp
+      !> Coordinates of the beam that no force holds, which heat, or tension, makes (n)
+      real(wp), allocatable :: rest(:)
+      !> Length
+      real(wp) :: total = 0.0_wp
    end type exact_type
 
 contains
@@ -83,33 +78,52 @@ contains
       real(wp), allocatable, intent(inout) :: omega2(:)
       !> No convergence of the modes, or fewer functions than asked for
       type(error_type), allocatable, intent(out) :: error
+      type(profile_type) :: profile
       real(wp), allocatable :: candidates(:, :)
-      exact%ea = beam%ea
-      exact%ei = beam%ei
-      exact%rho_a = beam%rho_a
+      integer :: i
       exact%total = beam%length
-      call place_stations(beam, choice, exact)
+      profile = uniform_profile(beam%ea, beam%ei, beam%rho_a, beam%length)
+      if (allocated(choice%profile)) profile = choice%profile
+      call place_stations(beam, choice, profile, exact)
+      allocate (exact%section(profile_values, exact%stations))
+      do i = 1, exact%stations
+         exact%section(:, i) = profile_at(profile, exact%s(i))
+      end do
+      exact%arc = choice%arc
+      allocate (exact%lean(exact%stations))
+      exact%origin = choice%origin
+      exact%lean = exact%arc*(exact%s - exact%origin)
       allocate (candidates(0, 0))
-      call candidate_curvatures(beam, choice, exact, candidates, error)
+      call candidate_moments(beam, choice, exact%s, candidates, error)
       if (allocated(error)) return
       call choose_curvatures(choice, candidates, exact, error)
       if (allocated(error)) return
       call integrate_angles(choice%origin, exact)
-      call strain_functions(choice%strains, exact)
+      call strain_functions(choice, exact)
       exact%n = exact%angles + exact%strains
       call place_masses(beam, exact)
       call find_modes(exact, omega2, error)
+      if (allocated(error)) return
+      allocate (exact%rest(exact%n))
+      exact%rest = 0.0_wp
+      associate (a => exact%angles, b => exact%n - exact%shears, weight => exact%weight)
+         exact%rest(:a) = matmul(exact%kappa, weight*exact%section(of_ei, :)*choice%hot_curvature)
+         exact%rest(a + 1:b) = matmul(exact%chi(1, :b - a, :), &
+            & weight*(exact%section(of_ea, :)*choice%hot_strain - choice%pretension))
+      end associate
+      exact%rest = exact%rest/omega2
    end subroutine new_exact
 
    !> Panels between the ends and all places where something is not smooth, and their stations.
-   pure subroutine place_stations(beam, choice, exact)
+   pure subroutine place_stations(beam, choice, profile, exact)
       type(beam_type), intent(in) :: beam
       type(exact_choice_type), intent(in) :: choice
+      type(profile_type), intent(in) :: profile
       type(exact_type), intent(inout) :: exact
       real(wp), allocatable :: ends(:), inner(:)
       real(wp) :: from
       integer :: wanted, i, j, k, count, p
-      allocate (inner, source=sorted([choice%kinks, choice%steps], beam%length))
+      allocate (inner, source=sorted([choice%kinks, choice%steps, profile%at], beam%length))
       allocate (ends(size(inner) + 2))
       ends(:) = [0.0_wp, inner, beam%length]
       wanted = max(1, ceiling(stations_per_function*choice%angles/panel_stations))
@@ -132,146 +146,52 @@ contains
       end do
    end subroutine place_stations
 
-   !> Places within the beam in ascending order, each once.
-   pure function sorted(places, length) result(list)
-      real(wp), intent(in) :: places(:), length
-      real(wp), allocatable :: list(:)
-      real(wp) :: left(size(places)), least
-      allocate (list(0))
-      left = places
-      do
-         least = huge(1.0_wp)
-         if (size(left) > 0) least = minval(left)
-         if (.not. least < (1 - 1.0e-6_wp)*length) return
-         if (least > 1.0e-6_wp*length) list = [list, least]
-         where (left <= least + 1.0e-6_wp*length) left = huge(1.0_wp)
-      end do
-   end function sorted
-
-   !> Curvatures at the stations, in the order of their use: of what acts within the beam, then of the modes of the finite elements,
-   !> by turns with polynomials if the support is not all that holds the beam, then polynomials (stations, candidates).
-   subroutine candidate_curvatures(beam, choice, exact, candidates, error)
-      type(beam_type), intent(in) :: beam
-      type(exact_choice_type), intent(in) :: choice
-      type(exact_type), intent(in) :: exact
-      real(wp), allocatable, intent(inout) :: candidates(:, :)
-      type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: modes(:, :), kinks(:), steps(:)
-      integer :: i, k, count, polynomials
-      allocate (modes(0, 0))
-      call mode_curvatures(beam, choice, exact, modes, error)
-      if (allocated(error)) return
-      allocate (kinks, source=sorted(choice%kinks, beam%length))
-      allocate (steps, source=sorted(choice%steps, beam%length))
-      count = size(kinks) + size(steps)
-      polynomials = choice%angles + most_polynomials
-      deallocate (candidates)
-      allocate (candidates(exact%stations, count + size(modes, 2) + polynomials))
-      do i = 1, size(steps)
-         candidates(:, i) = merge(1.0_wp, 0.0_wp, exact%s > steps(i))
-      end do
-      do i = 1, size(kinks)
-         candidates(:, size(steps) + i) = max(exact%s - kinks(i), 0.0_wp)/beam%length
-      end do
-      k = 0
-      do i = 1, size(modes, 2)
-         count = count + 1
-         candidates(:, count) = modes(:, i)
-         if (k < merge(most_polynomials, 0, choice%mixed)) call add_polynomial()
-      end do
-      do while (k < polynomials)
-         call add_polynomial()
-      end do
-
-   contains
-
-      !> The next polynomial.
-      subroutine add_polynomial()
-         k = k + 1
-         count = count + 1
-         candidates(:, count) = legendre(k - 1, 2*exact%s/beam%length - 1)
-      end subroutine add_polynomial
-
-   end subroutine candidate_curvatures
-
-   !> Curvatures of the modes of the finite elements, smoothed: splines through the means of neighbouring elements.
-   subroutine mode_curvatures(beam, choice, exact, modes, error)
-      type(beam_type), intent(in) :: beam
-      type(exact_choice_type), intent(in) :: choice
-      type(exact_type), intent(in) :: exact
-      !> (stations, modes)
-      real(wp), allocatable, intent(inout) :: modes(:, :)
-      type(error_type), allocatable, intent(out) :: error
-      type(field_type) :: field
-      type(spline_type) :: spline
-      real(wp), allocatable :: left(:, :), right(:, :)
-      real(wp) :: value(0:2), tiny_part
-      integer :: count, i, j
-      field = mesh_beam(beam)
-      ! Modes that the mesh does not resolve are no better than polynomials
-      count = min(choice%angles, count_bending_modes(beam, choice%support), beam%elements/3)
-      call bending_modes(beam, choice%support, count, field, error)
-      if (allocated(error)) return
-      allocate (left(0:beam%elements, count), right(0:beam%elements, count))
-      deallocate (modes)
-      allocate (modes(exact%stations, count))
-      do i = 0, beam%elements
-         tiny_part = 1.0e-9_wp*beam%length/beam%elements
-         left(i, :) = slope_at(field, max(field%s(i) - tiny_part, 0.0_wp), bending_curvature)
-         right(i, :) = slope_at(field, min(field%s(i) + tiny_part, beam%length), bending_curvature)
-      end do
-      do j = 1, count
-         spline = new_spline(field%s, 0.5_wp*(left(:, j) + right(:, j)), spline_natural)
-         do i = 1, exact%stations
-            value = spline%evaluate(exact%s(i))
-            modes(i, j) = value(0)
-         end do
-      end do
-   end subroutine mode_curvatures
-
-   !> Legendre's polynomial of a degree.
-   pure elemental real(wp) function legendre(degree, x) result(p)
-      integer, intent(in) :: degree
-      real(wp), intent(in) :: x
-      real(wp) :: before, last
-      integer :: k
-      p = 1.0_wp
-      last = 0.0_wp
-      do k = 1, degree
-         before = last
-         last = p
-         p = ((2*k - 1)*x*last - (k - 1)*before)/k
-      end do
-   end function legendre
-
-   !> Takes the first candidates that are independent, as many as asked for and those of what acts within; orthonormal in the
-   !> strain energy.
+   !> Curvatures of the first moments that are independent, as many as asked for and those of what acts within.
    subroutine choose_curvatures(choice, candidates, exact, error)
       type(exact_choice_type), intent(in) :: choice
       real(wp), intent(in) :: candidates(:, :)
       type(exact_type), intent(inout) :: exact
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: curvature(size(candidates, 1)), whole, left
-      integer :: wanted, i, j, round
+      real(wp), allocatable :: forces(:, :)
+      integer :: wanted
       wanted = choice%angles + size(sorted(choice%kinks, exact%total)) + size(sorted(choice%steps, exact%total))
       allocate (exact%kappa(wanted, exact%stations))
-      do j = 1, size(candidates, 2)
-         if (exact%angles == wanted) exit
-         curvature = candidates(:, j)
-         whole = sqrt(sum(exact%weight*exact%ei*curvature**2))
-         if (.not. whole > 0.0_wp) cycle
-         do round = 1, 2
-            do i = 1, exact%angles
-               curvature = curvature - sum(exact%weight*exact%ei*exact%kappa(i, :)*curvature)*exact%kappa(i, :)
-            end do
-         end do
-         left = sqrt(sum(exact%weight*exact%ei*curvature**2))
-         if (left < independent*whole) cycle
-         exact%angles = exact%angles + 1
-         exact%kappa(exact%angles, :) = curvature/left
-      end do
+      allocate (forces(exact%stations, 1 + size(candidates, 2)))
+      ! What heat makes of a beam that nothing holds
+      forces(:, 1) = exact%section(of_ei, :)*choice%hot_curvature
+      forces(:, 2:) = candidates
+      call take_independent(exact%weight, exact%section(of_ei, :), forces, exact%kappa, exact%angles)
       if (exact%angles < wanted) call raise(error, 'no more independent functions of the section angle')
    end subroutine choose_curvatures
+
+   !> Strains of the first forces that are independent, orthonormal in the strain energy, eq. (X22).
+   pure subroutine take_independent(weight, rigidity, forces, basis, taken)
+      !> Of the stations (stations)
+      real(wp), intent(in) :: weight(:), rigidity(:)
+      !> (stations, candidates)
+      real(wp), intent(in) :: forces(:, :)
+      !> (wanted, stations), and how many were found
+      real(wp), intent(inout) :: basis(:, :)
+      integer, intent(out) :: taken
+      real(wp) :: strain(size(forces, 1)), whole, left
+      integer :: i, j, round
+      taken = 0
+      do j = 1, size(forces, 2)
+         if (taken == size(basis, 1)) return
+         strain = forces(:, j)/rigidity
+         whole = sqrt(sum(weight*rigidity*strain**2))
+         if (.not. whole > 0.0_wp) cycle
+         do round = 1, 2
+            do i = 1, taken
+               strain = strain - sum(weight*rigidity*basis(i, :)*strain)*basis(i, :)
+            end do
+         end do
+         left = sqrt(sum(weight*rigidity*strain**2))
+         if (left < independent*whole) cycle
+         taken = taken + 1
+         basis(taken, :) = strain/left
+      end do
+   end subroutine take_independent
 
    !> The angle of each function, the integral of its curvature from the origin.
    pure subroutine integrate_angles(origin, exact)
@@ -286,17 +206,31 @@ contains
       end do
    end subroutine integrate_angles
 
-   !> Polynomials of the strain along the axis, orthonormal in the strain energy.
-   pure subroutine strain_functions(count, exact)
-      integer, intent(in) :: count
+   !> Strains of axial forces that are polynomials, then of the shear forces that go with the bending moments, eq. (X22).
+   pure subroutine strain_functions(choice, exact)
+      type(exact_choice_type), intent(in) :: choice
       type(exact_type), intent(inout) :: exact
-      integer :: i
-      exact%strains = count
-      allocate (exact%chi(2, count, exact%stations))
-      exact%chi = 0.0_wp
-      do i = 1, count
-         exact%chi(1, i, :) = legendre(i - 1, 2*exact%s/exact%total - 1)*sqrt((2*i - 1)/(exact%ea*exact%total))
+      real(wp) :: axial(exact%stations, choice%strains), slopes(exact%stations, exact%angles), moment(exact%stations)
+      real(wp) :: stretch(choice%strains, exact%stations), slide(exact%angles, exact%stations)
+      integer :: i, taken
+      do i = 1, choice%strains
+         axial(:, i) = legendre(i - 1, 2*exact%s/exact%total - 1)
       end do
+      call take_independent(exact%weight, exact%section(of_ea, :), axial, stretch, taken)
+      if (choice%shear) then
+         do i = 1, exact%angles
+            moment = exact%section(of_ei, :)*exact%kappa(i, :)
+            slopes(:, i) = slope_along(exact, moment)
+            ! Of a constant moment there is nothing but round-off
+            if (exact%total*norm2(slopes(:, i)) < independent*norm2(moment)) slopes(:, i) = 0.0_wp
+         end do
+         call take_independent(exact%weight, exact%section(of_ga, :), slopes, slide, exact%shears)
+      end if
+      exact%strains = choice%strains + exact%shears
+      allocate (exact%chi(2, exact%strains, exact%stations))
+      exact%chi = 0.0_wp
+      exact%chi(1, :choice%strains, :) = stretch
+      exact%chi(2, choice%strains + 1:, :) = slide(:exact%shears, :)
    end subroutine strain_functions
 
    !> Masses of the stations and of what is concentrated on the beam.
@@ -310,8 +244,8 @@ contains
       exact%points = exact%stations + lumps
       allocate (exact%mass(exact%points), exact%inertia(exact%points), exact%reach(exact%stations, lumps), psi(exact%angles, lumps))
       allocate (exact%lump_at(lumps))
-      exact%mass(:exact%stations) = exact%rho_a*exact%weight
-      exact%inertia = 0.0_wp
+      exact%mass(:exact%stations) = exact%section(of_mass, :)*exact%weight
+      exact%inertia(:exact%stations) = exact%section(of_rotary, :)*exact%weight
       k = 0
       do i = 0, beam%elements
          if (lumps == 0) exit
@@ -328,77 +262,100 @@ contains
       exact%rotary = 0.0_wp
       exact%rotary_mass = 0.0_wp
       if (.not. exact%spinning) return
+      do k = 1, exact%stations
+         call add_rotary(exact, exact%inertia(k), exact%psi(:, k))
+      end do
       do k = 1, lumps
-         associate (inertia => exact%inertia(exact%stations + k))
-            exact%rotary = exact%rotary + inertia*psi(:, k)
-            do i = 1, exact%angles
-               exact%rotary_mass(:, i) = exact%rotary_mass(:, i) + inertia*psi(:, k)*psi(i, k)
-            end do
-         end associate
+         call add_rotary(exact, exact%inertia(exact%stations + k), psi(:, k))
       end do
    end subroutine place_masses
+
+   !> What turns with a section, eq. (X5).
+   pure subroutine add_rotary(exact, inertia, turn)
+      type(exact_type), intent(inout) :: exact
+      !> Moment of inertia; angles of the functions there (angles)
+      real(wp), intent(in) :: inertia, turn(:)
+      integer :: j
+      exact%rotary = exact%rotary + inertia*turn
+      do j = 1, exact%angles
+         exact%rotary_mass(:, j) = exact%rotary_mass(:, j) + inertia*turn*turn(j)
+      end do
+   end subroutine add_rotary
 
    !> Makes the functions modes at rest with the frame held: unit mass, diagonal stiffness.
    subroutine find_modes(exact, omega2, error)
       type(exact_type), intent(inout) :: exact
       real(wp), allocatable, intent(inout) :: omega2(:)
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: bend(exact%angles, exact%angles), stretch(exact%strains, exact%strains)
-      real(wp) :: value(exact%n), work(64*exact%n + 64), moved(exact%n, exact%points)
-      integer :: i, info, a, b
+      real(wp) :: bend(exact%angles, exact%angles), rotary_mass(exact%angles, exact%angles)
+      real(wp) :: stretch(exact%strains - exact%shears, exact%strains - exact%shears), slide(exact%shears, exact%shears)
+      real(wp) :: push(2, exact%n, exact%stations), t(2)
+      integer :: a, b, k
       a = exact%angles
-      b = exact%strains
-      do i = 1, a
-         moved(i, :) = displacement(exact%psi(i, :))
-      end do
-      do i = 1, b
-         moved(a + i, :) = displacement(exact%chi(1, i, :))
-      end do
-      do i = 1, a
-         bend(:, i) = matmul(moved(:a, :), exact%mass*moved(i, :)) + exact%rotary_mass(:, i)
-      end do
-      do i = 1, b
-         stretch(:, i) = matmul(moved(a + 1:, :), exact%mass*moved(a + i, :))
+      b = exact%n - exact%shears
+      do k = 1, exact%stations
+         t = [cos(exact%lean(k)), sin(exact%lean(k))]
+         push(1, :a, k) = -t(2)*exact%psi(:, k)
+         push(2, :a, k) = t(1)*exact%psi(:, k)
+         push(1, a + 1:, k) = t(1)*exact%chi(1, :, k) - t(2)*exact%chi(2, :, k)
+         push(2, a + 1:, k) = t(2)*exact%chi(1, :, k) + t(1)*exact%chi(2, :, k)
       end do
       deallocate (omega2)
       allocate (omega2(exact%n))
-      call dsyev('V', 'L', a, bend, max(1, a), value(:a), work, size(work), info)
-      if (info == 0) call dsyev('V', 'L', b, stretch, max(1, b), value(a + 1:), work, size(work), info)
+      rotary_mass = exact%rotary_mass
+      bend = rotary_mass
+      stretch = 0.0_wp
+      slide = 0.0_wp
+      call decouple(exact, push(:, :a, :), bend, omega2(:a), error)
+      if (.not. allocated(error)) call decouple(exact, push(:, a + 1:b, :), stretch, omega2(a + 1:b), error)
+      if (.not. allocated(error)) call decouple(exact, push(:, b + 1:, :), slide, omega2(b + 1:), error)
+      if (allocated(error)) return
+      exact%psi = matmul(transpose(bend), exact%psi)
+      exact%kappa = matmul(transpose(bend), exact%kappa)
+      exact%rotary = matmul(transpose(bend), exact%rotary)
+      exact%rotary_mass = matmul(transpose(bend), matmul(rotary_mass, bend))
+      exact%chi(1, :b - a, :) = matmul(transpose(stretch), exact%chi(1, :b - a, :))
+      exact%chi(2, b - a + 1:, :) = matmul(transpose(slide), exact%chi(2, b - a + 1:, :))
+   end subroutine find_modes
+
+   !> Modes among functions of one kind, which have the stiffness 1: a column of `mix` for each.
+   subroutine decouple(exact, push, mix, omega2, error)
+      type(exact_type), intent(in) :: exact
+      !> Changes of the undeformed axis g for unit coordinates (2, count, stations)
+      real(wp), intent(in) :: push(:, :, :)
+      !> The mass beside that of the points at first (count, count)
+      real(wp), intent(inout) :: mix(:, :)
+      !> Ascending (count)
+      real(wp), intent(out) :: omega2(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: moved(2, exact%points, size(mix, 1)), value(size(mix, 1)), work(64*size(mix, 1) + 64)
+      integer :: count, i, j, k, info
+      count = size(mix, 1)
+      do i = 1, count
+         do j = 1, 2
+            moved(j, :exact%stations, i) = sum_along(exact, push(j, i, :)) - sum(exact%base*push(j, i, :))
+            do k = 1, exact%points - exact%stations
+               moved(j, exact%stations + k, i) = sum(exact%reach(:, k)*push(j, i, :))
+            end do
+         end do
+      end do
+      do i = 1, count
+         do j = 1, count
+            mix(j, i) = mix(j, i) + sum(exact%mass*(moved(1, :, i)*moved(1, :, j) + moved(2, :, i)*moved(2, :, j)))
+         end do
+      end do
+      call dsyev('V', 'L', count, mix, max(1, count), value, work, size(work), info)
       if (info /= 0 .or. any(.not. value > 0.0_wp)) then
          call raise(error, 'the functions of the beam have no modes; ask for fewer')
          return
       end if
       ! Ascending frequencies: the largest mass first
-      bend = bend(:, a:1:-1)
-      stretch = stretch(:, b:1:-1)
-      value = [value(a:1:-1), value(exact%n:a + 1:-1)]
-      omega2(:) = 1/value
-      do i = 1, a
-         bend(:, i) = bend(:, i)/sqrt(value(i))
+      mix = mix(:, count:1:-1)
+      omega2 = 1/value(count:1:-1)
+      do i = 1, count
+         mix(:, i) = mix(:, i)*sqrt(omega2(i))
       end do
-      do i = 1, b
-         stretch(:, i) = stretch(:, i)/sqrt(value(a + i))
-      end do
-      exact%psi = matmul(transpose(bend), exact%psi)
-      exact%kappa = matmul(transpose(bend), exact%kappa)
-      exact%chi(1, :, :) = matmul(transpose(stretch), exact%chi(1, :, :))
-      exact%rotary = matmul(transpose(bend), exact%rotary)
-      exact%rotary_mass = matmul(transpose(bend), matmul(exact%rotary_mass, bend))
-
-   contains
-
-      !> Displacement of the points by a field along the axis.
-      pure function displacement(field) result(moved)
-         real(wp), intent(in) :: field(:)
-         real(wp) :: moved(exact%points)
-         integer :: k
-         moved(:exact%stations) = sum_along(exact, field) - sum(exact%base*field)
-         do k = 1, exact%points - exact%stations
-            moved(exact%stations + k) = sum(exact%reach(:, k)*field)
-         end do
-      end function displacement
-
-   end subroutine find_modes
+   end subroutine decouple
 
    !> Integrals of Lagrange's polynomials of a panel from its start to a place (-1..1), for half its length.
    pure function inside(x) result(row)
@@ -411,6 +368,28 @@ contains
          row = row + gauss_weight*0.5_wp*legendre(k, gauss_place)*integral
       end do
    end function inside
+
+   !> Derivative of a field along the axis, panel by panel (stations) [1/length].
+   pure function slope_along(exact, field) result(slope)
+      type(exact_type), intent(in) :: exact
+      real(wp), intent(in) :: field(:)
+      real(wp) :: slope(exact%stations), part(panel_stations), rate(0:panel_stations - 1, panel_stations)
+      integer :: p, k, first
+      rate(0, :) = 0.0_wp
+      rate(1, :) = 1.0_wp
+      do k = 2, panel_stations - 1
+         rate(k, :) = rate(k - 2, :) + (2*k - 1)*legendre(k - 1, gauss_place)
+      end do
+      do p = 1, size(exact%panel)
+         first = panel_stations*(p - 1)
+         part = 0.0_wp
+         do k = 1, panel_stations - 1
+            part = part + rate(k, :)*(2*k + 1)/exact%panel(p) &
+               & *sum(gauss_weight*legendre(k, gauss_place)*field(first + 1:first + panel_stations))
+         end do
+         slope(first + 1:first + panel_stations) = part
+      end do
+   end function slope_along
 
    !> What the stations give to the integral from the start to a place (stations) [length].
    pure function reach_of(exact, place) result(reach)
@@ -439,6 +418,22 @@ contains
       reach = reach_of(exact, place) - exact%base
       psi = matmul(exact%kappa, reach)
    end function angles_at
+
+   !> Angle of the undeformed axis at a place along it [rad].
+   pure real(wp) function lean_at(exact, place)
+      type(exact_type), intent(in) :: exact
+      real(wp), intent(in) :: place
+      lean_at = exact%arc*(place - exact%origin)
+   end function lean_at
+
+   !> Place of a coordinate along the undeformed beam, in the axes of its frame (2) [length].
+   pure function undeformed_place(exact, x) result(place)
+      type(exact_type), intent(in) :: exact
+      real(wp), intent(in) :: x
+      real(wp) :: place(2), reach(exact%stations)
+      reach = reach_of(exact, x) - exact%base
+      place = [sum(reach*cos(exact%lean)), sum(reach*sin(exact%lean))]
+   end function undeformed_place
 
    !> Integrals of a field from the start to each station (stations).
    pure function sum_along(exact, field) result(integral)

@@ -49,6 +49,8 @@ module limber_flex_reduced
       !> those of the undeformed beam
       logical :: is_exact = .false.
       type(exact_type), allocatable :: exact
+      !> True if heat or tension strains it: then its energy is zero at the coordinates `rest` of the exact beam
+      logical :: strained = .false.
    end type reduced_type
 
 contains

@@ -6,7 +6,8 @@ module limber_flex_reduction
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
-   use limber_flex_exact, only: exact_choice_type, exact_type, new_exact, reach_of, angles_at
+   use limber_flex_exact, only: exact_type, new_exact, reach_of, angles_at, undeformed_place
+   use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_axial, only: element_functions, static_functions, axial_basis
    use limber_flex_frame, only: frame_type, beam_frame, beam_nodes
    use limber_flex_frame_solver, only: solver_type, new_solver, remove_motion
@@ -186,6 +187,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(exact_type), allocatable :: exact
       real(wp), allocatable :: phi(:, :), psi(:), omega2(:)
+      real(wp) :: x
       integer :: i, a, n
       allocate (exact, omega2(0))
       call new_exact(beam, choice, exact, omega2, error)
@@ -202,7 +204,20 @@ contains
       end do
       field%omega2_bending = omega2(:a)
       field%omega2_axial = omega2(a + 1:)
-      call sum_inertia(beam, choice%origin, field, body)
+      body%bending = a
+      body%offset = a
+      call start_inertia(body, n)
+      do i = 1, exact%points
+         if (i <= exact%stations) then
+            x = exact%s(i)
+         else
+            x = exact%lump_at(i - exact%stations)
+         end if
+         call exact_shape(exact, x, phi, psi)
+         call add_inertia(body, exact%mass(i), undeformed_place(exact, x), phi)
+         if (exact%inertia(i) > 0.0_wp) call add_rotary(body, exact%inertia(i), psi)
+      end do
+      body%strained = any(abs(exact%rest) > 0.0_wp)
       call move_alloc(exact, body%exact)
       call move_alloc(omega2, body%omega2)
       body%is_exact = .true.
@@ -217,16 +232,19 @@ contains
       real(wp), intent(in) :: x
       real(wp), allocatable, intent(out) :: phi(:, :), psi(:)
       real(wp), allocatable, intent(out), optional :: reach(:)
-      real(wp) :: own(exact%stations)
+      real(wp) :: own(exact%stations), axis(2)
       integer :: i
       own = reach_of(exact, x) - exact%base
       allocate (phi(2, exact%n), psi(exact%n))
       phi = 0.0_wp
       psi = 0.0_wp
       psi(:exact%angles) = angles_at(exact, x)
-      phi(2, :exact%angles) = matmul(exact%psi, own)
-      do i = 1, exact%strains
-         phi(:, exact%angles + i) = matmul(exact%chi(:, i, :), own)
+      do i = 1, exact%stations
+         axis = own(i)*[cos(exact%lean(i)), sin(exact%lean(i))]
+         phi(1, :exact%angles) = phi(1, :exact%angles) - axis(2)*exact%psi(:, i)
+         phi(2, :exact%angles) = phi(2, :exact%angles) + axis(1)*exact%psi(:, i)
+         phi(1, exact%angles + 1:) = phi(1, exact%angles + 1:) + axis(1)*exact%chi(1, :, i) - axis(2)*exact%chi(2, :, i)
+         phi(2, exact%angles + 1:) = phi(2, exact%angles + 1:) + axis(2)*exact%chi(1, :, i) + axis(1)*exact%chi(2, :, i)
       end do
       if (present(reach)) allocate (reach, source=own)
    end subroutine exact_shape

@@ -10,6 +10,7 @@ module limber_model_beam_choice
       & axial_by_modes, axial_by_elements, axial_static
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_parts, only: is_part
+   use limber_model_beam_features, only: read_features, refuse_features
    use limber_model_points, only: find_named
    use limber_model_scene, only: body_type
    use limber_model_sections, only: read_section
@@ -57,6 +58,11 @@ contains
             & 'give a coordinate from 0 to '//as_text(block%real('LENGTH')))
          if (pieces > 1) call choose_frame(block, piece, body%choice)
          if (body%choice%fidelity == fidelity_exact) call choose_exact(deck, index, body)
+         if (body%choice%fidelity /= fidelity_exact .or. pieces > 1) then
+            call refuse_features(deck, index, body%choice%fidelity == fidelity_exact, diagnostics)
+         else if (section > 0 .and. material > 0) then
+            call read_features(deck, index, material, section, body, diagnostics)
+         end if
          if (body%choice%linear .and. body%choice%fidelity == fidelity_full) call diagnostics%add( &
             & block%origin_of('GEOMETRIC INTEGRAL'), "beam '"//body%name//"': FULL needs a tension that is constant in each "// &
             & 'geometric element', 'use GEOMETRIC INTEGRAL=EXACT, or GEOMETRIC=K_G')

@@ -5,6 +5,7 @@ module limber_model_beams
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_functions, only: attachment_type
    use limber_flex_library, only: library_type
    use limber_flex_reduced, only: rigid_reduced
@@ -140,7 +141,8 @@ contains
             & choice%end_shapes, choice%linear, choice%condensed
          text = trim(buffer)
          write (buffer, '(1x, l1, 1x, z16)') choice%craig_bampton, choice%frequency_limit
-         text = text//trim(buffer)//attachments_text(choice%interface)//attachments_text(choice%corrections)
+         text = text//trim(buffer)//exact_text(choice%exact)// &
+            & attachments_text(choice%interface)//attachments_text(choice%corrections)
          if (.not. allocated(beam%place)) return
          do i = 0, beam%elements
             write (buffer, '(3(1x, z16))') beam%place(i), beam%mass(i), beam%inertia(i)
@@ -148,6 +150,35 @@ contains
          end do
       end associate
    end function fingerprint
+
+   !> The same of an exact beam.
+   pure function exact_text(choice) result(text)
+      type(exact_choice_type), intent(in) :: choice
+      character(:), allocatable :: text
+      character(200) :: buffer
+      integer :: i, j
+      write (buffer, '(1x, 2(i0, 1x), 8l1, 5(1x, z16))') choice%angles, choice%strains, choice%shear, choice%support, &
+         & choice%mixed, choice%origin, choice%arc, choice%hot_curvature, choice%hot_strain, choice%pretension
+      text = trim(buffer)
+      if (allocated(choice%kinks)) text = text//'k'//numbers_text(choice%kinks)
+      if (allocated(choice%steps)) text = text//'s'//numbers_text(choice%steps)
+      if (.not. allocated(choice%profile)) return
+      text = text//'p'//numbers_text(choice%profile%at)
+      do i = 1, size(choice%profile%value, 3)
+         do j = 1, size(choice%profile%value, 2)
+            text = text//numbers_text(choice%profile%value(:, j, i))
+         end do
+      end do
+   end function exact_text
+
+   pure function numbers_text(values) result(text)
+      real(wp), intent(in) :: values(:)
+      character(17*size(values)) :: text
+      integer :: k
+      do k = 1, size(values)
+         write (text(17*k - 16:17*k), '(1x, z16)') values(k)
+      end do
+   end function numbers_text
 
    pure function attachments_text(attachments) result(text)
       type(attachment_type), allocatable, intent(in) :: attachments(:)

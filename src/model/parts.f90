@@ -8,7 +8,7 @@ module limber_model_parts
    public :: is_part, check_parts
 
    !> Keywords of blocks that belong to a body
-   character(*), parameter :: part_keywords = 'NODE|ELEMENT|NSET|ELSET|BEAM SECTION|BOUNDARY|MASS|ATTACHMENT'
+   character(*), parameter :: part_keywords = 'NODE|ELEMENT|NSET|ELSET|BEAM SECTION|BOUNDARY|MASS|ATTACHMENT|PROFILE'
 
 contains
 
@@ -30,8 +30,9 @@ contains
          return
       end if
       do owner = block - 1, 1, -1
-         if (deck%blocks(owner)%keyword == 'FRAME') return
-         if (deck%blocks(owner)%keyword == 'BEAM' .and. contains_value('MASS|ATTACHMENT', deck%blocks(block)%keyword)) return
+         if (deck%blocks(owner)%keyword == 'FRAME' .and. deck%blocks(block)%keyword /= 'PROFILE') return
+         if (deck%blocks(owner)%keyword == 'BEAM' .and. &
+            & contains_value('MASS|ATTACHMENT|PROFILE', deck%blocks(block)%keyword)) return
       end do
    end function owner_of
 
@@ -43,7 +44,7 @@ contains
       do i = 1, size(deck%blocks)
          if (.not. contains_value(part_keywords, deck%blocks(i)%keyword)) cycle
          if (owner_of(deck, i) == 0 .and. .not. deck%blocks(i)%has('BODY')) call diagnostics%add(deck%blocks(i)%origin, &
-            & '*'//deck%blocks(i)%keyword//' belongs to no body', 'put it below the *FRAME that it belongs to, or add BODY=')
+            & '*'//deck%blocks(i)%keyword//' belongs to no body', 'put it below the body that it belongs to, or add BODY=')
       end do
    end subroutine check_parts
 

@@ -4,6 +4,7 @@ module limber_model_scene
    use limber_base_kinds, only: wp, long
    use limber_base_names, only: name_index_type
    use limber_deck_expression, only: expression_type
+   use limber_flex_exact_profile, only: profile_type
    use limber_flex_frame, only: frame_type
    use limber_flex_frame_reduction, only: frame_choice_type
    use limber_flex_mesh, only: beam_type, field_type
@@ -110,6 +111,8 @@ module limber_model_scene
       !> Cross-section of each member, of a beam its only one: area [length^2], second moment of area [length^4], distances from the
       !> axis of the extreme fibres to the left and to the right [length], zero if not known (4, members)
       real(wp), allocatable :: strength(:, :)
+      !> The same along an exact beam; otherwise unallocated
+      type(profile_type), allocatable :: fibres
       !> Internal forces at the sections that are asked for: those of points, then, if an envelope is, those along the whole body
       type(recovery_type) :: recovery
       logical :: envelope = .false.

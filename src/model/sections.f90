@@ -6,7 +6,9 @@ module limber_model_sections
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
    private
-   public :: read_section
+   public :: read_section, section_between, shear_factor
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
 
@@ -16,7 +18,6 @@ contains
       !> [length^2], [length^4], to the left and to the right of the beam [length]; zero where not known
       real(wp), intent(out) :: strength(4)
       type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp), parameter :: pi = acos(-1.0_wp)
       real(wp) :: d, inner
       strength = [1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp]
       d = block%real('DIAMETER')
@@ -61,5 +62,61 @@ contains
       end function has_all
 
    end subroutine read_section
+
+   !> Area, second moment of area, and distances of the extreme fibres, of a section between two of one shape whose sizes change
+   !> linearly; as in `read_section` (4).
+   function section_between(first, second, part) result(strength)
+      type(block_type), intent(in) :: first, second
+      !> Of the way from the first to the second
+      real(wp), intent(in) :: part
+      real(wp) :: strength(4)
+      type(diagnostics_type) :: unused
+      real(wp) :: d, inner, width, height
+      select case (first%word('SHAPE'))
+      case ('CIRCLE', 'TUBE')
+         d = between('DIAMETER')
+         inner = 0.0_wp
+         if (first%word('SHAPE') == 'TUBE') inner = d - 2*between('THICKNESS')
+         strength = [pi*(d**2 - inner**2)/4, pi*(d**4 - inner**4)/64, d/2, d/2]
+      case ('RECTANGLE')
+         width = between('WIDTH')
+         height = between('HEIGHT')
+         strength = [width*height, width*height**3/12, height/2, height/2]
+      case default
+         call read_section(first, strength, unused)
+      end select
+
+   contains
+
+      real(wp) function between(option)
+         character(*), intent(in) :: option
+         between = first%real(option) + part*(second%real(option) - first%real(option))
+      end function between
+
+   end function section_between
+
+   !> Area in shear divided by area: as given, or Cowper's for a Poisson's ratio of zero, which for a rectangle is that of the
+   !> parabolic shear stress; zero if not known.
+   pure real(wp) function shear_factor(first, second, part) result(factor)
+      type(block_type), intent(in) :: first, second
+      !> Of the way from the first to the second
+      real(wp), intent(in) :: part
+      real(wp) :: ratio
+      factor = 0.0_wp
+      if (first%has('SHEAR FACTOR')) then
+         factor = first%real('SHEAR FACTOR')
+         if (second%has('SHEAR FACTOR')) factor = factor + part*(second%real('SHEAR FACTOR') - factor)
+         return
+      end if
+      select case (first%word('SHAPE'))
+      case ('RECTANGLE'); factor = 5.0_wp/6
+      case ('CIRCLE'); factor = 6.0_wp/7
+      case ('TUBE')
+         ! Inner diameter, of the outer one
+         ratio = 1 - 2*(first%real('THICKNESS') + part*(second%real('THICKNESS') - first%real('THICKNESS'))) &
+            & /(first%real('DIAMETER') + part*(second%real('DIAMETER') - first%real('DIAMETER')))
+         factor = 6*(1 + ratio**2)**2/(7*(1 + ratio**2)**2 + 20*ratio**2)
+      end select
+   end function shear_factor
 
 end module limber_model_sections

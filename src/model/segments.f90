@@ -9,6 +9,7 @@ module limber_model_segments
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_flex_mesh, only: new_support
+   use limber_flex_exact, only: undeformed_place
    use limber_flex_reduction, only: reduction_type, point_shape, exact_shape
    use limber_model_lists, only: append
    use limber_model_points, only: add_point, enter_name, find_body
@@ -144,6 +145,7 @@ contains
       p0 = [s - model%bodies(body)%choice%origin, 0.0_wp]
       if (model%bodies(body)%reduced%is_exact) then
          call exact_shape(model%bodies(body)%reduced%exact, s, phi, psi, reach)
+         p0 = undeformed_place(model%bodies(body)%reduced%exact, s)
       else if (model%bodies(body)%kind == body_flexible) then
          call point_shape(model%bodies(body)%field, s, phi, psi)
       end if

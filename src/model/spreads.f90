@@ -8,6 +8,7 @@ module limber_model_spreads
    use limber_deck_expression, only: expression_type
    use limber_flex_frame, only: member_length
    use limber_flex_frame_reduction, only: frame_point_shape
+   use limber_flex_exact, only: lean_at
    use limber_flex_reduction, only: point_shape, exact_shape
    use limber_model_loads, only: new_effort, set_law, append_effort, name_load, constant
    use limber_model_points, only: add_point, find_body
@@ -188,6 +189,8 @@ contains
          effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), model%counts%points, 0)
          effort%angle = (component - 1)*quarter
          if (block%yes('FOLLOWER')) effort%angle = effort%angle + atan2(axis(2), axis(1))
+         if (block%yes('FOLLOWER') .and. model%bodies(body)%reduced%is_exact) &
+            & effort%angle = effort%angle + lean_at(model%bodies(body)%reduced%exact, along)
          if (line%count() > 2) then
             call set_law(effort, line%fields(3)%expression, force)
          else

@@ -5,7 +5,8 @@ module limber_output_channels
    use limber_model_quantities
    use limber_model_scene, only: quantity_type, ground
    use limber_output_drawn, only: drawn_type, new_drawn, drawn_width, drawn_coordinates
-   use limber_output_internal_forces, only: effort_type, new_efforts, gather_efforts, section_forces, stresses
+   use limber_output_internal_forces, only: effort_type, new_efforts, gather_efforts, section_forces, stresses, &
+      & strength_at
    use limber_output_joints, only: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, &
       & section_rotation, joint_spin, driver_effort, driver_power, coupler_effort, coupler_power
    use limber_output_loads, only: load_value
@@ -276,8 +277,8 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: point
       real(wp) :: stress(2)
-      associate (strength => system%model%bodies(system%model%points(point)%body)%strength(:, system%model%points(point)%member))
-         stress = stresses(force, strength)
+      associate (body => system%model%bodies(system%model%points(point)%body))
+         stress = stresses(force, strength_at(body, body%recovery%sections(system%model%points(point)%section)))
          select case (kind)
          case (quantity_axial_force); value = force(1)
          case (quantity_shear_force); value = force(2)

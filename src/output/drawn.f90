@@ -2,7 +2,7 @@
 !> whose places are no sums of shapes, the displacements of all places that are drawn of it. Floor: output.
 module limber_output_drawn
    use limber_base_kinds, only: wp
-   use limber_flex_exact, only: reach_of
+   use limber_flex_exact, only: reach_of, undeformed_place
    use limber_model_scene, only: model_type
    use limber_system_exact_place, only: follow_place
    use limber_system_kinematics, only: layout_type
@@ -56,7 +56,7 @@ contains
          end do
          do i = 0, n
             drawn%reach(:, k + 1 + i) = reach_of(exact, exact%total*i/n) - exact%base
-            drawn%p0(:, k + 1 + i) = [exact%total*i/n - model%bodies(body)%choice%origin, 0.0_wp]
+            drawn%p0(:, k + 1 + i) = undeformed_place(exact, exact%total*i/n)
          end do
       end associate
    end subroutine find_places

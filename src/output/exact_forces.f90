@@ -2,7 +2,8 @@
 !> section. Floor: output. Source: doc/theory, eq. (X12).
 module limber_output_exact_forces
    use limber_base_kinds, only: wp
-   use limber_flex_exact, only: exact_type, reach_of, angles_at
+   use limber_flex_exact, only: exact_type, reach_of, angles_at, lean_at
+   use limber_flex_exact_profile, only: of_mass, of_rotary
    use limber_flex_recovery, only: recovery_type, section_type
    use limber_system_algebra, only: turn, cross
    use limber_system_centreline, only: centreline_type
@@ -32,9 +33,12 @@ contains
          place = place_of(line, recovery%sections(i)%x)
          part = line%weight - reach_of(line%exact_type, recovery%sections(i)%x)
          do k = 1, line%stations
-            f = -line%rho_a*part(k)*push(k, :)
+            f = -line%section(of_mass, k)*part(k)*push(k, :)
             forces(1:2, i) = forces(1:2, i) + f
             forces(3, i) = forces(3, i) + cross(line%p(k, :) - place, f)
+            if (.not. line%inertia(k) > 0.0_wp) cycle
+            swing = alpha + dot_product(line%psi(:, k), eta_acceleration(:line%angles))
+            forces(3, i) = forces(3, i) - line%section(of_rotary, k)*part(k)*swing
          end do
          do k = line%stations + 1, line%points
             associate (at => line%lump_at(k - line%stations))
@@ -73,7 +77,8 @@ contains
       real(wp) :: angle, axis(2)
       integer :: i
       do i = 1, size(recovery%sections)
-         angle = dot_product(angles_at(line%exact_type, recovery%sections(i)%x), eta(:line%angles))
+         angle = lean_at(line%exact_type, recovery%sections(i)%x) &
+            & + dot_product(angles_at(line%exact_type, recovery%sections(i)%x), eta(:line%angles))
          axis = [cos(angle), sin(angle)]
          forces(1:2, i) = [dot_product(axis, forces(1:2, i)), dot_product(turn(axis), forces(1:2, i))]
       end do

@@ -4,8 +4,9 @@
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
    use limber_output_exact_forces, only: inertia_behind, add_behind, turn_into_sections
-   use limber_flex_recovery, only: recovery_type, amplitudes, internal_forces
-   use limber_model_scene, only: ground
+   use limber_flex_exact_profile, only: profile_at, profile_values
+   use limber_flex_recovery, only: recovery_type, section_type, amplitudes, internal_forces
+   use limber_model_scene, only: body_type, ground
    use limber_system_algebra, only: cross
    use limber_system_centreline, only: centreline_type
    use limber_system_constraint, only: constraint_type
@@ -16,7 +17,8 @@ module limber_output_internal_forces
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: effort_type, new_efforts, start_effort, gather_efforts, gather_exact, join_envelopes, section_forces, stresses
+   public :: effort_type, new_efforts, start_effort, gather_efforts, gather_exact, join_envelopes, section_forces, stresses, &
+      & strength_at
 
    !> What acts on one body that has sections; none otherwise
    type :: effort_type
@@ -162,7 +164,7 @@ contains
             else
                value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude)
             end if
-            value(4:5) = stresses(value(:3), system%model%bodies(body)%strength(:, recovery%sections(first + k)%member))
+            value(4:5) = stresses(value(:3), strength_at(system%model%bodies(body), recovery%sections(first + k)))
             effort%extremes(:, 1, k) = min(effort%extremes(:, 1, k), value)
             effort%extremes(:, 2, k) = max(effort%extremes(:, 2, k), value)
          end do
@@ -186,6 +188,18 @@ contains
          whole(i)%extremes(:, 2, :) = max(whole(i)%extremes(:, 2, :), part(i)%extremes(:, 2, :))
       end do
    end subroutine join_envelopes
+
+   !> Cross-section at a section of a body, see `body_type` (4).
+   pure function strength_at(body, section) result(strength)
+      type(body_type), intent(in) :: body
+      type(section_type), intent(in) :: section
+      real(wp) :: strength(4), value(profile_values)
+      real(wp), parameter :: beside = 1.0e-9_wp
+      strength = body%strength(:, section%member)
+      if (.not. allocated(body%fibres)) return
+      value = profile_at(body%fibres, section%x + merge(beside, -beside, section%behind)*body%beam%length)
+      strength = value(:4)
+   end function strength_at
 
    !> Stresses in the extreme fibres to the left and to the right (2).
    pure function stresses(force, strength) result(stress)

@@ -2,6 +2,7 @@
 !> Floor: output; model -> geometry of `limber_output_motion`.
 module limber_output_outline
    use limber_base_kinds, only: wp
+   use limber_flex_exact, only: undeformed_place
    use limber_base_spline, only: spline_at
    use limber_flex_frame, only: member_length
    use limber_flex_frame_reduction, only: frame_point_shape
@@ -189,7 +190,7 @@ contains
       type(geometry_type), intent(inout) :: geometry
       integer, intent(inout) :: place, shape
       real(wp), allocatable :: phi(:, :), psi(:)
-      real(wp) :: s
+      real(wp) :: s, p0(2)
       integer :: i
       associate (beam => model%bodies(body))
          do i = 0, stretches(model, body)
@@ -199,7 +200,9 @@ contains
             else
                call point_shape(beam%field, s, phi, psi)
             end if
-            call add_place(body, [s - beam%choice%origin, 0.0_wp], phi, geometry, place, shape)
+            p0 = [s - beam%choice%origin, 0.0_wp]
+            if (is_exact(model, body)) p0 = undeformed_place(beam%reduced%exact, s)
+            call add_place(body, p0, phi, geometry, place, shape)
          end do
       end associate
    end subroutine add_stations

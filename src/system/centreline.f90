@@ -98,7 +98,7 @@ contains
       a = self%angles
       m = self%stations
       associate (theta => self%field(:m, 1), c => self%field(:m, 2), s => self%field(:m, 3), sigma => self%field(:m, 4:5))
-         theta = 0.0_wp
+         theta = self%lean
          do i = 1, a
             theta = theta + self%angle(:, i)*eta(i)
          end do

@@ -122,7 +122,7 @@ contains
       integer :: i, k, a
       a = exact%angles
       do k = 1, exact%stations
-         angle = 0.0_wp
+         angle = exact%lean(k)
          do i = 1, a
             angle = angle + exact%psi(i, k)*eta(i)
          end do

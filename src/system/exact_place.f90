@@ -25,7 +25,7 @@ contains
       push = 0.0_wp
       do k = 1, exact%stations
          if (.not. abs(reach(k)) > 0.0_wp) cycle
-         speed = dot_product(exact%psi(:, k), eta(:a))
+         speed = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
          axis = [cos(speed), sin(speed)]
          g = along([1.0_wp, 0.0_wp] + strained(k, eta), axis)
          p = p + reach(k)*g

@@ -4,7 +4,7 @@ program test_constraints
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs
-   use limber_flex_exact, only: exact_choice_type
+   use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_mesh, only: beam_type, concentrate, new_support
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_exact, fidelity_full, fidelity_kg, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, joint_sliding, &

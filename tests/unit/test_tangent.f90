@@ -6,7 +6,7 @@ program test_tangent
    use limber_base_kinds, only: wp
    use limber_flex_elastic, only: elastic_force, elastic_tangent
    use limber_flex_frame_reduction, only: frame_choice_type
-   use limber_flex_exact, only: exact_choice_type
+   use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_mesh, only: beam_type, concentrate, new_support
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, axial_static, fidelity_exact, fidelity_full, fidelity_kg, &
       & fidelity_linear, reduction_type

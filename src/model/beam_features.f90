@@ -1,0 +1,276 @@
+!> What the deck says of an exact beam beside its length and functions: sections along it, shear, initial curvature, heat and
+!> tension. Floor: model. Source: doc/theory, section "The exact beam", eqs. (X20)-(X24).
+module limber_model_beam_features
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_flex_exact_profile, only: profile_type, profile_mean, profile_places, profile_values, of_ea, of_ei, of_ga, of_mass, &
+      & of_rotary
+   use limber_flex_mesh, only: support_type
+   use limber_model_parts, only: is_part
+   use limber_model_scene, only: body_type
+   use limber_model_sections, only: read_section, section_between, shear_factor
+   implicit none
+   private
+   public :: read_features, refuse_features
+
+   !> Options that exact beams only have
+   character(*), parameter :: features(*) = [character(17) :: 'SHEAR', 'END SECTION', 'CURVATURE', 'THERMAL STRAIN', &
+      & 'THERMAL CURVATURE', 'PRETENSION']
+   !> Part of the first frequency that shear takes before it is worth a warning
+   real(wp), parameter :: noticed = 0.01_wp
+
+contains
+
+   !> Complains of what only an exact beam in one piece has.
+   subroutine refuse_features(deck, index, is_exact, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Block of the beam
+      integer, intent(in) :: index
+      logical, intent(in) :: is_exact
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: reason, remedy
+      integer :: i
+      associate (block => deck%blocks(index))
+         if (is_exact) then
+            reason = ' is not for a beam in SEGMENTS'
+            remedy = 'leave SEGMENTS out and raise FUNCTIONS'
+         else
+            reason = ' is for GEOMETRIC=EXACT only, not for '//block%word('GEOMETRIC')
+            remedy = 'use GEOMETRIC=EXACT'
+         end if
+         do i = 1, size(features)
+            if (.not. block%given(trim(features(i)))) cycle
+            if (features(i) == 'SHEAR' .and. .not. block%yes('SHEAR')) cycle
+            call diagnostics%add(block%origin_of(trim(features(i))), &
+               & "beam '"//block%name()//"': "//trim(features(i))//reason, remedy)
+         end do
+         do i = 1, size(deck%blocks)
+            if (deck%blocks(i)%keyword /= 'PROFILE') cycle
+            if (is_part(deck, i, index)) call diagnostics%add(deck%blocks(i)%origin, "beam '"//block%name()//"': *PROFILE"// &
+               & reason, remedy)
+         end do
+      end associate
+   end subroutine refuse_features
+
+   !> Reads all of it into the choice of an exact beam.
+   subroutine read_features(deck, index, material, section, body, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Blocks of the beam, of its material and of its section
+      integer, intent(in) :: index, material, section
+      type(body_type), intent(inout) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer, allocatable :: from(:), to(:)
+      integer :: before
+      before = diagnostics%count
+      associate (block => deck%blocks(index), choice => body%choice%exact)
+         choice%arc = block%real('CURVATURE')
+         choice%hot_strain = block%real('THERMAL STRAIN')
+         choice%hot_curvature = block%real('THERMAL CURVATURE')
+         choice%pretension = block%real('PRETENSION')
+         choice%shear = block%yes('SHEAR')
+         if (choice%strains == 0) then
+            call need_strain('THERMAL STRAIN')
+            call need_strain('PRETENSION')
+         end if
+         allocate (from(0), to(0), body%fibres)
+         call read_stretches(deck, index, section, from, to, body%fibres, diagnostics)
+         if (diagnostics%count > before) return
+         call read_strengths(deck, from, to, body%fibres, diagnostics)
+         if (block%yes('SHEAR')) call check_shear(deck, material, from, to, diagnostics)
+         if (diagnostics%count > before) return
+         allocate (choice%profile)
+         call multiply(deck, material, from, to, block%yes('SHEAR'), body%fibres, choice%profile)
+         call use_mean(body)
+         if (.not. block%yes('SHEAR')) call warn_of_shear(deck, index, material, section, body, diagnostics)
+      end associate
+
+   contains
+
+      subroutine need_strain(option)
+         character(*), intent(in) :: option
+         associate (block => deck%blocks(index))
+            if (block%given(option)) call diagnostics%add(block%origin_of(option), "beam '"//block%name()// &
+               & "' has no STRAIN FUNCTIONS, which "//option//' acts on', 'ask for STRAIN FUNCTIONS=1 or more')
+         end associate
+      end subroutine need_strain
+
+   end subroutine read_features
+
+   !> Stretches of a beam: where they end, and the sections (blocks) at both ends of each.
+   subroutine read_stretches(deck, index, section, from, to, fibres, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index, section
+      integer, allocatable, intent(inout) :: from(:), to(:)
+      type(profile_type), intent(inout) :: fibres
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), allocatable :: at(:)
+      real(wp) :: length
+      integer :: i, k
+      length = deck%blocks(index)%real('LENGTH')
+      allocate (at(1))
+      at = 0.0_wp
+      from = [section]
+      to = [section]
+      if (deck%blocks(index)%has('END SECTION')) to(1) = deck%find_named('SECTION', deck%blocks(index)%name('END SECTION'))
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'PROFILE') cycle
+         if (.not. is_part(deck, i, index)) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            associate (line => deck%blocks(i)%lines(k))
+               if (line%number(1) <= at(size(at)) .or. line%number(1) >= length) then
+                  call diagnostics%add(line%origin_of(1), 'sections of a beam change within it, one after another', &
+                     & 'give a coordinate between '//as_text(at(size(at)))//' and '//as_text(length))
+                  cycle
+               end if
+               at = [at, line%number(1)]
+               from = [from, deck%find_named('SECTION', line%text(2))]
+               to = [to, from(size(from))]
+               if (line%count() > 2) to(size(to)) = deck%find_named('SECTION', line%text(3))
+               if (from(size(from)) == 0) call complain(2)
+               if (to(size(to)) == 0 .and. line%count() > 2) call complain(3)
+            end associate
+         end do
+      end do
+      allocate (fibres%at(0:size(at)))
+      fibres%at(:) = [at, length]
+
+   contains
+
+      subroutine complain(field)
+         integer, intent(in) :: field
+         associate (line => deck%blocks(i)%lines(k))
+            call diagnostics%add(line%origin_of(field), "there is no *SECTION named '"//line%text(field)//"'", &
+               & 'define it with *SECTION')
+         end associate
+      end subroutine complain
+
+   end subroutine read_stretches
+
+   !> Areas, second moments and extreme fibres of the stretches.
+   subroutine read_strengths(deck, from, to, fibres, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: from(:), to(:)
+      type(profile_type), intent(inout) :: fibres
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp) :: strength(4)
+      integer :: i, j, before
+      allocate (fibres%value(profile_values, profile_places, size(from)))
+      fibres%value = 1.0_wp
+      do i = 1, size(from)
+         before = diagnostics%count
+         ! The first one has been read, and complained of
+         if (i > 1) call read_section(deck%blocks(from(i)), strength, diagnostics)
+         if (to(i) /= from(i)) then
+            call read_section(deck%blocks(to(i)), strength, diagnostics)
+            associate (first => deck%blocks(from(i)), second => deck%blocks(to(i)))
+               if (first%word('SHAPE') /= second%word('SHAPE') .or. first%word('SHAPE') == 'GENERAL') call diagnostics%add( &
+                  & second%origin_of('SHAPE'), "a beam cannot taper from section '"//first%name()//"' to '"//second%name()//"'", &
+                  & 'give both the same SHAPE, CIRCLE, TUBE or RECTANGLE')
+            end associate
+         end if
+         if (diagnostics%count > before) cycle
+         do j = 1, profile_places
+            fibres%value(:4, j, i) = section_between(deck%blocks(from(i)), deck%blocks(to(i)), (j - 1.0_wp)/(profile_places - 1))
+         end do
+      end do
+   end subroutine read_strengths
+
+   !> What shear needs of material and sections.
+   subroutine check_shear(deck, material, from, to, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: material, from(:), to(:)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k
+      associate (block => deck%blocks(material))
+         if (block%real('POISSON') <= -1.0_wp .or. block%real('POISSON') > 0.5_wp) call diagnostics%add( &
+            & block%origin_of('POISSON'), "Poisson's ratio of material '"//block%name()//"' is "//as_text(block%real('POISSON')), &
+            & 'give a ratio above -1, at most 0.5')
+      end associate
+      do i = 1, size(from)
+         do k = 1, 2
+            associate (block => deck%blocks(merge(from(i), to(i), k == 1)))
+               if (shear_factor(block, block, 0.0_wp) > 0.0_wp .or. (k == 2 .and. to(i) == from(i))) cycle
+               call diagnostics%add(block%origin, "section '"//block%name()//"' of SHAPE=GENERAL needs SHEAR FACTOR for a beam"// &
+                  & ' with SHEAR', 'add SHEAR FACTOR=, area in shear divided by area', object=block%name())
+            end associate
+         end do
+      end do
+   end subroutine check_shear
+
+   !> Rigidities and masses along the beam.
+   subroutine multiply(deck, material, from, to, shear, fibres, profile)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: material, from(:), to(:)
+      logical, intent(in) :: shear
+      type(profile_type), intent(in) :: fibres
+      type(profile_type), intent(inout) :: profile
+      real(wp) :: factor
+      integer :: i, j
+      allocate (profile%at(0:size(from)), source=fibres%at)
+      allocate (profile%value(profile_values, profile_places, size(from)))
+      profile%value = 0.0_wp
+      associate (young => deck%blocks(material)%real('YOUNG'), density => deck%blocks(material)%real('DENSITY'), &
+         & poisson => deck%blocks(material)%real('POISSON'))
+         profile%value(of_ea, :, :) = young*fibres%value(1, :, :)
+         profile%value(of_ei, :, :) = young*fibres%value(2, :, :)
+         profile%value(of_mass, :, :) = density*fibres%value(1, :, :)
+         if (.not. shear) return
+         profile%value(of_rotary, :, :) = density*fibres%value(2, :, :)
+         do i = 1, size(from)
+            do j = 1, profile_places
+               factor = shear_factor(deck%blocks(from(i)), deck%blocks(to(i)), (j - 1.0_wp)/(profile_places - 1))
+               profile%value(of_ga, j, i) = factor*young/(2*(1 + poisson))*fibres%value(1, j, i)
+            end do
+         end do
+      end associate
+   end subroutine multiply
+
+   !> The uniform beam that the modes are those of.
+   subroutine use_mean(body)
+      type(body_type), intent(inout) :: body
+      real(wp) :: mean(profile_values)
+      mean = profile_mean(body%choice%exact%profile)
+      if (size(body%choice%exact%profile%value, 3) == 1 .and. &
+         & all(abs(body%fibres%value(:4, 1, 1) - body%fibres%value(:4, profile_places, 1)) <= 0.0_wp)) return
+      body%beam%ea = mean(of_ea)
+      body%beam%ei = mean(of_ei)
+      body%beam%rho_a = mean(of_mass)
+   end subroutine use_mean
+
+   !> A slender beam's model on a short one, eq. (X20).
+   subroutine warn_of_shear(deck, index, material, section, body, diagnostics)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index, material, section
+      type(body_type), intent(in) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp) :: factor, part
+      factor = shear_factor(deck%blocks(section), deck%blocks(section), 0.0_wp)
+      if (.not. factor > 0.0_wp) factor = 5.0_wp/6
+      associate (block => deck%blocks(index), beam => body%beam)
+         part = 0.5_wp*(wave(body%choice%exact%support)/block%real('LENGTH'))**2*beam%ei/beam%ea &
+            & *(1 + 2*(1 + deck%blocks(material)%real('POISSON'))/factor)
+         if (part > noticed) call diagnostics%warn(block%origin_of('LENGTH'), "beam '"//block%name()//"' is short: without "// &
+            & 'shear and rotary inertia its first bending frequency is too high by about '//as_text(100*part, 2)//' %', &
+            & 'use SHEAR=YES')
+      end associate
+   end subroutine warn_of_shear
+
+   !> Wave number of the first bending mode times the length.
+   pure real(wp) function wave(support)
+      type(support_type), intent(in) :: support
+      integer :: held
+      held = count([support%w_start, support%theta_start, support%w_end, support%theta_end])
+      select case (held)
+      case (4); wave = 4.730_wp
+      case (3); wave = 3.927_wp
+      case (2)
+         wave = 3.1416_wp
+         if (.not. (support%w_start .and. support%w_end)) wave = 1.875_wp
+      case (1); wave = 3.927_wp
+      case default; wave = 4.730_wp
+      end select
+   end function wave
+
+end module limber_model_beam_features

@@ -83,7 +83,7 @@ contains
       integer :: i
       exact%total = beam%length
       profile = uniform_profile(beam%ea, beam%ei, beam%rho_a, beam%length)
-      if (allocated(choice%profile)) profile = choice%profile
+      if (allocated(choice%profile%value)) profile = choice%profile
       call place_stations(beam, choice, profile, exact)
       allocate (exact%section(profile_values, exact%stations))
       do i = 1, exact%stations
@@ -126,7 +126,7 @@ contains
       allocate (inner, source=sorted([choice%kinks, choice%steps, profile%at], beam%length))
       allocate (ends(size(inner) + 2))
       ends(:) = [0.0_wp, inner, beam%length]
-      wanted = max(1, ceiling(stations_per_function*choice%angles/panel_stations))
+      wanted = max(1, ceiling(stations_per_function*max(choice%angles, choice%strains)/panel_stations))
       allocate (exact%panel(0))
       do i = 1, size(ends) - 1
          count = max(1, nint(wanted*(ends(i + 1) - ends(i))/beam%length))

@@ -27,8 +27,8 @@ module limber_flex_exact_functions
       real(wp) :: origin = 0.0_wp
       !> Places within the beam where forces and couples act: the curvature has a kink, or a step, there
       real(wp), allocatable :: kinks(:), steps(:)
-      !> Sections; unallocated: the beam is uniform
-      type(profile_type), allocatable :: profile
+      !> Sections; with unallocated values: the beam is uniform
+      type(profile_type) :: profile
       !> Curvature of the undeformed axis, curvature and strain that heat makes in a beam that nothing holds [1/length], -; tension
       !> of the undeformed beam [force]
       real(wp) :: arc = 0.0_wp, hot_curvature = 0.0_wp, hot_strain = 0.0_wp, pretension = 0.0_wp

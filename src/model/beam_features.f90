@@ -74,13 +74,12 @@ contains
             call need_strain('THERMAL STRAIN')
             call need_strain('PRETENSION')
          end if
-         allocate (from(0), to(0), body%fibres)
+         allocate (from(0), to(0))
          call read_stretches(deck, index, section, from, to, body%fibres, diagnostics)
          if (diagnostics%count > before) return
          call read_strengths(deck, from, to, body%fibres, diagnostics)
          if (block%yes('SHEAR')) call check_shear(deck, material, from, to, diagnostics)
          if (diagnostics%count > before) return
-         allocate (choice%profile)
          call multiply(deck, material, from, to, block%yes('SHEAR'), body%fibres, choice%profile)
          call use_mean(body)
          if (.not. block%yes('SHEAR')) call warn_of_shear(deck, index, material, section, body, diagnostics)

@@ -162,7 +162,7 @@ contains
       text = trim(buffer)
       if (allocated(choice%kinks)) text = text//'k'//numbers_text(choice%kinks)
       if (allocated(choice%steps)) text = text//'s'//numbers_text(choice%steps)
-      if (.not. allocated(choice%profile)) return
+      if (.not. allocated(choice%profile%value)) return
       text = text//'p'//numbers_text(choice%profile%at)
       do i = 1, size(choice%profile%value, 3)
          do j = 1, size(choice%profile%value, 2)

@@ -111,8 +111,8 @@ module limber_model_scene
       !> Cross-section of each member, of a beam its only one: area [length^2], second moment of area [length^4], distances from the
       !> axis of the extreme fibres to the left and to the right [length], zero if not known (4, members)
       real(wp), allocatable :: strength(:, :)
-      !> The same along an exact beam; otherwise unallocated
-      type(profile_type), allocatable :: fibres
+      !> The same along an exact beam; otherwise with unallocated values
+      type(profile_type) :: fibres
       !> Internal forces at the sections that are asked for: those of points, then, if an envelope is, those along the whole body
       type(recovery_type) :: recovery
       logical :: envelope = .false.

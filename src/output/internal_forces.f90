@@ -196,7 +196,7 @@ contains
       real(wp) :: strength(4), value(profile_values)
       real(wp), parameter :: beside = 1.0e-9_wp
       strength = body%strength(:, section%member)
-      if (.not. allocated(body%fibres)) return
+      if (.not. allocated(body%fibres%value)) return
       value = profile_at(body%fibres, section%x + merge(beside, -beside, section%behind)*body%beam%length)
       strength = value(:4)
    end function strength_at

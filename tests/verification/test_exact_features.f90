@@ -169,7 +169,8 @@ contains
    !> The tapered cantilever rotates: E I = rho A = 1 at the start, L = 1; frequencies in its plane.
    subroutine check_rotation()
       character(:), allocatable :: section
-      section = '*MATERIAL, NAME=stuff, YOUNG=12e6, DENSITY=100'//nl//rectangle('bar', '1', '0.01')//rectangle('tip', '1', '0.005')
+      section = '*MATERIAL, NAME=stuff, YOUNG=12e9, DENSITY=1000'//nl// &
+         & rectangle('bar', '1', '0.001')//rectangle('tip', '1', '0.0005')
       call check_modes(section, '1, FUNCTIONS=8, STRAIN FUNCTIONS=0, END SECTION=tip', turning('1'), &
          & [3.8591605766_wp, 18.44692153_wp, 47.406737672_wp], 1.0e-4_wp, 'rotating taper, 1')
       call check_modes(section, '1, FUNCTIONS=12, STRAIN FUNCTIONS=0, END SECTION=tip', turning('12'), &

@@ -5,7 +5,7 @@ module limber_model_beam_choice
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_functions, only: attachment_type
-   use limber_flex_mesh, only: new_support, concentrate
+   use limber_flex_mesh, only: support_type, new_support, concentrate
    use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_full, fidelity_exact, &
       & axial_by_modes, axial_by_elements, axial_static
    use limber_model_acting, only: acting_type, acting_points
@@ -277,6 +277,7 @@ contains
       type(body_type), intent(inout) :: body
       type(attachment_type), allocatable :: acting(:)
       character(:), allocatable :: support
+      type(support_type) :: natural
       real(wp) :: length
       associate (block => deck%blocks(index), choice => body%choice%exact)
          length = block%real('LENGTH')
@@ -292,18 +293,26 @@ contains
             choice%kinks = [choice%kinks, pack(body%beam%place, body%beam%mass > 0.0_wp)]
             choice%steps = [choice%steps, pack(body%beam%place, body%beam%inertia > 0.0_wp)]
          end if
-         if (block%given('SUPPORT')) return
          if (turns_frame(deck, block%name())) acting = [acting, attachment_type(1, body%choice%origin, 2), &
             & attachment_type(1, body%choice%origin, 3)]
          support = end_support(0.0_wp)//'-'//end_support(length)
          if (support == 'FREE-FREE' .and. size(acting) > 0) support = 'PINNED-FREE'
-         choice%support = new_support(support)
+         natural = new_support(support)
+         if (.not. block%given('SUPPORT')) choice%support = natural
          ! Nothing but pins at both ends, or one end free of all: then the modes have all that the motion needs
          choice%mixed = .not. any(support == [character(13) :: 'PINNED-PINNED', 'PINNED-FREE', 'CLAMPED-FREE']) &
-            & .or. any(acting%x > 1.0e-6_wp*length .and. acting%x < (1 - 1.0e-6_wp)*length) .or. is_loaded(deck, block%name())
+            & .or. any(acting%x > 1.0e-6_wp*length .and. acting%x < (1 - 1.0e-6_wp)*length) .or. is_loaded(deck, block%name()) &
+            & .or. .not. is_alike(choice%support, natural)
       end associate
 
    contains
+
+      !> Whether two supports hold a beam across its axis alike.
+      pure logical function is_alike(a, b)
+         type(support_type), intent(in) :: a, b
+         is_alike = (a%w_start .eqv. b%w_start) .and. (a%theta_start .eqv. b%theta_start) .and. (a%w_end .eqv. b%w_end) &
+            & .and. (a%theta_end .eqv. b%theta_end)
+      end function is_alike
 
       !> What holds an end.
       pure function end_support(x) result(word)

@@ -232,8 +232,9 @@ contains
          case (indicator_layer); value = layer_error(self)
          case (indicator_braking)
             value = 0.0_wp
-            if (self%looks > 0) value = ratio(self%total(sum_braked)*max(0.0_wp, self%span(2) - self%span(1))/self%looks, &
-               & peak(peak_energy))
+            ! A rigid beam has no span
+            if (self%looks > 0 .and. self%span(2) > self%span(1)) value = ratio(self%total(sum_braked) &
+               & *(max(self%span(1), self%span(2)) - self%span(1))/self%looks, peak(peak_energy))
          case (indicator_phase); value = phase_error(self%phase, peak(peak_bent), peak(peak_deflection)*self%length)
          case default; value = peak(kind)
          end select

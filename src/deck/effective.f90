@@ -6,6 +6,7 @@ module limber_deck_effective
       & is_number_kind, is_integer_kind, is_expression_kind, field_spec_type
    use limber_deck_keywords, only: keyword_table, keyword_fields, find_keyword
    use limber_deck_content, only: deck_type, block_type, option_type, line_type, repeat_type
+   use limber_deck_families, only: is_void
    use limber_deck_lexer, only: is_comment, is_keyword_line, keyword_of
    use limber_deck_origin, only: origin_type
    implicit none
@@ -132,13 +133,17 @@ contains
    !> The keyword and all options that have a value, on as many lines as needed.
    function keyword_line(block) result(text)
       type(block_type), intent(in) :: block
-      character(:), allocatable :: text, line, item
+      character(:), allocatable :: text, line, item, model
       integer :: i
       text = ''
       item = ''
+      model = ''
+      if (block%keyword == 'BEAM') model = block%word('GEOMETRIC')
       line = '*'//block%keyword
       do i = 1, size(block%options)
          if (.not. block%options(i)%has_value) cycle
+         ! What means nothing of this beam is written only if the deck has it
+         if (.not. block%options(i)%given .and. is_void(block%keyword, model, trim(block%options(i)%name))) cycle
          item = trim(block%options(i)%name)//'='//value_text(block%options(i))
          line = line//','
          if (len(line) + len(item) + 2 > width) then

@@ -2,6 +2,7 @@
 module limber_model_beam_options
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_families, only: options_of_modes, options_of_exact
    implicit none
    private
    public :: check_options
@@ -13,15 +14,11 @@ contains
       !> Of the beam
       type(block_type), intent(in) :: block
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(18), parameter :: of_modes(14) = [character(18) :: 'MODES', 'BENDING MODES', 'AXIAL MODES', 'FREQUENCY LIMIT', &
-         & 'BASIS', 'CORRECTIONS', 'END SHAPES', 'GEOMETRIC ELEMENTS', 'GEOMETRIC INTEGRAL', 'AXIAL BASIS', 'END FORCE', &
-         & 'CENTRIFUGAL', 'MODAL DERIVATIVES', 'AXIAL DYNAMICS']
-      character(18), parameter :: of_exact(2) = [character(18) :: 'FUNCTIONS', 'STRAIN FUNCTIONS']
       if (block%word('GEOMETRIC') == 'EXACT') then
-         call look(of_modes, 'of an EXACT beam', 'leave it out: FUNCTIONS and STRAIN FUNCTIONS '// &
+         call look(options_of_modes, 'of an EXACT beam', 'leave it out: FUNCTIONS and STRAIN FUNCTIONS '// &
             & 'say how finely it bends and stretches')
       else
-         call look(of_exact, 'of a beam that is not EXACT', 'leave it out, or write GEOMETRIC=EXACT')
+         call look(options_of_exact(:2), 'of a beam that is not EXACT', 'leave it out, or write GEOMETRIC=EXACT')
       end if
 
    contains

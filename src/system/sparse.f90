@@ -110,8 +110,10 @@ contains
          begin = start(column)
       end do
       self%first(n + 1) = int(kept, c_int)
-      self%row = int(sorted(:kept) - 1, c_int)
-      allocate (self%values(kept))
+      ! Not by assignment alone: gfortran 12 reads the bounds of what is not allocated
+      if (allocated(self%row)) deallocate (self%row)
+      allocate (self%row(kept), self%values(kept))
+      self%row(:) = int(sorted(:kept) - 1, c_int)
       self%values = 0.0_wp
       self%n = n
       if (n <= few) then

@@ -6,7 +6,7 @@ module limber_analysis_centres
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_model_scene, only: joint_gear, joint_rack, joint_belt
    use limber_output_joints, only: joint_displacement
-   use limber_system_kinematics, only: point_position
+   use limber_system_point_motion, only: point_position
    use limber_system_system, only: system_type
    implicit none
    private

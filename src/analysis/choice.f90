@@ -11,7 +11,7 @@ module limber_analysis_choice
    use limber_model_segments, only: pieces_of
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, accelerate
-   use limber_system_kinematics, only: rates_of
+   use limber_system_layout, only: rates_of
    use limber_system_motion, only: motion_residual, linearise_motion
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent

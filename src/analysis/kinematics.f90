@@ -16,7 +16,8 @@ module limber_analysis_kinematics
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_freedom, only: freedom_type, find_freedom, motion_text
    use limber_system_held, only: held_type, new_held, held_position, held_motion, balance_deflections
-   use limber_system_kinematics, only: advance, place_frames, settle_angles
+   use limber_system_kinematics, only: place_frames, settle_angles
+   use limber_system_layout, only: advance
    use limber_system_multiplier, only: update_jacobians
    implicit none
    private

@@ -4,7 +4,8 @@
 module limber_analysis_kinks
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_system_kinematics, only: kinematics_type, place_frames, move_frames, advance, velocities_of
+   use limber_system_kinematics, only: kinematics_type, place_frames, move_frames
+   use limber_system_layout, only: advance, velocities_of
    use limber_system_moments, only: watched_loads, describe_law
    use limber_system_system, only: system_type
    use limber_system_tangent, only: tangent_type

@@ -15,7 +15,7 @@ module limber_analysis_observation
    use limber_analysis_frame_watch, only: observe_frames
    use limber_model_scene, only: body_type, ground
    use limber_system_algebra, only: cross
-   use limber_system_kinematics, only: point_position
+   use limber_system_point_motion, only: point_position
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private

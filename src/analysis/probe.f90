@@ -17,7 +17,7 @@ module limber_analysis_probe
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_turns, only: follow_places
    use limber_system_dynamics, only: linearise, accelerations, accelerate
-   use limber_system_kinematics, only: rates_of
+   use limber_system_layout, only: rates_of
    use limber_system_motion, only: motion_residual
    use limber_system_projection, only: settle
    implicit none

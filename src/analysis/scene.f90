@@ -25,7 +25,7 @@ module limber_analysis_scene
    use limber_system_relaxation, only: balance_start
    use limber_system_softening, only: soften_constraints
    use limber_system_algebra, only: cross
-   use limber_system_kinematics, only: point_position
+   use limber_system_point_motion, only: point_position
    use limber_system_massless, only: find_massless
    use limber_system_modal_damping, only: any_modal, find_damping
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace

@@ -18,7 +18,8 @@ module limber_analysis_statics
    use limber_output_sink, only: sink_type
    use limber_system_equilibrium, only: new_equilibrium, judge, descend, steady_motion, extent
    use limber_system_freedom, only: motion_text
-   use limber_system_kinematics, only: advance, place_frames, move_frames
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_layout, only: advance
    use limber_system_multiplier, only: update_jacobians
    implicit none
    private

@@ -8,7 +8,7 @@ module limber_analysis_surveys
    use limber_model_scene, only: body_type, point_type, effort_axis, ground, joint_weld, joint_translational
    use limber_model_spreads, only: spread_parts
    use limber_system_algebra, only: cross
-   use limber_system_kinematics, only: point_position
+   use limber_system_point_motion, only: point_position
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private

@@ -16,7 +16,7 @@ module limber_integrator_alpha
    use limber_system_forest, only: forest_type, new_forest, forest_solve
    use limber_system_forest_factors, only: forest_factor
    use limber_system_forest_motion, only: forest_residual, forest_settle, forest_times_mass, forest_power
-   use limber_system_kinematics, only: rates_of, velocities_of, advance
+   use limber_system_layout, only: rates_of, velocities_of, advance
    use limber_system_motion, only: motion_residual, place_motion
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type

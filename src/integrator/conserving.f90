@@ -16,7 +16,8 @@ module limber_integrator_conserving
    use limber_system_dynamics, only: linearise, accelerations
    use limber_system_forest, only: forest_type, new_forest, forest_solve
    use limber_system_forest_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
-   use limber_system_kinematics, only: layout_type, place_frames, move_frames, rates_of, velocities_of
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_layout, only: layout_type, rates_of, velocities_of
    use limber_system_projection, only: project_velocity
    use limber_system_step, only: step_type, new_step, begin_step, find_momenta, frame_rates, fixed_rates
    use limber_system_system, only: system_type, workspace_type

@@ -10,7 +10,8 @@ module limber_integrator_crossing
    use limber_base_error, only: error_type
    use limber_system_algebra, only: turn, cross
    use limber_system_dynamics, only: linearise, accelerations, input_power, velocity_residual
-   use limber_system_kinematics, only: place_frames, advance
+   use limber_system_kinematics, only: place_frames
+   use limber_system_layout, only: advance
    use limber_system_multiplier, only: update_jacobians
    use limber_system_projection, only: settle, project_velocity
    use limber_system_solution, only: solve_gaps, recover_multipliers

@@ -2,7 +2,7 @@
 !> for the rates. Floor: integrator. Source: Hermite interpolation; rotations by `advance`.
 module limber_integrator_cubic
    use limber_base_kinds, only: wp
-   use limber_system_kinematics, only: layout_type, velocities_of, advance
+   use limber_system_layout, only: layout_type, velocities_of, advance
    implicit none
    private
    public :: cubic_state

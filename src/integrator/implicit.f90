@@ -10,7 +10,7 @@ module limber_integrator_implicit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
    use limber_system_condensed_motion, only: condensed_rows_type, new_condensed_rows, condense_tangent
    use limber_system_dynamics, only: linearise, accelerations, input_power
-   use limber_system_kinematics, only: layout_type, rates_of
+   use limber_system_layout, only: layout_type, rates_of
    use limber_system_motion, only: linearise_motion, place_motion
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent

@@ -5,7 +5,7 @@ module limber_integrator_means
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_system_algebra, only: turn, along
-   use limber_system_kinematics, only: layout_type
+   use limber_system_layout, only: layout_type
    implicit none
    private
    public :: means_type, new_means, begin_means, predict, find_curvature, note_mean

@@ -2,7 +2,7 @@
 !> rates. Floor: integrator. Source: Hermite interpolation; rotations by `advance`; doc/theory, eq. (45).
 module limber_integrator_quintic
    use limber_base_kinds, only: wp
-   use limber_system_kinematics, only: layout_type, velocities_of, advance
+   use limber_system_layout, only: layout_type, velocities_of, advance
    implicit none
    private
    public :: quintic_state

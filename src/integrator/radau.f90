@@ -16,7 +16,7 @@ module limber_integrator_radau
    use limber_system_algebra, only: cross
    use limber_system_condensed_motion, only: condense_residual, condense_right_side
    use limber_system_dynamics, only: input_power
-   use limber_system_kinematics, only: velocities_of, advance
+   use limber_system_layout, only: velocities_of, advance
    use limber_system_motion, only: motion_residual
    use limber_system_projection, only: settle
    use limber_system_system, only: system_type, workspace_type

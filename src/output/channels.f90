@@ -14,7 +14,7 @@ module limber_output_channels
    use limber_output_turns, only: turns_type, new_turns, turned_angle
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: mechanical_energy
-   use limber_system_kinematics, only: point_position, point_velocity, point_acceleration
+   use limber_system_point_motion, only: point_position, point_velocity, point_acceleration
    use limber_system_exact_place, only: follow_place
    use limber_system_momentum, only: total_momentum
    use limber_system_system, only: system_type, workspace_type

@@ -5,7 +5,7 @@ module limber_output_drawn
    use limber_flex_exact, only: reach_of, undeformed_place
    use limber_model_scene, only: model_type
    use limber_system_exact_place, only: follow_place
-   use limber_system_kinematics, only: layout_type
+   use limber_system_layout, only: layout_type
    implicit none
    private
    public :: drawn_type, new_drawn, drawn_width, body_width, drawn_coordinates, drawn_shape, drawn_place

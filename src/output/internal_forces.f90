@@ -11,7 +11,7 @@ module limber_output_internal_forces
    use limber_system_centreline, only: centreline_type
    use limber_system_constraint, only: constraint_type
    use limber_system_exact_path, only: exact_path_type, foot_of
-   use limber_system_kinematics, only: point_position
+   use limber_system_point_motion, only: point_position
    use limber_system_kernel, only: linear_type, most_vectors, vector_pulls
    use limber_system_paths, only: sliding_type
    use limber_system_system, only: system_type, workspace_type

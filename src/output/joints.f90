@@ -4,7 +4,7 @@ module limber_output_joints
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground, point_type, driver_angle
    use limber_system_algebra, only: along, cross, turn
-   use limber_system_kinematics, only: point_position, point_velocity
+   use limber_system_point_motion, only: point_position, point_velocity
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private

@@ -13,7 +13,7 @@ module limber_output_outline
    use limber_output_drawn, only: body_width, drawn_shape, drawn_place, named_places, stretches_of_beam
    use limber_output_motion, only: geometry_type, prepare
    use limber_system_algebra, only: cross
-   use limber_system_kinematics, only: layout_type
+   use limber_system_layout, only: layout_type
    implicit none
    private
    public :: geometry_of, hull

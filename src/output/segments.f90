@@ -4,7 +4,7 @@
 module limber_output_segments
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: cross
-   use limber_system_kinematics, only: point_position, point_velocity
+   use limber_system_point_motion, only: point_position, point_velocity
    use limber_system_system, only: system_type
    implicit none
    private

@@ -14,7 +14,8 @@ module limber_system_discrete
    use limber_system_body, only: body_mass, centre_moment
    use limber_system_constraint, only: jacobian_type
    use limber_system_dynamics, only: position_residual
-   use limber_system_kinematics, only: layout_type, place_frames
+   use limber_system_kinematics, only: place_frames
+   use limber_system_layout, only: layout_type
    use limber_system_momentum, only: inertia_pull, momentum_tangent, pull_tangent
    use limber_system_motion, only: copy_rows, add_reaction_stiffness
    use limber_system_multiplier, only: update_jacobians

@@ -48,9 +48,8 @@ contains
       if (system%exact) then
          call factor_eta_masses(work, singular)
          if (singular) then
-            call raise(error, 'the mass matrix of an exact beam is singular at t = '//as_text(t, &
-               & 6)//': it is wound up too much '// &
-               & 'for its functions')
+            call raise(error, 'the mass matrix of an exact beam is singular at t = '//as_text(t, 6)// &
+               & ': it is wound up too much for its FUNCTIONS')
             return
          end if
       end if

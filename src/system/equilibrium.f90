@@ -7,7 +7,8 @@ module limber_system_equilibrium
    use limber_system_algebra, only: turn
    use limber_system_dynamics, only: position_residual
    use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness, has_potential, rate_scales
-   use limber_system_kinematics, only: advance, move_frames
+   use limber_system_kinematics, only: move_frames
+   use limber_system_layout, only: advance
    use limber_system_krylov, only: nearest_eigenvalues, is_large, by_scales
    use limber_system_motion, only: motion_residual, linearise_motion, linearise_loads
    use limber_system_system, only: system_type, workspace_type

@@ -9,7 +9,7 @@ module limber_system_forest_step
    use limber_system_algebra, only: turn, along, cross
    use limber_system_body, only: body_mass
    use limber_system_forest, only: forest_type, most_order, eliminate, hand_on
-   use limber_system_kinematics, only: layout_type
+   use limber_system_layout, only: layout_type
    use limber_system_momentum, only: body_momentum, momentum_tangent, pull_tangent
    use limber_system_step, only: step_type, gauss, find_end, into_frame
    implicit none

@@ -6,7 +6,7 @@ module limber_system_held
    use limber_system_algebra, only: turn
    use limber_system_dynamics, only: position_residual
    use limber_system_freedom, only: rate_scales
-   use limber_system_kinematics, only: advance, velocities_of
+   use limber_system_layout, only: advance, velocities_of
    use limber_system_motion, only: motion_residual, linearise_motion
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent, combine, static_softness, solve_refined

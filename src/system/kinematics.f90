@@ -6,34 +6,14 @@ module limber_system_kinematics
    use limber_base_snapshot, only: snapshot_type
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: model_type, point_type, body_point, driver_type, driver_angle, ground
+   use limber_model_scene, only: model_type, point_type, driver_type, driver_angle, ground
    use limber_system_algebra, only: turn, along, cross
    use limber_system_centreline, only: centreline_type, new_centreline, inner
-   use limber_system_exact_place, only: follow_place
+   use limber_system_layout, only: layout_type
    implicit none
    private
-   public :: layout_type, new_layout, marker_type, angle_type, kinematics_type, new_kinematics
+   public :: marker_type, angle_type, kinematics_type, new_kinematics
    public :: place_drives, place_frames, settle_angles, move_frames
-   public :: rates_of, velocities_of, advance
-   public :: point_position, point_velocity, point_acceleration
-
-   !> Where each body's coordinates stand. In q and v a body has [r (2); u (2); eta (n)], a point mass r only; the
-   !> independent rates have [r' (2); omega] for the frame, or r' only.
-   type :: layout_type
-      !> True for a body with a floating frame (bodies)
-      logical, allocatable :: framed(:)
-      !> Number of coordinates eta (bodies)
-      integer, allocatable :: n(:)
-      !> First index of r in q (bodies)
-      integer, allocatable :: q(:)
-      !> Number of the frame's rates: 3 or 2 (bodies)
-      integer, allocatable :: rates(:)
-      !> Length of q
-      integer :: nq = 0
-      !> First index of a body's rates [r' (2); omega; eta' (n)], or r' only, among the rates w of all; length of w
-      integer, allocatable :: w(:)
-      integer :: nw = 0
-   end type layout_type
 
    !> State of one body
    type :: frame_type
@@ -122,24 +102,6 @@ module limber_system_kinematics
    end type kinematics_type
 
 contains
-
-   !> Lays the coordinates of all bodies one after another.
-   pure function new_layout(model) result(layout)
-      type(model_type), intent(in) :: model
-      type(layout_type) :: layout
-      integer :: i, bodies
-      bodies = size(model%bodies)
-      allocate (layout%framed(bodies), layout%n(bodies), layout%q(bodies), layout%rates(bodies), layout%w(bodies))
-      do i = 1, bodies
-         layout%framed(i) = model%bodies(i)%kind /= body_point
-         layout%n(i) = model%bodies(i)%reduced%n
-         layout%rates(i) = merge(3, 2, layout%framed(i))
-         layout%q(i) = layout%nq + 1
-         layout%nq = layout%nq + merge(4, 2, layout%framed(i)) + layout%n(i)
-         layout%w(i) = layout%nw + 1
-         layout%nw = layout%nw + layout%rates(i) + layout%n(i)
-      end do
-   end function new_layout
 
    !> Room for frames and for the given points as markers.
    pure function new_kinematics(model, points, angles, bends) result(kinematics)
@@ -413,65 +375,6 @@ contains
       end do
    end subroutine move_directions
 
-   !> Independent rates w of velocities v at q: omega in place of u'.
-   pure subroutine rates_of(layout, q, v, w)
-      type(layout_type), intent(in) :: layout
-      !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
-      !> Rates (nw)
-      real(wp), intent(inout) :: w(:)
-      integer :: i, from, to
-      do i = 1, size(layout%q)
-         from = layout%q(i)
-         to = layout%w(i)
-         w(to:to + 1) = v(from:from + 1)
-         if (.not. layout%framed(i)) cycle
-         w(to + 2) = cross(q(from + 2:from + 3), v(from + 2:from + 3))
-         w(to + 3:to + 2 + layout%n(i)) = v(from + 4:from + 3 + layout%n(i))
-      end do
-   end subroutine rates_of
-
-   !> Velocities v of independent rates w at q: u' = omega J u.
-   pure subroutine velocities_of(layout, q, w, v)
-      type(layout_type), intent(in) :: layout
-      !> Coordinates (nq) and rates (nw)
-      real(wp), intent(in) :: q(:), w(:)
-      !> Velocities (nq)
-      real(wp), intent(inout) :: v(:)
-      integer :: i, from, to
-      do i = 1, size(layout%q)
-         to = layout%q(i)
-         from = layout%w(i)
-         v(to:to + 1) = w(from:from + 1)
-         if (.not. layout%framed(i)) cycle
-         v(to + 2) = -w(from + 2)*q(to + 3)
-         v(to + 3) = w(from + 2)*q(to + 2)
-         v(to + 4:to + 3 + layout%n(i)) = w(from + 3:from + 2 + layout%n(i))
-      end do
-   end subroutine velocities_of
-
-   !> Coordinates q moved by an increment in the layout of the rates: r and eta by addition, u by a rotation.
-   pure subroutine advance(layout, q, change, moved)
-      type(layout_type), intent(in) :: layout
-      !> Coordinates (nq), increment (nw)
-      real(wp), intent(in) :: q(:), change(:)
-      !> Coordinates (nq)
-      real(wp), intent(inout) :: moved(:)
-      real(wp) :: c, s
-      integer :: i, from, to
-      do i = 1, size(layout%q)
-         to = layout%q(i)
-         from = layout%w(i)
-         moved(to:to + 1) = q(to:to + 1) + change(from:from + 1)
-         if (.not. layout%framed(i)) cycle
-         c = cos(change(from + 2))
-         s = sin(change(from + 2))
-         moved(to + 2) = c*q(to + 2) - s*q(to + 3)
-         moved(to + 3) = c*q(to + 3) + s*q(to + 2)
-         moved(to + 4:to + 3 + layout%n(i)) = q(to + 4:to + 3 + layout%n(i)) + change(from + 3:from + 2 + layout%n(i))
-      end do
-   end subroutine advance
-
    !> Position of a point of a rigid body and its derivative by the rotation.
    pure subroutine place_rigid_marker(p0, frame, marker)
       !> Place in the frame
@@ -608,93 +511,6 @@ contains
       marker%velocity = turning*marker%lever
       marker%bias = -turning**2*marker%position
    end subroutine move_exact_direction
-
-   !> Position of any point of the model at the coordinates q (2).
-   pure function point_position(model, layout, point, q) result(position)
-      type(model_type), intent(in) :: model
-      type(layout_type), intent(in) :: layout
-      type(point_type), intent(in) :: point
-      !> Coordinates (nq)
-      real(wp), intent(in) :: q(:)
-      real(wp) :: position(2), p(2), drift(2), push(2)
-      integer :: first, k
-      position = point%p0
-      if (point%body == ground) return
-      first = layout%q(point%body)
-      position = q(first:first + 1)
-      if (.not. layout%framed(point%body)) return
-      p = point%p0
-      if (point%exact) then
-         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, q(first + 4:first + 3 + layout%n(point%body)), &
-            & p, drift, push)
-      else
-         do k = 1, layout%n(point%body)
-            p = p + point%phi(:, k)*q(first + 3 + k)
-         end do
-      end if
-      position = position + along(p, q(first + 2:first + 3))
-   end function point_position
-
-   !> Velocity of any point of the model (2).
-   pure function point_velocity(model, layout, point, q, v) result(velocity)
-      type(model_type), intent(in) :: model
-      type(layout_type), intent(in) :: layout
-      type(point_type), intent(in) :: point
-      !> Coordinates and velocities (nq)
-      real(wp), intent(in) :: q(:), v(:)
-      real(wp) :: velocity(2), p(2), drift(2), push(2)
-      integer :: first, last, k
-      velocity = 0.0_wp
-      if (point%body == ground) return
-      first = layout%q(point%body)
-      velocity = v(first:first + 1)
-      if (.not. layout%framed(point%body)) return
-      p = point%p0
-      drift = 0.0_wp
-      if (point%exact) then
-         last = first + 3 + layout%n(point%body)
-         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, q(first + 4:last), p, drift, push, &
-            & v(first + 4:last))
-      else
-         do k = 1, layout%n(point%body)
-            p = p + point%phi(:, k)*q(first + 3 + k)
-            drift = drift + point%phi(:, k)*v(first + 3 + k)
-         end do
-      end if
-      velocity = velocity + along(p, v(first + 2:first + 3)) + along(drift, q(first + 2:first + 3))
-   end function point_velocity
-
-   !> Acceleration of any point of the model (2).
-   pure function point_acceleration(model, layout, point, q, v, a) result(acceleration)
-      type(model_type), intent(in) :: model
-      type(layout_type), intent(in) :: layout
-      type(point_type), intent(in) :: point
-      !> Coordinates, velocities and accelerations (nq)
-      real(wp), intent(in) :: q(:), v(:), a(:)
-      real(wp) :: acceleration(2), p(2), drift(2), push(2)
-      integer :: first, last, k
-      acceleration = 0.0_wp
-      if (point%body == ground) return
-      first = layout%q(point%body)
-      acceleration = a(first:first + 1)
-      if (.not. layout%framed(point%body)) return
-      p = point%p0
-      drift = 0.0_wp
-      push = 0.0_wp
-      if (point%exact) then
-         last = first + 3 + layout%n(point%body)
-         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, q(first + 4:last), p, drift, push, &
-            & v(first + 4:last), a(first + 4:last))
-      else
-         do k = 1, layout%n(point%body)
-            p = p + point%phi(:, k)*q(first + 3 + k)
-            drift = drift + point%phi(:, k)*v(first + 3 + k)
-            push = push + point%phi(:, k)*a(first + 3 + k)
-         end do
-      end if
-      acceleration = acceleration + along(p, a(first + 2:first + 3)) + along(push, q(first + 2:first + 3)) &
-         & + 2*along(drift, v(first + 2:first + 3))
-   end function point_acceleration
 
    !> Saves or restores its memory.
    subroutine exchange_kinematics(self, snapshot)

@@ -11,7 +11,8 @@ module limber_system_projection
    use limber_system_drivers, only: driven_angle_type
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
    use limber_system_dynamics, only: linearise, position_residual, velocity_residual
-   use limber_system_kinematics, only: place_drives, place_frames, point_position, point_velocity
+   use limber_system_kinematics, only: place_drives, place_frames
+   use limber_system_point_motion, only: point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians
    use limber_system_solution, only: solve_multiplier_system, solve_gaps
    use limber_system_system, only: system_type, workspace_type
@@ -40,12 +41,22 @@ contains
       real(wp), intent(in) :: tolerance
       !> Residual at first, with all frames of the tree in their places, and residual reached
       real(wp), intent(out) :: before, residual
+      call put_together(system, work, t, q)
+      call project_placed(system, work, t, q, change, tolerance, before, residual)
+   end subroutine project_position
+
+   !> Frames of unit length, all that follows, hangs or is driven in its place, and the kinematics there.
+   subroutine put_together(system, work, t, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(inout) :: q(:)
       call normalise_frames(system, q)
       if (system%condensed) call place_axial(system, work, q)
       call place_tree(system, work, t, q)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call project_placed(system, work, t, q, change, tolerance, before, residual)
-   end subroutine project_position
+   end subroutine put_together
 
    !> The rounds of `project_position`; kinematics are placed, and what hangs or is driven is in its place.
    subroutine project_placed(system, work, t, q, change, tolerance, before, residual)
@@ -70,10 +81,7 @@ contains
             call spin_frame(system%layout%q(i) + 2, change(system%layout%q(i) + 2), work%kinematics%frames(i)%u, change)
          end do
          q = q + change
-         call normalise_frames(system, q)
-         if (system%condensed) call place_axial(system, work, q)
-         call place_tree(system, work, t, q)
-         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         call put_together(system, work, t, q)
          residual = position_residual(system, work)
          if (residual < 2*last .or. residual <= harmless) cycle
          call go_back(system, work, t, q, change, residual)
@@ -92,10 +100,7 @@ contains
       !> That of the place where it began
       real(wp), intent(out) :: residual
       q = q - change
-      call normalise_frames(system, q)
-      if (system%condensed) call place_axial(system, work, q)
-      call place_tree(system, work, t, q)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call put_together(system, work, t, q)
       residual = position_residual(system, work)
    end subroutine go_back
 
@@ -307,10 +312,7 @@ contains
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before
-      call normalise_frames(system, q)
-      if (system%condensed) call place_axial(system, work, q)
-      call place_tree(system, work, t, q)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call put_together(system, work, t, q)
       residual = position_residual(system, work)
       if (residual > max(allowed, least_residual)) call settle_position(system, work, t, q, change, before, residual, error)
    end subroutine settle_place

@@ -7,7 +7,8 @@ module limber_system_registry
    use limber_model_lists, only: append
    use limber_model_scene, only: model_type, driver_type, point_type, driver_angle, ground
    use limber_system_algebra, only: along
-   use limber_system_kinematics, only: layout_type, new_layout, angle_type
+   use limber_system_kinematics, only: angle_type
+   use limber_system_layout, only: layout_type, new_layout
    implicit none
    private
    public :: registry_type, start_registry, end_registry, marker_of, frame_marker, frame_point, direction_of, frame_direction

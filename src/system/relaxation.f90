@@ -7,7 +7,8 @@ module limber_system_relaxation
    use limber_base_finite, only: dgetrf, dgetrs
    use limber_model_scene, only: ground
    use limber_system_held, only: held_type, factor_held, correct_motion, held_position
-   use limber_system_kinematics, only: move_frames, rates_of, velocities_of
+   use limber_system_kinematics, only: move_frames
+   use limber_system_layout, only: rates_of, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: solve_refined

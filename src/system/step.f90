@@ -9,7 +9,8 @@ module limber_system_step
    use limber_model_scene, only: ground
    use limber_system_algebra, only: turn, along, cross
    use limber_system_constraint, only: jacobian_type
-   use limber_system_kinematics, only: kinematics_type, layout_type, new_kinematics, place_drives, place_frames, settle_angles
+   use limber_system_kinematics, only: kinematics_type, new_kinematics, place_drives, place_frames, settle_angles
+   use limber_system_layout, only: layout_type
    use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum
    use limber_system_system, only: system_type, workspace_type

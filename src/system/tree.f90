@@ -11,7 +11,7 @@ module limber_system_tree
    use limber_system_drivers, only: driven_angle_type
    use limber_system_holding, only: holding_type, new_holding, find_grip
    use limber_system_joints, only: revolute_type
-   use limber_system_kinematics, only: layout_type
+   use limber_system_layout, only: layout_type
    use limber_system_registry, only: registry_type
    implicit none
    private

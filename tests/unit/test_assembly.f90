@@ -8,7 +8,8 @@ program test_assembly
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
-   use limber_system_kinematics, only: move_frames, place_frames, point_position, point_velocity
+   use limber_system_kinematics, only: move_frames, place_frames
+   use limber_system_point_motion, only: point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians
    use limber_system_rank, only: assembly_type
    use limber_system_redundancy, only: constraint_names

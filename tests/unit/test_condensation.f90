@@ -13,7 +13,7 @@ program test_condensation
    use limber_system_condensation, only: place_axial, place_axial_rates, project_vector, update_folds
    use limber_system_condensed_motion, only: condensed_rows_type, condense_residual, condense_tangent, new_condensed_rows
    use limber_system_dynamics, only: accelerations, linearise
-   use limber_system_kinematics, only: advance, rates_of, velocities_of
+   use limber_system_layout, only: advance, rates_of, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, new_tangent, tangent_type

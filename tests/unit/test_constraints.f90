@@ -13,7 +13,8 @@ program test_constraints
    use limber_system_body, only: body_mass
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, position_residual, velocity_residual
    use limber_system_projection, only: project_position, project_velocity
-   use limber_system_kinematics, only: move_frames, place_frames, point_acceleration, point_position, point_velocity
+   use limber_system_kinematics, only: move_frames, place_frames
+   use limber_system_point_motion, only: point_acceleration, point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_joint, add_place, add_point_mass, add_rigid, &

@@ -11,7 +11,8 @@ program test_efforts
    use limber_model_build, only: build_model
    use limber_model_scene, only: ground, model_type
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, sum_forces
-   use limber_system_kinematics, only: advance, move_frames, place_frames, settle_angles, velocities_of
+   use limber_system_kinematics, only: move_frames, place_frames, settle_angles
+   use limber_system_layout, only: advance, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, new_tangent, tangent_type

@@ -11,7 +11,8 @@ program test_equilibrium
    use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, linearise_balance
    use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness
    use limber_system_held, only: held_type, new_held, held_position, held_motion
-   use limber_system_kinematics, only: advance, place_frames
+   use limber_system_kinematics, only: place_frames
+   use limber_system_layout, only: advance
    use limber_system_krylov, only: nearest_eigenvalues, by_mass, by_scales
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type

@@ -14,7 +14,7 @@ program test_forest
    use limber_system_forest_factors, only: forest_factor
    use limber_system_forest_motion, only: forest_power, forest_residual, forest_settle, forest_times_mass
    use limber_system_forest_step, only: begin_forest_step, forest_step_factor, forest_step_mass, forest_step_residual
-   use limber_system_kinematics, only: rates_of, velocities_of
+   use limber_system_layout, only: rates_of, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual, place_motion
    use limber_system_projection, only: settle
    use limber_system_step, only: begin_step, frame_rates, new_step, step_type

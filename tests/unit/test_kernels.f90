@@ -23,7 +23,8 @@ program test_kernels
    use limber_system_discrete, only: step_residual
    use limber_system_drivers, only: driven_origin_type
    use limber_system_dynamics, only: position_residual
-   use limber_system_kinematics, only: advance, move_frames, place_frames, velocities_of
+   use limber_system_kinematics, only: move_frames, place_frames
+   use limber_system_layout, only: advance, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_multiplier, only: update_jacobians
    use limber_system_step, only: begin_step, new_step, step_type

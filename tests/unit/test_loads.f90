@@ -7,7 +7,8 @@ program test_loads
    use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, reduction_type
    use limber_model_scene, only: ground, model_type
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy
-   use limber_system_kinematics, only: advance, move_frames, place_frames, velocities_of
+   use limber_system_kinematics, only: move_frames, place_frames
+   use limber_system_layout, only: advance, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, new_tangent, tangent_type

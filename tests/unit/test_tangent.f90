@@ -12,7 +12,8 @@ program test_tangent
       & fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
-   use limber_system_kinematics, only: advance, place_frames, rates_of, velocities_of
+   use limber_system_kinematics, only: place_frames
+   use limber_system_layout, only: advance, rates_of, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent, only: combine, new_tangent, tangent_type

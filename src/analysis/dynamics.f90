@@ -258,9 +258,9 @@ contains
 
    contains
 
-      !> Does the last step again, up to what was found in it.
+      !> Does the last step again, up to what was found in it, or as near to that as a step can end.
       subroutine do_again()
-         crossings%hold = crossings%t
+         crossings%hold = max(crossings%t, crossings%quarters(0)%t + near)
          crossings%held = crossings%found
          integrator%work_at_start = crossings%w
          integrator%statistics%steps = integrator%statistics%steps - 1
@@ -272,8 +272,9 @@ contains
       !> Cuts the last step where something was found. An integrator whose promise holds at the ends of its steps ends one there,
       !> and needs no start at a bend.
       subroutine meet_crossing()
-         if (t >= crossings%hold .and. crossings%found == found_nothing) crossings%found = crossings%held
-         if (t >= crossings%hold) crossings%hold = huge(t)
+         ! By round-off of its length a step may end next to where it is held
+         if (t >= crossings%hold - near .and. crossings%found == found_nothing) crossings%found = crossings%held
+         if (t >= crossings%hold - near) crossings%hold = huge(t)
          cut = crossings%found /= found_nothing .and. .not. integrator%ends_on_samples
          if (cut) t = crossings%t
          if (.not. integrator%ends_on_samples) return

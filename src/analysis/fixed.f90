@@ -100,7 +100,7 @@ contains
          case ('FRAME')
             call add("frame '"//deck%blocks(i)%name()//"'")
          case ('BEAM')
-            if (deck%blocks(i)%word('GEOMETRIC') == 'EXACT') then
+            if (deck%blocks(i)%word('GEOMETRIC') == 'EXACT' .and. deck%blocks(i)%given('GEOMETRIC')) then
                call add("beam '"//deck%blocks(i)%name()//"', whose FUNCTIONS are not varied")
                cycle
             end if

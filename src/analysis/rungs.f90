@@ -66,7 +66,7 @@ contains
       allocate (rungs(0))
       allocate (beams, source=deck%indices('BEAM'))
       do i = 1, size(beams)
-         if (deck%blocks(beams(i))%word('GEOMETRIC') == 'EXACT') cycle
+         if (deck%blocks(beams(i))%word('GEOMETRIC') == 'EXACT' .and. deck%blocks(beams(i))%given('GEOMETRIC')) cycle
          rung = given_rung(deck, beams(i))
          if (rung%segments == 1 .and. (rung%open_level .or. rung%open_modes)) rungs = [rungs, rung]
       end do

@@ -1,8 +1,10 @@
-!> Options of a beam that mean something for some of its models only. Floor: deck.
+!> Models of a beam: the options that mean something for some of them only, and the model that a deck means by what it gives.
+!> Floor: deck.
 module limber_deck_families
+   use limber_deck_content, only: deck_type, block_type
    implicit none
    private
-   public :: is_void
+   public :: is_void, settle_models
 
    !> Of the models with modes, and of exact beams
    character(*), parameter, public :: options_of_modes(14) = [character(18) :: 'MODES', 'BENDING MODES', 'AXIAL MODES', &
@@ -12,6 +14,65 @@ module limber_deck_families
       & 'END SECTION', 'CURVATURE', 'THERMAL STRAIN', 'THERMAL CURVATURE', 'PRETENSION']
 
 contains
+
+   !> The model of each beam that the deck leaves open: EXACT, or K_G where the deck asks for modes of the beam.
+   pure subroutine settle_models(deck)
+      type(deck_type), intent(inout) :: deck
+      logical :: studied
+      integer :: i
+      studied = studies_modes(deck)
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'BEAM') cycle
+         associate (block => deck%blocks(i))
+            if (.not. block%given('GEOMETRIC') .and. (studied .or. gives_modes(block) .or. has_attachments(deck, i))) &
+               & call deck%set_option(i, 'GEOMETRIC', 'K_G')
+         end associate
+      end do
+   end subroutine settle_models
+
+   !> Whether a beam gives an option of modes.
+   pure logical function gives_modes(block)
+      type(block_type), intent(in) :: block
+      integer :: i
+      gives_modes = .false.
+      do i = 1, size(options_of_modes)
+         gives_modes = gives_modes .or. block%given(trim(options_of_modes(i)))
+      end do
+   end function gives_modes
+
+   !> Whether *ATTACHMENT gives functions of a beam: by its name, or right below it.
+   pure logical function has_attachments(deck, beam)
+      type(deck_type), intent(in) :: deck
+      !> Index of its block
+      integer, intent(in) :: beam
+      logical :: below
+      integer :: i
+      has_attachments = .false.
+      below = .true.
+      do i = 1, size(deck%blocks)
+         if (i > beam) below = below .and. deck%blocks(i)%keyword /= 'BEAM' .and. deck%blocks(i)%keyword /= 'FRAME'
+         if (deck%blocks(i)%keyword /= 'ATTACHMENT') cycle
+         if (deck%blocks(i)%has('BODY')) then
+            has_attachments = has_attachments .or. deck%blocks(i)%name('BODY') == deck%blocks(beam)%name()
+         else
+            has_attachments = has_attachments .or. (i > beam .and. below)
+         end if
+      end do
+   end function has_attachments
+
+   !> Whether a *STUDY compares numbers of modes or of geometric elements.
+   pure logical function studies_modes(deck)
+      type(deck_type), intent(in) :: deck
+      integer :: i, k
+      studies_modes = .false.
+      i = deck%find('STUDY')
+      if (i == 0) return
+      do k = 1, size(deck%blocks(i)%lines)
+         if (deck%blocks(i)%lines(k)%count() == 0) cycle
+         studies_modes = studies_modes .or. any(deck%blocks(i)%lines(k)%text(1) == &
+            & [character(18) :: 'modes', 'bending modes', 'geometric elements'])
+      end do
+   end function studies_modes
 
    !> Whether an option means nothing of a beam.
    pure logical function is_void(keyword, model, option)

@@ -168,7 +168,7 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'END SHAPES', kind_yes, '', &
       &    '', '', 'YES: shapes of forces and moments at the ends beside the bending modes, for beams that are welded'), &
       & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL|EXACT', &
-      &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G (the paper), von Karman with curvature, or exact'), &
+      &    '', 'EXACT', 'rigid; K_E alone; K_E and K_G (the paper; default if modes are asked for); von Karman; or exact'), &
       & option_spec_type('BEAM', 'FUNCTIONS', kind_counting, '', &
       &    '', '6', 'functions of the section angle of an EXACT beam', most=200), &
       & option_spec_type('BEAM', 'STRAIN FUNCTIONS', kind_count, '', &

@@ -12,6 +12,7 @@ module limber_deck_reader
    use limber_deck_lexer, only: part_type, trimmed, split_fields, comment_start, is_comment, is_keyword_line, first_foreign, &
       & is_parameter_name, keyword_of
    use limber_deck_diagnostics, only: diagnostics_type, max_errors
+   use limber_deck_families, only: settle_models
    use limber_deck_compile, only: looks_like_expression, is_reserved
    use limber_deck_parameters, only: parameter_type, override_type
    use limber_deck_schema, only: form_text
@@ -76,6 +77,7 @@ contains
       if (assembly%blocks == 0 .and. diagnostics%count == 0) &
          & call diagnostics%add(origin_type(file=1), 'the deck is empty')
       call deck%index_names()
+      call settle_models(deck)
       deck%is_whole = .not. assembly%full
       if (deck%is_whole) call check_deck(deck, diagnostics)
       deck%is_whole = deck%is_whole .and. diagnostics%count < max_errors

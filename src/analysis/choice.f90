@@ -41,7 +41,7 @@ contains
       character(:), allocatable, intent(out) :: integrator, reason
       type(choice_type) :: found
       call look_at_state(system, work, system%model%dynamics%start, q, v, found)
-      call decide(found, system%powered .or. system%condensed .or. system%exact, system%model%dynamics, &
+      call decide(found, system%powered .or. system%condensed, system%model%dynamics, &
          & system%model%units%time, integrator, reason)
    end subroutine choose_integrator
 

@@ -108,7 +108,7 @@ contains
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call check_masses(scene, diagnostics)
          scene%assembling = seconds_since(tick)
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call settle_integrator(scene)
-         if (diagnostics%count == 0 .and. (scene%system%condensed .or. scene%system%exact)) &
+         if (diagnostics%count == 0 .and. scene%system%condensed) &
             & call check_axial(scene, diagnostics)
       end if
       scene%warnings = diagnostics%render(scene%deck%source)
@@ -166,13 +166,6 @@ contains
       integer :: i, block
       associate (model => scene%system%model)
          do i = 1, size(model%bodies)
-            if (model%bodies(i)%reduced%is_exact .and. is_conserving(model)) then
-               block = scene%deck%find_named('BEAM', model%bodies(i)%name)
-               origin = origin_type(file=1)
-               if (block > 0) origin = scene%deck%blocks(block)%origin_of('GEOMETRIC')
-               call diagnostics%add(origin, "beam '"//model%bodies(i)%name//"': CONSERVING has no step of an EXACT beam", &
-                  & 'write INTEGRATOR=ADAMS, RADAU or ALPHA')
-            end if
             if (.not. model%bodies(i)%reduced%condensed) cycle
             origin = origin_type(file=1)
             block = scene%deck%find_named('BEAM', model%bodies(i)%name)

@@ -467,7 +467,7 @@ contains
       call rates_of(system%layout, self%trial%new_q, self%path_v, self%new_w)
       before = dot_product(self%trial%new_b, self%trial%new_p)
       call frame_rates(system%layout, self%trial%new_q, self%new_w, self%e)
-      call find_momenta(system, self%trial%new_q, self%e, self%trial%new_p)
+      call find_momenta(system, work%kinematics%lines, self%trial%new_q, self%e, self%trial%new_p)
       self%input%new_shape(1) = self%input%new_shape(1) + 0.5_wp*(dot_product(self%e, self%trial%new_p) - before)
    end subroutine follow_drivers
 

@@ -12,7 +12,7 @@ module limber_system_centreline
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
-   public :: centreline_type, new_centreline, inner
+   public :: centreline_type, new_centreline, integrate, gather, add_columns, inner, inner_pair
 
    !> An exact beam at a state. Vectors are in the axes of its frame. Stations, or points, come first: they are many, the functions
    !> few
@@ -38,7 +38,7 @@ module limber_system_centreline
       real(wp), allocatable :: hx(:, :), hy(:, :), ax(:, :), ay(:, :), field(:, :), force(:, :), pull(:, :)
    contains
       procedure :: place, move, place_stations, move_stations, mass_matrix, eta_mass, forces, tangent, kinetic, moment, momenta
-      procedure :: add_curvature, drift_of, accelerations, exchange => exchange_centreline
+      procedure :: spread_points, add_curvature, drift_of, accelerations, exchange => exchange_centreline
    end type centreline_type
 
 contains

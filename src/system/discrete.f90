@@ -2,8 +2,8 @@
 !> change of the momenta equals the mean forces, which are discrete gradients of the energies. Unknowns are the increments of a
 !> `step_type` and the multipliers.
 !>
-!> Joints and loads come in by the kinematics of the mean: with positions, levers and u averaged over both ends, shapes by eq.
-!> (53) and increments over the step for velocities, their Jacobians and forces are discrete gradients.
+!> Joints and loads come in by the kinematics of the mean: with positions, levers and u averaged over both ends, shapes by eqs.
+!> (53), (X26) and increments over the step for velocities, their Jacobians and forces are discrete gradients.
 !> No allocation. Floor: system. Source: doc/theory, eqs. (49)-(56).
 module limber_system_discrete
    use limber_base_kinds, only: wp
@@ -14,6 +14,7 @@ module limber_system_discrete
    use limber_system_body, only: body_mass, centre_moment
    use limber_system_constraint, only: jacobian_type
    use limber_system_dynamics, only: position_residual
+   use limber_system_exact_step, only: exact_pull, exact_momentum_tangent, exact_pull_tangent, exact_weight_tangent
    use limber_system_kinematics, only: place_frames
    use limber_system_layout, only: layout_type
    use limber_system_momentum, only: inertia_pull, momentum_tangent, pull_tangent
@@ -46,8 +47,8 @@ contains
          work%kinematics%angles(i)%since = step%final
       end do
       call place_frames(system%model, system%layout, step%final, step%new_q, work%kinematics)
-      call find_mean(system%layout, step, work%kinematics, y)
-      call find_momenta(system, step%new_q, step%new_b, step%new_p)
+      call find_mean(system, step, work%kinematics, y)
+      call find_momenta(system, work%kinematics%lines, step%new_q, step%new_b, step%new_p)
       do i = 1, size(work%bodies)
          call body_residual(system, work, step, i, y, motion)
       end do
@@ -128,19 +129,31 @@ contains
          first = system%layout%q(i) + 4
          before = along(step%p(at:at + 1), u0)
          after = along(step%new_p(at:at + 1), u1)
-         arm = 0.5_wp*(along(centre_moment(body, step%q(first:first + n - 1)), u0) &
-            & + along(centre_moment(body, step%new_q(first:first + n - 1)), u1))
+         if (step%bodies(i)%line > 0) then
+            arm = 0.5_wp*(along(step%start%lines(step%bodies(i)%line)%moment(), u0) &
+               & + along(work%kinematics%lines(step%bodies(i)%line)%moment(), u1))
+         else
+            arm = 0.5_wp*(along(centre_moment(body, step%q(first:first + n - 1)), u0) &
+               & + along(centre_moment(body, step%new_q(first:first + n - 1)), u1))
+         end if
          stretch = u0 + 0.5_wp*y(at + 2)*turn(u0)
          motion(at:at + 1) = (after - before)/h - body%mass*gravity
          motion(at + 2) = (step%new_p(at + 2) - step%p(at + 2) + cross(y(at:at + 1), 0.5_wp*(before + after)))/h &
             & - cross(arm, gravity)
          if (n == 0) return
          step%bodies(i)%eta = step%q(first:first + n - 1) + 0.5_wp*y(at + 3:last)
-         call inertia_pull(body, step%bodies(i)%eta, step%b(at:last), step%new_b(at:last), motion(at + 3:last))
+         if (step%bodies(i)%line > 0) then
+            associate (k => step%bodies(i)%line)
+               call exact_pull(step%bodies(i)%exact, step%start%lines(k), work%kinematics%lines(k), step%mean%lines(k), &
+                  & step%b(at:last), step%new_b(at:last), motion(at + 3:last))
+            end associate
+         else
+            call inertia_pull(body, step%bodies(i)%eta, step%b(at:last), step%new_b(at:last), motion(at + 3:last))
+         end if
          call mean_elastic_force(system, work, step, i, y)
          do k = 1, n
             motion(at + 2 + k) = (step%new_p(at + 2 + k) - step%p(at + 2 + k))/h - motion(at + 2 + k) &
-               & + work%bodies(i)%eta_force(k) - dot_product(along(body%c(:, k), stretch), gravity)
+               & + work%bodies(i)%eta_force(k) - dot_product(along(step%bodies(i)%moment(:, k), stretch), gravity)
             if (body%damped) motion(at + 2 + k) = motion(at + 2 + k) + dot_product(body%damping(:, k), y(at + 3:last))/h
          end do
       end associate
@@ -222,9 +235,18 @@ contains
          slope(:, 1) = (back - 0.5_wp*y(at + 2)*turn(back))*(2/h)
          slope(:, 2) = turn(slope(:, 1))
          slope(:, 3) = -turn(into_frame(y(at:at + 1), u0))/h
-         call body_mass(body, [1.0_wp, 0.0_wp], step%new_q(first:first + n - 1), scratch%mass, scratch%coupling)
-         call momentum_tangent(body, step%new_q(first:first + n - 1), step%new_b(at:last), scratch%mass, scratch%coupling, &
-            & slope, h, mass)
+         if (step%bodies(i)%line > 0) then
+            associate (line => work%kinematics%lines(step%bodies(i)%line))
+               call line%mass_matrix([1.0_wp, 0.0_wp], scratch%mass, scratch%coupling)
+               call line%eta_mass(scratch%eta_mass)
+               call exact_momentum_tangent(line, step%new_b(at:last), scratch%mass, scratch%coupling, scratch%eta_mass, slope, h, &
+                  & mass)
+            end associate
+         else
+            call body_mass(body, [1.0_wp, 0.0_wp], step%new_q(first:first + n - 1), scratch%mass, scratch%coupling)
+            call momentum_tangent(body, step%new_q(first:first + n - 1), step%new_b(at:last), scratch%mass, scratch%coupling, &
+               & slope, h, mass)
+         end if
          after = along(step%new_p(at:at + 1), u1)
          mean = 0.5_wp*(after + along(step%p(at:at + 1), u0))
          do j = 1, 3 + n
@@ -237,12 +259,22 @@ contains
          mass(3, 2) = mass(3, 2) - mean(1)
          mass = mass/h
          step%bodies(i)%eta = step%q(first:first + n - 1) + 0.5_wp*y(at + 3:last)
-         call pull_tangent(body, step%bodies(i)%eta, step%b(at:last), step%new_b(at:last), slope, h, mass)
-         arm = along(centre_moment(body, step%new_q(first:first + n - 1)), u1)
+         if (step%bodies(i)%line > 0) then
+            associate (k => step%bodies(i)%line)
+               call exact_pull_tangent(step%bodies(i)%exact, step%start%lines(k), work%kinematics%lines(k), step%mean%lines(k), &
+                  & slope, h, mass)
+               call exact_weight_tangent(step%bodies(i)%exact, step%mean%lines(k), into_frame(gravity, step%mean%frames(i)%u), &
+                  & stiffness(4:, 4:))
+               arm = along(work%kinematics%lines(k)%moment(), u1)
+            end associate
+         else
+            call pull_tangent(body, step%bodies(i)%eta, step%b(at:last), step%new_b(at:last), slope, h, mass)
+            arm = along(centre_moment(body, step%new_q(first:first + n - 1)), u1)
+         end if
          stiffness(3, 3) = shrink*dot_product(arm, gravity)
          do k = 1, n
-            stiffness(3, 3 + k) = -cross(along(body%c(:, k), u1), gravity)
-            stiffness(3 + k, 3) = -cross(along(body%c(:, k), u0), gravity)
+            stiffness(3, 3 + k) = -cross(along(scratch%coupling(k, 1:2), u1), gravity)
+            stiffness(3 + k, 3) = -cross(along(step%bodies(i)%moment(:, k), u0), gravity)
             if (body%damped) tangent%bodies(i)%damping(4:3 + n, 3 + k) = body%damping(:, k)
          end do
          if (n > 0) call add_elastic_tangent(system, work, step, i, y, tangent)

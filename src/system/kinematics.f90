@@ -13,7 +13,7 @@ module limber_system_kinematics
    implicit none
    private
    public :: marker_type, angle_type, kinematics_type, new_kinematics
-   public :: place_drives, place_frames, settle_angles, move_frames
+   public :: place_drives, place_frames, settle_angles, move_frames, place_exact_shapes
 
    !> State of one body
    type :: frame_type
@@ -442,22 +442,33 @@ contains
       type(centreline_type), intent(in) :: line
       type(frame_type), intent(in) :: frame
       type(marker_type), intent(inout) :: marker
-      real(wp) :: p(2), x, y
-      integer :: i
+      real(wp) :: p(2)
       if (.not. marker%reaching) then
          marker%position = frame%position
          return
       end if
-      do i = 1, size(marker%shape, 2)
-         x = inner(line%stations, marker%reach, line%gx(:, i))
-         y = inner(line%stations, marker%reach, line%gy(:, i))
-         marker%shape(1, i) = frame%u(1)*x - frame%u(2)*y
-         marker%shape(2, i) = frame%u(1)*y + frame%u(2)*x
-      end do
+      call place_exact_shapes(line, frame%u, marker)
       p = along([inner(line%stations, marker%reach, line%g(:, 1)), inner(line%stations, marker%reach, line%g(:, 2))], frame%u)
       marker%position = frame%position + p
       marker%lever = turn(p)
    end subroutine place_exact_marker
+
+   !> Its derivatives by the coordinates.
+   pure subroutine place_exact_shapes(line, u, marker)
+      type(centreline_type), intent(in) :: line
+      !> Vector that turns, and stretches, the axes of the frame into those of space (2)
+      real(wp), intent(in) :: u(2)
+      type(marker_type), intent(inout) :: marker
+      real(wp) :: x, y
+      integer :: i
+      if (.not. marker%reaching) return
+      do i = 1, size(marker%shape, 2)
+         x = inner(line%stations, marker%reach, line%gx(:, i))
+         y = inner(line%stations, marker%reach, line%gy(:, i))
+         marker%shape(1, i) = u(1)*x - u(2)*y
+         marker%shape(2, i) = u(1)*y + u(2)*x
+      end do
+   end subroutine place_exact_shapes
 
    !> Velocity of such a point and the part of its acceleration that velocities alone make.
    pure subroutine move_exact_marker(line, frame, marker)

@@ -8,8 +8,11 @@ module limber_system_step
    use limber_base_snapshot, only: snapshot_type
    use limber_model_scene, only: ground
    use limber_system_algebra, only: turn, along, cross
+   use limber_system_centreline, only: centreline_type
    use limber_system_constraint, only: jacobian_type
-   use limber_system_kinematics, only: kinematics_type, new_kinematics, place_drives, place_frames, settle_angles
+   use limber_system_exact_step, only: exact_step_type, new_exact_step, place_mean, mean_turn, exact_momentum
+   use limber_system_kinematics, only: kinematics_type, marker_type, new_kinematics, place_drives, place_frames, settle_angles, &
+      & place_exact_shapes
    use limber_system_layout, only: layout_type
    use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum
@@ -23,8 +26,12 @@ module limber_system_step
 
    !> Scratch of a body
    type :: step_body_type
-      !> Coordinates between the ends (n), elastic tangent (n,n)
-      real(wp), allocatable :: eta(:), tangent(:, :)
+      !> Coordinates between the ends (n), elastic tangent (n,n), first moments of mass that units of the coordinates make in the
+      !> mean, in the axes of the frame (2,n)
+      real(wp), allocatable :: eta(:), tangent(:, :), moment(:, :)
+      !> Which of the centrelines an exact beam has, else 0, and what the step makes of it
+      integer :: line = 0
+      type(exact_step_type), allocatable :: exact
    end type step_body_type
 
    !> A step from a state
@@ -66,6 +73,14 @@ contains
          associate (n => system%layout%n(i))
             allocate (step%bodies(i)%eta(n), step%bodies(i)%tangent(n, n))
          end associate
+         step%bodies(i)%moment = system%model%bodies(i)%reduced%c
+      end do
+      do i = 1, size(step%mean%beams)
+         associate (own => step%bodies(step%mean%beams(i)))
+            own%line = i
+            allocate (own%exact)
+            call new_exact_step(step%mean%lines(i), own%exact)
+         end associate
       end do
    end subroutine new_step
 
@@ -86,20 +101,26 @@ contains
       call settle_angles(step%start, .false.)
       call place_drives(system%model, t + 0.5_wp*h, step%mean)
       step%mean%span = h
-      call find_momenta(system, q, b, step%p)
+      call find_momenta(system, step%start%lines, q, b, step%p)
    end subroutine begin_step
 
    !> Momenta of rates, both in the axes of the frames.
-   pure subroutine find_momenta(system, q, b, p)
+   pure subroutine find_momenta(system, lines, q, b, p)
       type(system_type), intent(in) :: system
+      !> Of the exact beams, placed
+      type(centreline_type), intent(inout) :: lines(:)
       !> Coordinates (nq), rates (nw), momenta (nw)
       real(wp), intent(in) :: q(:), b(:)
       real(wp), intent(inout) :: p(:)
-      integer :: i, first, last, at
+      integer :: i, first, last, at, line
+      line = 0
       do i = 1, size(system%layout%q)
          at = system%layout%w(i)
          associate (body => system%model%bodies(i)%reduced)
-            if (system%layout%framed(i)) then
+            if (body%is_exact) then
+               line = line + 1
+               call exact_momentum(lines(line), b(at:at + 2 + body%n), p(at:at + 2 + body%n))
+            else if (system%layout%framed(i)) then
                first = system%layout%q(i) + 4
                last = at + 2 + body%n
                call body_momentum(body, q(first:first + body%n - 1), b(at:last), p(at:last))
@@ -184,25 +205,26 @@ contains
       end do
    end subroutine find_end
 
-   !> Kinematics of the mean, eq. (53).
-   pure subroutine find_mean(layout, step, final, y)
-      type(layout_type), intent(in) :: layout
+   !> Kinematics of the mean, eqs. (53), (X26).
+   pure subroutine find_mean(system, step, final, y)
+      type(system_type), intent(in) :: system
       type(step_type), intent(inout) :: step
       !> Kinematics at the end
       type(kinematics_type), intent(in) :: final
       !> Increments (nw)
       real(wp), intent(in) :: y(:)
       integer :: i, k, m, at
-      do i = 1, size(layout%q)
-         at = layout%w(i)
+      do i = 1, size(system%layout%q)
+         at = system%layout%w(i)
          associate (frame => step%mean%frames(i), a => step%start%frames(i), b => final%frames(i))
             frame%position = 0.5_wp*(a%position + b%position)
             frame%velocity = y(at:at + 1)/step%h
-            if (.not. layout%framed(i)) cycle
+            if (.not. system%layout%framed(i)) cycle
             frame%u = 0.5_wp*(a%u + b%u)
             frame%omega = y(at + 2)/step%h
             frame%rate = frame%omega*turn(frame%u)
          end associate
+         if (step%bodies(i)%line > 0) call find_mean_line(system%layout, step, i, y)
       end do
       do m = 1, size(step%mean%markers)
          associate (marker => step%mean%markers(m), a => step%start%markers(m), b => final%markers(m))
@@ -212,9 +234,11 @@ contains
                marker%lever = 0.5_wp*(a%lever + b%lever)
                marker%velocity = frame%omega*marker%lever
                if (.not. marker%direction) marker%velocity = frame%velocity + marker%velocity
+               if (marker%line > 0) call find_mean_shape(system, step, marker, y)
                do k = 1, size(marker%shape, 2)
-                  marker%shape(:, k) = 0.5_wp*(1 + 0.25_wp*(frame%omega*step%h)**2)*(a%shape(:, k) + b%shape(:, k))
-                  marker%velocity = marker%velocity + marker%shape(:, k)*(y(layout%w(marker%body) + 2 + k)/step%h)
+                  if (marker%line == 0) marker%shape(:, k) = 0.5_wp*(1 + 0.25_wp*(frame%omega*step%h)**2) &
+                     & *(a%shape(:, k) + b%shape(:, k))
+                  marker%velocity = marker%velocity + marker%shape(:, k)*(y(system%layout%w(marker%body) + 2 + k)/step%h)
                end do
             end associate
          end associate
@@ -225,11 +249,54 @@ contains
       do m = 1, size(step%mean%bends)
          associate (bend => step%mean%bends(m))
             bend%eta = 0.5_wp*(step%start%bends(m)%eta + final%bends(m)%eta)
-            at = layout%w(bend%body) + 3
+            at = system%layout%w(bend%body) + 3
             bend%rate = y(at:at + size(bend%rate) - 1)/step%h
          end associate
       end do
    end subroutine find_mean
+
+   !> The axis of an exact beam in the mean, and the first moments of mass that its coordinates make.
+   pure subroutine find_mean_line(layout, step, body, y)
+      type(layout_type), intent(in) :: layout
+      type(step_type), intent(inout) :: step
+      integer, intent(in) :: body
+      real(wp), intent(in) :: y(:)
+      integer :: first, at, n, k
+      first = layout%q(body) + 4
+      at = layout%w(body) + 3
+      n = layout%n(body)
+      associate (own => step%bodies(body), line => step%mean%lines(step%bodies(body)%line))
+         own%eta = step%q(first:first + n - 1) + 0.5_wp*y(at:at + n - 1)
+         call place_mean(own%exact, line, own%eta, y(at:at + n - 1), step%h)
+         do k = 1, n
+            own%moment(:, k) = [sum(line%mass*line%dx(:, k)), sum(line%mass*line%dy(:, k))]
+         end do
+      end associate
+   end subroutine find_mean_line
+
+   !> What the coordinates of an exact beam move a point or direction of it by, times the increments its change in the step.
+   pure subroutine find_mean_shape(system, step, marker, y)
+      type(system_type), intent(in) :: system
+      type(step_type), intent(in) :: step
+      type(marker_type), intent(inout) :: marker
+      real(wp), intent(in) :: y(:)
+      real(wp) :: stretched(2), vector(2)
+      integer :: k, at, n
+      stretched = step%mean%frames(marker%body)%u*(1 + 0.25_wp*(step%mean%frames(marker%body)%omega*step%h)**2)
+      if (.not. marker%direction) then
+         call place_exact_shapes(step%mean%lines(marker%line), stretched, marker)
+         return
+      end if
+      at = system%layout%w(marker%body) + 3
+      n = system%layout%n(marker%body)
+      associate (psi => system%model%points(marker%point)%psi, eta => step%bodies(marker%body)%eta)
+         vector = mean_turn(dot_product(psi, eta), 0.5_wp*dot_product(psi, y(at:at + n - 1)))
+         vector = turn(along(along(marker%p0, vector), stretched))
+         do k = 1, size(marker%shape, 2)
+            marker%shape(:, k) = psi(k)*vector
+         end do
+      end associate
+   end subroutine find_mean_shape
 
    !> Saves or restores its memory.
    subroutine exchange_step(self, snapshot)

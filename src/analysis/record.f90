@@ -172,8 +172,6 @@ contains
       type(history_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
       call history%put_attribute(group, 'elements', size(body%mesh%member), error)
-      if (.not. allocated(error)) call history%put_attribute(group, 'geometric_elements', body%frame_choice%geometric_elements, &
-         & error)
       if (.not. allocated(error)) call history%put_real(group//'/nodes', body%mesh%place, units%length, &
          & 'place of each node in the body frame', error)
       if (.not. allocated(error)) call history%put_real(group//'/element_nodes', real(body%mesh%ends, wp), '1', &

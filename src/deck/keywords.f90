@@ -216,21 +216,16 @@ module limber_deck_keywords
       & option_spec_type('FRAME', 'SECTION', kind_reference, 'SECTION', &
       &    '', '', 'cross-section of members that are given no other'), &
       & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member', most=1000), &
-      & option_spec_type('FRAME', 'MODES', kind_count, '', '', '6', 'number of vibration modes', most=1000), &
+      & option_spec_type('FRAME', 'MODES', kind_count, '', &
+      &    '', '', 'number of vibration modes; default 3 for each member, 6 at least, 24 at most', most=1000), &
       & option_spec_type('FRAME', 'FREQUENCY LIMIT', kind_positive, '', &
       &    'rad/s', '', 'all modes below it; given, it replaces MODES'), &
       & option_spec_type('FRAME', 'BASIS', kind_word, bases, &
       &    '', 'VIBRATION', basis_meaning), &
       & option_spec_type('FRAME', 'CORRECTIONS', kind_yes, '', &
-      &    '', 'NO', correction_meaning), &
-      & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL', &
-      &    '', 'K_G', 'fidelity: no deflection, K_E alone, K_E and K_G, or von Karman with curvature'), &
-      & option_spec_type('FRAME', 'GEOMETRIC ELEMENTS', kind_counting, '', &
-      &    '', '2', 'elements for the geometric part in each member, independent of DIVISIONS', most=1000), &
-      & option_spec_type('FRAME', 'STATIC FUNCTIONS', kind_word, 'NONE|CENTRIFUGAL|ACCELERATIONS', &
-      &    '', '', 'responses beside the modes: to rotation, and also to accelerations; default CENTRIFUGAL, with LINEAR NONE'), &
-      & option_spec_type('FRAME', 'MODAL DERIVATIVES', kind_count, '', &
-      &    '', '3', 'FULL: responses to the foreshortening by mode pairs 11, 12, 22, 13, ...', most=1000), &
+      &    '', '', 'responses to what joints, drivers and loads exert on it, and to its accelerations; default YES with K_G'), &
+      & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G', &
+      &    '', 'K_G', 'fidelity: no deflection, K_E alone, or K_E and K_G; where members bend far, LARGE=YES'), &
       & option_spec_type('FRAME', 'X', kind_real, '', &
       &    'm', '0', 'x of the floating frame at first, kept where the joints allow it'), &
       & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame at first'), &

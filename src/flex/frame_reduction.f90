@@ -1,22 +1,22 @@
 !> From a frame and the user's choices to its reduced constants: vibration modes, static functions, geometric part, invariants.
 !> Each member is a straight beam that all coordinates bend and stretch. Floor: flex.
-!> Source: doc/theory, eqs. (18)-(22), (121)-(123).
+!> Source: doc/theory, eqs. (18)-(22), (121), (123).
 module limber_flex_frame_reduction
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
-   use limber_flex_frame, only: frame_type, member_field, member_length
+   use limber_flex_frame, only: frame_type, member_field
    use limber_flex_frame_solver, only: solver_type, new_solver, frame_band, rigid_motions, on_equations, &
       & from_equations, remove_motion
    use limber_flex_functions, only: attachment_type, attachment_loads, constraint_functions, static_responses, add_functions, &
       & left_out_note
-   use limber_flex_geometric, only: mean_slopes, mean_strains, element_ends, project_cubic, project_membrane, project_curvature
-   use limber_flex_mesh, only: beam_type, field_type, deflection_at, slope_at, extension_at
+   use limber_flex_geometric, only: mean_slopes, mean_strains, project_cubic
+   use limber_flex_mesh, only: field_type, deflection_at, slope_at, extension_at
    use limber_flex_modes, only: lowest_modes, count_held_modes
    use limber_flex_limits, only: check_size, check_slopes
    use limber_flex_reduced, only: reduced_type, start_inertia, add_inertia, add_rotary
-   use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
+   use limber_flex_reduction, only: fidelity_linear, fidelity_kg
    implicit none
    private
    public :: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
@@ -36,14 +36,10 @@ module limber_flex_frame_reduction
       logical :: craig_bampton = .false.
       !> The interface, beside `attachments`; and what else acts on the frame, the responses to which join the coordinates
       type(attachment_type), allocatable :: interface(:), corrections(:)
-      !> fidelity_linear, fidelity_kg or fidelity_full
+      !> fidelity_linear or fidelity_kg
       integer :: fidelity = fidelity_kg
-      !> Number of k_G elements in a member
-      integer :: geometric_elements = 1
-      !> Static functions: response to the centrifugal load; to the three accelerations of the frame
-      logical :: centrifugal = .false., accelerations = .false.
-      !> Number of modal derivatives, of mode pairs 11, 12, 22, 13, ...
-      integer :: derivatives = 0
+      !> Static functions: responses to rotation and to the three accelerations of the frame
+      logical :: accelerations = .false.
       !> Static functions: responses to unit loads on degrees of freedom, [node, 1 to 3] each (2, number)
       integer, allocatable :: attachments(:, :)
    end type frame_choice_type
@@ -151,7 +147,7 @@ contains
          if (allocated(error)) return
          deallocate (functions)
       end if
-      call static_functions(frame, choice, shape, functions, error)
+      call static_functions(frame, choice, functions, error)
       if (allocated(error)) return
       if (size(functions, 3) > 0) call add_functions(frame, functions, size(load, 3) > 0, shape, omega2, left_out, error)
       if (allocated(error)) return
@@ -164,11 +160,10 @@ contains
       end do
       allocate (body%omega2, source=omega2)
       body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
-      body%full = choice%fidelity == fidelity_full .and. body%n > 0
-      if (body%geometric) call check_size(body%n, body%n, body%full, error)
-      if (body%geometric .and. .not. allocated(error)) call check_slopes(body%n, (size(frame%first) - 1)* &
-         & choice%geometric_elements, size(frame%length), body%full, error)
-      if (.not. allocated(error)) call project_members(frame, choice, shape, body)
+      if (body%geometric) call check_size(body%n, body%n, .false., error)
+      if (body%geometric .and. .not. allocated(error)) call check_slopes(body%n, size(frame%length), size(frame%length), &
+         & .false., error)
+      if (.not. allocated(error)) call project_members(frame, shape, body)
    end subroutine reduce_frame
 
    !> Displacement (2,n) and rotation (n) of all coordinates at a place along a member.
@@ -239,24 +234,21 @@ contains
    end subroutine vibration_modes
 
    !> Responses to the chosen loads.
-   subroutine static_functions(frame, choice, modes, functions, error)
+   subroutine static_functions(frame, choice, functions, error)
       type(frame_type), intent(in) :: frame
       type(frame_choice_type), intent(in) :: choice
-      !> (3, nodes, modes)
-      real(wp), intent(in) :: modes(:, :, :)
       !> (3, nodes, number)
       real(wp), allocatable, intent(out) :: functions(:, :, :)
       type(error_type), allocatable, intent(out) :: error
       type(solver_type) :: solver
       real(wp), allocatable :: load(:, :, :)
-      integer :: i, j, count, derivatives, attached, corrections
-      derivatives = min(choice%derivatives, size(modes, 3)*(size(modes, 3) + 1)/2)
+      integer :: i, count, attached, corrections
       attached = 0
       ! Of Craig and Bampton they are the interface
       if (allocated(choice%attachments) .and. .not. choice%craig_bampton) attached = size(choice%attachments, 2)
       corrections = 0
       if (allocated(choice%corrections)) corrections = size(choice%corrections)
-      count = attached + corrections + derivatives + merge(1, 0, choice%centrifugal) + merge(3, 0, choice%accelerations)
+      count = attached + corrections + merge(4, 0, choice%accelerations)
       allocate (functions(3, size(frame%place, 2), count), load(3, size(frame%place, 2), count))
       if (count == 0) return
       call new_solver(frame, solver, error)
@@ -267,86 +259,33 @@ contains
       end do
       if (corrections > 0) load(:, :, attached + 1:attached + corrections) = attachment_loads(frame, choice%corrections)
       count = attached + corrections
-      if (choice%centrifugal) then
-         count = count + 1
-         load(1:2, :, count) = frame%mass(1:2, :)*frame%place
-      end if
       if (choice%accelerations) then
-         load(1, :, count + 1) = frame%mass(1, :)
-         load(2, :, count + 2) = frame%mass(2, :)
-         load(1, :, count + 3) = -frame%mass(1, :)*frame%place(2, :)
-         load(2, :, count + 3) = frame%mass(2, :)*frame%place(1, :)
-         load(3, :, count + 3) = frame%mass(3, :)
-         count = count + 3
+         load(1:2, :, count + 1) = frame%mass(1:2, :)*frame%place
+         load(1, :, count + 2) = frame%mass(1, :)
+         load(2, :, count + 3) = frame%mass(2, :)
+         load(1, :, count + 4) = -frame%mass(1, :)*frame%place(2, :)
+         load(2, :, count + 4) = frame%mass(2, :)*frame%place(1, :)
+         load(3, :, count + 4) = frame%mass(3, :)
       end if
-      pairs: do j = 1, size(modes, 3)
-         do i = 1, j
-            if (derivatives == 0) exit pairs
-            derivatives = derivatives - 1
-            count = count + 1
-            call add_shortening(frame, choice, modes(:, :, [i, j]), load(:, :, count))
-         end do
-      end do pairs
       call static_responses(frame, solver, load, functions)
    end subroutine static_functions
 
-   !> The load of an initial strain -1/2 B_g(1,2) in every k_G element: what cancels the foreshortening of a pair of modes,
-   !> eq. (122).
-   subroutine add_shortening(frame, choice, pair, load)
+   !> The geometric part: a sum over the members, in each finite element of which the axial force is that of its own strain.
+   subroutine project_members(frame, shape, body)
       type(frame_type), intent(in) :: frame
-      type(frame_choice_type), intent(in) :: choice
-      !> Two shapes (3, nodes, 2)
-      real(wp), intent(in) :: pair(:, :, :)
-      !> (3, nodes)
-      real(wp), intent(inout) :: load(:, :)
-      real(wp) :: x(0:choice%geometric_elements), b(2, 2, choice%geometric_elements), strain, overlap
-      integer :: m, e, g
-      do m = 1, size(frame%first) - 1
-         x = element_ends(member_length(frame, m), choice%geometric_elements)
-         b = mean_slopes(member_field(frame, pair, m), x, .false.)
-         do e = frame%first(m), frame%first(m + 1) - 1
-            strain = 0.0_wp
-            do g = 1, choice%geometric_elements
-               overlap = min(x(g), frame%from(e) + frame%length(e)) - max(x(g - 1), frame%from(e))
-               if (overlap > 0.0_wp) strain = strain - 0.5_wp*b(1, 2, g)*overlap/frame%length(e)
-            end do
-            associate (ends => frame%ends(:, e), pull => frame%ea(e)*strain*frame%axis(:, e))
-               load(1:2, ends(1)) = load(1:2, ends(1)) - pull
-               load(1:2, ends(2)) = load(1:2, ends(2)) + pull
-            end associate
-         end do
-      end do
-   end subroutine add_shortening
-
-   !> The geometric part: a sum over the members, each with its own k_G elements.
-   subroutine project_members(frame, choice, shape, body)
-      type(frame_type), intent(in) :: frame
-      type(frame_choice_type), intent(in) :: choice
       real(wp), intent(in) :: shape(:, :, :)
       type(reduced_type), intent(inout) :: body
       type(field_type) :: field
-      type(beam_type) :: beam
-      real(wp) :: x(0:choice%geometric_elements)
       real(wp), allocatable :: slopes(:, :, :)
-      integer :: m, pairs
-      pairs = body%n*(body%n + 1)/2
-      allocate (body%cubic(merge(pairs, 0, body%geometric), body%n))
-      allocate (body%quartic(merge(pairs, 0, body%full), merge(pairs, 0, body%full)))
+      integer :: m
+      allocate (body%cubic(merge(body%n*(body%n + 1)/2, 0, body%geometric), body%n), body%quartic(0, 0))
       body%cubic = 0.0_wp
-      body%quartic = 0.0_wp
       if (.not. body%geometric) return
       do m = 1, size(frame%first) - 1
-         associate (e => frame%first(m))
-            beam%ea = frame%ea(e)
-            beam%ei = frame%ei(e)
-         end associate
-         beam%length = member_length(frame, m)
          field = member_field(frame, shape, m)
-         x = element_ends(beam%length, choice%geometric_elements)
-         allocate (slopes(body%n, body%n, choice%geometric_elements))
-         slopes = mean_slopes(field, x, .false.)
-         body%cubic = body%cubic + project_cubic(beam%ea, x, mean_strains(field, x), slopes)
-         if (body%full) body%quartic = body%quartic + project_membrane(beam%ea, x, slopes) + project_curvature(beam, field)
+         allocate (slopes(body%n, body%n, frame%first(m + 1) - frame%first(m)))
+         slopes = mean_slopes(field, field%s, .false.)
+         body%cubic = body%cubic + project_cubic(frame%ea(frame%first(m)), field%s, mean_strains(field, field%s), slopes)
          deallocate (slopes)
       end do
    end subroutine project_members

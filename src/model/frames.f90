@@ -10,7 +10,7 @@ module limber_model_frames
    use limber_flex_frame_solver, only: connected_nodes
    use limber_flex_functions, only: attachment_type
    use limber_flex_reduced, only: reduced_type, rigid_reduced
-   use limber_flex_reduction, only: fidelity_linear, fidelity_kg, fidelity_full
+   use limber_flex_reduction, only: fidelity_linear, fidelity_kg
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
    use limber_model_frame_draft, only: draft_type, read_draft, member_of
@@ -23,6 +23,8 @@ module limber_model_frames
 
    !> Most finite elements of a frame
    integer, parameter :: max_elements = 20000
+   !> Modes where the deck does not say how many: for each member, at least, at most
+   integer, parameter :: modes_of_member = 3, least_modes = 6, most_modes = 24
 
 contains
 
@@ -39,17 +41,24 @@ contains
       logical :: usable, cut
       integer :: before, added
       before = diagnostics%count
-      call settle_options(deck, index)
       allocate (body)
       body = new_body(deck%blocks(index), body_flexible)
       body%is_frame = .true.
       call read_draft(deck, index, draft, diagnostics)
+      call settle_options(deck, index, draft)
       usable = diagnostics%count == before
       if (usable) call mesh(deck, index, draft, body, diagnostics)
       usable = usable .and. diagnostics%count == before
       cut = .false.
       if (usable .and. deck%blocks(index)%word('GEOMETRIC') /= 'RIGID') then
          call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut)
+         ! Without a number in the deck modes of one frequency are all in
+         if (cut .and. .not. (deck%blocks(index)%given('MODES') .or. deck%blocks(index)%given('FREQUENCY LIMIT'))) then
+            body%frame_choice%modes = body%frame_choice%modes + 1
+            deallocate (body%shape)
+            call reduce_frame(body%mesh, body%frame_choice, body%reduced, body%shape, error, body%note, cut)
+            call deck%set_number(index, 'MODES', real(body%frame_choice%modes, wp))
+         end if
          if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "frame '"//body%name//"': "//error%message)
       end if
       if (.not. usable .or. diagnostics%count > before) then
@@ -60,10 +69,6 @@ contains
          body%reduced = rigid_frame(draft)
       else if (body%reduced%n > 0) then
          body%largest_shape = maxval(abs(body%shape(1:2, :, :)))
-         if (body%reduced%full .and. body%frame_choice%derivatives == 0) call diagnostics%warn(deck%blocks(index)%origin_of( &
-            & 'MODAL DERIVATIVES'), "frame '"//body%name//"' locks: FULL with vibration modes alone deflects too little", &
-            & 'use MODAL DERIVATIVES=3 or more')
-         if (body%reduced%full) call warn_of_elements(deck%blocks(index), body, diagnostics)
       end if
       if (usable .and. allocated(body%shape)) call warn_of_rounding(extent(draft%place(:, :size(draft%node)))/ &
          & minval(body%mesh%length), deck%blocks(index)%origin_of('DIVISIONS'), "frame '"//body%name//"'", diagnostics)
@@ -75,34 +80,21 @@ contains
       if (diagnostics%count == before) call add_frame_points(deck, index, draft, model, diagnostics)
    end subroutine add_frame
 
-   !> Modal derivatives strain whole finite elements: if one lies in two k_G elements the foreshortening is not carried.
-   subroutine warn_of_elements(block, body, diagnostics)
-      type(block_type), intent(in) :: block
-      type(body_type), intent(in) :: body
-      type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: m, divisions
-      do m = 1, size(body%mesh%first) - 1
-         divisions = body%mesh%first(m + 1) - body%mesh%first(m)
-         if (modulo(divisions, body%frame_choice%geometric_elements) == 0) cycle
-         call diagnostics%warn(block%origin_of('GEOMETRIC ELEMENTS'), "frame '"//body%name//"' locks: "//as_text(divisions)// &
-            & ' divisions of a member are not the same number in each of '//as_text(body%frame_choice%geometric_elements)// &
-            & ' geometric elements', 'use DIVISIONS that GEOMETRIC ELEMENTS divides')
-         return
-      end do
-   end subroutine warn_of_elements
-
-   !> Choices that the deck leaves open.
-   subroutine settle_options(deck, index)
+   !> Choices that the deck leaves open: in K_G axial forces act on bending, so that the coordinates have to carry those of all loads;
+   !> each member bends on its own.
+   subroutine settle_options(deck, index, draft)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: index
-      if (deck%blocks(index)%has('STATIC FUNCTIONS')) return
-      call deck%set_option(index, 'STATIC FUNCTIONS', merge('CENTRIFUGAL', 'NONE       ', &
-         & deck%blocks(index)%word('GEOMETRIC') == 'K_G' .or. deck%blocks(index)%word('GEOMETRIC') == 'FULL'))
+      type(draft_type), intent(in) :: draft
+      if (.not. deck%blocks(index)%has('CORRECTIONS')) call deck%set_option(index, 'CORRECTIONS', &
+         & trim(merge('YES', 'NO ', deck%blocks(index)%word('GEOMETRIC') == 'K_G')))
+      if (deck%blocks(index)%has('MODES')) return
+      call deck%set_number(index, 'MODES', real(min(max(least_modes, modes_of_member*size(draft%number)), most_modes), wp))
    end subroutine settle_options
 
    !> The mesh, and what was chosen.
    subroutine mesh(deck, index, draft, body, diagnostics)
-      type(deck_type), intent(in) :: deck
+      type(deck_type), intent(inout) :: deck
       !> Of its block
       integer, intent(in) :: index
       type(draft_type), intent(in) :: draft
@@ -137,17 +129,17 @@ contains
          select case (block%word('GEOMETRIC'))
          case ('LINEAR'); choice%fidelity = fidelity_linear
          case ('K_G'); choice%fidelity = fidelity_kg
-         case ('FULL'); choice%fidelity = fidelity_full
          end select
-         choice%geometric_elements = max(1, block%integer('GEOMETRIC ELEMENTS'))  ! 0: refused by the reader
-         choice%centrifugal = block%word('STATIC FUNCTIONS') /= 'NONE'
-         choice%accelerations = block%word('STATIC FUNCTIONS') == 'ACCELERATIONS'
-         if (choice%fidelity == fidelity_full) choice%derivatives = block%integer('MODAL DERIVATIVES')
+         choice%accelerations = block%yes('CORRECTIONS')
          allocate (choice%attachments, source=draft%attachments)
          call choose_attachments(deck, index, draft, choice)
       end associate
       if (body%frame_choice%frequency_limit > 0.0_wp) return
       available = available_frame_modes(body%mesh, body%frame_choice)
+      if (.not. deck%blocks(index)%given('MODES') .and. body%frame_choice%modes > available) then
+         body%frame_choice%modes = available
+         call deck%set_number(index, 'MODES', real(available, wp))
+      end if
       associate (block => deck%blocks(index))
          if (block%integer('MODES') > available) call diagnostics%add(block%origin_of('MODES'), "frame '"//body%name//"': "// &
             & as_text(block%integer('MODES'))//' modes are asked for, but the lumped mass gives '//as_text(available), &

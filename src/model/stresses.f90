@@ -62,7 +62,7 @@ contains
       call spread_places(model, index, sections, places)
       associate (body => model%bodies(index))
          if (body%is_frame) then
-            call new_recovery(body%mesh, body%shape, body%reduced, body%frame_choice%geometric_elements, &
+            call new_recovery(body%mesh, body%shape, body%reduced, 1, &
                & [sections, all_sections(body%mesh, body%envelope)], places, body%recovery, error)
          else
             call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)

@@ -199,7 +199,7 @@ contains
          if (body%reduced%geometric) then
             text = text//' in part: its axial functions or k_G elements cannot follow them'
             cure = 'use AXIAL BASIS=STATIC or ELEMENTS, and more GEOMETRIC ELEMENTS'
-            if (body%is_frame) cure = 'use CORRECTIONS=YES, and more GEOMETRIC ELEMENTS'
+            if (body%is_frame) cure = 'use CORRECTIONS=YES'
          end if
       case (by_basis)
          text = text//'cannot take this shape with its '//as_text(body%reduced%n)//' coordinates'

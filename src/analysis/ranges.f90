@@ -309,14 +309,14 @@ contains
       integer :: divisions
       divisions = maxval(body%mesh%first(2:) - body%mesh%first(:size(body%mesh%first) - 1))
       select case (kind)
-      case (indicator_axial); text = 'use CORRECTIONS=YES, or *ATTACHMENT where forces act along members'
+      case (indicator_axial); text = 'use CORRECTIONS=YES'
       case (indicator_residual); text = 'use CORRECTIONS=YES, more MODES, or a *BOUNDARY that is like its joints'
       case (indicator_lumping, indicator_phase); text = 'use DIVISIONS='//as_text(ceiling(1.2_wp*divisions*sqrt(over)))
-      case (indicator_rotation, indicator_geometric); text = 'use GEOMETRIC=K_G or FULL'
+      case (indicator_rotation, indicator_geometric); text = 'use GEOMETRIC=K_G'
       case (indicator_compression)
-         text = 'use beams in SEGMENTS for its members'
+         text = 'use LARGE=YES'
          if (.not. body%reduced%geometric) text = 'use GEOMETRIC=K_G'
-      case default; text = 'use GEOMETRIC=FULL, or beams in SEGMENTS for its members'
+      case default; text = 'use LARGE=YES'
       end select
    end function cure_of_frame
 

@@ -1,6 +1,6 @@
 !> From a frame and the user's choices to its reduced constants: vibration modes, static functions, geometric part, invariants.
 !> Each member is a straight beam that all coordinates bend and stretch. Floor: flex.
-!> Source: doc/theory, eqs. (18)-(22), (121), (123).
+!> Source: doc/theory, eqs. (18)-(22), (121)-(123).
 module limber_flex_frame_reduction
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

@@ -339,8 +339,7 @@ contains
       text = '*FRAME, NAME=<N|'//trim(body%name)//'>'//new_stuff(draft, length)//', DIVISIONS=4, MODES='//as_text(1 + pick(4))
       select case (pick(4))
       case (1); text = text//', GEOMETRIC=LINEAR'
-      case (2); text = text//', GEOMETRIC=FULL'
-      case (3); text = text//', GEOMETRIC=K_G, CORRECTIONS=YES'
+      case (2); text = text//', GEOMETRIC=K_G, CORRECTIONS=NO'
       case default; text = text//', GEOMETRIC=K_G'
       end select
       text = text//stand(place, angle)//newline//' post, 1, <D|0,1,0|+|'//t(length*0.3_wp)//'>'//newline// &

@@ -266,13 +266,11 @@ contains
       type(frame_choice_type) :: choice
       type(error_type), allocatable :: error
       integer :: fidelity, frame
-      do fidelity = fidelity_linear, fidelity_full
+      do fidelity = fidelity_linear, fidelity_kg
          model = empty_model(1.2_wp)
          choice%modes = 2
          choice%fidelity = fidelity
-         choice%geometric_elements = 2
-         choice%centrifugal = .true.
-         if (fidelity == fidelity_full) choice%derivatives = 2
+         choice%accelerations = .true.
          frame = add_frame(model, 'frame', l_frame(), choice, [-0.3_wp, 0.7_wp], -1.1_wp, error)
          call check_no_error(error, 'frame')
          call run_fixed(model, 1.0e-3_wp, 2000, 1, 1.0_wp, outcome)

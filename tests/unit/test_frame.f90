@@ -2,17 +2,17 @@
 !> vibration is sines and hyperbolic functions, static deflections of an L and of a portal, rigid motions, a straight frame at an
 !> angle against the beam that it is; and beams with concentrated masses.
 program test_frame
-   use exact_frames, only: exact_near, solved
+   use exact_frames, only: exact_near
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_flex_elastic, only: elastic_energy, elastic_force, elastic_tangent
+   use limber_flex_elastic, only: elastic_energy, elastic_force
    use limber_flex_frame, only: frame_type, member_type, new_frame
    use limber_flex_frame_reduction, only: available_frame_modes, frame_choice_type, frame_point_shape, reduce_frame
    use limber_flex_frame_solver, only: connected_nodes, new_solver, rigid_motions, solve_static, solver_type
    use limber_flex_mesh, only: beam_type, concentrate, field_type, new_support, nodal_masses
    use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: fidelity_full, fidelity_linear, point_shape, reduce_beam, &
+   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, point_shape, reduce_beam, &
       & reduction_type
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -29,7 +29,6 @@ program test_frame
    call test_rigid_motions()
    call test_straight()
    call test_points()
-   call test_shortening()
    call test_attachments()
    call test_connection()
    call finish()
@@ -243,7 +242,6 @@ contains
          call check(available_frame_modes(frame) == 2*size(frame%place, 2) - free - count(.not. frame%free(1:2, :)), 'available')
          choice%modes = 3
          choice%accelerations = .true.
-         choice%centrifugal = .true.
          choice%fidelity = fidelity_linear
          call reduce_frame(frame, choice, body, shape, error)
          call check_no_error(error, 'free frame')
@@ -279,8 +277,8 @@ contains
       beam = beam_type(ea=2.0e3_wp, ei=3.0_wp, rho_a=0.8_wp, length=1.3_wp, elements=6)
       call concentrate(beam, 1.3_wp, 0.3_wp, 0.02_wp)
       members(1) = member_type(ends=[1, 2], ea=beam%ea, ei=beam%ei, rho_a=beam%rho_a, divisions=6)
-      do fidelity = fidelity_linear, fidelity_full
-         choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=3, axial=2, fidelity=fidelity, geometric_elements=3)
+      do fidelity = fidelity_linear, fidelity_kg
+         choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=3, axial=2, fidelity=fidelity, geometric_elements=6)
          call reduce_beam(beam, choice, straight, field, error)
          call check_no_error(error, 'beam')
          frame = new_frame(reshape([0.0_wp, 0.0_wp, 1.3_wp*c, 1.3_wp*si], [2, 2]), members)
@@ -288,7 +286,6 @@ contains
          frame%mass(:, 2) = frame%mass(:, 2) + [0.3_wp, 0.3_wp, 0.02_wp]
          own%modes = 12
          own%fidelity = fidelity
-         own%geometric_elements = 3
          call reduce_frame(frame, own, body, shape, error)
          call check_no_error(error, 'frame')
          allocate (eta(5), mine(12), z(6), s(6), z2(78), s2(78), force(5), expected(5), whole(12))
@@ -363,57 +360,6 @@ contains
       call check_close(psi(1), 3*0.81_wp - 2, 1.0e-14_wp, 'points: its slope')
       call check(norm2(phi(:, 2) - [0.36_wp, 0.0_wp]) < 1.0e-14_wp .and. abs(psi(2)) <= 0.0_wp, 'points: stretch')
    end subroutine test_points
-
-   !> FULL with modal derivatives bends as far as an inextensible bar does; with modes alone it locks.
-   subroutine test_shortening()
-      real(wp) :: tip(0:3)
-      integer :: derivatives
-      do derivatives = 0, 3
-         tip(derivatives) = bent_tip(derivatives)
-      end do
-      print '(a,4f9.5)', 'cantilever in FULL, P L^2/EI = 1, 0 to 3 modal derivatives: ', tip
-      call check(tip(0) < 0.15_wp, 'without modal derivatives it locks')
-      ! Elastica: 0.3017
-      call check_close(tip(3), 0.3017_wp, 0.006_wp, 'elastica, moderately bent')
-   end subroutine test_shortening
-
-   !> Tip deflection of a cantilever of length 1 under a dead force of 1, EI = 1.
-   real(wp) function bent_tip(derivatives) result(tip)
-      integer, intent(in) :: derivatives
-      type(member_type) :: members(1)
-      type(frame_type) :: frame
-      type(reduced_type) :: body
-      type(frame_choice_type) :: choice
-      type(error_type), allocatable :: error
-      real(wp), allocatable :: shape(:, :, :), eta(:), force(:), k(:, :), z(:), s(:), slope(:, :)
-      real(wp) :: c
-      integer :: step, n, pairs
-      members(1) = member_type(ends=[1, 2], ea=1.0e5_wp, ei=1.0_wp, rho_a=1.0_wp, divisions=12)
-      frame = new_frame(reshape([0.0_wp, 0.0_wp, 0.6_wp, 0.8_wp], [2, 2]), members)
-      frame%free(:, 1) = held
-      choice%modes = 2
-      choice%fidelity = fidelity_full
-      choice%geometric_elements = 6
-      choice%derivatives = derivatives
-      call reduce_frame(frame, choice, body, shape, error)
-      call check_no_error(error, 'cantilever')
-      n = body%n
-      pairs = n*(n + 1)/2
-      allocate (eta(n), force(n), k(n, n), z(pairs), s(pairs), slope(pairs, 2))
-      eta = 0.0_wp
-      do step = 1, 40
-         force = 0.0_wp
-         k = 0.0_wp
-         call elastic_force(body, eta, force, z, s)
-         call elastic_tangent(body, eta, k, z, s, slope)
-         ! The load grows in the first steps
-         c = min(1.0_wp, 0.1_wp*step)
-         force = c*(-0.8_wp*shape(1, 2, :) + 0.6_wp*shape(2, 2, :)) - force
-         eta = eta + solved(k, force)
-      end do
-      call check(maxval(abs(force)) < 1.0e-6_wp, 'equilibrium')
-      tip = dot_product(-0.8_wp*shape(1, 2, :) + 0.6_wp*shape(2, 2, :), eta)
-   end function bent_tip
 
    !> With the responses to unit loads among the coordinates a load there deflects the frame as all modes would.
    subroutine test_attachments()

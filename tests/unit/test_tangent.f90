@@ -43,7 +43,6 @@ program test_tangent
    call test_scene('loads', loaded())
    call test_scene('frame, linear', framed(fidelity_linear))
    call test_scene('frame, k_g', framed(fidelity_kg))
-   call test_scene('frame, full', framed(fidelity_full))
    call test_elastic(fidelity_linear)
    call test_elastic(fidelity_kg)
    call test_elastic(fidelity_full)
@@ -163,9 +162,7 @@ contains
       model%gravity = [0.4_wp, -9.81_wp]
       choice%modes = 2
       choice%fidelity = fidelity
-      choice%geometric_elements = 2
-      choice%centrifugal = .true.
-      if (fidelity == fidelity_full) choice%derivatives = 1
+      choice%accelerations = .true.
       frame = add_frame(model, 'frame', l_frame(), choice, [0.1_wp, 0.2_wp], 0.4_wp, error)
       call check_no_error(error, 'frame')
       own = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=2, fidelity=fidelity)

@@ -193,6 +193,8 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       logical, intent(out) :: converged
+      !> Correction, in units of the scales, that is round-off if it no longer shrinks
+      real(wp), parameter :: noise = 1.0e-12_wp
       real(wp) :: size_now, size_last, contraction, goal
       integer :: round, i
       converged = .false.
@@ -208,8 +210,10 @@ contains
          if (.not. size_now <= huge(size_now)) return
          if (round > 1) then
             contraction = size_now/max(size_last, tiny(size_last))
+            if (round > 2 .and. contraction >= 0.99_wp) converged = size_now <= noise
             if (round > 2 .and. contraction >= 0.99_wp .and. size_now > goal) return
             if (contraction < 1.0_wp) then
+               if (round > 2) converged = size_now/(1 - contraction) <= noise
                if (round > 2 .and. size_now*contraction**(most_iterations - round)/(1 - contraction) > goal) return
                converged = size_now*contraction/(1 - contraction) <= goal
             end if

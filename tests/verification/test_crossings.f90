@@ -30,6 +30,7 @@ program test_crossings
       call check_turning_back(integrators(i))
    end do
    call check_peak()
+   call check_round_off()
    call check_layer('INTEGRATOR=ADAMS', '1e-4', 40.0e-4_wp)
    call check_layer('INTEGRATOR=ADAMS', '1e-6', 40.0e-6_wp)
    call check_layer('INTEGRATOR=ADAMS', '1e-8', 40.0e-8_wp)
@@ -200,6 +201,18 @@ contains
       call check_close(top(size(top)), 0.73542755_wp, 3.0e-8_wp, 'mass above it')
       call reader%close()
    end subroutine check_peak
+
+   !> At a tolerance near round-off, corrections of Newton's method that no longer shrink are round-off: RADAU halved its step to
+   !> nothing there. The energy is that of the start and the work.
+   subroutine check_round_off()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: energy(:)
+      call run_changed('verification/round_off.inp', trim(results), ['OUTPUTS=4'], ['OUTPUTS=4'], reader)
+      allocate (energy, source=channel(reader, 'kinetic_energy_system') + channel(reader, 'potential_energy_system') - &
+         & channel(reader, 'work_system'))
+      call check_close(energy(size(energy)), energy(1), 1.0e-9_wp, 'energy at a tolerance near round-off')
+      call reader%close()
+   end subroutine check_round_off
 
    !> What round-off leaves of the velocities where a driver turns back is no impact.
    subroutine check_turning_back(integrator)

@@ -133,9 +133,11 @@ contains
    end subroutine join_functions
 
    !> A warning for each beam that has too few functions, of the angle and of the strain.
-   function function_warnings(self, model) result(text)
+   function function_warnings(self, model, times) result(text)
       type(function_watch_type), intent(in) :: self
       type(model_type), intent(in) :: model
+      !> How many times beyond its limit the energy left out must be
+      real(wp), intent(in) :: times
       character(:), allocatable :: text
       integer :: i
       real(wp) :: part(2)
@@ -144,9 +146,9 @@ contains
          associate (beam => self%beams(i), body => model%bodies(self%beams(i)%body))
             part = 0.0_wp
             where (beam%energy > 0.0_wp) part = beam%left_out/max(beam%energy, tiny(part))
-            if (part(1) > allowed(1) .and. beam%size(1) > least(1)) call tell('angle', 1, 'FUNCTIONS=', &
+            if (part(1) > times*allowed(1) .and. beam%size(1) > least(1)) call tell('angle', 1, 'FUNCTIONS=', &
                & 2*body%choice%exact%angles)
-            if (part(2) > allowed(2) .and. beam%size(2) > least(2)) call tell('strain', 2, 'STRAIN FUNCTIONS=', &
+            if (part(2) > times*allowed(2) .and. beam%size(2) > least(2)) call tell('strain', 2, 'STRAIN FUNCTIONS=', &
                & max(3, 2*body%choice%exact%strains))
          end associate
       end do

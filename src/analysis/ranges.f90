@@ -108,25 +108,29 @@ contains
 
    !> Warnings of a run, one line after another, for each kind of indicator one, of the body that is worst; empty if all is within
    !> range.
-   function range_warnings(indicators, model) result(text)
+   function range_warnings(indicators, model, times) result(text)
       type(indicators_type), intent(in) :: indicators
       type(model_type), intent(in) :: model
+      !> How many times beyond its limit an indicator must be to be told; without it once
+      real(wp), intent(in), optional :: times
       character(:), allocatable :: text
-      real(wp) :: most, value, largest
+      real(wp) :: most, value, largest, least
       integer :: kind, i, worst, others
       text = ''
+      least = 1.0_wp
+      if (present(times)) least = times
       largest = 0.0_wp
       do i = 1, size(indicators%bodies)
          if (indicators%bodies(i)%is_rigid) cycle
          largest = max(largest, indicator_value(indicators%bodies(i), indicator_deflection)*indicators%bodies(i)%length)
       end do
       do kind = 1, indicator_count
-         most = 1.0_wp
+         most = least
          worst = 0
          others = -1
          do i = 1, size(indicators%bodies)
             value = excess(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind)
-            if (.not. value > 1.0_wp) cycle
+            if (.not. value > least) cycle
             if (is_told(indicators%bodies(i), model%bodies(indicators%bodies(i)%body), kind, value)) cycle
             if (all(kind /= [indicator_rotation, indicator_compression, indicator_elongation, indicator_buckling]) .and. &
                & indicators%bodies(i)%length*indicator_value(indicators%bodies(i), indicator_deflection) < negligible*largest) cycle
@@ -142,7 +146,7 @@ contains
             text = text//' '//what_is_wrong(body, of, kind)//'; '//what_to_do(body, of, kind, most)//newline
          end associate
       end do
-      text = text//function_warnings(indicators%functions, model)
+      text = text//function_warnings(indicators%functions, model, least)
    end function range_warnings
 
    !> Whether another kind tells the same with a larger number: masses in the nodes are told once.

@@ -303,21 +303,27 @@ contains
       case default; text = ', SUPPORT=PINNED-ROLLER'
       end select
       if (exact_rungs) then
-         text = ', GEOMETRIC=EXACT, FUNCTIONS='//as_text(2 + pick(4))//', STRAIN FUNCTIONS='//as_text(pick(3) - 1)
+         text = exact_rung()
          return
       end if
       select case (pick(10))
       case (1); text = text//', GEOMETRIC=RIGID'
       case (2, 3); text = text//', GEOMETRIC=LINEAR, BENDING MODES='//as_text(pick(3))//', AXIAL MODES='//as_text(pick(3) - 1)
       case (4, 5); text = text//', GEOMETRIC=K_G, BENDING MODES='//as_text(pick(3))//', AXIAL MODES='//as_text(pick(2))
-      case (6); text = text//', GEOMETRIC=FULL, BENDING MODES='//as_text(pick(3))
-      case (7); text = text//', GEOMETRIC=FULL, BENDING MODES=2, MODAL DERIVATIVES='//as_text(pick(4))
-      case (8); text = ', GEOMETRIC=K_G, SEGMENTS='//as_text(1 + pick(2))
+      case (6); text = ''
+      case (7); text = exact_rung()
+      case (8); text = ', GEOMETRIC=EXACT, FUNCTIONS='//as_text(2 + pick(3))//', SEGMENTS='//as_text(1 + pick(2))
       case (9); text = text//', GEOMETRIC=LINEAR, BENDING MODES=2, AXIAL MODES=1, CORRECTIONS=YES'
       case (10); text = text//', GEOMETRIC=K_G, BENDING MODES=2, AXIAL BASIS=STATIC'
       end select
-      if (likely(4) .and. index(text, 'SEGMENTS') == 0 .and. support == 'CLAMPED') text = text//', END SHAPES=YES'
+      if (likely(4) .and. index(text, 'MODES') > 0 .and. support == 'CLAMPED') text = text//', END SHAPES=YES'
    end function rung_of
+
+   !> An exact beam.
+   function exact_rung() result(text)
+      character(:), allocatable :: text
+      text = ', GEOMETRIC=EXACT, FUNCTIONS='//as_text(2 + pick(4))//', STRAIN FUNCTIONS='//as_text(pick(3) - 1)
+   end function exact_rung
 
    !> A frame of two legs and a girder, or of a leg and an arm: points foot, knee, far.
    integer function add_frame(draft, place, angle, length) result(index)

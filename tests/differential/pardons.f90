@@ -16,8 +16,9 @@ module pardons
    real(wp), parameter :: of_vibrations = 10.0_wp
    !> Warnings that begin at a part of something: what stands before the number and behind it, and the part at which they begin
    character(*), parameter :: energy_words = 'energy balance is off by ', ringing_words = 'there may err by ', &
-      & slip_words = 'they are off by ', phase_words = 'the motion is '
-   real(wp), parameter :: energy_begins = 1.0e-2_wp, ringing_begins = 1.0e-2_wp, slip_begins = 2.0e-2_wp, phase_begins = 2.0e-2_wp
+      & slip_words = 'they are off by ', phase_words = 'the motion is ', price_words = 'longer shows: up to '
+   real(wp), parameter :: energy_begins = 1.0e-2_wp, ringing_begins = 1.0e-2_wp, slip_begins = 2.0e-2_wp, &
+      & phase_begins = 2.0e-2_wp, price_begins = 1.0e4_wp
    !> A warning that tells less than so many times the part at which it begins may be missing in another view
    real(wp), parameter :: near = 10.0_wp
 
@@ -73,7 +74,7 @@ contains
          associate (line => warnings(first:last))
             if (.not. (is_near(line, energy_words, 0.01_wp, energy_begins) .or. is_near(line, ringing_words, 0.01_wp, &
                & ringing_begins) .or. is_near(line, slip_words, 0.01_wp, slip_begins) .or. is_near(line, ' by about ', 1.0_wp, &
-               & phase_begins))) left = left//line//newline
+               & phase_begins) .or. is_near(line, price_words, 1.0_wp, price_begins))) left = left//line//newline
          end associate
          first = last + 2
       end do

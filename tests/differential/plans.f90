@@ -30,8 +30,6 @@ contains
       type(view_type) :: view
       call sow(seed + 1000003)
       first = pick(5)
-      ! CONSERVING has no step of exact beams
-      if (first == 5 .and. seed >= 10000 .and. mod(seed, 5) == 0) first = 4
       second = 1 + mod(first + pick(2) - 1, 2)
       if (first <= 2) second = 3 - first
       plan%base%integrator = integrators(first)

@@ -136,13 +136,13 @@ contains
       call add(draft, section, '*SECTION, NAME=<N|'//section//'>, SHAPE=RECTANGLE, WIDTH=<D|0,1,0|+|'//t(2*thick)// &
          & '>, HEIGHT=<D|0,1,0|+|'//t(thick)//'>', 1)
       if (likely(2)) then
-         rung = ', GEOMETRIC=FULL, BENDING MODES='//as_text(1 + pick(3))
+         rung = ', GEOMETRIC=EXACT, FUNCTIONS='//as_text(3 + pick(3))//', STRAIN FUNCTIONS=1'
          load = between(0.3_wp, 1.4_wp)*critical
       else
-         rung = ', GEOMETRIC=K_G, BENDING MODES='//as_text(1 + pick(3))//', AXIAL MODES=1'
+         rung = ', GEOMETRIC=K_G, BENDING MODES='//as_text(1 + pick(3))//', AXIAL MODES=1, SUPPORT='// &
+            & trim(merge('CLAMPED-FREE ', 'PINNED-ROLLER', clamped))
          load = between(0.3_wp, 0.97_wp)*critical
       end if
-      rung = rung//', ELEMENTS=12, SUPPORT='//trim(merge('CLAMPED-FREE ', 'PINNED-ROLLER', clamped))
       beam = new_name(draft, 'b')
       both = '0|0'
       call add(draft, beam, '*BEAM, NAME=<N|'//beam//'>, MATERIAL=<N|'//material//'>, SECTION=<N|'//section// &

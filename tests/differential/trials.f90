@@ -20,6 +20,8 @@ module trials
    private
    public :: trial_type, try, kinds_of_warnings
 
+   !> How many times beyond its limit an indicator of the model is told in every view
+   real(wp), parameter :: beyond = 3.0_wp
    !> CPU seconds after which a run is given up
    real(wp), public :: patience = 1.0_wp
 
@@ -29,6 +31,8 @@ module trials
       integer :: status = 0
       !> Why, and what is warned of
       character(:), allocatable :: message, warnings
+      !> The warnings, of the model those alone that are `beyond` times beyond their limits
+      character(:), allocatable :: plain_warnings
       !> Channels (channels, samples); their estimated errors, if they were asked for
       real(wp), allocatable :: values(:, :), errors(:, :)
       !> Frequencies of *MODES, all analyses one after another, with damping ratios behind them (2, modes)
@@ -53,11 +57,12 @@ contains
       type(outcome_type) :: outcome
       type(step_statistics_type) :: statistics
       type(error_type), allocatable :: ignored
-      character(:), allocatable :: lines
+      character(:), allocatable :: lines, plain
       real(wp) :: before
       integer :: i, samples
       trial%message = ''
       trial%warnings = ''
+      trial%plain_warnings = ''
       allocate (trial%modes(2, 0))
       call cpu_time(before)
       call read_deck_text('scene.inp', text, scene%deck, diagnostics)
@@ -87,6 +92,9 @@ contains
       call record_steps(scene, passed, history%history_type, ignored)
       call cpu_time(trial%cpu)
       trial%cpu = trial%cpu - before
+      plain = ''
+      if (allocated(outcome%indicators)) plain = range_warnings(outcome%indicators, scene%system%model, beyond)
+      trial%plain_warnings = scene%warnings//plain
       if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
       allocate (trial%values, source=history%memory%values(:, :history%memory%samples))
       if (allocated(lines)) call read_modes(lines, trial%modes)

@@ -133,20 +133,22 @@ contains
       !> Warnings of a view that the base has not, or the other way round, unless a changed scene is on the other side too.
       subroutine compare_warnings(name)
          character(*), intent(in) :: name
-         character(:), allocatable :: here, there
+         character(:), allocatable :: more, fewer
          type(trial_type) :: moved
          type(view_type) :: view
          integer :: sign
-         here = kinds_of_warnings(without_near_ones(other%warnings))
-         there = kinds_of_warnings(without_near_ones(base%warnings))
-         if (here == there) return
+         more = missing_line(other, base)
+         fewer = missing_line(base, other)
+         if (more == '' .and. fewer == '') return
          do sign = -1, 1, 2
             view = plan%base
             view%change = sign*large_change
             call run_view(draft, view, moved)
-            if (kinds_of_warnings(without_near_ones(moved%warnings)) /= there) return
+            if (more /= '' .and. missing_line(other, moved) == '') return
+            if (fewer /= '' .and. missing_line(moved, other) == '') return
          end do
-         call disagree('warnings', name, odd_line(here, there))
+         if (more /= '') call disagree('warnings', name, 'more: '//more)
+         if (more == '') call disagree('warnings', name, 'fewer: '//fewer)
       end subroutine compare_warnings
 
    end subroutine judge
@@ -172,25 +174,22 @@ contains
       end do
    end function first_words
 
-   !> The first line of one of two lists that the other has not.
-   pure function odd_line(a, b) result(line)
-      character(*), intent(in) :: a, b
-      character(:), allocatable :: line
+   !> The first kind of warning that a run has, plainly, not near its threshold, and another one not at all; empty if there is none.
+   function missing_line(run, other) result(line)
+      type(trial_type), intent(in) :: run, other
+      character(:), allocatable :: line, kinds, others
       integer :: first, last
+      kinds = kinds_of_warnings(without_near_ones(run%plain_warnings))
+      others = kinds_of_warnings(other%warnings)
       line = ''
       first = 2
-      do while (first <= len(a))
-         last = first + index(a(first:), newline) - 2
-         if (index(b, newline//a(first:last)//newline) == 0) line = 'more: '//a(first:last)
+      do while (first <= len(kinds))
+         last = first + index(kinds(first:), newline) - 2
+         if (index(others, newline//kinds(first:last)//newline) == 0) line = kinds(first:last)
+         if (line /= '') return
          first = last + 2
       end do
-      first = 2
-      do while (first <= len(b) .and. line == '')
-         last = first + index(b(first:), newline) - 2
-         if (index(a, newline//b(first:last)//newline) == 0) line = 'fewer: '//b(first:last)
-         first = last + 2
-      end do
-   end function odd_line
+   end function missing_line
 
    !> Whether limber's own estimates of the errors say as much, of the view and of the reference, whose tolerance may ask for more
    !> than round-off leaves; the verdict is `estimated` then.

@@ -5,7 +5,7 @@ module limber_flex_elastic
    use limber_flex_reduced, only: reduced_type
    implicit none
    private
-   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power
+   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power, tension_power
 
 contains
 
@@ -18,23 +18,32 @@ contains
       real(wp), contiguous, intent(inout) :: f(:)
       !> Scratch (pairs): products of the bending coordinates, and their conjugate tension
       real(wp), contiguous, intent(inout) :: z(:), s(:)
-      integer :: i, j, p
+      integer :: i
       do i = 1, body%n
          f(i) = f(i) + body%omega2(i)*eta(i)
       end do
       if (body%strained) f = f - body%omega2*body%exact%rest
       if (.not. body%geometric) return
       call pair_tension(body, eta, z, s)
+      call add_pair_force(body%bending, eta, s, f)
+      if (body%full) call add_axial_force(size(body%cubic, 1), size(body%cubic, 2), body%cubic, z, f(body%offset + 1:))
+   end subroutine elastic_force
+
+   !> What the tension s does to the bending: f = f + s eta, as a symmetric matrix.
+   pure subroutine add_pair_force(n, eta, s, f)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: eta(n), s(n*(n + 1)/2)
+      real(wp), intent(inout) :: f(n)
+      integer :: i, j, p
       p = 0
-      do j = 1, body%bending
+      do j = 1, n
          do i = 1, j
             p = p + 1
             f(i) = f(i) + s(p)*eta(j)
             f(j) = f(j) + s(p)*eta(i)
          end do
       end do
-      if (body%full) call add_axial_force(size(body%cubic, 1), size(body%cubic, 2), body%cubic, z, f(body%offset + 1:))
-   end subroutine elastic_force
+   end subroutine add_pair_force
 
    !> What the products z pull along: f = f + cubic^T z.
    pure subroutine add_axial_force(pairs, axial, cubic, z, f)
@@ -203,17 +212,35 @@ contains
       !> Scratch (pairs)
       real(wp), contiguous, intent(inout) :: z(:), s(:)
       real(wp), intent(out) :: power
-      integer :: i, j, p
       power = 0.0_wp
       if (body%full .or. .not. body%geometric) return
       call pair_tension(body, eta, z, s)
+      power = pair_power(body%bending, eta, rate, s)
+   end subroutine geometric_power
+
+   !> The same where `elastic_force` has left the tension of these coordinates.
+   pure real(wp) function tension_power(body, eta, rate, s) result(power)
+      type(reduced_type), intent(in) :: body
+      !> Coordinates and their rates (n), tension (pairs)
+      real(wp), contiguous, intent(in) :: eta(:), rate(:), s(:)
+      power = 0.0_wp
+      if (body%full .or. .not. body%geometric) return
+      power = pair_power(body%bending, eta, rate, s)
+   end function tension_power
+
+   !> Power of the tension s on the bending.
+   pure real(wp) function pair_power(n, eta, rate, s) result(power)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: eta(n), rate(n), s(n*(n + 1)/2)
+      integer :: i, j, p
+      power = 0.0_wp
       p = 0
-      do j = 1, body%bending
+      do j = 1, n
          do i = 1, j
             p = p + 1
             power = power + s(p)*(eta(i)*rate(j) + eta(j)*rate(i))
          end do
       end do
-   end subroutine geometric_power
+   end function pair_power
 
 end module limber_flex_elastic

@@ -4,7 +4,7 @@ module limber_system_dynamics
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
-   use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power
+   use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power, tension_power
    use limber_flex_reduced, only: add_damping, damping_power
    use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn, along, cross
@@ -17,7 +17,7 @@ module limber_system_dynamics
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: linearise, linearise_placed, accelerations, accelerate, sum_forces
+   public :: linearise, linearise_placed, accelerations, accelerate, sum_forces, sum_given_forces
    public :: position_residual, velocity_residual
    public :: input_power, add_parts_of_power, mechanical_energy, worst_constraint
 
@@ -147,6 +147,20 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: q(:), v(:)
+      integer :: i
+      call sum_given_forces(system, work, q, v)
+      do i = 1, size(work%kinematics%beams)
+         associate (body => work%bodies(work%kinematics%beams(i)), frame => work%kinematics%frames(work%kinematics%beams(i)))
+            call work%kinematics%lines(i)%forces(system%model%gravity, frame%u, frame%omega, body%force, body%eta_force)
+         end associate
+      end do
+   end subroutine sum_forces
+
+   !> The same without velocity terms and weight of exact beams.
+   subroutine sum_given_forces(system, work, q, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       integer :: i, first, last, side
       logical :: heavy
       heavy = any(abs(system%model%gravity) > 0.0_wp)
@@ -173,11 +187,6 @@ contains
             if (heavy) call gravity_forces(reduced, system%model%gravity, frame%u, q(first:last), body%force, body%eta_force)
          end associate
       end do
-      do i = 1, size(work%kinematics%beams)
-         associate (body => work%bodies(work%kinematics%beams(i)), frame => work%kinematics%frames(work%kinematics%beams(i)))
-            call work%kinematics%lines(i)%forces(system%model%gravity, frame%u, frame%omega, body%force, body%eta_force)
-         end associate
-      end do
       do i = 1, size(system%loads)
          associate (load => system%loads(i)%item, force => work%loads(i)%force)
             force = 0.0_wp
@@ -189,7 +198,7 @@ contains
             end do
          end associate
       end do
-   end subroutine sum_forces
+   end subroutine sum_given_forces
 
    !> Adds a load's forces, in the layout of a body's rates, to those of the body.
    pure subroutine add_to_body(system, work, body, force)
@@ -374,7 +383,7 @@ contains
       end associate
    end function driver_loss
 
-   !> Power that damping and the geometric force of the model k_g take in a flexible body.
+   !> Power that damping and the geometric force of the model k_g take in a flexible body; the accelerations have left its tension.
    real(wp) function body_loss(system, work, q, v, which) result(taken)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -389,7 +398,7 @@ contains
             call axial_posture(reduced, body%load, q(first:last), body%posture)
             call geometric_power(reduced, body%posture, v(first:last), body%z, body%s, taken)
          else
-            call geometric_power(reduced, q(first:last), v(first:last), body%z, body%s, taken)
+            taken = tension_power(reduced, q(first:last), v(first:last), body%s)
          end if
          if (reduced%damped) taken = taken + damping_power(reduced, v(first:last))
       end associate

@@ -8,7 +8,7 @@ module limber_system_modal_damping
    use limber_system_eta_mass, only: update_eta_masses
    use limber_system_freedom, only: freedom_type, find_freedom
    use limber_system_kinematics, only: place_frames
-   use limber_system_multiplier, only: update_jacobians, update_masses
+   use limber_system_multiplier, only: update_jacobians, update_beam_masses, update_masses
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -47,6 +47,7 @@ contains
       call place_frames(system%model, system%layout, system%model%dynamics%start, q, work%kinematics)
       call update_jacobians(system, work)
       call update_masses(system, work, q)
+      call update_beam_masses(work)
       if (system%exact) call update_eta_masses(work)
       do i = 1, size(model%bodies)
          if (.not. allocated(model%bodies(i)%ratio)) cycle

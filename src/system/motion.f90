@@ -6,10 +6,11 @@ module limber_system_motion
    use limber_flex_elastic, only: elastic_tangent
    use limber_model_scene, only: ground
    use limber_system_body, only: body_tangent
-   use limber_system_dynamics, only: sum_forces
+   use limber_system_beam_residual, only: add_beam_residual
+   use limber_system_dynamics, only: sum_given_forces
    use limber_system_eta_mass, only: update_eta_masses
    use limber_system_kinematics, only: kinematics_type, place_frames, move_frames
-   use limber_system_multiplier, only: update_jacobians, update_masses
+   use limber_system_multiplier, only: place_jacobians, update_beam_masses, update_masses
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, body_tangent_type, gather
    implicit none
@@ -18,7 +19,7 @@ module limber_system_motion
 
 contains
 
-   !> Places kinematics, Jacobians and masses at a state: what `linearise_motion` needs.
+   !> Places kinematics, Jacobians and masses, but those of exact beams, at a state: what `linearise_motion` needs.
    subroutine place_motion(system, work, t, q, v)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -27,9 +28,8 @@ contains
       real(wp), contiguous, intent(in) :: q(:), v(:)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
       call move_frames(system%model, system%layout, q, v, work%kinematics)
-      call update_jacobians(system, work)
+      call place_jacobians(system, work)
       call update_masses(system, work, q)
-      if (system%exact) call update_eta_masses(work)
    end subroutine place_motion
 
    !> Residual of the equations of motion, M a - forces + G^T lambda (nw), and of the velocity equations, G w - rate (nc), at a
@@ -41,16 +41,20 @@ contains
       !> Coordinates and velocities (nq); accelerations in the layout of the rates (nw); multipliers (nc)
       real(wp), contiguous, intent(in) :: q(:), v(:), a(:), lambda(:)
       real(wp), intent(inout) :: motion(:), rates(:)
-      integer :: i, first, last, n, j, k, m, row
+      integer :: i, first, n, j, k, m, row
       call place_motion(system, work, t, q, v)
-      call sum_forces(system, work, q, v)
+      call sum_given_forces(system, work, q, v)
       work%evaluations = work%evaluations + 1
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i))
             first = system%layout%w(i)
             m = system%layout%rates(i)
             n = system%layout%n(i)
-            last = first + m + n - 1
+            if (system%model%bodies(i)%reduced%is_exact) then
+               motion(first:first + 2) = -body%force
+               motion(first + 3:first + 2 + n) = -body%eta_force
+               cycle
+            end if
             do j = 1, m
                motion(first + j - 1) = -body%force(j)
                do k = 1, m
@@ -61,18 +65,19 @@ contains
                end do
             end do
             do k = 1, n
-               motion(first + m + k - 1) = -body%eta_force(k)
-               if (allocated(body%eta_mass)) then
-                  do j = 1, n
-                     motion(first + m + k - 1) = motion(first + m + k - 1) + body%eta_mass(j, k)*a(first + m + j - 1)
-                  end do
-               else
-                  motion(first + m + k - 1) = motion(first + m + k - 1) + a(first + m + k - 1)
-               end if
+               motion(first + m + k - 1) = a(first + m + k - 1) - body%eta_force(k)
                do j = 1, m
                   motion(first + m + k - 1) = motion(first + m + k - 1) + body%coupling(k, j)*a(first + j - 1)
                end do
             end do
+         end associate
+      end do
+      do i = 1, size(work%kinematics%beams)
+         first = system%layout%w(work%kinematics%beams(i))
+         n = work%kinematics%lines(i)%n
+         associate (frame => work%kinematics%frames(work%kinematics%beams(i)))
+            call add_beam_residual(work%kinematics%lines(i), system%model%gravity, frame%u, frame%omega, a(first:first + 2 + n), &
+               & motion(first:first + 2 + n))
          end associate
       end do
       do i = 1, size(system%constraints)
@@ -115,6 +120,10 @@ contains
       !> As in `motion_residual`
       real(wp), contiguous, intent(in) :: q(:), v(:), a(:), lambda(:)
       integer :: i
+      if (system%exact) then
+         call update_beam_masses(work)
+         call update_eta_masses(work)
+      end if
       do i = 1, size(tangent%bodies)
          call linearise_body(system, work, i, q, v, a, tangent%bodies(i))
       end do

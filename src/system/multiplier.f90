@@ -18,18 +18,26 @@ module limber_system_multiplier
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: update_jacobians, update_masses, factor_multiplier_system, side_at
+   public :: place_jacobians, update_jacobians, update_masses, update_beam_masses, factor_multiplier_system, side_at
 
 contains
 
    !> Jacobians of all constraints at the placed kinematics.
+   subroutine place_jacobians(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i
+      do i = 1, size(system%constraints)
+         call system%constraints(i)%item%jacobian(work%kinematics, work%jacobians(1, i), work%jacobians(2, i))
+      end do
+   end subroutine place_jacobians
+
+   !> The same, and their rows of eta as the multiplier system has them.
    subroutine update_jacobians(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       integer :: i, column
-      do i = 1, size(system%constraints)
-         call system%constraints(i)%item%jacobian(work%kinematics, work%jacobians(1, i), work%jacobians(2, i))
-      end do
+      call place_jacobians(system, work)
       do i = 1, size(work%bodies)
          if (system%layout%n(i) == 0) cycle
          associate (body => work%bodies(i))
@@ -45,7 +53,7 @@ contains
       end do
    end subroutine update_jacobians
 
-   !> Mass matrices of all bodies at the coordinates q; kinematics are placed.
+   !> Mass matrices of all bodies but exact beams at the coordinates q; kinematics are placed.
    subroutine update_masses(system, work, q)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -67,12 +75,18 @@ contains
             end if
          end associate
       end do
+   end subroutine update_masses
+
+   !> Mass matrices of exact beams, without those of their coordinates alone; kinematics are placed.
+   subroutine update_beam_masses(work)
+      type(workspace_type), intent(inout) :: work
+      integer :: i
       do i = 1, size(work%kinematics%beams)
          associate (body => work%bodies(work%kinematics%beams(i)), frame => work%kinematics%frames(work%kinematics%beams(i)))
             call work%kinematics%lines(i)%mass_matrix(frame%u, body%mass, body%coupling)
          end associate
       end do
-   end subroutine update_masses
+   end subroutine update_beam_masses
 
    !> Builds and factors the condensed matrix at the coordinates q; kinematics are placed, Jacobians up to date.
    subroutine factor_multiplier_system(system, work, q, singular)
@@ -84,6 +98,7 @@ contains
       logical, intent(out) :: singular
       integer :: i, j, row
       call update_masses(system, work, q)
+      if (system%exact) call update_beam_masses(work)
       if (system%condensed) call condense_couplings(system, work)
       do i = 1, size(work%kinematics%beams)
          associate (body => work%bodies(work%kinematics%beams(i)))

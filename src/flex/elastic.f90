@@ -5,7 +5,7 @@ module limber_flex_elastic
    use limber_flex_reduced, only: reduced_type
    implicit none
    private
-   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power, tension_power
+   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power, find_tension, tension_power
 
 contains
 
@@ -218,7 +218,17 @@ contains
       power = pair_power(body%bending, eta, rate, s)
    end subroutine geometric_power
 
-   !> The same where `elastic_force` has left the tension of these coordinates.
+   !> Tension of the model k_g; nothing in the others.
+   pure subroutine find_tension(body, eta, z, s)
+      type(reduced_type), intent(in) :: body
+      !> Coordinates (n)
+      real(wp), contiguous, intent(in) :: eta(:)
+      !> Scratch and tension (pairs)
+      real(wp), contiguous, intent(inout) :: z(:), s(:)
+      if (body%geometric .and. .not. body%full) call pair_tension(body, eta, z, s)
+   end subroutine find_tension
+
+   !> The power with the tension that `elastic_force` or `find_tension` has found.
    pure real(wp) function tension_power(body, eta, rate, s) result(power)
       type(reduced_type), intent(in) :: body
       !> Coordinates and their rates (n), tension (pairs)

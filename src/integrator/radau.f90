@@ -15,7 +15,7 @@ module limber_integrator_radau
       & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
    use limber_system_algebra, only: cross
    use limber_system_condensed_motion, only: condense_residual, condense_right_side
-   use limber_system_dynamics, only: input_power
+   use limber_system_dynamics, only: input_power, power_at
    use limber_system_layout, only: velocities_of, advance
    use limber_system_motion, only: motion_residual
    use limber_system_projection, only: settle
@@ -237,15 +237,21 @@ contains
       if (system%condensed) call condense_residual(system, work, self%stage_q, self%stage_v, self%motion(:, i))
    end subroutine find_residual
 
-   !> Power put in at the stages, less what their residuals take: with them it is as exact as the stages will ever be.
+   !> Power put in at the stages. Where a channel asks for the work, less what their residuals take: with them it is as exact as the
+   !> stages will ever be. For the balance of energy alone the multipliers serve as Newton's method has left them.
    subroutine find_stage_power(self, system, work)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       integer :: i
       do i = 1, 3
-         call find_residual(self, system, work, i)
          work%lambda = self%multipliers(:, i)
+         if (.not. self%input%asked .and. .not. system%condensed) then
+            call place_stage(self, system, i)
+            self%stage_power(i) = power_at(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v)
+            cycle
+         end if
+         call find_residual(self, system, work, i)
          self%stage_power(i) = input_power(system, work, self%stage_q, self%stage_v) + dot_product(self%e, self%motion(:, i)) &
             & - dot_product(self%multipliers(:, i), self%rate(:, i))
       end do
@@ -274,56 +280,78 @@ contains
       type(system_type), intent(in) :: system
       !> Which stage
       integer, intent(in) :: i
-      integer :: j
-      self%x(:, i) = radau_c(i)*self%h*self%w
-      self%stage_a = 0.0_wp
-      do j = 1, 3
-         self%x(:, i) = self%x(:, i) + self%h*radau_a(i, j)*self%z(:, j)
-         self%stage_a = self%stage_a + radau_inverse(i, j)/self%h*self%z(:, j)
-      end do
+      call add_stages(size(self%w), i, self%h, self%w, self%z, self%x, self%stage_a, self%e)
       call advance(system%layout, self%q, self%x(:, i), self%stage_q)
-      self%e = self%w + self%z(:, i)
       call velocities_of(system%layout, self%stage_q, self%e, self%stage_v)
    end subroutine place_stage
+
+   !> Increments, accelerations and rates of a stage.
+   pure subroutine add_stages(nw, i, h, w, z, x, a, rates)
+      !> Number of rates; which stage
+      integer, intent(in) :: nw, i
+      !> Step; rates at its beginning; what the stages add to them
+      real(wp), intent(in) :: h, w(nw), z(nw, 3)
+      !> Increments of the coordinates; accelerations and rates of the stage
+      real(wp), intent(inout) :: x(nw, 3), a(nw), rates(nw)
+      real(wp) :: along(3), across(3), start
+      integer :: k
+      start = radau_c(i)*h
+      along = h*radau_a(i, :)
+      across = radau_inverse(i, :)/h
+      do k = 1, nw
+         x(k, i) = start*w(k) + along(1)*z(k, 1) + along(2)*z(k, 2) + along(3)*z(k, 3)
+         a(k) = across(1)*z(k, 1) + across(2)*z(k, 2) + across(3)*z(k, 3)
+         rates(k) = w(k) + z(k, i)
+      end do
+   end subroutine add_stages
 
    !> One Newton change of stages and multipliers; its size in units of the scales.
    subroutine newton_change(self, system, largest)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(wp), intent(out) :: largest
-      integer :: i, k, nw, n
-      real(wp) :: change(3)
+      integer :: k, nw
+      real(wp) :: change(3), shift(3)
       nw = system%layout%nw
-      n = nw + system%nc
-      do k = 1, nw
-         change = matmul(radau_ti, self%motion(k, :))
-         self%real_part(k) = -change(1)
-         self%complex_part(k) = -cmplx(change(2), change(3), wp)
-      end do
-      do k = 1, system%nc
-         change = matmul(radau_ti, self%rate(k, :))
-         self%real_part(nw + k) = -change(1)
-         self%complex_part(nw + k) = -cmplx(change(2), change(3), wp)
-      end do
+      call transform(nw, self%motion, self%real_part, self%complex_part)
+      call transform(system%nc, self%rate, self%real_part(nw + 1:), self%complex_part(nw + 1:))
       call self%tangent%matrix%solve(self%real_part)
       call self%tangent%matrix%solve_complex(self%complex_part)
       largest = 0.0_wp
-      do k = 1, n
-         change = matmul(radau_t, [self%real_part(k), real(self%complex_part(k), wp), aimag(self%complex_part(k))])
-         if (k <= nw) then
-            do i = 1, 3
-               self%z(k, i) = self%z(k, i) + change(i)
-            end do
-            self%x(k, :) = self%x(k, :) + self%h*matmul(radau_a, change)
-            largest = largest + sum(change**2)*(1/self%scale_w(k)**2 + (self%h/self%scale_x(k))**2)
-         else
-            do i = 1, 3
-               self%multipliers(k - nw, i) = self%multipliers(k - nw, i) + change(i)
-            end do
-         end if
+      do k = 1, nw
+         change = changes_of(self%real_part(k), self%complex_part(k))
+         shift = radau_a(:, 1)*change(1) + radau_a(:, 2)*change(2) + radau_a(:, 3)*change(3)
+         self%z(k, :) = self%z(k, :) + change
+         self%x(k, :) = self%x(k, :) + self%h*shift
+         largest = largest + (change(1)**2 + change(2)**2 + change(3)**2)*(1/self%scale_w(k)**2 + (self%h/self%scale_x(k))**2)
+      end do
+      do k = 1, system%nc
+         self%multipliers(k, :) = self%multipliers(k, :) + changes_of(self%real_part(nw + k), self%complex_part(nw + k))
       end do
       largest = sqrt(largest/3)
    end subroutine newton_change
+
+   !> Right-hand sides of the real and the complex equations from the residuals of the stages.
+   pure subroutine transform(n, residual, real_part, complex_part)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: residual(n, 3)
+      real(wp), intent(inout) :: real_part(n)
+      complex(wp), intent(inout) :: complex_part(n)
+      integer :: k
+      do k = 1, n
+         real_part(k) = -(radau_ti(1, 1)*residual(k, 1) + radau_ti(1, 2)*residual(k, 2) + radau_ti(1, 3)*residual(k, 3))
+         complex_part(k) = -cmplx(radau_ti(2, 1)*residual(k, 1) + radau_ti(2, 2)*residual(k, 2) + radau_ti(2, 3)*residual(k, 3), &
+            & radau_ti(3, 1)*residual(k, 1) + radau_ti(3, 2)*residual(k, 2) + radau_ti(3, 3)*residual(k, 3), wp)
+      end do
+   end subroutine transform
+
+   !> Changes of the three stages from the solutions of the real and the complex equations.
+   pure function changes_of(real_part, complex_part) result(change)
+      real(wp), intent(in) :: real_part
+      complex(wp), intent(in) :: complex_part
+      real(wp) :: change(3)
+      change = radau_t(:, 1)*real_part + radau_t(:, 2)*real(complex_part, wp) + radau_t(:, 3)*aimag(complex_part)
+   end function changes_of
 
    !> Local error of the step in units of the scales: difference from an embedded formula of order 3, filtered.
    subroutine estimate_error(self, system, work, err)

@@ -4,14 +4,14 @@ module limber_system_dynamics
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
-   use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power, tension_power
+   use limber_flex_elastic, only: elastic_force, elastic_energy, geometric_power, find_tension, tension_power
    use limber_flex_reduced, only: add_damping, damping_power
    use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn, along, cross
    use limber_system_eta_mass, only: factor_eta_masses
    use limber_system_condensation, only: update_folds, project_vector, condense_forces, gather_loads, push_bending, axial_posture
    use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
-   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_kinematics, only: place_bodies, place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, factor_multiplier_system
    use limber_system_solution, only: solve_multiplier_system, recover_multipliers
    use limber_system_system, only: system_type, workspace_type
@@ -19,7 +19,7 @@ module limber_system_dynamics
    private
    public :: linearise, linearise_placed, accelerations, accelerate, sum_forces, sum_given_forces
    public :: position_residual, velocity_residual
-   public :: input_power, add_parts_of_power, mechanical_energy, worst_constraint
+   public :: input_power, power_at, add_parts_of_power, mechanical_energy, worst_constraint
 
 contains
 
@@ -335,12 +335,35 @@ contains
          end associate
       end do
       do i = 1, size(system%loads)
-         call system%loads(i)%item%add_power(work%kinematics, power)
+         if (system%loads(i)%item%powered) call system%loads(i)%item%add_power(work%kinematics, power)
       end do
       do i = 1, size(work%bodies)
          if (system%model%bodies(i)%kind == body_flexible) power = power - body_loss(system, work, q, v, i)
       end do
    end function input_power
+
+   !> The same at a state without accelerations, with the multipliers in work%lambda: places only what that needs.
+   real(wp) function power_at(system, work, t, q, v) result(power)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      integer :: i, first
+      if (system%loaded) then
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         call move_frames(system%model, system%layout, q, v, work%kinematics)
+      else
+         call place_bodies(system%model, system%layout, t, q, work%kinematics)
+      end if
+      do i = 1, size(work%bodies)
+         if (system%layout%n(i) == 0) cycle
+         first = system%layout%q(i) + 4
+         call find_tension(system%model%bodies(i)%reduced, q(first:first + system%layout%n(i) - 1), work%bodies(i)%z, &
+            & work%bodies(i)%s)
+      end do
+      power = input_power(system, work, q, v)
+   end function power_at
 
    !> The parts of `input_power`, times a duration, added to sums: of each constraint, each load, each body.
    subroutine add_parts_of_power(system, work, q, v, duration, sums)

@@ -13,7 +13,7 @@ module limber_system_kinematics
    implicit none
    private
    public :: marker_type, angle_type, kinematics_type, new_kinematics
-   public :: place_drives, place_frames, settle_angles, move_frames, place_exact_shapes
+   public :: place_drives, place_bodies, place_frames, settle_angles, move_frames, place_exact_shapes
 
    !> State of one body
    type :: frame_type
@@ -194,6 +194,23 @@ contains
       drive%acceleration = theta%second
    end subroutine place_drive
 
+   !> Drivers and frames at the time t and coordinates q, without markers.
+   pure subroutine place_bodies(model, layout, t, q, kinematics)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      real(wp), intent(in) :: t
+      !> Coordinates (nq)
+      real(wp), contiguous, intent(in) :: q(:)
+      type(kinematics_type), intent(inout) :: kinematics
+      integer :: i, first
+      call place_drives(model, t, kinematics)
+      do i = 1, size(model%bodies)
+         first = layout%q(i)
+         kinematics%frames(i)%position = q(first:first + 1)
+         if (layout%framed(i)) kinematics%frames(i)%u = q(first + 2:first + 3)
+      end do
+   end subroutine place_bodies
+
    !> Frames and markers at the time t and coordinates q.
    pure subroutine place_frames(model, layout, t, q, kinematics)
       type(model_type), intent(in) :: model
@@ -203,12 +220,7 @@ contains
       real(wp), contiguous, intent(in) :: q(:)
       type(kinematics_type), intent(inout) :: kinematics
       integer :: i, m, first
-      call place_drives(model, t, kinematics)
-      do i = 1, size(model%bodies)
-         first = layout%q(i)
-         kinematics%frames(i)%position = q(first:first + 1)
-         if (layout%framed(i)) kinematics%frames(i)%u = q(first + 2:first + 3)
-      end do
+      call place_bodies(model, layout, t, q, kinematics)
       do i = 1, size(kinematics%beams)
          first = layout%q(kinematics%beams(i)) + 4
          call kinematics%lines(i)%place_stations(q(first:first + kinematics%lines(i)%n - 1))

@@ -40,6 +40,8 @@ module limber_system_system
       logical :: exact = .false.
       !> True if something puts energy in or takes it out: a driver, a load, or the force of the model k_g
       logical :: powered = .false.
+      !> True if some load does
+      logical :: loaded = .false.
       !> True if some constraint equations repeat others: then each may give way by `slack` times its multiplier (nc)
       logical :: redundant = .false.
       real(wp), allocatable :: slack(:)
@@ -140,9 +142,11 @@ contains
       do i = 1, size(system%constraints)
          system%powered = system%powered .or. system%constraints(i)%item%driven
       end do
+      system%loaded = .false.
       do i = 1, size(system%loads)
-         system%powered = system%powered .or. system%loads(i)%item%powered
+         system%loaded = system%loaded .or. system%loads(i)%item%powered
       end do
+      system%powered = system%powered .or. system%loaded
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
             if (body%damped .or. (body%geometric .and. .not. body%full)) system%powered = .true.

@@ -258,15 +258,12 @@ contains
       complex(wp), intent(in) :: mass, damping, stiffness, drift
       !> Which values are filled
       logical, intent(in) :: is_complex
-      associate (parts => tangent%parts)
-         if (is_complex) then
-            tangent%matrix%complex_values = mass*parts(:, 1) + damping*parts(:, 2) + stiffness*parts(:, 3) + parts(:, 4) &
-               & + drift*parts(:, 5)
-         else
-            tangent%matrix%values = real(mass, wp)*parts(:, 1) + real(damping, wp)*parts(:, 2) + real(stiffness, wp)*parts(:, 3) &
-               & + parts(:, 4) + real(drift, wp)*parts(:, 5)
-         end if
-      end associate
+      if (is_complex) then
+         call combine_complex(size(tangent%parts, 1), mass, damping, stiffness, drift, tangent%parts, tangent%matrix%complex_values)
+      else
+         call combine_real(size(tangent%parts, 1), real(mass, wp), real(damping, wp), real(stiffness, wp), real(drift, wp), &
+            & tangent%parts, tangent%matrix%values)
+      end if
       if (size(tangent%slack) == 0) return
       if (is_complex) then
          tangent%matrix%complex_values(tangent%slack_place) = tangent%matrix%complex_values(tangent%slack_place) &
@@ -275,6 +272,31 @@ contains
          tangent%matrix%values(tangent%slack_place) = tangent%matrix%values(tangent%slack_place) - tangent%softness*tangent%slack
       end if
    end subroutine combine
+
+   !> The sum of the parts with real factors.
+   pure subroutine combine_real(entries, mass, damping, stiffness, drift, parts, values)
+      integer, intent(in) :: entries
+      real(wp), intent(in) :: mass, damping, stiffness, drift, parts(entries, 5)
+      real(wp), intent(inout) :: values(entries)
+      integer :: k
+      do k = 1, entries
+         values(k) = mass*parts(k, 1) + damping*parts(k, 2) + stiffness*parts(k, 3) + parts(k, 4) + drift*parts(k, 5)
+      end do
+   end subroutine combine_real
+
+   !> The same with complex factors.
+   pure subroutine combine_complex(entries, mass, damping, stiffness, drift, parts, values)
+      integer, intent(in) :: entries
+      complex(wp), intent(in) :: mass, damping, stiffness, drift
+      real(wp), intent(in) :: parts(entries, 5)
+      complex(wp), intent(inout) :: values(entries)
+      integer :: k
+      do k = 1, entries
+         values(k) = cmplx(real(mass, wp)*parts(k, 1) + real(damping, wp)*parts(k, 2) + real(stiffness, wp)*parts(k, 3) &
+            & + parts(k, 4) + real(drift, wp)*parts(k, 5), aimag(mass)*parts(k, 1) + aimag(damping)*parts(k, 2) &
+            & + aimag(stiffness)*parts(k, 3) + aimag(drift)*parts(k, 5), wp)
+      end do
+   end subroutine combine_complex
 
    !> Solves with the factors at hand. What redundant constraints give way is taken out again, eq. (74).
    subroutine solve_refined(tangent, nw, solution, correction)

@@ -13,7 +13,7 @@ module limber_analysis_dynamics
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
    use limber_analysis_outcome, only: outcome_type, warn
-   use limber_analysis_sampling, only: sample_type, sample_time, record, check_energy
+   use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_text
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
@@ -374,6 +374,9 @@ contains
       !> Records the samples up to a time that the integrator has reached. At a break they are those that follow it.
       subroutine record_before(t)
          real(wp), intent(in) :: t
+         if (sample%next + 1 < dynamics%outputs) then
+            if (sample_time(dynamics, sample%next + 2) <= t) call look_between(scene, integrator, recorder, sample, outcome)
+         end if
          do while (sample%next <= dynamics%outputs .and. sample_time(dynamics, sample%next) <= t)
             call integrator%interpolate(sample_time(dynamics, sample%next), sample%q, sample%v, sample%w)
             call integrator%complete(scene%system, scene%work, sample_time(dynamics, sample%next), sample%q, sample%v)

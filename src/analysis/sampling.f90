@@ -14,11 +14,12 @@ module limber_analysis_sampling
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, &
       & mechanical_energy, add_parts_of_power, worst_constraint
+   use limber_system_kinematics, only: place_frames
    use limber_system_projection, only: harmless, settle, settle_place, settle_position, settle_stretched
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: sample_type, sample_time, record, check_residuals, check_energy
+   public :: sample_type, sample_time, record, look_between, check_residuals, check_energy
 
    !> Scratch of the sampling, allocated once, and when the next samples are
    type :: sample_type
@@ -31,6 +32,8 @@ module limber_analysis_sampling
       integer(long) :: next_step = 0
       real(wp) :: next_look = -huge(1.0_wp)
       integer :: next_evaluation = 0
+      !> The step whose interpolated places are as good as the joints ask for
+      real(wp) :: good_from = huge(1.0_wp), good_to = -huge(1.0_wp)
    contains
       procedure :: exchange => exchange_sample
    end type sample_type
@@ -51,6 +54,8 @@ contains
       call snapshot%exchange('next_step', self%next_step)
       call snapshot%exchange('next_look', self%next_look)
       call snapshot%exchange('next_evaluation', self%next_evaluation)
+      call snapshot%exchange('good_from', self%good_from)
+      call snapshot%exchange('good_to', self%good_to)
    end subroutine exchange_sample
 
    !> Time of a sample; the last is the end, to the bit.
@@ -73,7 +78,15 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before, residual
+      logical :: moving
+      moving = recorder%needs_velocities .or. recorder%needs_accelerations
       associate (system => scene%system, work => scene%work)
+         if (t > sample%good_from .and. t < sample%good_to .and. .not. moving) then
+            call show(scene, t, recorder, sample, outcome, error)
+            if (.not. allocated(error)) call history%take(t, sample%values, error)
+            outcome%samples = outcome%samples + 1
+            return
+         end if
          if (system%condensed) then
             ! The motion keeps the balance of energy without the stretch that the channels show
             call settle(system, work, t, sample%q, sample%v, sample%change, .true., residual, error)
@@ -83,7 +96,7 @@ contains
             call settle_stretched(system, work, t, sample%q, sample%v, sample%change, residual, error)
          else if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
-         else if (recorder%needs_velocities .or. recorder%needs_accelerations) then
+         else if (moving) then
             call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
          else
             call settle_place(system, work, t, sample%q, sample%change, may_stay(integrator%tolerance), residual, error)
@@ -94,14 +107,52 @@ contains
          call check_centres(system, t, sample%q, outcome)
          if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
             & sample%a)
-         recorder%work = sample%w
-         call channel_values(recorder, system, work, t, sample%q, sample%v, sample%a, sample%values)
-         call check_values(system, t, sample, outcome, error)
-         if (allocated(error)) return
       end associate
-      call history%take(t, sample%values, error)
+      call show(scene, t, recorder, sample, outcome, error)
+      if (.not. allocated(error)) call history%take(t, sample%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine record
+
+   !> The channels of a sample.
+   subroutine show(scene, t, recorder, sample, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: t
+      type(recorder_type), intent(inout) :: recorder
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      recorder%work = sample%w
+      call channel_values(recorder, scene%system, scene%work, t, sample%q, sample%v, sample%a, sample%values)
+      call check_values(scene%system, t, sample, outcome, error)
+   end subroutine show
+
+   !> Whether samples within the last step may stay where they are interpolated, and need not be brought onto the joints: those that
+   !> show places only, of a motion that is computed roughly, where the interpolation keeps the joints in the middle of the step,
+   !> the place where it errs most.
+   subroutine look_between(scene, integrator, recorder, sample, outcome)
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(inout) :: integrator
+      type(recorder_type), intent(in) :: recorder
+      !> Its state is scratch
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      real(wp), parameter :: part = 0.5_wp
+      real(wp) :: t, residual
+      sample%good_to = -huge(t)
+      associate (system => scene%system, work => scene%work)
+         if (recorder%needs_velocities .or. recorder%needs_accelerations .or. integrator%ends_on_samples) return
+         if (system%condensed .or. .not. may_stay(integrator%tolerance) > 0.0_wp) return
+         t = integrator%t_before + 0.5_wp*(integrator%t - integrator%t_before)
+         call integrator%interpolate(t, sample%q, sample%v, sample%w)
+         call integrator%complete(system, work, t, sample%q, sample%v)
+         call place_frames(system%model, system%layout, t, sample%q, work%kinematics)
+         residual = position_residual(system, work)
+         if (residual > part*may_stay(integrator%tolerance)) return
+         if (system%nc > 0) outcome%position_residual = max(outcome%position_residual, maxval(abs(work%phi)))
+         sample%good_from = integrator%t_before
+         sample%good_to = integrator%t
+      end associate
+   end subroutine look_between
 
    !> Residual that samples may have which show places only: far below the error of a motion that is computed roughly. A projection
    !> would cost as much as the motion there.

@@ -116,14 +116,36 @@ contains
       !> First and last time; breaks at these two do not count
       real(wp), intent(in) :: start, end
       real(wp), allocatable, intent(inout) :: times(:)
-      integer :: part, divided
+      integer :: divided
       if (size(law%slots) == 0) return
       if (law%branches(start) < 0) return
       divided = 0
-      do part = 1, parts
-         call search_breaks(law, start, end, part_end(start, end, part - 1), part_end(start, end, part), divided, times)
-      end do
+      call search_parts(law, start, end, 0, parts, divided, times)
    end subroutine law_breaks
+
+   !> Searches the equal parts from one edge to another by halves, and not where the bounds leave no room for a change.
+   recursive subroutine search_parts(law, start, end, from, to, divided, times)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      !> Edges of parts
+      integer, intent(in) :: from, to
+      integer, intent(inout) :: divided
+      real(wp), allocatable, intent(inout) :: times(:)
+      type(range_type) :: range
+      real(wp) :: left, right
+      integer :: middle
+      left = part_end(start, end, from)
+      right = part_end(start, end, to)
+      if (to - from == 1) then
+         call search_breaks(law, start, end, left, right, divided, times)
+         return
+      end if
+      range = law_range(law, left, right)
+      if (range%whole .and. law%branches(left) == law%branches(right)) return
+      middle = (from + to)/2
+      call search_parts(law, start, end, from, middle, divided, times)
+      call search_parts(law, start, end, middle, to, divided, times)
+   end subroutine search_parts
 
    !> End of one of the equal parts.
    pure real(wp) function part_end(start, end, part)
@@ -191,6 +213,7 @@ contains
       real(wp) :: whole, rest(2)
       integer :: i, first, last, n, divided
       if (size(law%slots) == 0) return
+      if (surely_moves(law, start, end)) return
       allocate (breaks(0))
       call law_breaks(law, start, end, breaks)
       call cut(start, end, breaks, edges)
@@ -222,6 +245,29 @@ contains
          call insert(edges(last + 1), 0.0_wp, times)
       end do
    end subroutine law_stations
+
+   !> Whether the law moves for too much of the time to have stations, as its values at the edges of the parts show: an end to the
+   !> search at little cost for most laws.
+   logical function surely_moves(law, start, end)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      type(range_type) :: range
+      real(wp) :: least, last, value
+      integer :: part, moving
+      surely_moves = .false.
+      range = law_range(law, start, end)
+      if (.not. range%defined) return
+      least = resting*(range%high - range%low)
+      moving = 0
+      last = law%evaluate([start])
+      do part = 1, parts
+         value = law%evaluate([part_end(start, end, part)])
+         if (abs(value - last) > least) moving = moving + 1
+         last = value
+         surely_moves = moving > (1 - mostly)*parts
+         if (surely_moves) return
+      end do
+   end function surely_moves
 
    !> Edges of the equal parts and breaks, in order.
    subroutine cut(start, end, breaks, edges)

@@ -15,7 +15,7 @@ module limber_output_channels
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_point_motion, only: point_position, point_velocity, point_acceleration
-   use limber_system_exact_place, only: follow_place
+   use limber_system_exact_place, only: find_place, find_deflection
    use limber_system_momentum, only: total_momentum
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -295,7 +295,14 @@ contains
       integer, intent(in) :: point
       real(wp), intent(in) :: q(:)
       real(wp) :: start(2), chord(2)
+      integer :: first
       associate (points => system%model%points, body => system%model%bodies(system%model%points(point)%body))
+         if (points(point)%exact .and. points(body%start_point)%exact .and. points(body%end_point)%exact) then
+            first = system%layout%q(points(point)%body) + 4
+            deflection = find_deflection(body%reduced%exact, points(body%start_point)%reach, points(body%end_point)%reach, &
+               & points(point)%reach, q(first:first + body%reduced%n - 1))
+            return
+         end if
          start = point_position(system%model, system%layout, points(body%start_point), q)
          chord = point_position(system%model, system%layout, points(body%end_point), q) - start
          deflection = cross(chord, point_position(system%model, system%layout, points(point), q) - start)/norm2(chord)
@@ -307,14 +314,14 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: point
       real(wp), intent(in) :: q(:)
-      real(wp) :: displacement(2), drift(2), push(2)
+      real(wp) :: displacement(2)
       integer :: first, k
       displacement = 0.0_wp
       first = system%layout%q(system%model%points(point)%body) + 4
       if (system%model%points(point)%exact) then
          associate (own => system%model%points(point))
-            call follow_place(system%model%bodies(own%body)%reduced%exact, own%reach, &
-               & q(first:first + size(own%psi) - 1), displacement, drift, push)
+            call find_place(system%model%bodies(own%body)%reduced%exact, own%reach, q(first:first + size(own%psi) - 1), &
+               & displacement)
             displacement = displacement - own%p0
          end associate
          return

@@ -4,7 +4,7 @@ module limber_output_drawn
    use limber_base_kinds, only: wp
    use limber_flex_exact, only: reach_of, undeformed_place
    use limber_model_scene, only: model_type
-   use limber_system_exact_place, only: follow_place
+   use limber_system_exact_place, only: find_place
    use limber_system_layout, only: layout_type
    implicit none
    private
@@ -134,7 +134,7 @@ contains
       real(wp), intent(in) :: q(:)
       !> (drawn_width)
       real(wp), intent(inout) :: values(:)
-      real(wp) :: p(2), drift(2), push(2)
+      real(wp) :: p(2)
       integer :: i, k, j, at, first, n
       at = 0
       k = 0
@@ -150,7 +150,7 @@ contains
          values(at + 1:at + 4) = q(first:first + 3)
          at = at + 4
          do j = 1, size(drawn(k)%p0, 2)
-            call follow_place(model%bodies(i)%reduced%exact, drawn(k)%reach(:, j), q(first + 4:first + 3 + n), p, drift, push)
+            call find_place(model%bodies(i)%reduced%exact, drawn(k)%reach(:, j), q(first + 4:first + 3 + n), p)
             values(at + 1:at + 2) = p - drawn(k)%p0(:, j)
             at = at + 2
          end do

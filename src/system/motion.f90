@@ -40,8 +40,8 @@ contains
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq); accelerations in the layout of the rates (nw); multipliers (nc)
       real(wp), contiguous, intent(in) :: q(:), v(:), a(:), lambda(:)
-      real(wp), intent(inout) :: motion(:), rates(:)
-      integer :: i, first, n, j, k, m, row
+      real(wp), contiguous, intent(inout) :: motion(:), rates(:)
+      integer :: i, first, n, j, k, m
       call place_motion(system, work, t, q, v)
       call sum_given_forces(system, work, q, v)
       work%evaluations = work%evaluations + 1
@@ -91,26 +91,47 @@ contains
                first = system%layout%w(item%bodies(j))
                m = system%layout%rates(item%bodies(j))
                associate (jacobian => work%jacobians(j, i), frame => work%kinematics%frames(item%bodies(j)))
-                  do row = 1, item%rows
-                     do k = 1, m
-                        motion(first + k - 1) = motion(first + k - 1) + jacobian%z(row, k)*lambda(item%first + row - 1)
-                     end do
-                     do k = 1, size(jacobian%eta, 2)
-                        motion(first + m + k - 1) = motion(first + m + k - 1) + jacobian%eta(row, k)*lambda(item%first + row - 1)
-                     end do
-                     rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%z(row, 1)*frame%velocity(1) &
-                        & + jacobian%z(row, 2)*frame%velocity(2)
-                     if (m == 3) rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%z(row, 3)*frame%omega
-                     do k = 1, size(jacobian%eta, 2)
-                        rates(item%first + row - 1) = rates(item%first + row - 1) + jacobian%eta(row, k) &
-                           & *v(system%layout%q(item%bodies(j)) + 3 + k)
-                     end do
-                  end do
+                  n = size(jacobian%eta, 2)
+                  k = min(system%layout%q(item%bodies(j)) + 4, size(v) + 1)
+                  call add_reaction(item%rows, m, n, jacobian%z, jacobian%eta, lambda(item%first:), motion(first:))
+                  call add_speed(item%rows, m, n, jacobian%z, jacobian%eta, frame%velocity, frame%omega, v(k:), rates(item%first:))
                end associate
             end do
          end associate
       end do
    end subroutine motion_residual
+
+   !> Adds the forces of constraint equations on one of their bodies.
+   pure subroutine add_reaction(rows, rates, n, z, eta, lambda, motion)
+      !> Numbers of equations, of rates of the frame, and of deflections
+      integer, intent(in) :: rows, rates, n
+      real(wp), intent(in) :: z(rows, 3), eta(rows, n), lambda(rows)
+      real(wp), intent(inout) :: motion(rates + n)
+      integer :: row, k
+      do row = 1, rows
+         do k = 1, rates
+            motion(k) = motion(k) + z(row, k)*lambda(row)
+         end do
+         do k = 1, n
+            motion(rates + k) = motion(rates + k) + eta(row, k)*lambda(row)
+         end do
+      end do
+   end subroutine add_reaction
+
+   !> Adds the speed that one of their bodies gives them.
+   pure subroutine add_speed(rows, rates, n, z, eta, velocity, omega, eta_rates, speed)
+      integer, intent(in) :: rows, rates, n
+      real(wp), intent(in) :: z(rows, 3), eta(rows, n), velocity(2), omega, eta_rates(n)
+      real(wp), intent(inout) :: speed(rows)
+      integer :: row, k
+      do row = 1, rows
+         speed(row) = speed(row) + z(row, 1)*velocity(1) + z(row, 2)*velocity(2)
+         if (rates == 3) speed(row) = speed(row) + z(row, 3)*omega
+         do k = 1, n
+            speed(row) = speed(row) + eta(row, k)*eta_rates(k)
+         end do
+      end do
+   end subroutine add_speed
 
    !> Derivatives at the state of the last `place_motion` or `motion_residual`.
    subroutine linearise_motion(system, work, tangent, q, v, a, lambda)

@@ -4,7 +4,7 @@ module limber_system_point_motion
    use limber_base_kinds, only: wp
    use limber_model_scene, only: model_type, point_type, ground
    use limber_system_algebra, only: along
-   use limber_system_exact_place, only: follow_place
+   use limber_system_exact_place, only: find_place, follow_place
    use limber_system_layout, only: layout_type
    implicit none
    private
@@ -19,7 +19,7 @@ contains
       type(point_type), intent(in) :: point
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
-      real(wp) :: position(2), p(2), drift(2), push(2)
+      real(wp) :: position(2), p(2)
       integer :: first, k
       position = point%p0
       if (point%body == ground) return
@@ -28,8 +28,7 @@ contains
       if (.not. layout%framed(point%body)) return
       p = point%p0
       if (point%exact) then
-         call follow_place(model%bodies(point%body)%reduced%exact, point%reach, q(first + 4:first + 3 + layout%n(point%body)), &
-            & p, drift, push)
+         call find_place(model%bodies(point%body)%reduced%exact, point%reach, q(first + 4:first + 3 + layout%n(point%body)), p)
       else
          do k = 1, layout%n(point%body)
             p = p + point%phi(:, k)*q(first + 3 + k)

@@ -237,16 +237,18 @@ contains
       if (system%condensed) call condense_residual(system, work, self%stage_q, self%stage_v, self%motion(:, i))
    end subroutine find_residual
 
-   !> Power put in at the stages. Where a channel asks for the work, less what their residuals take: with them it is as exact as the
-   !> stages will ever be. For the balance of energy alone the multipliers serve as Newton's method has left them.
+   !> Power put in at the stages, less what their residuals take: with them it is as exact as the stages will ever be. For the
+   !> balance of energy of a rough motion the multipliers serve as Newton's method has left them.
    subroutine find_stage_power(self, system, work)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
+      logical :: rough
       integer :: i
+      rough = self%input%is_rough(self%tolerance)
       do i = 1, 3
          work%lambda = self%multipliers(:, i)
-         if (.not. self%input%asked .and. .not. system%condensed) then
+         if (rough .and. .not. system%condensed) then
             call place_stage(self, system, i)
             self%stage_power(i) = power_at(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v)
             cycle

@@ -35,7 +35,7 @@ module limber_integrator_work
    contains
       procedure :: begin => begin_work
       procedure :: exchange => exchange_work
-      procedure :: try_stages, try_ends, try_cubic, try_known, is_within, allowed, scale_of, accept, within
+      procedure :: try_stages, try_ends, try_cubic, try_known, is_within, is_rough, allowed, scale_of, accept, within
    end type work_type
 
 contains
@@ -141,6 +141,14 @@ contains
       if (.not. is_within .and. self%refused > 0.0_wp) is_within = err > stubborn*self%refused
       self%refused = merge(0.0_wp, err, is_within)
    end function is_within
+
+   !> Whether nobody asks for the work, and the balance of energy is no better than the motion.
+   pure logical function is_rough(self, tolerance)
+      class(work_type), intent(in) :: self
+      !> Of the motion
+      real(wp), intent(in) :: tolerance
+      is_rough = .not. self%asked .and. tolerance > for_balance
+   end function is_rough
 
    !> Takes the step that is tried.
    subroutine accept(self, h, power)

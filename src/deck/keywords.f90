@@ -170,7 +170,7 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL|EXACT', &
       &    '', 'EXACT', 'rigid; K_E alone; K_E and K_G (the paper; default if modes are asked for); von Karman; or exact'), &
       & option_spec_type('BEAM', 'FUNCTIONS', kind_counting, '', &
-      &    '', '6', 'functions of the section angle of an EXACT beam', most=200), &
+      &    '', '7', 'functions of the section angle of an EXACT beam', most=200), &
       & option_spec_type('BEAM', 'STRAIN FUNCTIONS', kind_count, '', &
       &    '', '1', 'functions of the strain along the axis of an EXACT beam; 0: it does not stretch', most=100), &
       & option_spec_type('BEAM', 'SHEAR', kind_yes, '', &

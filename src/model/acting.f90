@@ -10,8 +10,8 @@ module limber_model_acting
    type :: acting_type
       !> Its name without that of the body
       character(64) :: name = ''
-      !> Whether forces and couples act there
-      logical :: force = .false., couple = .false.
+      !> Whether forces and couples act there, and whether joints hold the point, and the section at it
+      logical :: force = .false., couple = .false., held = .false., clamped = .false.
    end type acting_type
 
 contains
@@ -45,17 +45,19 @@ contains
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
       type(acting_type), allocatable, intent(inout) :: points(:)
-      logical :: couple(2)
+      logical :: couple(2), held, clamped
       if (.not. has_pair(block)) return
       select case (block%word('TYPE'))
       case ('TRANSLATIONAL', 'WELD', 'GEAR', 'RACK', 'BELT'); couple = .true.
       case ('POINT ON LINE', 'POINT ON CURVE'); couple = [.false., .true.]
       case default; couple = .false.
       end select
-      call enter(block%lines(1)%text(1), body, .true., couple(1), points)
+      held = .not. any(block%word('TYPE') == [character(13) :: 'GEAR', 'RACK', 'BELT', 'SLIDING'])
+      clamped = any(block%word('TYPE') == [character(13) :: 'WELD', 'TRANSLATIONAL'])
+      call enter(block%lines(1)%text(1), body, .true., couple(1), points, held, clamped)
       ! What slides along a beam acts on all of it
       if (block%word('TYPE') == 'SLIDING') return
-      call enter(block%lines(1)%text(2), body, .true., couple(2), points)
+      call enter(block%lines(1)%text(2), body, .true., couple(2), points, held, clamped)
    end subroutine of_joint
 
    subroutine of_spring(block, body, points)
@@ -83,8 +85,8 @@ contains
       character(*), intent(in) :: body
       type(acting_type), allocatable, intent(inout) :: points(:)
       if (block%has('JOINT')) call along_joint(deck, block%name('JOINT'), body, points)
-      if (block%has('POINT')) call enter(block%text('POINT'), body, .true., .false., points)
-      if (block%has('TO')) call enter(block%text('TO'), body, .true., .false., points)
+      if (block%has('POINT')) call enter(block%text('POINT'), body, .true., .false., points, .true.)
+      if (block%has('TO')) call enter(block%text('TO'), body, .true., .false., points, .true.)
    end subroutine of_driver
 
    !> Couplers of joint coordinates; one of a body's angle acts on its frame.
@@ -127,10 +129,12 @@ contains
    end function has_pair
 
    !> Notes a point `body.point`, or the origin of a body by its name alone, if it is one of this body.
-   subroutine enter(text, body, force, couple, points)
+   subroutine enter(text, body, force, couple, points, held, clamped)
       character(*), intent(in) :: text, body
       logical, intent(in) :: force, couple
       type(acting_type), allocatable, intent(inout) :: points(:)
+      !> Whether it holds the point, and the section there; false if absent
+      logical, intent(in), optional :: held, clamped
       type(acting_type) :: new
       integer :: dot, i
       dot = index(text, '.')
@@ -143,10 +147,14 @@ contains
       end if
       new%force = force
       new%couple = couple
+      if (present(held)) new%held = held
+      if (present(clamped)) new%clamped = clamped
       do i = 1, size(points)
          if (points(i)%name /= new%name) cycle
          points(i)%force = points(i)%force .or. force
          points(i)%couple = points(i)%couple .or. couple
+         points(i)%held = points(i)%held .or. new%held
+         points(i)%clamped = points(i)%clamped .or. new%clamped
          return
       end do
       points = [points, new]

@@ -269,40 +269,46 @@ contains
       end do
    end subroutine find_acting
 
-   !> The functions of an exact beam: how many, the support of its modes, which follows from what holds it if the deck does not say,
-   !> and the places within it where something acts.
+   !> The functions of an exact beam: how many, the support of its modes, which follows from the joints that hold it if the deck does
+   !> not say, and the places within it where something acts. Where more than pins at both ends acts, polynomials serve what the
+   !> support has not: what loads, springs and bodies at the ends ask for.
    subroutine choose_exact(deck, index, body)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index
       type(body_type), intent(inout) :: body
-      type(attachment_type), allocatable :: acting(:)
+      type(acting_type), allocatable :: points(:)
+      real(wp), allocatable :: x(:)
       character(:), allocatable :: support
-      type(support_type) :: natural
+      logical :: found
       real(wp) :: length
+      integer :: i
       associate (block => deck%blocks(index), choice => body%choice%exact)
          length = block%real('LENGTH')
          choice%angles = block%integer('FUNCTIONS')
          choice%strains = block%integer('STRAIN FUNCTIONS')
          choice%origin = body%choice%origin
          choice%support = body%choice%support
-         allocate (acting(0))
-         call find_acting(deck, index, acting)
-         choice%kinks = pack(acting%x, acting%part == 2)
-         choice%steps = pack(acting%x, acting%part == 3)
+         call acting_points(deck, block%name(), points)
+         allocate (x(size(points)))
+         x = -1.0_wp
+         do i = 1, size(points)
+            call find_beam_point(block, trim(points(i)%name), x(i), found)
+         end do
+         choice%kinks = pack(x, points%force)
+         choice%steps = pack(x, points%couple)
          if (allocated(body%beam%mass)) then
             choice%kinks = [choice%kinks, pack(body%beam%place, body%beam%mass > 0.0_wp)]
             choice%steps = [choice%steps, pack(body%beam%place, body%beam%inertia > 0.0_wp)]
          end if
-         if (turns_frame(deck, block%name())) acting = [acting, attachment_type(1, body%choice%origin, 2), &
-            & attachment_type(1, body%choice%origin, 3)]
+         if (turns_frame(deck, block%name())) then
+            points = [points, acting_type('origin', .true., .true., .true., .true.)]
+            x = [x, body%choice%origin]
+         end if
          support = end_support(0.0_wp)//'-'//end_support(length)
-         if (support == 'FREE-FREE' .and. size(acting) > 0) support = 'PINNED-FREE'
-         natural = new_support(support)
-         if (.not. block%given('SUPPORT')) choice%support = natural
-         ! Nothing but pins at both ends, or one end free of all: then the modes have all that the motion needs
-         choice%mixed = .not. any(support == [character(13) :: 'PINNED-PINNED', 'PINNED-FREE', 'CLAMPED-FREE']) &
-            & .or. any(acting%x > 1.0e-6_wp*length .and. acting%x < (1 - 1.0e-6_wp)*length) .or. is_loaded(deck, block%name()) &
-            & .or. .not. is_alike(choice%support, natural)
+         choice%mixed = support /= 'PINNED-PINNED' .or. any(is_inner(choice%kinks)) .or. any(choice%steps >= 0.0_wp)
+         if (support == 'FREE-FREE' .and. size(points) > 0) support = 'CLAMPED-FREE'
+         if (.not. block%given('SUPPORT')) choice%support = new_support(support)
+         choice%mixed = choice%mixed .or. .not. is_alike(choice%support, new_support(support))
       end associate
 
    contains
@@ -314,40 +320,21 @@ contains
             & .and. (a%theta_end .eqv. b%theta_end)
       end function is_alike
 
+      pure elemental logical function is_inner(place)
+         real(wp), intent(in) :: place
+         is_inner = place > 1.0e-6_wp*length .and. place < (1 - 1.0e-6_wp)*length
+      end function is_inner
+
       !> What holds an end.
-      pure function end_support(x) result(word)
-         real(wp), intent(in) :: x
+      pure function end_support(end) result(word)
+         real(wp), intent(in) :: end
          character(:), allocatable :: word
          word = 'FREE'
-         if (any(abs(acting%x - x) < 1.0e-6_wp*length .and. acting%part == 2)) word = 'PINNED'
-         if (any(abs(acting%x - x) < 1.0e-6_wp*length .and. acting%part == 3)) word = 'CLAMPED'
+         if (any(abs(x - end) < 1.0e-6_wp*length .and. points%held)) word = 'PINNED'
+         if (any(abs(x - end) < 1.0e-6_wp*length .and. points%clamped)) word = 'CLAMPED'
       end function end_support
 
    end subroutine choose_exact
-
-   !> Whether loads act at points of a body.
-   pure logical function is_loaded(deck, body)
-      type(deck_type), intent(in) :: deck
-      character(*), intent(in) :: body
-      integer :: i, k
-      is_loaded = .false.
-      do i = 1, size(deck%blocks)
-         associate (block => deck%blocks(i))
-            select case (block%keyword)
-            case ('FORCE')
-               is_loaded = is_loaded .or. index(block%text('POINT'), body//'.') == 1
-            case ('TORQUE')
-               if (block%has('POINT')) is_loaded = is_loaded .or. index(block%text('POINT'), body//'.') == 1
-               if (block%has('REACTION')) is_loaded = is_loaded .or. index(block%text('REACTION'), body//'.') == 1
-            case ('SPRING', 'BUSHING')
-               if (size(block%lines) == 0) cycle
-               do k = 1, min(2, block%lines(1)%count())
-                  is_loaded = is_loaded .or. index(block%lines(1)%text(k), body//'.') == 1
-               end do
-            end select
-         end associate
-      end do
-   end function is_loaded
 
    !> Whether a driver or a torque turns the frame of a body.
    pure logical function turns_frame(deck, body)

@@ -15,7 +15,7 @@ module limber_system_assembly
    use limber_system_dynamics, only: position_residual, velocity_residual
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians
-   use limber_system_rank, only: assembly_type, check_rank, check_branch
+   use limber_system_rank, only: assembly_type, check_rank, check_branch, stretch_remedy
    use limber_system_redundancy, only: constraint_names
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -327,11 +327,13 @@ contains
       integer, intent(out) :: culprit
       character(:), allocatable :: others
       real(wp) :: residual
+      integer :: i
       residual = position_residual(system, work)
       call find_parties(system, work%phi, culprit, residual, others)
       call raise(error, system%constraints(culprit)%item%label//': the initial position cannot be assembled'//others//'; '// &
          & as_text(residual, 3)//' is left open at t = '//as_text(t, 6)// &
-         & '. Check the lengths, or give a better first guess (X=, Y=, ANGLE=) for its bodies')
+         & '. Check the lengths, or give a better first guess (X=, Y=, ANGLE=) for its bodies'// &
+         & stretch_remedy(system, [(i == culprit, i=1, size(system%constraints))]))
    end subroutine report
 
    !> Who takes part in a contradiction: the constraint that is farthest from satisfied, the first one if several are, and others.

@@ -3,6 +3,7 @@
 module limber_system_rank
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
+   use limber_model_scene, only: ground
    use limber_system_closure, only: close_positions, move, change_between
    use limber_system_constraint_matrix, only: constraint_matrix_type, fill, least_step, times
    use limber_system_kinematics, only: place_frames, move_frames
@@ -11,7 +12,7 @@ module limber_system_rank
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: assembly_type, check_rank, check_branch
+   public :: assembly_type, check_rank, check_branch, stretch_remedy
 
    !> What the assembly has found
    type :: assembly_type
@@ -56,7 +57,7 @@ contains
          culprit = here%last(stuck)
          call raise(error, system%constraints(culprit)%item%label//': the mechanism is at a dead centre: '// &
             & constraint_names(system, here%group == stuck)//' let it move by an infinitely small way only. Remove one of them,'// &
-            & ' or change a length')
+            & ' or change a length'//stretch_remedy(system, here%group == stuck))
       else if (.not. moved) then
          found%redundancy = here
          allocate (found%singular%group(size(here%group)), source=0)
@@ -67,6 +68,28 @@ contains
          allocate (found%singular%group(size(here%group)), source=0)
       end if
    end subroutine check_rank
+
+   !> What helps where constraints hold an exact beam that does not stretch; nothing if they hold none.
+   function stretch_remedy(system, mask) result(text)
+      type(system_type), intent(in) :: system
+      !> Of the constraints
+      logical, intent(in) :: mask(:)
+      character(:), allocatable :: text
+      integer :: i, j
+      text = ''
+      do i = 1, size(system%constraints)
+         if (.not. mask(i)) cycle
+         do j = 1, 2
+            if (system%constraints(i)%item%bodies(j) == ground) cycle
+            associate (body => system%model%bodies(system%constraints(i)%item%bodies(j)))
+               if (.not. body%reduced%is_exact) cycle
+               if (body%reduced%exact%strains > body%reduced%exact%shears) cycle
+               text = "; or let beam '"//body%name//"' stretch, with STRAIN FUNCTIONS=1"
+               return
+            end associate
+         end do
+      end do
+   end function stretch_remedy
 
    !> Redundant equations at a position aside, where the constraints that have some have moved their bodies to.
    subroutine look_aside(system, work, matrix, t, q, here, moved, stuck, aside)

@@ -30,6 +30,7 @@ program test_exact
    call check_sliding()
    call check_coupler()
    call check_watch()
+   call check_supports()
    call finish()
 
 contains
@@ -290,6 +291,42 @@ contains
       call check_close(last(reader, 'turn'), 0.2_wp, 1.0e-8_wp, 'rotation of the end')
       call reader%close()
    end subroutine check_coupler
+
+   !> Three frequencies with the default functions, whatever holds or loads the ends, against the equations of beams: cantilever
+   !> (cos x cosh x = -1), with a guide (tan x = -tanh x), a slot, two walls, a spring of 30 E I/L^3, and a bar on pins.
+   subroutine check_supports()
+      character(*), parameter :: spring = '*BUSHING, NAME=spring, STIFFNESS Y=30'//nl//' bar.end, ground.far'//nl
+      character(*), parameter :: across = '*JOINT, NAME=guide, TYPE=TRANSLATIONAL, TURN=0, ANGLE=90 deg'//nl// &
+         & ' bar.end, ground.far'//nl
+      character(*), parameter :: force = '*FORCE, NAME=load, POINT=bar.end'//nl//' 0, 0'//nl
+      character(*), parameter :: couple = '*TORQUE, NAME=twist, POINT=bar.end'//nl//' 0'//nl
+      real(wp), parameter :: free(3) = [1.8751040687120_wp, 4.6940911329742_wp, 7.8547574382376_wp]
+      real(wp), parameter :: slot(3) = [3.9266023120479_wp, 7.0685827456287_wp, 10.210176122813_wp]
+      call check_frequencies(wall//force, free, 'a force at a free end')
+      call check_frequencies(wall//couple, free, 'a couple at a free end')
+      call check_frequencies(wall//across, [2.3650203724314_wp, 5.4978039190008_wp, 8.6393798286997_wp], 'a guide across')
+      call check_frequencies(wall//roller, slot, 'a slot')
+      call check_frequencies(wall//roller//couple, slot, 'a couple at a slot')
+      call check_frequencies(wall//guide, [4.7300407448627_wp, 7.8532046240958_wp, 10.995607838002_wp], 'a guide along')
+      call check_frequencies(wall//spring, [3.1676545031673_wp, 5.0011192191883_wp, 7.9189612236963_wp], 'a spring')
+      call check_frequencies(pin//roller//couple, pi*[1, 2, 3], 'a couple at a pin')
+   end subroutine check_supports
+
+   !> First three frequencies of the bar, L sqrt(omega sqrt(rho A/(E I))) of them being given.
+   subroutine check_frequencies(scene, waves, what)
+      character(*), intent(in) :: scene, what
+      real(wp), intent(in) :: waves(3)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:)
+      call run_bar('X=0', scene//'*MODES, NAME=modes, NUMBER=3'//nl, reader)
+      call reader%read_numbers('/modes/modes/frequency', frequency, error)
+      call check_no_error(error, what)
+      if (allocated(error)) return
+      print '(a,3es10.2)', what//': errors of frequencies', frequency(:3)/waves**2 - 1
+      call check(maxval(abs(frequency(:3)/waves**2 - 1)) <= 5.0e-4_wp, 'frequencies with '//what)
+      call reader%close()
+   end subroutine check_frequencies
 
    !> Too few functions are warned of: of a follower force (deflections 0.2 off with two, 0.01 with four, known from 16), a cantilever
    !> that does not stretch under an axial force, a stretch that is not constant.

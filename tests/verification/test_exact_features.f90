@@ -301,6 +301,8 @@ contains
       call refused(bar, '1'//nl//'*PROFILE'//nl//' 1.5, bar', 'EXACT', 'sections of a beam change within it')
       call refused(bar, '1'//nl//'*PROFILE'//nl//' 0.5, none', 'EXACT', "no *SECTION named 'none'")
       call refused(bar//'*SECTION, NAME=tip, SHAPE=CIRCLE, DIAMETER=0.01'//nl, '1, END SECTION=tip', 'EXACT', 'cannot taper')
+      call refused(bar, '1, STRAIN FUNCTIONS=0'//nl//'*GROUND'//nl//' far, 1, 0'//nl//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl// &
+         & ' bar.end, ground.far'//nl, 'EXACT', "let beam 'bar' stretch, with STRAIN FUNCTIONS=1")
       call refused(bar, '1, STRAIN FUNCTIONS=0, THERMAL STRAIN=1e-4', 'EXACT', 'has no STRAIN FUNCTIONS')
       call refused(steel//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1e-4, INERTIA=1e-8'//nl, '1, SHEAR=YES', 'EXACT', &
          & 'needs SHEAR FACTOR')

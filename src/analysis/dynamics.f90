@@ -252,7 +252,12 @@ contains
       if (allocated(outcome%slip)) text = slip_warning(watch, scene%system, dynamics, outcome%slip, outcome%slip_time, &
          & outcome%slip_speed)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
-      text = ringing_warning(integrator%ringing, scene%system, dynamics)
+      select type (integrator)
+      type is (adams_type)
+         text = ringing_warning(integrator%ringing, .true., scene%system, dynamics)
+      class default
+         text = ringing_warning(integrator%ringing, .false., scene%system, dynamics)
+      end select
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       call report_axial(scene, axial, outcome)
 

@@ -231,8 +231,10 @@ contains
    end function slip_warning
 
    !> A warning if accelerations lack vibrations that the integrator does not follow, eq. (W4).
-   function ringing_warning(ringing, system, dynamics) result(text)
+   function ringing_warning(ringing, is_adams, system, dynamics) result(text)
       type(ringing_type), intent(in) :: ringing
+      !> Whether ADAMS has run to the end
+      logical, intent(in) :: is_adams
       type(system_type), intent(in) :: system
       !> Integrator, tolerance and time of the run
       type(dynamics_type), intent(in) :: dynamics
@@ -245,9 +247,15 @@ contains
       text = ''
       call ringing%worst(system, dynamics%tolerance*system%model%length/(dynamics%end - dynamics%start)**2, body, share, omega)
       if (share <= allowed) return
-      ! A run of ADAMS that has it has gone over to RADAU
-      text = 'RADAU'
-      if (dynamics%integrator /= 'ADAMS') text = dynamics%integrator
+      if (is_adams) then
+         text = "ADAMS keeps up a vibration of body '"//system%model%bodies(body)%name//"' (about "//as_text(omega, 2)// &
+            & ' rad/'//system%model%units%time//') at the limit of its steps, whose deflection is below the tolerance, but not'// &
+            & ' its acceleration: accelerations, reactions and section forces there may err by '//as_text(100*share, 2)// &
+            & ' % of the largest acceleration that loads and inertia make; use INTEGRATOR=RADAU, or a smaller TOLERANCE'
+         return
+      end if
+      text = dynamics%integrator
+      if (dynamics%integrator == 'ADAMS') text = 'RADAU'
       text = text//" does not follow a vibration of body '"//system%model%bodies(body)%name//"' (about "// &
          & as_text(omega, 2)//' rad/'//system%model%units%time//'), whose deflection is below the tolerance, but not its'// &
          & ' acceleration: accelerations, reactions and section forces there may err by '//as_text(100*share, 2)// &

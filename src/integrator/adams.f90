@@ -5,7 +5,7 @@
 !> Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapters 5 and 10;
 !> doc/theory, eqs. (36)-(38).
 module limber_integrator_adams
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, predict, finish_differences
@@ -15,12 +15,15 @@ module limber_integrator_adams
    use limber_system_kinematics, only: place_frames
    use limber_system_dynamics, only: linearise, linearise_placed, accelerations, input_power
    use limber_system_projection, only: project_position, project_velocity, list_unplaced, place_known
+   use limber_system_layout, only: rates_of
    use limber_system_recursion, only: recursion_type, new_recursion, recursive_accelerations, recursive_settle
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
    public :: adams_type
 
+   !> Steps of low order in a row from which on the step counts as one at the limit of stability
+   integer, parameter :: many_low = 20
    !> Least number of bodies whose accelerations are found by recursion
    integer, parameter :: many = 10
    !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
@@ -47,6 +50,8 @@ module limber_integrator_adams
       real(wp), allocatable :: phi(:, :)
       !> Scratch (all coordinates)
       real(wp), allocatable :: change(:)
+      !> Accelerations in the layout of the rates, where vibrations are noted (nw)
+      real(wp), allocatable :: rates(:)
       !> Scales of the local error, and those of y (weighed)
       type(scales_type) :: scales
       real(wp), allocatable :: scale(:)
@@ -95,6 +100,7 @@ contains
       if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change, self%q, self%v, self%a, self%scale)
       allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(size(q)))
       allocate (self%q(size(q)), self%v(size(q)), self%a(size(q)), self%scale(self%weighed))
+      if (.not. allocated(self%rates)) allocate (self%rates(system%layout%nw), source=0.0_wp)
       self%q = q
       self%v = v
       self%a = 0.0_wp
@@ -284,6 +290,7 @@ contains
       self%low_orders = merge(self%low_orders + 1, 0, self%k <= 4)
       call finish_differences(self%ny, self%k, self%yp, self%phi)
       call self%count_step(self%h_last, self%k_last)
+      if (self%ringing%watched) call note_vibrations(self, system)
       call next_order_and_step(self, estimate, k_next)
       ! A step that was cut short to end at `stop` says nothing about the next one
       if (self%t >= stop .and. failures == 0) self%h = max(self%h, min(wanted, 2*self%h))
@@ -295,6 +302,29 @@ contains
       if (self%input%asked .and. system%powered) self%input%throughput = self%input%throughput + self%h_last*abs(self%yp(self%ny))
       if (raised .or. self%input%asked) call keep_scales(self, system)
    end subroutine adams_step
+
+   !> Has the vibrations noted that are kept up at the limit of stability, where steps of low order in a row say that it is there.
+   subroutine note_vibrations(self, system)
+      class(adams_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Steps after which the size of what moves is noted elsewhere
+      integer, parameter :: seldom = 16
+      integer :: i
+      if (self%low_orders < many_low) then
+         call self%ringing%forget()
+         if (mod(self%statistics%steps, int(seldom, long)) > 0) return
+      end if
+      if (self%whole) then
+         self%q = self%y(:self%nq)
+         self%a = self%yp(self%nq + 1:2*self%nq)
+      end if
+      self%change = 0.0_wp
+      do i = 1, self%nq
+         self%change(self%kept(i)) = self%bound*self%scale(self%nq + i)
+      end do
+      call rates_of(system%layout, self%q, self%a, self%rates)
+      call self%ringing%note_limit(system, self%low_orders >= many_low, self%h_last, self%q, self%rates, self%change)
+   end subroutine note_vibrations
 
    !> Local error allowed in a step: errors of the speed of what turns add up turn by turn, and those of its angle with the square
    !> of that, so that a long run of many turns needs smaller ones, eq. (L5).

@@ -1,7 +1,7 @@
 !> What accelerations, reactions and section forces lose of vibrations that an implicit integrator does not follow: their
 !> deflections are below the tolerance, their accelerations need not be. Watched only where a channel asks for such.
 !> Floor: integrator.
-!> Source: doc/theory, eq. (W4).
+!> Source: doc/theory, eqs. (W4), (Z1).
 module limber_integrator_ringing
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -19,8 +19,10 @@ module limber_integrator_ringing
       real(wp) :: h_last = 0.0_wp
       !> What has been lost of each, and its largest vibration (nw); largest acceleration of each body (bodies)
       real(wp), allocatable :: lost(:), top(:), scale(:)
+      !> Where an explicit integrator keeps vibrations up: largest acceleration of each, or what its deflection stands for (nw)
+      real(wp), allocatable :: own(:)
    contains
-      procedure :: watch, forget, note, worst, exchange => exchange_ringing
+      procedure :: watch, forget, note, note_limit, worst, exchange => exchange_ringing
    end type ringing_type
 
 contains
@@ -30,7 +32,8 @@ contains
       class(ringing_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       associate (nw => system%layout%nw)
-         allocate (self%last(nw), self%before(nw), self%lost(nw), self%top(nw), self%scale(size(system%layout%q)), source=0.0_wp)
+         allocate (self%last(nw), self%before(nw), self%lost(nw), self%top(nw), self%own(nw), &
+            & self%scale(size(system%layout%q)), source=0.0_wp)
       end associate
       self%watched = .true.
    end subroutine watch
@@ -75,6 +78,37 @@ contains
       self%known = min(2, self%known + 1)
    end subroutine note
 
+   !> Takes the accelerations at the end of a step of an explicit integrator that may be at the limit of its stability, eq. (Z1):
+   !> vibrations do not die away there, but are kept up as large as the tolerance lets them be.
+   pure subroutine note_limit(self, system, is_limit, h, q, a, allowed)
+      class(ringing_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Whether it is there: else only the size of what moves is noted
+      logical, intent(in) :: is_limit
+      !> Length of the step; coordinates (nq), accelerations (nw); error that the speed of each coordinate may have (nq)
+      real(wp), intent(in) :: h, q(:), a(:), allowed(:)
+      !> Local errors that add up in a vibration that is kept up: beyond, it belongs to the motion
+      real(wp), parameter :: most = 300.0_wp
+      real(wp) :: omega
+      integer :: i, k, at, from
+      if (is_limit) call self%note(system, h, a, 0.0_wp, 0)
+      do i = 1, size(self%scale)
+         associate (body => system%model%bodies(i), first => system%layout%w(i), n => system%layout%n(i))
+            if (n == 0) cycle
+            self%scale(i) = max(self%scale(i), abs(a(first)), abs(a(first + 1)), abs(a(first + 2))*body%size)
+            do k = 1, n
+               at = first + 2 + k
+               from = system%layout%q(i) + 3 + k
+               omega = sqrt(body%reduced%omega2(k))
+               ! At rest loads do not accelerate, but deflect
+               self%own(at) = max(self%own(at), abs(a(at)) - self%top(at), omega**2*abs(q(from)))
+               self%scale(i) = max(self%scale(i), body%largest_shape*self%own(at))
+               if (is_limit) self%lost(at) = max(self%lost(at), min(self%top(at), most*omega*allowed(from)))
+            end do
+         end associate
+      end do
+   end subroutine note_limit
+
    !> The body whose accelerations have lost most.
    pure subroutine worst(self, system, least, body, share, omega)
       class(ringing_type), intent(in) :: self
@@ -85,7 +119,9 @@ contains
       integer, intent(out) :: body
       !> Part of its largest acceleration; frequency of the vibration [rad/time]
       real(wp), intent(out) :: share, omega
-      real(wp) :: part
+      !> Part of the body's acceleration that one of its coordinates counts as at least
+      real(wp), parameter :: little = 0.1_wp
+      real(wp) :: part, scale
       integer :: i, k, at
       body = 0
       share = 0.0_wp
@@ -94,7 +130,9 @@ contains
       do i = 1, size(self%scale)
          do k = 1, system%layout%n(i)
             at = system%layout%w(i) + 2 + k
-            part = min(self%lost(at), 2*self%top(at))*system%model%bodies(i)%largest_shape/max(self%scale(i), least, tiny(part))
+            scale = self%scale(i)
+            if (self%own(at) > 0.0_wp) scale = max(system%model%bodies(i)%largest_shape*self%own(at), little*scale)
+            part = min(self%lost(at), 2*self%top(at))*system%model%bodies(i)%largest_shape/max(scale, least, tiny(part))
             if (.not. part > share) cycle
             body = i
             share = part
@@ -114,6 +152,7 @@ contains
       call snapshot%keep('ringing_lost', self%lost)
       call snapshot%keep('ringing_top', self%top)
       call snapshot%keep('ringing_scale', self%scale)
+      call snapshot%keep('ringing_own', self%own)
    end subroutine exchange_ringing
 
 end module limber_integrator_ringing

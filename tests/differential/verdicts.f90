@@ -95,7 +95,7 @@ contains
       if (verdict%kind == 'status') return
       if (base%status == 0) then
          call run_view(draft, plan%changed, changed)
-         call find_scales(draft, plan%base, reference, changed, scales)
+         call find_scales(draft, reference, changed, scales)
          call compare(draft, plan%base, base, reference, scales, 'base', verdict)
          if (verdict%kind == 'values') call look_at_estimate(draft, plan, plan%base, reference, scales, verdict)
          if (is_disagreement(verdict)) return

@@ -8,7 +8,7 @@ module limber_analysis_advise
    use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, cost_of
    use limber_analysis_fixed, only: free_options, free_integration, find_fixed, unverified_words
    use limber_analysis_probe, only: prospect_type
-   use limber_analysis_rungs, only: rung_type, rung_name, next_rung, can_climb, level_rigid, level_linear, level_kg
+   use limber_analysis_rungs, only: rung_type, rung_name, richer, can_climb
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -167,11 +167,11 @@ contains
       do i = 1, size(advice%rungs)
          width = max(width, len(scene%deck%blocks(advice%rungs(i)%block)%name()))
       end do
-      if (size(advice%rungs) > 0) text = text//newline//'   '//left('beam', width)//left('rung', 22)// &
-         & left('k_G el.', 8)//left('elements', 9)//left('expected', 9)//left('cost', 7)//left('the next', 30)//'decided by'
+      if (size(advice%rungs) > 0) text = text//newline//'   '//left('beam', width)//left('rung', 12)// &
+         & left('expected', 9)//left('cost', 7)//left('the next', 30)//'decided by'
       do i = 1, size(advice%rungs)
          text = text//newline//'   '//left(scene%deck%blocks(advice%rungs(i)%block)%name(), width)// &
-            & beam_cells(advice%rungs(i), advice%probe%beams(i), advice, advice%expected(i), scene%deck)
+            & beam_cells(advice%rungs(i), advice%probe%beams(i), advice%expected(i))
       end do
       if (size(advice%rungs) == 0) text = text//newline//'   no beam whose fidelity is open'
       associate (dynamics => scene%system%model%dynamics)
@@ -179,9 +179,9 @@ contains
          if (dynamics%reason /= '') text = text//': '//dynamics%reason
       end associate
       do i = 1, size(advice%rungs)
-         if (advice%expected(i) <= advice%share) cycle
+         if (advice%expected(i) <= advice%target) cycle
          text = text//newline//"   beam '"//scene%deck%blocks(advice%rungs(i)%block)%name()//"': no rung is expected to"// &
-            & ' keep its share of '//as_text(advice%share, 2)//', for its slopes reach '//as_text(advice%probe%beams(i)%slope, 2)
+            & ' keep the target'
       end do
       do i = 1, size(advice%rungs)
          if (advice%probe%beams(i)%force <= rope) cycle
@@ -194,56 +194,35 @@ contains
          & ' steps with rigid beams'
    end function advice_table
 
-   function beam_cells(rung, beam, advice, expected, deck) result(text)
+   function beam_cells(rung, beam, expected) result(text)
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
-      type(advice_type), intent(in) :: advice
       real(wp), intent(in) :: expected
-      type(deck_type), intent(in) :: deck
       character(:), allocatable :: text, next
       type(rung_type) :: higher
       next = 'none'
       if (can_climb(rung)) then
-         higher = next_rung(rung)
-         next = rung_name(higher)//': '//as_text(expected_error(higher, beam, advice%probe%duration), 2)//' at '// &
+         higher = richer(rung, 1, .false.)
+         next = rung_name(higher)//': '//as_text(expected_error(higher, beam), 2)//' at '// &
             & as_text(cost_of(higher)/cost_of(rung), 2)//' times'
       end if
-      text = left(rung_name(rung), 22)
-      if (rung%level >= level_kg) then
-         text = text//left(as_text(deck%blocks(rung%block)%integer('GEOMETRIC ELEMENTS')), 8)
-      else
-         text = text//left('-', 8)
-      end if
-      if (rung%level > level_rigid) then
-         text = text//left(as_text(deck%blocks(rung%block)%integer('ELEMENTS')), 9)
-      else
-         text = text//left('-', 9)
-      end if
-      text = text//left(as_text(expected, 2), 9)//left(as_text(cost_of(rung), 2), 7)//left(next, 30)//reason_of(rung, beam)
+      text = left(rung_name(rung), 12)//left(as_text(expected, 2), 9)//left(as_text(cost_of(rung), 2), 7)//left(next, 30)// &
+         & reason_of(rung, beam)
    end function beam_cells
 
-   !> The number that decided.
+   !> The numbers that decided.
    function reason_of(rung, beam) result(text)
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
       character(:), allocatable :: text
       if (.not. rung%open_level) then
          text = 'the deck; it bends to '//as_text(beam%deflection, 2)//' of its length'
-         return
+      else if (rung%step == 0) then
+         text = 'all that it bends and stretches makes '//as_text(expected_error(rung, beam), 2)//' of a channel'
+      else
+         text = 'slope '//as_text(beam%slope, 2)//', deflection '//as_text(beam%deflection, 2)//' of the length; its stretch makes '// &
+            & as_text(beam%stretch, 2)//' of a channel; axial force '//as_text(beam%force, 2)//' of the Euler load'
       end if
-      select case (rung%level)
-      case (level_rigid)
-         text = 'all that it bends and stretches makes '//as_text(expected_error(rung, beam, 0.0_wp), 2)//' of a channel'
-      case (level_linear)
-         text = 'its axial force changes the deflection by '//as_text(beam%geometric, 2)//' ('//as_text(beam%force, 2)// &
-            & ' of the Euler load, rotation '//as_text(beam%rotation, 2)//' of the first frequency)'
-      case (level_kg)
-         text = 'axial force '//as_text(beam%force, 2)//' of the Euler load, rotation '//as_text(beam%rotation, 2)// &
-            & ' of the first frequency; slope '//as_text(beam%slope, 2)
-      case default
-         text = 'slope '//as_text(beam%slope, 2)//', deflection '//as_text(beam%deflection, 2)//' of the length; axial force '// &
-            & as_text(beam%force, 2)//' of the Euler load'
-      end select
    end function reason_of
 
    !> A text filled up to a length, with at least two blanks behind it.

@@ -68,7 +68,6 @@ contains
             & '   constraints: position '//as_text(outcome%position_residual, 2)//' '//units%length//', velocity '// &
             & as_text(outcome%velocity_residual, 2)//' '//units%length//'/'//units%time//' at worst'//newline// &
             & '   energy balance: '//as_text(outcome%imbalance, 2)//' of at most '//as_text(outcome%largest_energy, 3)//newline
-         if (allocated(outcome%axial)) text = text//outcome%axial
          text = text//'   '//as_text(outcome%samples)//' samples in '//results
       end associate
    end function closing_report

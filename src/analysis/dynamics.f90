@@ -5,8 +5,6 @@ module limber_analysis_dynamics
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_axial, only: axial_watch_type, axial_verdict_type, axial_target, axial_share, start_axial_watch, &
-      & watch_axial, pass_axial_break, axial_findings
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_guard, only: guard_type
@@ -76,7 +74,6 @@ contains
       type(guard_type), intent(inout), optional :: guard
       type(recorder_type) :: recorder
       type(sample_type) :: sample
-      type(axial_watch_type) :: axial
       type(stiffening_type) :: stiffening
       integer(long) :: tick
       real(wp) :: cpu
@@ -94,10 +91,9 @@ contains
          integrator%input%asked = recorder%needs_work
          if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)
          outcome%reached = dynamics%start
-         call start_axial(scene, axial, sample%change, error)
-         if (.not. allocated(error)) call integrator%start(scene%system, scene%work, dynamics%start, &
+         call integrator%start(scene%system, scene%work, dynamics%start, &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
-         if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, &
+         if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, &
             & stiffening, tick, cpu, outcome, error, guard)
       end associate
       associate (dynamics => scene%system%model%dynamics)
@@ -122,7 +118,7 @@ contains
 
    !> The time loop. Steps end at the breaks of the drivers and loads, and where laws of the motion change their formula; there the
    !> integrator starts anew.
-   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, axial, stiffening, tick, cpu, outcome, &
+   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, stiffening, tick, cpu, outcome, &
       & error, guard)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
@@ -131,7 +127,6 @@ contains
       type(sample_type), intent(inout) :: sample
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
-      type(axial_watch_type), intent(inout) :: axial
       type(stiffening_type), intent(inout) :: stiffening
       !> Clock and CPU clock at the start
       integer(long), intent(in) :: tick
@@ -217,7 +212,6 @@ contains
          call watch_turning(turning, scene%system, t, sample%q, sample%v, dynamics%fixed_step > 0.0_wp, text, error)
          if (allocated(text)) call warn(outcome, text)
          if (allocated(error)) exit
-         call watch_axial(axial, scene%system, scene%work, t, sample%q)
          call follow_turns(t)
          at_station = .false.
          if (seen < size(stations)) at_station = stations(seen + 1) <= t + near
@@ -259,7 +253,6 @@ contains
          text = ringing_warning(integrator%ringing, .false., scene%system, dynamics)
       end select
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
-      call report_axial(scene, axial, outcome)
 
    contains
 
@@ -302,7 +295,6 @@ contains
          call start_watch(watch, time, sample%v)
          call start_turning(turning, scene%system, time, sample%q, sample%v, integrator%ends_on_samples)
          call follow_turns(time)
-         call pass_axial_break(axial, scene%system, scene%work, time)
          if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, time, sample%q, sample%v, &
             & integrator%work_at_start)
       end subroutine start_anew
@@ -367,7 +359,6 @@ contains
          call scene%work%exchange(snapshot)
          call recorder%exchange(snapshot)
          call history%exchange(snapshot)
-         call axial%exchange(snapshot)
          call watch%exchange(snapshot)
          call turning%exchange(snapshot)
          call crossings%exchange(snapshot)
@@ -415,41 +406,6 @@ contains
       call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
       call move_alloc(other, integrator)
    end subroutine replace_integrator
-
-   !> Begins to watch axial coordinates that follow at rest, and puts them where they belong.
-   subroutine start_axial(scene, axial, change, error)
-      type(scene_type), intent(inout) :: scene
-      type(axial_watch_type), intent(inout) :: axial
-      !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
-      type(error_type), allocatable, intent(out) :: error
-      real(wp) :: residual
-      associate (system => scene%system, work => scene%work)
-         call start_axial_watch(axial, system, work, scene%q, scene%v)
-         if (system%condensed) call settle(system, work, system%model%dynamics%start, scene%q, scene%v, change, .true., residual, &
-            & error)
-      end associate
-   end subroutine start_axial
-
-   !> Says what was left out of beams whose axial coordinates have followed at rest; a warning where that is too much.
-   subroutine report_axial(scene, axial, outcome)
-      type(scene_type), intent(in) :: scene
-      type(axial_watch_type), intent(in) :: axial
-      type(outcome_type), intent(inout) :: outcome
-      type(axial_verdict_type) :: verdict
-      integer :: i
-      do i = 1, size(scene%system%model%bodies)
-         if (.not. scene%system%model%bodies(i)%reduced%condensed) cycle
-         if (.not. allocated(outcome%axial)) outcome%axial = ''
-         if (.not. allocated(outcome%left_out)) allocate (outcome%left_out(size(scene%system%model%bodies)), source=0.0_wp)
-         call axial_findings(axial, scene%system, i, axial_target, verdict)
-         outcome%left_out(i) = merge(1.0_wp, verdict%error, verdict%share > axial_share)
-         if (verdict%admissible) outcome%axial = outcome%axial//"   beam '"//scene%system%model%bodies(i)%name//"' "// &
-            & verdict%words//newline
-         if (.not. verdict%admissible) call warn(outcome, "beam '"//scene%system%model%bodies(i)%name// &
-            & "', AXIAL DYNAMICS=STATIC: "//verdict%words//'; use FULL')
-      end do
-   end subroutine report_axial
 
    !> Observes the flexible bodies now and then. It is as dear as up to ten evaluations, which are not counted, and so seldom that
    !> the run hardly notices.

@@ -44,11 +44,6 @@ module limber_analysis_outcome
       real(wp), allocatable :: turned(:)
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
-      !> What is left out where axial coordinates follow at rest, a line for each such beam; not allocated if there is none
-      character(:), allocatable :: axial
-      !> Error of deflections that this is expected to make, 1 where axial waves are left out (bodies); not allocated if there is
-      !> none
-      real(wp), allocatable :: left_out(:)
       !> Envelopes of internal forces (bodies)
       type(effort_type), allocatable :: efforts(:)
       !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it

@@ -5,11 +5,12 @@ module limber_analysis_probe
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_analysis_dynamics, only: new_integrator
-   use limber_analysis_rungs, only: rung_type, apply_rung, bare_deck, level_rigid, level_kg
+   use limber_analysis_rungs, only: rung_type, apply_rung, bare_deck
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_families, only: options_of_exact
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: break_times
    use limber_model_quantities, only: is_internal_force, quantity_u1, quantity_u2, quantity_rotation
@@ -24,8 +25,8 @@ module limber_analysis_probe
    private
    public :: probe_type, prospect_type, make_probe
 
-   !> Coordinates that a probe gives a beam: bending modes, and behind them axial functions
-   integer, parameter :: probe_modes = 6
+   !> Coordinates that a probe gives a beam: bending modes, and behind them axial ones
+   integer, parameter :: probe_modes = 6, probe_axial = 3
    !> Samples of the motion, and at how many of them channels are looked at, and coordinates moved
    integer, parameter :: samples = 200, looks = 40, moves = 5
 
@@ -65,7 +66,7 @@ module limber_analysis_probe
       logical :: blind = .false.
       !> Length of the analysis [time], and steps of the rigid scene
       real(wp) :: duration = 0.0_wp
-      integer :: steps = 0, bodies = 0
+      integer :: steps = 0
       !> CPU seconds
       real(wp) :: cpu = 0.0_wp
    end type probe_type
@@ -82,50 +83,43 @@ contains
    subroutine make_probe(deck, rungs, probe, error)
       type(deck_type), intent(in) :: deck
       !> Its beams whose fidelity is open
-      type(rung_type), intent(in) :: rungs(:)
+      type(rung_type), intent(inout) :: rungs(:)
       type(probe_type), intent(out) :: probe
-      !> The deck is wrong (status 2), or its rigid scene does not move
+      !> The deck is wrong (status 2)
       type(error_type), allocatable, intent(out) :: error
-      type(scene_type) :: rigid, flexible
+      type(scene_type) :: rigid, flexible, exact
       type(track_type) :: track
-      type(rung_type) :: rung
       real(wp), allocatable :: mobility(:, :), stiffness(:), square(:), vectors(:, :), eta(:, :)
       real(wp) :: clock(2)
       logical :: done
       integer :: i
       call cpu_time(clock(1))
+      call build_exact(deck, rungs, exact, error)
+      if (allocated(error)) return
       flexible%deck = deck
       call bare_deck(deck, rigid%deck)
       do i = 1, size(rungs)
-         rung = rungs(i)
-         rung%level = level_kg
-         rung%bending = probe_modes
-         rung%spun = .true.
-         if (.not. rung%open_level) rung%level = max(level_kg, rung%level)
-         rung%open_level = .true.
-         call apply_rung(rung, flexible%deck)
-         rung%level = level_rigid
-         call apply_rung(rung, rigid%deck)
+         call probe_modally(exact, rungs(i), flexible%deck)
+         call make_rigid(rungs(i), rigid%deck)
       end do
       call flexible%deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'ADAMS')
       call rigid%deck%set_number(deck%find('DYNAMICS'), 'TOLERANCE', 1.0e-4_wp)
       if (.not. deck%blocks(deck%find('DYNAMICS'))%given('INTEGRATOR')) &
          & call rigid%deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'ADAMS')
-      call build(flexible, error)
-      if (allocated(error)) return
-      probe%bodies = size(flexible%system%model%bodies)
-      associate (dynamics => flexible%system%model%dynamics)
+      associate (dynamics => exact%system%model%dynamics)
          probe%duration = dynamics%end - dynamics%start
       end associate
-      call find_beams(flexible, rungs, probe)
-      if (size(probe%beams) > 0) then
-         call build(rigid, error)
+      allocate (probe%beams(size(rungs)))
+      if (size(rungs) > 0) then
+         call build(flexible, error)
+         if (.not. allocated(error)) call find_beams(flexible, rungs, probe, error)
+         if (.not. allocated(error)) call build(rigid, error)
          if (.not. allocated(error)) then
             if (rigid%system%nc /= flexible%system%nc) call raise(error, 'the rigid scene has other constraints')
          end if
          if (.not. allocated(error)) call move_rigidly(rigid, flexible, track, probe%steps, error)
          if (allocated(error)) then
-            ! Without its beams' deflections the scene does not move: nothing is known before it runs
+            ! Without its beams' deflections the scene does not move, or no modes can be had: nothing is known before it runs
             deallocate (error)
             call assume(probe)
             return
@@ -146,15 +140,100 @@ contains
       probe%cpu = clock(2) - clock(1)
    end subroutine make_probe
 
-   !> What is assumed of beams where a probe fails: that they matter, and bend as much as FULL describes to three digits.
+   !> The scene with one function of each beam, and none of its strain; where joints hold both ends, so that it cannot bend then, with
+   !> one of that as well, which every rung has from then on.
+   subroutine build_exact(deck, rungs, scene, error)
+      type(deck_type), intent(in) :: deck
+      type(rung_type), intent(inout) :: rungs(:)
+      type(scene_type), intent(out) :: scene
+      type(error_type), allocatable, intent(out) :: error
+      type(rung_type) :: rung
+      integer :: i, least
+      do least = 0, 1
+         scene%deck = deck
+         if (allocated(error)) deallocate (error)
+         do i = 1, size(rungs)
+            rung = rungs(i)
+            rung%step = max(1, rung%step)
+            if (rung%open_strains) rung%least = least
+            call apply_rung(rung, scene%deck)
+         end do
+         call build(scene, error)
+         if (.not. allocated(error)) exit
+         if (.not. any(rungs%open_strains)) return
+      end do
+      if (least == 1 .and. .not. allocated(error)) where (rungs%open_strains) rungs%least = 1
+   end subroutine build_exact
+
+   !> A beam of a deck with vibration modes, for its probe, under the support that its joints make.
+   subroutine probe_modally(exact, rung, deck)
+      !> With the beam as exact
+      type(scene_type), intent(in) :: exact
+      type(rung_type), intent(in) :: rung
+      type(deck_type), intent(inout) :: deck
+      character(:), allocatable :: support
+      integer :: i
+      call drop_features(rung%block, deck)
+      call deck%set_option(rung%block, 'GEOMETRIC', 'K_G', given=.true.)
+      call deck%set_number(rung%block, 'BENDING MODES', real(probe_modes, wp), given=.true.)
+      call deck%set_number(rung%block, 'AXIAL MODES', real(probe_axial, wp), given=.true.)
+      if (deck%blocks(rung%block)%integer('SEGMENTS') > 1) call deck%set_number(rung%block, 'SEGMENTS', 1.0_wp)
+      if (deck%blocks(rung%block)%given('SUPPORT')) return
+      do i = 1, size(exact%system%model%bodies)
+         associate (body => exact%system%model%bodies(i))
+            if (body%name /= deck%blocks(rung%block)%name() .or. body%kind /= body_flexible) cycle
+            associate (held => body%choice%exact%support)
+               support = 'FREE-'
+               if (held%w_start) support = 'PINNED-'
+               if (held%theta_start) support = 'CLAMPED-'
+               if (held%theta_end) then
+                  support = support//'CLAMPED'
+               else if (held%w_end) then
+                  support = support//'ROLLER'
+               else
+                  support = support//'FREE'
+               end if
+            end associate
+            if (any(support == ['CLAMPED-FREE   ', 'PINNED-ROLLER  ', 'CLAMPED-ROLLER ', 'CLAMPED-CLAMPED', 'FREE-FREE      '])) &
+               & call deck%set_option(rung%block, 'SUPPORT', support, given=.true.)
+         end associate
+      end do
+   end subroutine probe_modally
+
+   !> A rigid beam of a deck.
+   subroutine make_rigid(rung, deck)
+      type(rung_type), intent(in) :: rung
+      type(deck_type), intent(inout) :: deck
+      call drop_features(rung%block, deck)
+      call deck%set_option(rung%block, 'GEOMETRIC', 'RIGID', given=.true.)
+      call deck%set_number(rung%block, 'SEGMENTS', 1.0_wp)
+   end subroutine make_rigid
+
+   !> Takes from a beam what only an exact one has; a probe does without.
+   subroutine drop_features(place, deck)
+      integer, intent(in) :: place
+      type(deck_type), intent(inout) :: deck
+      integer :: i
+      do i = 1, size(deck%blocks(place)%options)
+         associate (option => deck%blocks(place)%options(i))
+            if (any(options_of_exact == option%name)) option%given = .false.
+         end associate
+      end do
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword == 'PROFILE') deck%blocks(i)%keyword = 'STUDY'
+      end do
+   end subroutine drop_features
+
+   !> What is assumed of beams where a probe fails: that they matter, and that nothing else is known.
    subroutine assume(probe)
       type(probe_type), intent(inout) :: probe
       integer :: i, k
       probe%blind = .true.
       do i = 1, size(probe%beams)
          associate (beam => probe%beams(i))
-            beam%part = [(1/real(k, wp)**5, k=1, beam%bending)]
+            beam%part = [(1/real(k, wp)**5, k=1, probe_modes)]
             beam%effect = 1.0_wp
+            beam%stretch = 1.0_wp
             beam%geometric = 1.0_wp
             beam%deflection = 0.015_wp
             beam%slope = 0.05_wp
@@ -172,18 +251,21 @@ contains
    end subroutine build
 
    !> Which bodies the beams are, and where their coordinates stand among all deflections.
-   subroutine find_beams(scene, rungs, probe)
+   subroutine find_beams(scene, rungs, probe, error)
       type(scene_type), intent(in) :: scene
       type(rung_type), intent(in) :: rungs(:)
       type(probe_type), intent(inout) :: probe
+      !> One of them is not there as it should be
+      type(error_type), allocatable, intent(out) :: error
       integer :: i, k, j
-      allocate (probe%beams(size(rungs)))
       associate (model => scene%system%model)
          do k = 1, size(rungs)
             do i = 1, size(model%bodies)
                if (model%bodies(i)%kind /= body_flexible) cycle
                if (model%bodies(i)%name == scene%deck%blocks(rungs(k)%block)%name()) probe%beams(k)%body = i
             end do
+            if (probe%beams(k)%body == 0) call raise(error, 'no modes')
+            if (allocated(error)) return
             associate (beam => probe%beams(k))
                beam%first = sum(scene%system%layout%n(:beam%body - 1)) + 1
                beam%bending = model%bodies(beam%body)%reduced%bending

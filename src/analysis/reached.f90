@@ -7,13 +7,14 @@ module limber_analysis_reached
    use limber_analysis_errors, only: envelope, unknown_ratio
    use limber_analysis_estimate, only: estimate_type
    use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_rungs, only: rung_type, rung_name
    use limber_analysis_trial, only: trial_type
    use limber_analysis_truth, only: truth_type, shown_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: reached_type, record_errors, say_why
+   public :: reached_type, record_errors, say_why, names_of
 
    !> What a run towards a target leaves
    type :: reached_type
@@ -31,18 +32,13 @@ module limber_analysis_reached
       type(outcome_type) :: outcome
       !> Its estimated errors
       type(estimate_type) :: estimate
-      !> Largest of them, and their parts by the integration and by the model of each beam, relative
-      real(wp) :: error = 0.0_wp, of_time = 0.0_wp
-      real(wp), allocatable :: of_beam(:)
+      !> Largest of them, and their parts by the integration and by the models, relative
+      real(wp) :: error = 0.0_wp, of_time = 0.0_wp, of_model = 0.0_wp
       !> What runs have shown of the integration
       type(shown_type) :: shown
-      !> Parts of the beams when they were last verified in one frame; zero: never (rungs)
-      real(wp), allocatable :: before(:)
       !> What the deck fixes of beams, and the error of that, relative; models that nothing verifies. Empty: there are none
       character(:), allocatable :: fixed, unverified
       real(wp) :: of_fixed = 0.0_wp
-      !> Beams whose error lies in what the supports of their functions leave out, which no rung has; empty: none
-      character(:), allocatable :: of_supports
       !> Number of runs, of climbs, and CPU seconds of all but the last
       integer :: runs = 0, climbs = 0
       real(wp) :: cpu = 0.0_wp
@@ -50,12 +46,35 @@ module limber_analysis_reached
       real(wp) :: work = 0.0_wp
       !> What was climbed, a line for each
       character(:), allocatable :: path
+   contains
+      procedure :: count_run
    end type reached_type
 
    !> Neighbours on each side that the envelope takes in
    integer, parameter :: reach = 2
 
 contains
+
+   !> Counts a run that is not the one that is verified.
+   pure subroutine count_run(self, trial)
+      class(reached_type), intent(inout) :: self
+      type(trial_type), intent(in) :: trial
+      self%runs = self%runs + 1
+      self%cpu = self%cpu + trial%outcome%cpu
+      self%work = self%work + trial%work
+   end subroutine count_run
+
+   !> Rungs for people: 'EXACT 5 + 2; RIGID'.
+   function names_of(rungs) result(text)
+      type(rung_type), intent(in) :: rungs(:)
+      character(:), allocatable :: text
+      integer :: i
+      text = ''
+      do i = 1, size(rungs)
+         if (i > 1) text = text//'; '
+         text = text//rung_name(rungs(i))
+      end do
+   end function names_of
 
    !> Errors of the run at each sample.
    subroutine record_errors(truth, candidate, reached)
@@ -70,8 +89,7 @@ contains
          allocate (estimate%values(size(truth%scale), n), estimate%ratio(size(truth%scale)), estimate%stuck(size(truth%scale)))
          allocate (estimate%scale, source=truth%scale)
          do i = 1, size(truth%scale)
-            estimate%values(i, :) = truth%safety*(envelope(candidate%samples%values(i, :n) - truth%values(i, :), reach) &
-               & + truth%rest(i))
+            estimate%values(i, :) = envelope(candidate%samples%values(i, :n) - truth%values(i, :), reach) + truth%rest(i)
          end do
          estimate%ratio = unknown_ratio
          estimate%without = reached%unverified
@@ -97,25 +115,15 @@ contains
             reached%reason = reached%reason//'the run one rung higher that is to verify it fails'
          end if
       end if
-      reached%reason = reached%reason//reached%of_supports
       if (reached%fixed /= '' .and. reached%of_fixed <= 0.0_wp) reached%reason = reached%reason//newline// &
          & '   The deck fixes '//reached%fixed//': leave it open'
-      if (.not. any(reached%advice%floor > 0.5_wp*target)) return
-      reached%reason = reached%reason//newline//'   Slopes of '//as_text(maxval(reached%advice%probe%beams%slope), 2)// &
-         & ' are more than one floating frame describes to that accuracy: '
-      if (any(reached%advice%rungs%damped)) then
-         reached%reason = reached%reason//'damp the beam by RAYLEIGH BETA, which its segments keep, and not by its modes'
-      else
-         reached%reason = reached%reason//'leave SEGMENTS open, or divide the beam'
-      end if
    end subroutine say_why
 
    !> Whether the integration alone keeps a run from the target.
    pure logical function is_of_time(target, reached)
       real(wp), intent(in) :: target
       type(reached_type), intent(in) :: reached
-      is_of_time = reached%shown%pairs > 0 .and. reached%of_time > 0.5_wp*target
-      if (is_of_time .and. allocated(reached%of_beam)) is_of_time = all(reached%of_beam <= 0.5_wp*target)
+      is_of_time = reached%shown%pairs > 0 .and. reached%of_time > 0.5_wp*target .and. reached%of_model <= 0.5_wp*target
    end function is_of_time
 
    !> Why the integration does not keep a target, and what can be tried.

@@ -6,7 +6,6 @@ module limber_analysis_scene
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
    use limber_analysis_laws, only: check_laws
-   use limber_analysis_axial, only: axial_verdict_type, axial_target, judge_axial
    use limber_analysis_choice, only: choose_integrator
    use limber_analysis_given, only: changed_place, changed_velocity
    use limber_deck_content, only: deck_type
@@ -108,8 +107,6 @@ contains
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call check_masses(scene, diagnostics)
          scene%assembling = seconds_since(tick)
          if (diagnostics%count == 0 .and. starts_with_dynamics(model)) call settle_integrator(scene)
-         if (diagnostics%count == 0 .and. scene%system%condensed) &
-            & call check_axial(scene, diagnostics)
       end if
       scene%warnings = diagnostics%render(scene%deck%source)
       if (diagnostics%count > 0) call raise(error, scene%warnings, status_deck)
@@ -156,38 +153,6 @@ contains
       scene%system%model%dynamics%integrator = integrator
       scene%system%model%dynamics%reason = reason
    end subroutine settle_integrator
-
-   !> Beams whose axial coordinates follow at rest although they must not.
-   subroutine check_axial(scene, diagnostics)
-      type(scene_type), intent(inout) :: scene
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(axial_verdict_type) :: verdict
-      type(origin_type) :: origin
-      integer :: i, block
-      associate (model => scene%system%model)
-         do i = 1, size(model%bodies)
-            if (.not. model%bodies(i)%reduced%condensed) cycle
-            origin = origin_type(file=1)
-            block = scene%deck%find_named('BEAM', model%bodies(i)%name)
-            if (block > 0) origin = scene%deck%blocks(block)%origin_of('AXIAL DYNAMICS')
-            if (is_conserving(model)) then
-               call diagnostics%add(origin, "beam '"//model%bodies(i)%name//"': CONSERVING cannot be used where axial"// &
-                  & ' coordinates follow at rest', 'write AXIAL DYNAMICS=FULL, or INTEGRATOR=ADAMS, RADAU or ALPHA')
-               cycle
-            end if
-            if (.not. starts_with_dynamics(model)) cycle
-            call judge_axial(scene%system, scene%work, scene%q, scene%v, i, axial_target, verdict)
-            if (verdict%admissible) cycle
-            if (verdict%frequency > 0.0_wp) then
-               call diagnostics%warn(origin, "beam '"//model%bodies(i)%name//"' must not stretch as at rest: "//verdict%words, &
-                  & 'write AXIAL DYNAMICS=FULL')
-            else
-               call diagnostics%add(origin, "beam '"//model%bodies(i)%name//"' must not stretch as at rest: "//verdict%words, &
-                  & 'write AXIAL DYNAMICS=FULL, or a SUPPORT that holds both ends along the beam')
-            end if
-         end do
-      end associate
-   end subroutine check_axial
 
    !> Whether an analysis asks for CONSERVING.
    pure logical function is_conserving(model)

@@ -1,37 +1,39 @@
-!> A run that keeps a requested accuracy: the advised model is run and verified, climbs where the verification shows too large an
-!> error and runs again, and goes down where less will do. Floor: analysis. Equations: doc/theory.md, accuracy on request.
+!> A run that keeps a requested accuracy: the advised model is run and verified by a finer run, climbs where that shows too large an
+!> error, and goes down where less will do. Floor: analysis. Equations: doc/theory.md, accuracy on request.
 module limber_analysis_target
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: advice_type, make_advice, find_floors
-   use limber_analysis_climb, only: take_seen, climb, climb_all, look_back
+   use limber_analysis_advice, only: make_advice, expected_error, expected_stretch, check_rung, rest_beyond, part_time
    use limber_analysis_descent, only: descend
-   use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words, support_words
-   use limber_analysis_reached, only: reached_type, record_errors, say_why
-   use limber_analysis_trial, only: trial_type, run_trial, take_samples, take_outcome, least_patience
-   use limber_analysis_truth, only: truth_type, error_against
-   use limber_analysis_verification, only: verify, matters
+   use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
+   use limber_analysis_reached, only: reached_type, record_errors, say_why, names_of
+   use limber_analysis_rungs, only: rung_type, richer, can_climb
+   use limber_analysis_trial, only: trial_type, run_trial, run_check, take_samples, take_outcome, least_patience, least_verified
+   use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type
    implicit none
    private
    public :: reach_target
 
-   !> Part of the target that the error of a truth may be that is good enough for another setting
-   real(wp), parameter :: sure = 0.3_wp
+   !> Part of the target that the error of a truth may be that is good enough for another setting; that it is taken to err at least
+   !> where there are beams
+   real(wp), parameter :: sure = 0.35_wp, doubt = 0.07_wp
    !> Most rounds, and work in units of the last run's after which no more are begun
-   integer, parameter :: most_rounds = 10
+   integer, parameter :: most_rounds = 12
    real(wp), parameter :: patience = 100.0_wp
+   !> Ratio of the tolerances of a run and its check, error of that as a part of their difference, and the power of the tolerance that
+   !> errors of the integration are taken to fall with
+   real(wp), parameter :: ladder = 0.1_wp, rest_of_time = 0.25_wp, falling = 0.6_wp
+   !> What differences are multiplied by where the integration is judged
+   real(wp), parameter :: widening = 1.25_wp
 
    !> The run that misses the target by the least, and what it was compared with
    type :: best_type
-      real(wp) :: error = huge(1.0_wp), of_time = 0.0_wp
+      type(reached_type) :: reached
       type(trial_type) :: candidate
       type(truth_type) :: truth
-      type(advice_type) :: advice
-   contains
-      procedure :: keep => keep_best
-      procedure :: give_back
+      logical :: known = .false.
    end type best_type
 
 contains
@@ -56,7 +58,6 @@ contains
          if (.not. reached%done) return
       end if
       if (reached%done .or. truth%known) call record_errors(truth, candidate, reached)
-      if (.not. reached%done) reached%of_supports = support_words(deck, target, reached)
       if (.not. reached%done) call say_why(target, reached)
       reached%statistics = candidate%statistics
       call take_outcome(candidate%outcome, reached%outcome)
@@ -80,107 +81,314 @@ contains
       logical :: climbed, on
       reached%reason = ''
       reached%path = ''
-      reached%of_supports = ''
       call find_fixed(deck, reached%fixed)
       reached%unverified = unverified_words(deck)
       call make_advice(deck, target, reached%advice, error)
       if (allocated(error)) return
-      allocate (reached%of_beam(size(reached%advice%rungs)), reached%before(size(reached%advice%rungs)))
-      reached%before = 0.0_wp
       limit = huge(limit)
       do round = 1, most_rounds
          climbed = .false.
-         call find_floors(reached%advice)
+         reached%reason = ''
          call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., quiet, 'run', &
             & candidate, error)
          if (allocated(error)) return
-         limit = 5*least_patience + patience*candidate%work
+         limit = least_patience + patience*candidate%work
          reached%runs = reached%runs + 1
          reached%work = reached%work + candidate%work
          ! Up only if what is there can be run as well
          on = round < most_rounds .and. (reached%work < patience*candidate%work .or. round < 3)
          if (candidate%reason /= '') then
             reached%reason = candidate%reason
-            if (on) call climb_all(deck, reached, climbed)
+            if (on) call climb_all(reached, climbed)
          else
-            if (on) call take_seen(deck, target, candidate, reached, climbed)
-            if (climbed) then
-               reached%cpu = reached%cpu + candidate%outcome%cpu
-               reached%climbs = reached%climbs + 1
-               cycle
-            end if
-            if (does_for(truth, reached%advice, target)) then
+            if (does_for(truth, reached%advice%rungs, reached%advice%tolerance, target)) then
                reached%error = error_against(truth, candidate%samples%values)
-               reached%done = reached%error <= target
-            end if
-            if (.not. reached%done) then
+               reached%of_model = reached%error
+            else
                call verify(deck, target, quiet, on, candidate, reached, truth, error)
                if (allocated(error)) return
-               reached%done = reached%reason == '' .and. reached%error <= target
             end if
+            reached%done = reached%reason == '' .and. truth%known .and. reached%error <= target
             if (reached%done .and. on) call look_back(target, truth, reached, climbed)
             if (reached%done) then
                call verify_fixed(deck, target, quiet, candidate, reached, truth, error)
                if (allocated(error) .or. .not. reached%done) exit
+               call descend(deck, target, quiet, truth, reached, candidate, error)
+               exit
             end if
-            if (reached%done) call descend(deck, target, quiet, truth, reached, candidate, error)
-            if (reached%done .or. allocated(error)) exit
-            if (.not. climbed) call best%keep(candidate, truth, reached)
-            if (on .and. .not. climbed) call climb(deck, target, truth, reached, climbed)
+            if (.not. climbed .and. reached%reason == '' .and. truth%known) call keep_best()
+            if (on .and. .not. climbed) call climb(target, truth, reached, climbed)
          end if
          if (.not. climbed) exit
          reached%cpu = reached%cpu + candidate%outcome%cpu
          reached%climbs = reached%climbs + 1
-         reached%reason = ''
       end do
-      if (.not. (reached%done .or. allocated(error)) .and. reached%reason == '') call best%give_back(candidate, truth, reached)
+      if (.not. (reached%done .or. allocated(error)) .and. reached%reason == '' .and. best%known) call give_back()
+
+   contains
+
+      !> Keeps a run that misses the target if it misses it by less than those before.
+      subroutine keep_best()
+         if (best%known .and. best%reached%error <= reached%error) return
+         best%known = .true.
+         best%reached = reached
+         best%candidate = candidate
+         best%truth = truth
+      end subroutine keep_best
+
+      !> Gives the best run back where the last one misses the target by more.
+      subroutine give_back()
+         if (truth%known .and. best%reached%error >= reached%error) return
+         candidate = best%candidate
+         truth = best%truth
+         reached%advice = best%reached%advice
+         reached%error = best%reached%error
+         reached%of_time = best%reached%of_time
+         reached%of_model = best%reached%of_model
+         reached%path = reached%path//newline//'   the best of these runs is kept: TOLERANCE='// &
+            & as_text(reached%advice%tolerance, 2)//', error '//as_text(reached%error, 2)
+      end subroutine give_back
+
    end subroutine search
 
-   !> Keeps a run that misses the target if it misses it by less than those before.
-   subroutine keep_best(self, candidate, truth, reached)
-      class(best_type), intent(inout) :: self
-      type(trial_type), intent(in) :: candidate
-      type(truth_type), intent(in) :: truth
-      type(reached_type), intent(in) :: reached
-      if (.not. truth%known .or. reached%reason /= '' .or. reached%error >= self%error) return
-      self%error = reached%error
-      self%of_time = reached%of_time
-      self%candidate = candidate
-      self%truth = truth
-      self%advice = reached%advice
-   end subroutine keep_best
-
-   !> Gives the best run back where the last one misses the target by more.
-   subroutine give_back(self, candidate, truth, reached)
-      class(best_type), intent(in) :: self
-      type(trial_type), intent(inout) :: candidate
-      type(truth_type), intent(inout) :: truth
-      type(reached_type), intent(inout) :: reached
-      if (self%error >= reached%error) return
-      candidate = self%candidate
-      truth = self%truth
-      reached%advice = self%advice
-      reached%error = self%error
-      reached%of_time = self%of_time
-      reached%path = reached%path//newline//'   the best of these runs is kept: TOLERANCE='// &
-         & as_text(reached%advice%tolerance, 2)//', error '//as_text(reached%error, 2)
-   end subroutine give_back
-
    !> Whether a finer run that is there already does for the present setting, so that none has to be made.
-   pure logical function does_for(truth, advice, target)
+   pure logical function does_for(truth, rungs, tolerance, target)
       type(truth_type), intent(in) :: truth
-      type(advice_type), intent(in) :: advice
-      real(wp), intent(in) :: target
-      integer :: i
+      type(rung_type), intent(in) :: rungs(:)
+      real(wp), intent(in) :: tolerance, target
       does_for = .false.
-      if (.not. truth%known) return
-      does_for = truth%tolerance <= advice%tolerance .and. all(truth%rest <= sure*target*truth%scale)
-      do i = 1, size(advice%rungs)
-         associate (high => truth%rungs(i), low => advice%rungs(i))
-            if (high%segments > low%segments .or. .not. matters(advice, i, target)) cycle
-            if (high%segments < low%segments .or. high%level < low%level .or. high%bending <= low%bending) does_for = .false.
-         end associate
-      end do
+      if (.not. truth%known .or. size(rungs) == 0) return
+      does_for = truth%tolerance <= tolerance .and. all(truth%rest <= sure*target*truth%scale) .and. &
+         & all(truth%rungs%step > rungs%step .or. rungs%step == 0) .and. all(truth%rungs%stretches .or. .not. rungs%stretches)
    end function does_for
+
+   !> Runs the checks of a run and estimates its error from the differences, eqs. (180), (181): with a smaller tolerance, and then with
+   !> all beams that matter higher, which is the truth. Where the integration alone errs by too much, and there is another round, the
+   !> beams wait.
+   subroutine verify(deck, target, quiet, on, candidate, reached, truth, error)
+      type(deck_type), intent(in) :: deck
+      real(wp), intent(in) :: target
+      !> Whether the progress is not shown; whether there is another round if this one fails
+      logical, intent(in) :: quiet, on
+      type(trial_type), intent(in) :: candidate
+      type(reached_type), intent(inout) :: reached
+      type(truth_type), intent(inout) :: truth
+      type(error_type), allocatable, intent(out) :: error
+      type(trial_type) :: finer, check
+      type(rung_type) :: rungs(size(reached%advice%rungs))
+      real(wp), allocatable :: of_time(:), rest(:)
+      real(wp) :: step, part, beyond
+      integer :: i, n
+      n = candidate%samples%samples
+      reached%of_model = 0.0_wp
+      truth%known = .false.
+      associate (advice => reached%advice, estimate => reached%estimate)
+         ! Where no smaller tolerance is left, a looser one shows how far errors fall
+         step = merge(ladder, 1/ladder, advice%tolerance > 0.99_wp*least_verified)
+         estimate%companion = step*advice%tolerance
+         estimate%reason = ''
+         estimate%of_model = .true.
+         call run_check(deck, advice%rungs, advice%tolerance, step, 60*candidate%work, .true., quiet, 'check of the integration', &
+            & finer, error)
+         if (allocated(error)) return
+         call reached%count_run(finer)
+         if (finer%reason /= '') then
+            reached%reason = 'the check at TOLERANCE='//as_text(estimate%companion, 2)//' failed: '//finer%reason
+            estimate%reason = reached%reason
+            return
+         end if
+         if (.not. allocated(truth%scale)) allocate (truth%scale, source=finer%scale)
+         associate (channels => size(truth%scale))
+            allocate (of_time, source=largest_difference(finer%samples%values(:channels, :n), candidate%samples%values(:channels, :n)))
+            allocate (rest, source=of_time)
+            reached%of_time = maxval([0.0_wp, of_time/truth%scale])
+            call reached%shown%take(advice%rungs, advice%tolerance, reached%of_time, target, &
+               & candidate%samples%values(:channels, :n), finer%samples%values(:channels, :n))
+            if (step < 1.0_wp) then
+               call truth%take(advice%rungs, estimate%companion, finer%samples%values(:channels, :n), finer%work, &
+                  & rest_of_time*of_time)
+            else
+               call truth%take(advice%rungs, advice%tolerance, candidate%samples%values(:channels, :n), candidate%work, &
+                  & rest_of_time*of_time)
+            end if
+            do i = 1, size(rungs)
+               rungs(i) = check_rung(advice, i)
+            end do
+            if (on .and. advice%open_tolerance .and. size(rungs) > 0 .and. widening*reached%of_time > target) then
+               reached%error = widening*reached%of_time
+               truth%known = .false.
+               return
+            end if
+            if (any(rungs%step > advice%rungs%step .or. (rungs%stretches .neqv. advice%rungs%stretches))) then
+               ! No smaller than it takes for the integration to err by less than half of the doubt
+               part = 1.0_wp
+               if (reached%of_time > 0.5_wp*doubt*target) part = max(ladder, (0.5_wp*doubt*target/reached%of_time)**(1/falling))
+               call run_higher(deck, rungs, advice%tolerance, part, candidate%work, quiet, reached, check, error)
+               if (allocated(error)) return
+               if (check%reason /= '') then
+                  reached%of_model = huge(1.0_wp)
+                  reached%error = huge(1.0_wp)
+                  truth%known = .false.
+                  return
+               end if
+               beyond = 0.0_wp
+               do i = 1, size(rungs)
+                  beyond = max(beyond, rest_beyond(advice%rungs(i), rungs(i), advice%probe%beams(i)))
+               end do
+               ! Of the two runs that it may be compared with, the one whose tolerance is nearer to its own
+               if (part**2 <= ladder) then
+                  rest = largest_difference(check%samples%values(:channels, :n), truth%values)
+               else
+                  rest = largest_difference(check%samples%values(:channels, :n), candidate%samples%values(:channels, :n))
+               end if
+               reached%of_model = maxval(rest/truth%scale)
+               rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale)
+               call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
+            else if (size(rungs) > 0) then
+               truth%rest = max(truth%rest, doubt*target*truth%scale)
+            end if
+            reached%error = error_against(truth, candidate%samples%values)
+         end associate
+      end associate
+   end subroutine verify
+
+   !> The run with higher rungs. A loose tolerance may excite vibrations that cost very much: then a smaller one is tried, and
+   !> patience at last.
+   subroutine run_higher(deck, rungs, tolerance, part, work, quiet, reached, check, error)
+      type(deck_type), intent(in) :: deck
+      type(rung_type), intent(in) :: rungs(:)
+      !> That of the run to be verified; its own in units of that, on return what it was; counted work of that run
+      real(wp), intent(in) :: tolerance, work
+      real(wp), intent(inout) :: part
+      logical, intent(in) :: quiet
+      type(reached_type), intent(inout) :: reached
+      type(trial_type), intent(inout) :: check
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), parameter :: factor(3) = [1.0_wp, 0.1_wp, 1.0_wp], most(3) = [20.0_wp, 20.0_wp, 200.0_wp], &
+         & least(3) = [0.04_wp, 0.04_wp, 1.0_wp]
+      integer :: i
+      real(wp) :: asked
+      asked = part
+      do i = 1, size(factor)
+         part = factor(i)*asked
+         if (part*tolerance < 0.1_wp*least_verified) cycle
+         call run_check(deck, rungs, tolerance, part, most(i)*work - (1 - least(i))*least_patience, .false., quiet, &
+            & 'check of '//names_of(rungs), check, error)
+         if (allocated(error)) return
+         call reached%count_run(check)
+         if (check%reason == '') return
+      end do
+   end subroutine run_higher
+
+   !> Up where the verification shows too large a part: a smaller tolerance, and the beams one rung or two, or with strain where the
+   !> stretch is what was expected.
+   subroutine climb(target, truth, reached, climbed)
+      real(wp), intent(in) :: target
+      !> What the run was compared with
+      type(truth_type), intent(in) :: truth
+      type(reached_type), intent(inout) :: reached
+      logical, intent(out) :: climbed
+      !> Part of the error from which on the stretch, or the bending, is one of its causes; error in units of the target for two rungs
+      real(wp), parameter :: cause = 0.3_wp, far = 4.0_wp
+      real(wp) :: aim, stretch, bend
+      type(rung_type) :: higher
+      integer :: i
+      logical :: all_of_it
+      climbed = .false.
+      associate (advice => reached%advice)
+         aim = part_time*target
+         if (widening*reached%of_time > aim .and. advice%open_tolerance) &
+            & call tighten(min(0.5_wp, max(0.02_wp, (0.7_wp*aim/reached%of_time)**1.25_wp)))
+         if (.not. truth%known .and. climbed) return
+         if (reached%of_model > 0.5_wp*target .or. .not. climbed) then
+            do i = 1, size(advice%rungs)
+               if (.not. can_climb(advice%rungs(i))) cycle
+               stretch = expected_stretch(advice%rungs(i), advice%probe%beams(i))
+               bend = expected_error(advice%rungs(i), advice%probe%beams(i)) - stretch
+               all_of_it = max(stretch, bend) < cause*min(1.0_wp, reached%of_model) .or. .not. advice%rungs(i)%open_strains
+               higher = advice%rungs(i)
+               if (.not. advice%rungs(i)%stretches .and. stretch > cause*min(1.0_wp, reached%of_model) .and. &
+                  & advice%rungs(i)%open_strains) higher = richer(higher, 0, .true.)
+               if (higher%stretches .eqv. advice%rungs(i)%stretches .or. bend > cause*min(1.0_wp, reached%of_model) .or. all_of_it) &
+                  & higher = richer(higher, merge(2, 1, reached%of_model > far*target), .false.)
+               if (higher%step == advice%rungs(i)%step .and. .not. higher%stretches) higher = richer(higher, 0, .true.)
+               call put(i, higher)
+            end do
+         end if
+         if (.not. climbed .and. advice%open_tolerance .and. reached%of_time > 0.1_wp*target) call tighten(0.2_wp)
+      end associate
+
+   contains
+
+      subroutine tighten(factor)
+         real(wp), intent(in) :: factor
+         if (reached%advice%tolerance <= least_verified) return
+         reached%advice%tolerance = max(least_verified, factor*reached%advice%tolerance)
+         reached%path = reached%path//newline//'   the integration had an error of '//as_text(reached%of_time, 2)// &
+            & ': TOLERANCE='//as_text(reached%advice%tolerance, 2)
+         climbed = .true.
+      end subroutine tighten
+
+      subroutine put(i, higher)
+         integer, intent(in) :: i
+         type(rung_type), intent(in) :: higher
+         if (higher%step == reached%advice%rungs(i)%step .and. (higher%stretches .eqv. reached%advice%rungs(i)%stretches)) return
+         reached%advice%rungs(i) = higher
+         call say()
+      end subroutine put
+
+      !> What led to the present rungs.
+      subroutine say()
+         integer :: k
+         climbed = .true.
+         reached%path = reached%path//newline//'   the model had an error of '
+         if (reached%of_model < 1.0e3_wp) then
+            reached%path = reached%path//as_text(reached%of_model, 2)
+         else
+            reached%path = reached%path//'unknown size'
+         end if
+         reached%path = reached%path//': '//names_of(reached%advice%rungs)
+         do k = 1, size(reached%advice%rungs)
+            reached%advice%expected(k) = expected_error(reached%advice%rungs(k), reached%advice%probe%beams(k))
+         end do
+      end subroutine say
+
+   end subroutine climb
+
+   !> Two runs that agree may both miss what a finer run of an earlier pair has met: then a smaller tolerance decides, eq. (T7).
+   subroutine look_back(target, truth, reached, again)
+      real(wp), intent(in) :: target
+      type(truth_type), intent(in) :: truth
+      !> With a target that is kept
+      type(reached_type), intent(inout) :: reached
+      !> Whether it is to be run at a smaller tolerance
+      logical, intent(out) :: again
+      !> Most of such looks, and what the tolerance is multiplied by
+      integer, parameter :: most_looks = 2
+      real(wp), parameter :: smaller = 0.1_wp
+      associate (advice => reached%advice, shown => reached%shown)
+         again = advice%open_tolerance .and. advice%tolerance > least_verified .and. shown%looks < most_looks
+         if (again) again = shown%is_forgotten(advice%rungs, truth%values, truth%scale, target)
+         if (.not. again) return
+         shown%looks = shown%looks + 1
+         advice%tolerance = max(least_verified, smaller*advice%tolerance)
+         reached%path = reached%path//newline//'   a finer run had shown a difference of '//as_text(shown%difference, 2)// &
+            & ' that these two do not: TOLERANCE='//as_text(advice%tolerance, 2)
+         reached%done = .false.
+      end associate
+   end subroutine look_back
+
+   !> Goes up with all beams, for a run has failed.
+   subroutine climb_all(reached, climbed)
+      type(reached_type), intent(inout) :: reached
+      logical, intent(out) :: climbed
+      associate (rungs => reached%advice%rungs)
+         climbed = any(can_climb(rungs))
+         if (.not. climbed) return
+         reached%path = reached%path//newline//'   '//names_of(rungs)//' failed: '
+         rungs = merge(richer(rungs, 1, .true.), rungs, can_climb(rungs))
+         reached%path = reached%path//names_of(rungs)
+      end associate
+   end subroutine climb_all
 
 end module limber_analysis_target

@@ -149,11 +149,7 @@ contains
       text = 'warning: TARGET='//as_text(reached%advice%target, 2)//' is kept by the integration'
       if (size(reached%advice%rungs) > 0) text = text//' and by the models that limber chooses'
       text = text//' only: the model of '//reached%unverified//' is fixed by the deck and not verified; compare with more'
-      if (index(reached%unverified, 'FUNCTIONS') > 0) then
-         text = text//' FUNCTIONS and STRAIN FUNCTIONS'//newline
-      else
-         text = text//' modes and elements; damp by RAYLEIGH BETA'//newline
-      end if
+      text = text//' modes and elements; damp by RAYLEIGH BETA'//newline
    end function unverified_warning
 
    !> What was asked for, and whether it is kept, in words: 'kept', 'of the integration only', 'not kept'.

@@ -9,10 +9,7 @@ module limber_analysis_trial
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
    use limber_analysis_errors, only: magnitude
    use limber_analysis_estimate, only: add_quantities, round_off
-   use limber_analysis_indicators, only: indicator_value, indicator_slope, indicator_deflection, indicator_rotation, &
-      & indicator_compression, indicator_geometric, indicator_shortening
    use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_ranges, only: excess
    use limber_analysis_rungs, only: rung_type, apply_rung
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_deck_content, only: deck_type
@@ -24,10 +21,13 @@ module limber_analysis_trial
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: trial_type, run_trial, take_samples, take_outcome, take_trial, least_patience
+   public :: trial_type, run_trial, run_check, take_samples, take_outcome, take_trial
 
    !> Counted work, eq. (182), that every run of a search may take: a second or two, as runs may be short and what verifies them not
-   real(wp), parameter :: least_patience = 5.0e5_wp
+   real(wp), parameter, public :: least_patience = 5.0e5_wp
+   !> Least tolerance, and the least of a run that a smaller one can verify
+   real(wp), parameter :: least_tolerance = 1.0e-13_wp
+   real(wp), parameter, public :: least_verified = 1.0e-12_wp
 
    !> Samples in memory of a run that is given up when they leave those of another by too much
    type, extends(memory_type) :: watched_type
@@ -52,13 +52,6 @@ module limber_analysis_trial
       character(10) :: integrator = ''
       !> Magnitude that each channel's errors are relative to (channels)
       real(wp), allocatable :: scale(:)
-      !> Largest slope and deflection of each open beam, the latter relative to the length; negative: not seen (rungs)
-      real(wp), allocatable :: slope(:), deflection(:)
-      !> Worst indicator of its model relative to its limit, and its kind (rungs)
-      real(wp), allocatable :: excess(:)
-      integer, allocatable :: kind(:)
-      !> Error that its axial coordinates at rest make; zero if they are not at rest (rungs)
-      real(wp), allocatable :: at_rest(:)
    end type trial_type
 
 contains
@@ -133,7 +126,6 @@ contains
          end if
          if (wide .and. trial%reason == '') call find_scales(channels, trial)
       end associate
-      call see_beams(scene, rungs, trial)
 
    contains
 
@@ -148,6 +140,23 @@ contains
       end function most_steps
 
    end subroutine run_trial
+
+   !> Runs a check of a run at a smaller tolerance.
+   subroutine run_check(deck, rungs, tolerance, part, limit, wide, quiet, label, check, error)
+      type(deck_type), intent(in) :: deck
+      type(rung_type), intent(in) :: rungs(:)
+      !> Tolerance of the run that it verifies, and its own in units of that
+      real(wp), intent(in) :: tolerance, part
+      !> Counted work beyond `least_patience` after which it is given up
+      real(wp), intent(in) :: limit
+      !> Whether the scales of the channels are found
+      logical, intent(in) :: wide, quiet
+      character(*), intent(in) :: label
+      type(trial_type), intent(inout) :: check
+      type(error_type), allocatable, intent(out) :: error
+      call run_trial(deck, rungs, max(least_tolerance, part*tolerance), part, least_patience + limit, wide, quiet, label, check, &
+         & error)
+   end subroutine run_check
 
    !> What an evaluation costs with so many rates, its part of the factorisation of the Newton matrix included, eq. (182).
    pure real(wp) function work_of(rates) result(work)
@@ -184,50 +193,7 @@ contains
       call take_outcome(from%outcome, to%outcome)
       call move_alloc(from%reason, to%reason)
       call move_alloc(from%scale, to%scale)
-      call move_alloc(from%slope, to%slope)
-      call move_alloc(from%deflection, to%deflection)
-      call move_alloc(from%excess, to%excess)
-      call move_alloc(from%kind, to%kind)
-      call move_alloc(from%at_rest, to%at_rest)
    end subroutine take_trial
-
-   !> What a run has shown of the open beams in one frame.
-   subroutine see_beams(scene, rungs, trial)
-      type(scene_type), intent(in) :: scene
-      type(rung_type), intent(in) :: rungs(:)
-      type(trial_type), intent(inout) :: trial
-      !> Those of which a higher rung keeps less
-      integer, parameter :: kinds(*) = [indicator_deflection, indicator_slope, indicator_rotation, indicator_compression, &
-         & indicator_geometric, indicator_shortening]
-      real(wp) :: value
-      integer :: i, k, j
-      allocate (trial%slope(size(rungs)), trial%deflection(size(rungs)), trial%excess(size(rungs)), trial%kind(size(rungs)), &
-         & trial%at_rest(size(rungs)))
-      trial%slope = -1.0_wp
-      trial%deflection = -1.0_wp
-      trial%excess = 0.0_wp
-      trial%kind = indicator_deflection
-      trial%at_rest = 0.0_wp
-      if (.not. allocated(trial%outcome%indicators)) return
-      associate (seen => trial%outcome%indicators%bodies, model => scene%system%model)
-         do i = 1, size(rungs)
-            if (rungs(i)%segments > 1) cycle
-            do k = 1, size(seen)
-               if (seen(k)%is_rigid) cycle
-               if (model%bodies(seen(k)%body)%name /= scene%deck%blocks(rungs(i)%block)%name()) cycle
-               trial%slope(i) = indicator_value(seen(k), indicator_slope)
-               trial%deflection(i) = indicator_value(seen(k), indicator_deflection)
-               if (allocated(trial%outcome%left_out)) trial%at_rest(i) = trial%outcome%left_out(seen(k)%body)
-               do j = 1, size(kinds)
-                  value = excess(seen(k), model%bodies(seen(k)%body), kinds(j))
-                  if (.not. value > trial%excess(i)) cycle
-                  trial%excess(i) = value
-                  trial%kind(i) = kinds(j)
-               end do
-            end do
-         end do
-      end associate
-   end subroutine see_beams
 
    !> Moves samples.
    subroutine take_samples(from, to)
@@ -255,8 +221,6 @@ contains
       call move_alloc(from%net_work, to%net_work)
       call move_alloc(from%warnings, to%warnings)
       call move_alloc(from%efforts, to%efforts)
-      call move_alloc(from%axial, to%axial)
-      call move_alloc(from%left_out, to%left_out)
       call move_alloc(from%indicators, to%indicators)
    end subroutine take_outcome
 

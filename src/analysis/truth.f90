@@ -11,35 +11,21 @@ module limber_analysis_truth
    !> The finest run so far
    type :: truth_type
       logical :: known = .false.
-      !> Rungs of the run that it was made to verify, its tolerance, and the counted work of its time loop
-      type(rung_type), allocatable :: verified(:)
-      real(wp) :: verified_tolerance = 0.0_wp, verified_work = 0.0_wp
-      !> What a tenth of the tolerance multiplies that work by, and samples of these rungs at the tolerance of the truth, if there
-      !> are
-      real(wp) :: growth = 1.0_wp
-      real(wp), allocatable :: coarse(:, :)
-      !> Its own
+      !> Its rungs, tolerance, and the counted work of its time loop
       type(rung_type), allocatable :: rungs(:)
       real(wp) :: tolerance = 0.0_wp, work = 0.0_wp
-      !> Its channels (channels, samples), with what is known of the error of its integration taken away, and as they were run
-      real(wp), allocatable :: values(:, :), finest(:, :)
+      !> Its channels (channels, samples)
+      real(wp), allocatable :: values(:, :)
       !> What errors of the channels are relative to (channels)
       real(wp), allocatable :: scale(:)
-      !> Its own errors, estimated: by the integration and by the models of the beams as far as runs show them (channels), by what
-      !> no such run shows, relative to the scale, and all (channels)
-      real(wp), allocatable :: of_time(:), of_model(:), rest(:)
-      real(wp) :: left_out = 0.0_wp
-      !> What estimated errors are multiplied by, eq. (T4)
-      real(wp) :: safety = 1.0_wp
-      !> Whether its integration and its models have been looked at a second time
-      logical :: sharp_time = .false., sharp_model = .false.
+      !> Its own error, estimated (channels)
+      real(wp), allocatable :: rest(:)
       !> The deck with all free that it fixes of the fidelity, and the beams that are open in it alone; allocated if the truth is a
       !> run of it
       type(deck_type), allocatable :: freed
       type(rung_type), allocatable :: aside(:)
    contains
-      procedure :: start
-      procedure :: refine
+      procedure :: take
    end type truth_type
 
    !> What pairs of runs have shown of the integration so far
@@ -92,58 +78,32 @@ contains
       is_forgotten = .false.
       if (.not. allocated(self%run)) return
       if (any(shape(self%run) /= shape(finest)) .or. size(rungs) /= size(self%rungs)) return
-      if (any(rungs%level /= self%rungs%level .or. rungs%bending /= self%rungs%bending)) return
-      if (any(rungs%segments /= self%rungs%segments)) return
+      if (any(rungs%step /= self%rungs%step .or. (rungs%stretches .neqv. self%rungs%stretches))) return
       to_run = maxval(largest_difference(self%run, finest)/scale)
       to_finer = maxval(largest_difference(self%finer, finest)/scale)
       is_forgotten = to_finer > target .and. to_run < to_finer
    end function is_forgotten
 
-   !> Begins with a run that is to be verified.
-   pure subroutine start(self, rungs, tolerance, scale, values, work)
+   !> Takes a run for the truth.
+   pure subroutine take(self, rungs, tolerance, values, work, rest)
       class(truth_type), intent(inout) :: self
       type(rung_type), intent(in) :: rungs(:)
-      real(wp), intent(in) :: tolerance, scale(:)
-      !> Its samples (channels, samples)
-      real(wp), intent(in) :: values(:, :)
-      real(wp), intent(in) :: work
-      if (allocated(self%rungs)) deallocate (self%verified, self%rungs, self%values, self%finest, self%scale, self%of_time, &
-         & self%of_model, self%rest)
-      if (allocated(self%coarse)) deallocate (self%coarse)
+      real(wp), intent(in) :: tolerance
+      !> Samples of the run (channels, samples); its counted work; its own error, estimated (channels)
+      real(wp), intent(in) :: values(:, :), work, rest(:)
+      if (allocated(self%rungs)) deallocate (self%rungs, self%values, self%rest)
       if (allocated(self%freed)) deallocate (self%freed)
       if (allocated(self%aside)) deallocate (self%aside)
       allocate (self%aside(0))
-      allocate (self%verified, source=rungs)
       allocate (self%rungs, source=rungs)
       allocate (self%values, source=values)
-      allocate (self%finest, source=values)
-      allocate (self%scale, source=scale)
-      allocate (self%of_time(size(scale)), self%of_model(size(scale)), self%rest(size(scale)))
-      self%of_time = 0.0_wp
-      self%of_model = 0.0_wp
-      self%rest = 0.0_wp
-      self%verified_tolerance = tolerance
+      allocate (self%rest, source=rest)
       self%tolerance = tolerance
-      self%verified_work = work
       self%work = work
-      self%safety = 1.0_wp
-      self%sharp_time = .false.
-      self%sharp_model = .false.
       self%known = .true.
-   end subroutine start
+   end subroutine take
 
-   !> Takes a finer run in its place.
-   pure subroutine refine(self, values, work)
-      class(truth_type), intent(inout) :: self
-      !> Samples of the run (channels, samples)
-      real(wp), intent(in) :: values(:, :)
-      real(wp), intent(in) :: work
-      self%values = values + (self%values - self%finest)
-      self%finest = values
-      self%work = work
-   end subroutine refine
-
-   !> Largest error of a run over channels and samples, relative: its difference from the truth, and the error of that; eq. (T4).
+   !> Largest error of a run over channels and samples, relative: its difference from the truth, and the error of that; eq. (181).
    pure real(wp) function error_against(truth, values) result(error)
       type(truth_type), intent(in) :: truth
       !> At least its channels (channels, samples)
@@ -154,7 +114,6 @@ contains
       do c = 1, size(truth%scale)
          error = max(error, (maxval(abs(values(c, :n) - truth%values(c, :))) + truth%rest(c))/truth%scale(c))
       end do
-      error = truth%safety*error
    end function error_against
 
    !> Largest difference of two runs in each channel.

@@ -5,12 +5,11 @@ module limber_analysis_advice
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_analysis_probe, only: probe_type, prospect_type, make_probe
-   use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, functions_of, strains_of, richer, level_exact, most_steps, &
-      & least_check
+   use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, functions_of, strains_of, verifying, level_exact, most_steps
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: advice_type, make_advice, apply_advice, expected_error, expected_stretch, cost_of, check_rung, rest_beyond
+   public :: advice_type, make_advice, apply_advice, expected_error, expected_stretch, cost_of, check_rung, rest_beyond, deck_of
 
    !> What is advised
    type :: advice_type
@@ -31,6 +30,8 @@ module limber_analysis_advice
 
    !> Parts of the target that the models and the integration may have; the rest is for the doubt about the verification
    real(wp), parameter, public :: part_model = 0.65_wp, part_time = 0.3_wp
+   !> By how much a force that is there at once stretches more than one at rest
+   real(wp), parameter :: sudden = 2.0_wp
    !> Part of the target below which the expected error of a beam does not matter, and part below which all that its deflection does
    !> to the channels does not
    real(wp), parameter :: no_matter = 0.02_wp, no_effect = 0.2_wp
@@ -99,7 +100,7 @@ contains
       rung = best
    end subroutine choose
 
-   !> Expected error of a beam's model in the channels, relative to their largest values: eqs. (173) to (T5).
+   !> Expected error of a beam's model in the channels, relative to their largest values: eqs. (174) to (176).
    pure real(wp) function expected_error(rung, beam) result(error)
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
@@ -126,7 +127,7 @@ contains
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
       error = 0.0_wp
-      if (rung%step > 0) error = beam%stretch
+      if (rung%step > 0) error = sudden*beam%stretch
       if (strains_of(rung) > 0) error = error*min(0.7_wp, 0.9_wp/strains_of(rung)**2)
    end function expected_stretch
 
@@ -150,7 +151,7 @@ contains
       associate (rung => advice%rungs(i), beam => advice%probe%beams(i))
          check = rung
          if (.not. matters(advice, i)) return
-         check = richer(rung, max(2, least_check - rung%step), beam%stretch > of_stretch*advice%target)
+         check = verifying(rung, sudden*beam%stretch > of_stretch*advice%target)
       end associate
    end function check_rung
 
@@ -193,6 +194,15 @@ contains
       end do
       tolerance = max(smallest, min(largest, tolerance))
    end function wanted_tolerance
+
+   !> A deck with the integrator that has turned out better.
+   function deck_of(advice, deck) result(chosen)
+      type(advice_type), intent(in) :: advice
+      type(deck_type), intent(in) :: deck
+      type(deck_type) :: chosen
+      chosen = deck
+      if (advice%integrator /= '') call chosen%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', advice%integrator, given=.true.)
+   end function deck_of
 
    !> Writes the choices into a deck.
    subroutine apply_advice(advice, deck)

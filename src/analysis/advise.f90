@@ -220,8 +220,8 @@ contains
       else if (rung%step == 0) then
          text = 'all that it bends and stretches makes '//as_text(expected_error(rung, beam), 2)//' of a channel'
       else
-         text = 'slope '//as_text(beam%slope, 2)//', deflection '//as_text(beam%deflection, 2)//' of the length; its stretch makes '// &
-            & as_text(beam%stretch, 2)//' of a channel; axial force '//as_text(beam%force, 2)//' of the Euler load'
+         text = 'slope '//as_text(beam%slope, 2)//', deflection '//as_text(beam%deflection, 2)//' of the length; its stretch '// &
+            & 'makes '//as_text(beam%stretch, 2)//' of a channel; axial force '//as_text(beam%force, 2)//' of the Euler load'
       end if
    end function reason_of
 

@@ -41,7 +41,7 @@ contains
       character(:), allocatable, intent(out) :: integrator, reason
       type(choice_type) :: found
       call look_at_state(system, work, system%model%dynamics%start, q, v, found)
-      call decide(found, system%powered .or. system%condensed, system%model%dynamics, &
+      call decide(found, system%powered, system%model%dynamics, &
          & system%model%units%time, integrator, reason)
    end subroutine choose_integrator
 
@@ -213,7 +213,7 @@ contains
       do i = 1, size(system%layout%q)
          first = system%layout%q(i) + 3
          associate (body => system%model%bodies(i))
-            do k = 1, merge(body%reduced%bending, body%reduced%n, body%reduced%condensed)
+            do k = 1, body%reduced%n
                if (body%reduced%omega2(k) < slowest**2) cycle
                amplitude = max(amplitude, abs(a(first + k))/body%reduced%omega2(k)/(1.0e-3_wp*body%size/body%largest_shape))
             end do

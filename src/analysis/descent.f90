@@ -4,7 +4,7 @@ module limber_analysis_descent
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: expected_error, cost_of
+   use limber_analysis_advice, only: expected_error, cost_of, deck_of
    use limber_analysis_reached, only: reached_type, names_of
    use limber_analysis_rungs, only: rung_type, poorer
    use limber_analysis_trial, only: trial_type, run_trial, take_trial, least_patience
@@ -37,20 +37,17 @@ contains
       type(trial_type), intent(inout) :: best
       !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
-      type(deck_type) :: implicit_deck
       type(rung_type), allocatable :: rungs(:)
       !> Whether it has failed to leave out the strain of a beam, to take a lower rung (rungs), a looser tolerance, another integrator
       logical :: unstrained(size(reached%advice%rungs)), lower(size(reached%advice%rungs)), loose(2), implicit
       integer :: tries, i
       logical :: down
       if (any(truth%rest >= target*truth%scale)) return
-      implicit_deck = deck
-      call implicit_deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', 'RADAU', given=.true.)
       allocate (rungs, source=reached%advice%rungs)
       unstrained = .false.
       lower = .false.
       loose = .false.
-      implicit = .false.
+      implicit = reached%advice%integrator /= ''
       tries = 0
       down = .true.
       do while (down .and. .not. allocated(error))
@@ -81,13 +78,12 @@ contains
 
    contains
 
-      !> Where AUTO chooses ADAMS at a loose tolerance, RADAU is often the better of the two.
+      !> Where AUTO chooses ADAMS RADAU may be the better of the two, at a looser tolerance.
       subroutine try_integrator()
-         real(wp), parameter :: loose = 0.9e-3_wp
-         if (implicit .or. best%integrator /= 'ADAMS' .or. .not. reached%advice%open_integrator) return
-         if (reached%advice%tolerance < loose .or. allocated(error)) return
+         real(wp), parameter :: looser = 10.0_wp
+         if (implicit .or. best%integrator /= 'ADAMS' .or. .not. reached%advice%open_integrator .or. allocated(error)) return
          reached%advice%integrator = 'RADAU'
-         call try(reached%advice%tolerance, implicit)
+         call try(min(loosest, merge(looser, 1.0_wp, reached%advice%open_tolerance)*reached%advice%tolerance), implicit)
          if (.not. down) reached%advice%integrator = ''
       end subroutine try_integrator
 
@@ -101,11 +97,7 @@ contains
          failed = .true.
          if (tries < least_tries .or. reached%work < (most_effort - 1)*best%work) then
             tries = tries + 1
-            if (reached%advice%integrator == '') then
-               call run_less(deck, tolerance, trial)
-            else
-               call run_less(implicit_deck, tolerance, trial)
-            end if
+            call run_less(deck_of(reached%advice, deck), tolerance, trial)
             if (allocated(error)) return
             call reached%count_run(trial)
             failed = trial%reason /= '' .or. trial%work > (1 - saved)*best%work &

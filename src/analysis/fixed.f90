@@ -6,7 +6,7 @@ module limber_analysis_fixed
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, first_line, newline
    use limber_analysis_reached, only: reached_type
-   use limber_analysis_rungs, only: rung_type, given_rung, richer, level_exact, least_check
+   use limber_analysis_rungs, only: rung_type, given_rung, richer, verifying, level_exact
    use limber_analysis_trial, only: trial_type, run_check
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type, block_type
@@ -125,7 +125,7 @@ contains
       end do
    end function damped_by_modes
 
-   !> Runs the scene aside with all free that the deck fixes, higher, and counts the difference: eq. (T3). That run is the truth from
+   !> Runs the scene aside with all free that the deck fixes, higher, and counts the difference: eq. (183). That run is the truth from
    !> then on.
    subroutine verify_fixed(deck, target, quiet, candidate, reached, truth, error)
       type(deck_type), intent(in) :: deck
@@ -220,7 +220,7 @@ contains
       end do
    end subroutine free_rungs
 
-   !> A rung with all open, two higher, exact and with strain.
+   !> A rung with all open, higher, exact and with strain.
    type(rung_type) function free_rung(rung) result(free)
       type(rung_type), intent(in) :: rung
       free = rung
@@ -230,7 +230,8 @@ contains
       free%open_strains = .true.
       free%functions = -1
       free%strains = -1
-      free = richer(free, max(2, least_check - free%step), .true.)
+      ! Of modes a few are as many functions
+      free = verifying(richer(free, max(0, 3 - free%step), .true.), .true.)
    end function free_rung
 
 end module limber_analysis_fixed

@@ -128,7 +128,7 @@ contains
       end do
       work = 0.0_wp
       self%elastic = 0.0_wp
-      if (reduced%geometric .and. .not. reduced%full) then
+      if (reduced%geometric) then
          call elastic_force(reduced, eta, self%elastic, self%z, self%s)
          self%elastic = self%elastic - reduced%omega2*eta
       end if
@@ -157,10 +157,6 @@ contains
          quick = quick + part/(1 + max(self%value(i), 0.0_wp))
          lack = lack + merge(part/max(least, 1 + self%value(i))**2, part/(1 + max(self%value(i), 0.0_wp)), self%value(i) < 0.0_wp)
       end do
-      if (reduced%full) then
-         lack = 0.0_wp
-         quick = 0.0_wp
-      end if
       left_out = left_out_work(own)/min(1.0_wp, weakest)
       call raise_peak(self, peak_compression, -self%value(1), t)
       call raise_peak(self, peak_tension, self%value(size(self%value)), t)

@@ -173,7 +173,6 @@ contains
          body%is_beam = .not. flexible%is_frame .and. flexible%reduced%bending > 0
          body%first_frequency = sqrt(minval(flexible%reduced%omega2))
          body%length = flexible%size
-         body%is_full = flexible%reduced%full
          allocate (body%modal(flexible%reduced%bending), body%modal_time(flexible%reduced%bending))
          body%modal = 0.0_wp
          body%modal_time = 0.0_wp

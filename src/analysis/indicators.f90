@@ -26,12 +26,12 @@ module limber_analysis_indicators
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
-      & indicator_phase = 19, indicator_braking = 20, indicator_count = 20
+      & indicator_phase = 19, indicator_count = 19
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
-      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'braking']
+      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -51,8 +51,7 @@ module limber_analysis_indicators
       & 'work on the bending of the inertia that the shortening has and the model lacks / energy of bending', &
       & 'relative change of the stiffness under compression by functions that do not fit how joints hold the beam', &
       & 'error of the internal forces that channels ask for, by bending near ends that tension makes too short', &
-      & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses', &
-      & 'work of the damping on the shortening by bending / energy of bending']
+      & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -64,19 +63,16 @@ module limber_analysis_indicators
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
       & peak_coarse_grown = 20, peaks = 20
 
-   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and the
-   !> work on the bending of tension that is there only because the shortening cannot be carried; power of the damping of axial
-   !> coordinates of FULL
+   !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
+   !> squared coordinates of bending
    integer, parameter, public :: sum_kinetic = 1, sum_elastic = 2, sum_shortening = 3, sum_acceleration = 4, &
-      & sum_locked = 5, sum_bent = 6, sum_braked = 7, sums = 7
+      & sum_bent = 5, sums = 5
 
    !> One flexible body, or one rigid beam
    type :: body_indicators_type
       !> Index of the body in the model, and whether it is a straight beam: a frame is watched by its survey instead
       integer :: body = 0
       logical :: is_beam = .false.
-      !> Whether its model is FULL
-      logical :: is_full = .false.
       !> Whether it is a rigid beam, which has its own constants, and a few of the indicators; deflections at three places when it
       !> was last observed [length], and when that was; forces at its places (3, places)
       logical :: is_rigid = .false.
@@ -217,7 +213,7 @@ contains
          case (indicator_geometric); value = ratio(peak(peak_geometric), peak(peak_stiffness))
          case (indicator_axial)
             value = sqrt(ratio(peak(merge(peak_axial_grown, peak_axial, is_slow(self))), &
-               & peak(merge(peak_bent, peak_stiffness, self%is_full))))
+               & peak(peak_stiffness)))
          case (indicator_coarseness)
             value = sqrt(ratio(peak(merge(peak_coarse_grown, peak_coarse, is_slow(self))), peak(peak_stiffness)))
          case (indicator_lumping)
@@ -230,11 +226,6 @@ contains
          case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))
          case (indicator_buckling); value = self%misfit*peak(peak_compression)/max(0.01_wp, abs(1 - peak(peak_compression)))
          case (indicator_layer); value = layer_error(self)
-         case (indicator_braking)
-            value = 0.0_wp
-            ! A rigid beam has no span
-            if (self%looks > 0 .and. self%span(2) > self%span(1)) value = ratio(self%total(sum_braked) &
-               & *(max(self%span(1), self%span(2)) - self%span(1))/self%looks, peak(peak_energy))
          case (indicator_phase); value = phase_error(self%phase, peak(peak_bent), peak(peak_deflection)*self%length)
          case default; value = peak(kind)
          end select
@@ -253,7 +244,7 @@ contains
    end function layer_error
 
    !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the
-   !> shortening, eq. (199), and of `FULL` where it locks, eq. (200).
+   !> shortening, eq. (199).
    pure real(wp) function drift(self)
       type(body_indicators_type), intent(in) :: self
       real(wp) :: frequency, vibrating, count, shift
@@ -266,11 +257,7 @@ contains
          if (.not. (frequency > 0.0_wp .and. count > 0.0_wp)) return
          ! Sums and the largest are of the same states: their quotient needs the number of these
          vibrating = min(1.0_wp, sqrt(2*total(sum_kinetic)/self%looks)/(frequency*sqrt(self%peak(peak_bent))))
-         if (self%is_full) then
-            shift = 0.5_wp*abs(total(sum_locked))/total(sum_elastic)
-         else
-            shift = total(sum_shortening)/total(sum_kinetic)
-         end if
+         shift = total(sum_shortening)/total(sum_kinetic)
          ! Of a deflection that follows its loads little vibrates freely
          drift = vibrating*frequency*count*shift*min(1.0_wp, frequency*sqrt(total(sum_bent)/total(sum_elastic)))
       end associate
@@ -299,7 +286,6 @@ contains
       case (indicator_buckling); t = self%time(peak_compression)
       case (indicator_layer); t = self%time(peak_tension)
       case (indicator_phase); t = max(0.0_wp, self%phase%span(2))
-      case (indicator_braking); t = max(0.0_wp, self%span(2))
       case default; t = self%time(kind)
       end select
    end function indicator_time

@@ -137,15 +137,6 @@ contains
       lack = lack + part
       if (.not. body%reduced%geometric) return
       s = matmul(body%reduced%cubic, eta(body%reduced%offset + 1:))
-      if (body%reduced%full) then
-         p = 0
-         do j = 1, body%reduced%bending
-            do i = 1, j
-               p = p + 1
-               s = s + body%reduced%quartic(:, p)*eta(i)*eta(j)
-            end do
-         end do
-      end if
       p = 0
       do j = 1, body%reduced%bending
          do i = 1, j
@@ -185,7 +176,6 @@ contains
       character(:), allocatable :: fidelity, cure
       fidelity = 'LINEAR'
       if (body%reduced%geometric) fidelity = 'K_G'
-      if (body%reduced%full) fidelity = 'FULL'
       text = "warning: mode "//as_text(worst%mode)//" of *MODES '"//name//"'"
       if (worst%others > 0) text = text//' (and '//as_text(worst%others)//' more)'
       text = text//' errs in its frequency by '
@@ -195,10 +185,10 @@ contains
       select case (kind)
       case (by_tension)
          text = text//'carries axial forces that '//fidelity//' leaves out'
-         cure = 'use GEOMETRIC=K_G or FULL'
+         cure = trim(merge('use GEOMETRIC=K_G  ', 'use GEOMETRIC=EXACT', body%is_frame))
          if (body%reduced%geometric) then
             text = text//' in part: its axial functions or k_G elements cannot follow them'
-            cure = 'use AXIAL BASIS=STATIC or ELEMENTS, and more GEOMETRIC ELEMENTS'
+            cure = 'use GEOMETRIC=EXACT'
             if (body%is_frame) cure = 'use CORRECTIONS=YES'
          end if
       case (by_basis)

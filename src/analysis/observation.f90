@@ -7,7 +7,7 @@ module limber_analysis_observation
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
       & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_kinetic, sum_elastic, sum_shortening, &
-      & sum_locked, sum_bent, sum_braked, &
+      & sum_bent, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
    use limber_analysis_function_watch, only: observe_functions
@@ -53,8 +53,8 @@ contains
                if (self%bodies(i)%held) cycle
                associate (body => system%model%bodies(self%bodies(i)%body))
                   call add_vibration(self%bodies(i), stations%bending, body, t, eta, rate, a(first + 4:last))
-                  if (.not. self%bodies(i)%is_full) call add_shortening(self%bodies(i), stations, body, rate)
-                  if (.not. self%bodies(i)%is_full) call observe_recoil(self%bodies(i), stations, body, t, rate, a(first + 4:last))
+                  call add_shortening(self%bodies(i), stations, body, rate)
+                  call observe_recoil(self%bodies(i), stations, body, t, rate, a(first + 4:last))
                end associate
             end associate
          end associate
@@ -145,12 +145,6 @@ contains
       do k = 1, bending
          self%total(sum_elastic) = self%total(sum_elastic) + body%reduced%omega2(k)*eta(k)**2
       end do
-      if (body%reduced%damped .and. body%reduced%full) then
-         do k = bending + 1, size(rate)
-            self%total(sum_braked) = self%total(sum_braked) + rate(k)*dot_product(body%reduced%damping(bending + 1:, k), &
-               & rate(bending + 1:))
-         end do
-      end if
       self%looks = self%looks + 1
       self%span = [min(self%span(1), t), max(self%span(2), t)]
    end subroutine add_vibration
@@ -457,8 +451,6 @@ contains
       call compare_tension(self, stations, body, eta, lack, coarse)
       growth = 1/max(softest, 1 + min(load, 0.0_wp))**2
       call compare_length(self, stations, body, t, eta)
-      ! Axial coordinates that follow at rest hold no stretch in the motion: limber_analysis_axial judges these
-      if (body%reduced%condensed) lack = 0.0_wp
       elastic = 0.0_wp
       lost = 0.0_wp
       do k = 1, stations%bending
@@ -492,7 +484,7 @@ contains
    end subroutine observe_forces
 
    !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about
-   !> them; squares of the change: in energy, of what FULL lacks in deflection, eqs. (160), (161).
+   !> them; squares of the change: in energy, eqs. (160), (161).
    pure subroutine compare_tension(self, stations, body, eta, lack, coarse)
       type(body_indicators_type), intent(inout) :: self
       type(stations_type), intent(in) :: stations
@@ -536,13 +528,11 @@ contains
             end do
          end do
       end do
-      if (.not. body%reduced%condensed) self%total(sum_locked) = self%total(sum_locked) &
-         & + dot_product(self%push(1, :stations%bending), eta(:stations%bending))
       lack = 0.0_wp
       coarse = 0.0_wp
       do j = 1, stations%bending
          part = body%reduced%omega2(j) + max(self%push(3, j), 0.0_wp)
-         lack = lack + merge((self%push(1, j)/part)**2, self%push(1, j)**2/part, body%reduced%full)
+         lack = lack + self%push(1, j)**2/part
          coarse = coarse + self%push(2, j)**2/part
       end do
    end subroutine compare_tension
@@ -555,12 +545,11 @@ contains
       real(wp), intent(in) :: t, eta(:)
       real(wp) :: elongation, own
       integer :: s, k
-      if (body%reduced%condensed .or. self%held) return
+      if (self%held) return
       elongation = 0.0_wp
       own = 0.0_wp
       do s = 1, stations%count
          elongation = elongation + stations%weight(s)*self%force(s)/body%beam%ea
-         if (body%reduced%full) own = own + 0.5_wp*stations%weight(s)*self%slope(s)**2
       end do
       do k = 1, stations%axial
          own = own + stations%stretch(k)*eta(stations%bending + k)

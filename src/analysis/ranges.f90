@@ -11,7 +11,7 @@ module limber_analysis_ranges
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
-      & indicator_buckling, indicator_layer, indicator_phase, indicator_braking
+      & indicator_buckling, indicator_layer, indicator_phase
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -45,7 +45,7 @@ contains
       limit = huge(1.0_wp)
       select case (kind)
       case (indicator_deflection)
-         if (.not. body%reduced%full) limit = 0.1_wp
+         limit = 0.1_wp
       case (indicator_slope)
          limit = 0.3_wp
       case (indicator_rotation)
@@ -68,8 +68,6 @@ contains
          limit = 0.03_wp
       case (indicator_drift)
          limit = 0.015_wp
-      case (indicator_braking)
-         limit = 0.005_wp
       case (indicator_phase)
          limit = 0.03_wp
       case (indicator_elongation, indicator_recoil)
@@ -195,8 +193,7 @@ contains
             & ' that rotation makes'
       case (indicator_compression)
          text = 'is compressed by '//value//" times its "//trim(merge('buckling load', 'Euler load   ', body%is_frame))//when
-         if (body%reduced%full) text = text//'; how far a beam buckles, one frame describes badly'
-         if (body%reduced%geometric .and. .not. body%reduced%full) text = text//', where K_G has nothing that ends the buckling'
+         if (body%reduced%geometric) text = text//', where K_G has nothing that ends the buckling'
          if (.not. body%reduced%geometric) text = text//', and '//linear//' does not buckle'
       case (indicator_geometric)
          text = 'deflects under axial forces whose work on the bending is '//percent//' of its elastic energy'//when// &
@@ -205,8 +202,6 @@ contains
          text = 'lacks axial force that changes its deflection by about '//percent//when
          if (indicators%held) then
             text = text//': its ends cannot approach each other as it bends'
-         else if (body%reduced%full) then
-            text = text//': it locks, for its axial functions cannot carry the shortening by bending'
          else
             text = text//': its axial functions cannot carry the tension'
          end if
@@ -222,13 +217,8 @@ contains
          percent = 'about '//percent
          if (indicator_value(indicators, kind) > beyond) percent = 'more than '//as_text(100*beyond, 2)//' %'
          text = 'has too few elements: with the mass in the nodes its vibrations are late by '//percent//' of their amplitude'//when
-      case (indicator_braking)
-         text = 'is damped along its axis as well, where FULL shortens it as it bends: that takes '//percent// &
-            & ' of the energy of bending'//when
       case (indicator_drift)
-         text = 'locks a little, and vibrates long enough for that to shift the vibrations by about '//percent// &
-            & ' of the largest deflection'//when//': its axial functions cannot carry all of the shortening by bending'
-         if (.not. body%reduced%full) text = 'vibrates long enough for the inertia of its shortening, which '// &
+         text = 'vibrates long enough for the inertia of its shortening, which '// &
             & fidelity(body)//' leaves out, to shift the vibrations by about '//percent//' of the largest deflection'//when
       case (indicator_recoil)
          text = 'bends so quickly that the inertia of its shortening, which '//fidelity(body)//' leaves out, does work of '// &
@@ -262,7 +252,7 @@ contains
       real(wp), intent(in) :: over
       character(:), allocatable :: text
       if (indicators%is_rigid) then
-         text = 'let it be flexible: GEOMETRIC=K_G or FULL'
+         text = 'let it be flexible: GEOMETRIC=EXACT'
          return
       end if
       if (body%is_frame) then
@@ -270,37 +260,16 @@ contains
          return
       end if
       select case (kind)
-      case (indicator_braking); text = 'list the bending modes alone in *DAMPING, or use GEOMETRIC=K_G'
-      case (indicator_recoil); text = 'use GEOMETRIC=FULL'
-      case (indicator_drift)
-         text = 'use GEOMETRIC=FULL'
-         if (body%reduced%full) text = 'use AXIAL BASIS=ELEMENTS, or more MODAL DERIVATIVES'
-      case (indicator_deflection); text = 'use GEOMETRIC=FULL, or divide the beam into SEGMENTS'
-      case (indicator_rotation); text = 'use GEOMETRIC=K_G or FULL'
-      case (indicator_compression)
-         text = 'divide the beam into SEGMENTS'
-         if (.not. body%reduced%geometric) text = 'use GEOMETRIC=FULL, or divide the beam into SEGMENTS'
-      case (indicator_geometric)
-         text = 'use GEOMETRIC=K_G or FULL'
-         if (indicators%held) text = 'use GEOMETRIC=FULL'
-      case (indicator_axial)
-         text = 'use AXIAL BASIS=STATIC or ELEMENTS'
-         if (indicators%held) text = 'use GEOMETRIC=FULL'
-         if (body%reduced%n == body%reduced%bending) text = 'give it AXIAL MODES, or AXIAL BASIS=STATIC'
-      case (indicator_elongation)
-         text = 'use AXIAL BASIS=STATIC or ELEMENTS'
-      case (indicator_buckling)
-         text = 'use END SHAPES=YES, more BENDING MODES, or a SUPPORT that is like its joints'
       case (indicator_layer)
-         text = 'use more BENDING MODES and ELEMENTS, or the forces of the joints'
+         text = 'use GEOMETRIC=EXACT, more BENDING MODES and ELEMENTS, or the forces of the joints'
       case (indicator_coarseness)
          text = 'use GEOMETRIC ELEMENTS='//as_text(ceiling(1.2_wp*indicators%elements*sqrt(over)))
-         if (.not. body%reduced%full) text = text//', or GEOMETRIC INTEGRAL=LINEAR'
-      case (indicator_residual)
-         text = 'use more BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints'
+         text = text//', or GEOMETRIC INTEGRAL=LINEAR, or GEOMETRIC=EXACT'
+      case (indicator_residual, indicator_buckling)
+         text = 'use GEOMETRIC=EXACT, or more BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints'
       case (indicator_lumping, indicator_phase)
          text = 'use ELEMENTS='//as_text(ceiling(1.2_wp*body%beam%elements*sqrt(over)))
-      case default; text = 'divide the beam into SEGMENTS'
+      case default; text = 'use GEOMETRIC=EXACT'
       end select
    end function what_to_do
 
@@ -329,7 +298,6 @@ contains
       character(:), allocatable :: name
       name = 'LINEAR'
       if (body%reduced%geometric) name = 'K_G'
-      if (body%reduced%full) name = 'FULL'
    end function fidelity
 
    !> The indicators of all flexible bodies: /bodies/<name>/indicators, to h5py (indicators, 2): value and time, in the order of the

@@ -192,8 +192,6 @@ contains
          name = 'POINT MASS'
       else if (body%kind /= body_flexible) then
          name = 'RIGID'
-      else if (body%reduced%full) then
-         name = 'FULL'
       else if (body%reduced%geometric) then
          name = 'K_G'
       else

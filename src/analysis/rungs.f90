@@ -9,16 +9,19 @@ module limber_analysis_rungs
    use limber_model_parts, only: is_part
    implicit none
    private
-   public :: rung_type, find_rungs, given_rung, bare_deck, apply_rung, richer, poorer, can_climb, rung_name, functions_of, strains_of
+   public :: rung_type, find_rungs, given_rung, bare_deck, apply_rung, richer, poorer, verifying, can_climb, rung_name
+   public :: functions_of, strains_of
 
    !> Models of a beam that bends
    integer, parameter, public :: level_linear = 1, level_kg = 2, level_exact = 3
    character(6), parameter :: level_words(3) = ['LINEAR', 'K_G   ', 'EXACT ']
    !> The rungs above the rigid one: functions of the section angle, or bending modes; functions of the strain where it matters, or
    !> axial modes
-   integer, parameter :: ladder(2, 11) = reshape([1, 1, 2, 1, 3, 2, 5, 2, 7, 3, 9, 3, 12, 5, 16, 5, 24, 8, 36, 12, 50, 20], [2, 11])
-   !> The highest rung, that of a run that is to be verified, and the least that verifies one
-   integer, parameter, public :: highest = size(ladder, 2), most_steps = highest - 2, least_check = 5
+   integer, parameter :: ladder(2, 10) = reshape([1, 1, 2, 1, 3, 2, 5, 2, 7, 3, 10, 3, 14, 5, 20, 5, 28, 8, 40, 12], [2, 10])
+   !> The highest rung, and the highest of a run that is to be verified; rungs from which on the next one verifies them, else the one
+   !> after it
+   integer, parameter, public :: most_steps = size(ladder, 2) - 1
+   integer, parameter :: highest = size(ladder, 2), close_steps = 4
    !> Elements and their geometric parts of a beam whose modes are chosen: of no cost in the time loop
    integer, parameter :: elements = 200, geometric_elements = 12
 
@@ -149,6 +152,13 @@ contains
       if (rung%open_functions) richer%step = min(highest, rung%step + steps)
       if (richer%step > 0 .and. rung%open_strains) richer%stretches = rung%stretches .or. stretches
    end function richer
+
+   !> The rung that verifies another.
+   elemental type(rung_type) function verifying(rung, stretches)
+      type(rung_type), intent(in) :: rung
+      logical, intent(in) :: stretches
+      verifying = richer(rung, merge(1, 2, rung%step >= close_steps), stretches)
+   end function verifying
 
    !> The rung below; the same if there is none.
    elemental type(rung_type) function poorer(rung)

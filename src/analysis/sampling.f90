@@ -9,13 +9,13 @@ module limber_analysis_sampling
    use limber_analysis_scene, only: scene_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: dynamics_type, ground
-   use limber_output_channels, only: recorder_type, channel_values, gather_balance
+   use limber_output_channels, only: recorder_type, channel_values
    use limber_output_sink, only: sink_type
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, &
       & mechanical_energy, add_parts_of_power, worst_constraint
    use limber_system_kinematics, only: place_frames
-   use limber_system_projection, only: harmless, settle, settle_place, settle_position, settle_stretched
+   use limber_system_projection, only: harmless, settle, settle_place, settle_position
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -87,14 +87,7 @@ contains
             outcome%samples = outcome%samples + 1
             return
          end if
-         if (system%condensed) then
-            ! The motion keeps the balance of energy without the stretch that the channels show
-            call settle(system, work, t, sample%q, sample%v, sample%change, .true., residual, error)
-            if (allocated(error)) return
-            call accelerations(system, work, sample%q, sample%v, sample%a)
-            call gather_balance(recorder, system, work, sample%q, sample%v)
-            call settle_stretched(system, work, t, sample%q, sample%v, sample%change, residual, error)
-         else if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
+         if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
          else if (moving) then
             call settle_position(system, work, t, sample%q, sample%change, before, residual, error)
@@ -105,8 +98,7 @@ contains
          call check_residuals(system, work, t, recorder%needs_velocities, sample%v, outcome)
          if (residual > may_stay(integrator%tolerance)) call check_place(system, work, t, residual, outcome)
          call check_centres(system, t, sample%q, outcome)
-         if (recorder%needs_accelerations .and. .not. system%condensed) call accelerations(system, work, sample%q, sample%v, &
-            & sample%a)
+         if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
       end associate
       call show(scene, t, recorder, sample, outcome, error)
       if (.not. allocated(error)) call history%take(t, sample%values, error)
@@ -141,7 +133,7 @@ contains
       sample%good_to = -huge(t)
       associate (system => scene%system, work => scene%work)
          if (recorder%needs_velocities .or. recorder%needs_accelerations .or. integrator%ends_on_samples) return
-         if (system%condensed .or. .not. may_stay(integrator%tolerance) > 0.0_wp) return
+         if (.not. may_stay(integrator%tolerance) > 0.0_wp) return
          t = integrator%t_before + 0.5_wp*(integrator%t - integrator%t_before)
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, t, sample%q, sample%v)

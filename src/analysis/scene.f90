@@ -154,17 +154,6 @@ contains
       scene%system%model%dynamics%reason = reason
    end subroutine settle_integrator
 
-   !> Whether an analysis asks for CONSERVING.
-   pure logical function is_conserving(model)
-      type(model_type), intent(in) :: model
-      integer :: i
-      is_conserving = .false.
-      do i = 1, size(model%steps)
-         if (model%steps(i)%kind /= step_dynamics) cycle
-         if (model%steps(i)%dynamics%integrator == 'CONSERVING') is_conserving = .true.
-      end do
-   end function is_conserving
-
    !> First state; what cannot be assembled, or is redundant, is shown at the joint or driver in the deck.
    subroutine assemble_scene(scene, diagnostics)
       type(scene_type), intent(inout) :: scene

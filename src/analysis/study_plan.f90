@@ -275,8 +275,7 @@ contains
       integer :: i
       bends_geometrically = .false.
       do i = 1, size(plan%beams)
-         bends_geometrically = bends_geometrically .or. plan%deck%blocks(plan%beams(i))%word('GEOMETRIC') == 'K_G' &
-            & .or. plan%deck%blocks(plan%beams(i))%word('GEOMETRIC') == 'FULL'
+         bends_geometrically = bends_geometrically .or. plan%deck%blocks(plan%beams(i))%word('GEOMETRIC') == 'K_G'
       end do
    end function bends_geometrically
 

@@ -4,12 +4,15 @@ module limber_analysis_target
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: make_advice, expected_error, expected_stretch, check_rung, rest_beyond, part_time
+   use limber_analysis_advice, only: make_advice, expected_error, expected_stretch, check_rung, rest_beyond, deck_of, &
+      & part_time
    use limber_analysis_descent, only: descend
    use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
    use limber_analysis_reached, only: reached_type, record_errors, say_why, names_of
-   use limber_analysis_rungs, only: rung_type, richer, can_climb
-   use limber_analysis_trial, only: trial_type, run_trial, run_check, take_samples, take_outcome, least_patience, least_verified
+   use limber_analysis_probe, only: prospect_type
+   use limber_analysis_rungs, only: rung_type, richer, can_climb, most_steps
+   use limber_analysis_trial, only: trial_type, run_trial, run_check, take_trial, take_samples, take_outcome, least_patience, &
+      & least_verified
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type
    implicit none
@@ -89,8 +92,9 @@ contains
       do round = 1, most_rounds
          climbed = .false.
          reached%reason = ''
-         call run_trial(deck, reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., quiet, 'run', &
-            & candidate, error)
+         call run_trial(deck_of(reached%advice, deck), reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., &
+            & quiet, 'run', candidate, error)
+         if (.not. allocated(error) .and. round == 1) call choose_integrator(deck, target, quiet, candidate, reached, error)
          if (allocated(error)) return
          limit = least_patience + patience*candidate%work
          reached%runs = reached%runs + 1
@@ -105,7 +109,7 @@ contains
                reached%error = error_against(truth, candidate%samples%values)
                reached%of_model = reached%error
             else
-               call verify(deck, target, quiet, on, candidate, reached, truth, error)
+               call verify(deck_of(reached%advice, deck), target, quiet, on, candidate, reached, truth, error)
                if (allocated(error)) return
             end if
             reached%done = reached%reason == '' .and. truth%known .and. reached%error <= target
@@ -150,6 +154,44 @@ contains
       end subroutine give_back
 
    end subroutine search
+
+   !> Where AUTO chooses ADAMS for beams: that at the tolerance of rigid bodies, which it needs, or RADAU, whichever costs less.
+   subroutine choose_integrator(deck, target, quiet, candidate, reached, error)
+      type(deck_type), intent(in) :: deck
+      real(wp), intent(in) :: target
+      logical, intent(in) :: quiet
+      !> The first run; on return the chosen one
+      type(trial_type), intent(inout) :: candidate
+      type(reached_type), intent(inout) :: reached
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), parameter :: of_adams = 0.03_wp
+      type(trial_type) :: adams, radau
+      associate (advice => reached%advice)
+         if (candidate%integrator /= 'ADAMS' .or. .not. (any(advice%rungs%step > 0) .and. advice%open_tolerance)) return
+         adams%reason = ''
+         if (advice%tolerance > of_adams*target) then
+            call reached%count_run(candidate)
+            call run_trial(deck, advice%rungs, of_adams*target, 1.0_wp, huge(1.0_wp), .false., quiet, &
+               & 'run with ADAMS', adams, error)
+            if (allocated(error)) return
+            call take_trial(adams, candidate)
+         end if
+         if (advice%open_integrator) then
+            advice%integrator = 'RADAU'
+            call run_trial(deck_of(advice, deck), advice%rungs, advice%tolerance, 1.0_wp, huge(1.0_wp), .false., quiet, &
+               & 'run with RADAU', radau, error)
+            if (allocated(error)) return
+            if (radau%reason == '' .and. (radau%work < candidate%work .or. candidate%reason /= '')) then
+               call reached%count_run(candidate)
+               call take_trial(radau, candidate)
+               return
+            end if
+            advice%integrator = ''
+            call reached%count_run(radau)
+         end if
+         advice%tolerance = min(advice%tolerance, of_adams*target)
+      end associate
+   end subroutine choose_integrator
 
    !> Whether a finer run that is there already does for the present setting, so that none has to be made.
    pure logical function does_for(truth, rungs, tolerance, target)
@@ -199,7 +241,8 @@ contains
          end if
          if (.not. allocated(truth%scale)) allocate (truth%scale, source=finer%scale)
          associate (channels => size(truth%scale))
-            allocate (of_time, source=largest_difference(finer%samples%values(:channels, :n), candidate%samples%values(:channels, :n)))
+            allocate (of_time, source=largest_difference(finer%samples%values(:channels, :n), &
+               & candidate%samples%values(:channels, :n)))
             allocate (rest, source=of_time)
             reached%of_time = maxval([0.0_wp, of_time/truth%scale])
             call reached%shown%take(advice%rungs, advice%tolerance, reached%of_time, target, &
@@ -235,12 +278,9 @@ contains
                do i = 1, size(rungs)
                   beyond = max(beyond, rest_beyond(advice%rungs(i), rungs(i), advice%probe%beams(i)))
                end do
-               ! Of the two runs that it may be compared with, the one whose tolerance is nearer to its own
-               if (part**2 <= ladder) then
-                  rest = largest_difference(check%samples%values(:channels, :n), truth%values)
-               else
-                  rest = largest_difference(check%samples%values(:channels, :n), candidate%samples%values(:channels, :n))
-               end if
+               ! Of the two runs that it may be compared with, the nearer one errs less in time
+               rest = min(largest_difference(check%samples%values(:channels, :n), truth%values), &
+                  & largest_difference(check%samples%values(:channels, :n), candidate%samples%values(:channels, :n)))
                reached%of_model = maxval(rest/truth%scale)
                rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale)
                call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
@@ -264,16 +304,17 @@ contains
       type(reached_type), intent(inout) :: reached
       type(trial_type), intent(inout) :: check
       type(error_type), allocatable, intent(out) :: error
-      real(wp), parameter :: factor(3) = [1.0_wp, 0.1_wp, 1.0_wp], most(3) = [20.0_wp, 20.0_wp, 200.0_wp], &
-         & least(3) = [0.04_wp, 0.04_wp, 1.0_wp]
+      real(wp), parameter :: factor(3) = [1.0_wp, 0.1_wp, 1.0_wp], most(3) = [8.0_wp, 16.0_wp, 200.0_wp]
       integer :: i
-      real(wp) :: asked
+      real(wp) :: asked, limit
       asked = part
       do i = 1, size(factor)
          part = factor(i)*asked
          if (part*tolerance < 0.1_wp*least_verified) cycle
-         call run_check(deck, rungs, tolerance, part, most(i)*work - (1 - least(i))*least_patience, .false., quiet, &
-            & 'check of '//names_of(rungs), check, error)
+         ! Strain has fast vibrations
+         limit = most(i)*merge(5.0_wp, 1.0_wp, any(rungs%stretches .and. .not. reached%advice%rungs%stretches))*work
+         if (i < size(factor)) limit = limit - least_patience
+         call run_check(deck, rungs, tolerance, part, limit, .false., quiet, 'check of '//names_of(rungs), check, error)
          if (allocated(error)) return
          call reached%count_run(check)
          if (check%reason == '') return
@@ -288,12 +329,8 @@ contains
       type(truth_type), intent(in) :: truth
       type(reached_type), intent(inout) :: reached
       logical, intent(out) :: climbed
-      !> Part of the error from which on the stretch, or the bending, is one of its causes; error in units of the target for two rungs
-      real(wp), parameter :: cause = 0.3_wp, far = 4.0_wp
-      real(wp) :: aim, stretch, bend
-      type(rung_type) :: higher
+      real(wp) :: aim
       integer :: i
-      logical :: all_of_it
       climbed = .false.
       associate (advice => reached%advice)
          aim = part_time*target
@@ -302,17 +339,8 @@ contains
          if (.not. truth%known .and. climbed) return
          if (reached%of_model > 0.5_wp*target .or. .not. climbed) then
             do i = 1, size(advice%rungs)
-               if (.not. can_climb(advice%rungs(i))) cycle
-               stretch = expected_stretch(advice%rungs(i), advice%probe%beams(i))
-               bend = expected_error(advice%rungs(i), advice%probe%beams(i)) - stretch
-               all_of_it = max(stretch, bend) < cause*min(1.0_wp, reached%of_model) .or. .not. advice%rungs(i)%open_strains
-               higher = advice%rungs(i)
-               if (.not. advice%rungs(i)%stretches .and. stretch > cause*min(1.0_wp, reached%of_model) .and. &
-                  & advice%rungs(i)%open_strains) higher = richer(higher, 0, .true.)
-               if (higher%stretches .eqv. advice%rungs(i)%stretches .or. bend > cause*min(1.0_wp, reached%of_model) .or. all_of_it) &
-                  & higher = richer(higher, merge(2, 1, reached%of_model > far*target), .false.)
-               if (higher%step == advice%rungs(i)%step .and. .not. higher%stretches) higher = richer(higher, 0, .true.)
-               call put(i, higher)
+               if (can_climb(advice%rungs(i))) &
+                  & call put(i, next_rung(advice%rungs(i), advice%probe%beams(i), reached%of_model, target))
             end do
          end if
          if (.not. climbed .and. advice%open_tolerance .and. reached%of_time > 0.1_wp*target) call tighten(0.2_wp)
@@ -355,7 +383,27 @@ contains
 
    end subroutine climb
 
-   !> Two runs that agree may both miss what a finer run of an earlier pair has met: then a smaller tolerance decides, eq. (T7).
+   !> The rung above one that errs by too much: with strain where the stretch is what was expected, else one higher or two.
+   pure type(rung_type) function next_rung(rung, beam, error, target) result(higher)
+      type(rung_type), intent(in) :: rung
+      type(prospect_type), intent(in) :: beam
+      !> That it has shown, and what is asked for, relative
+      real(wp), intent(in) :: error, target
+      !> Part of the error from which on the stretch, or the bending, is one of its causes; error in units of the target for two rungs
+      real(wp), parameter :: cause = 0.3_wp, far = 4.0_wp
+      real(wp) :: aim, stretch
+      logical :: by_stretch
+      aim = cause*min(1.0_wp, error)
+      stretch = expected_stretch(rung, beam)
+      by_stretch = rung%open_strains .and. .not. rung%stretches .and. stretch > max(aim, 0.9_wp*target)
+      higher = richer(rung, 0, by_stretch)
+      if (.not. by_stretch .or. expected_error(rung, beam) - stretch > aim) &
+         & higher = richer(higher, merge(2, 1, error > far*target), .false.)
+      if (higher%step > most_steps) higher%step = max(most_steps, rung%step)
+      if (higher%step == rung%step) higher = richer(higher, 0, .true.)
+   end function next_rung
+
+   !> Two runs that agree may both miss what a finer run of an earlier pair has met: then a smaller tolerance decides, eq. (182).
    subroutine look_back(target, truth, reached, again)
       real(wp), intent(in) :: target
       type(truth_type), intent(in) :: truth

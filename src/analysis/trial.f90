@@ -23,7 +23,7 @@ module limber_analysis_trial
    private
    public :: trial_type, run_trial, run_check, take_samples, take_outcome, take_trial
 
-   !> Counted work, eq. (182), that every run of a search may take: a second or two, as runs may be short and what verifies them not
+   !> Counted work, eq. (184), that every run of a search may take: a second or two, as runs may be short and what verifies them not
    real(wp), parameter, public :: least_patience = 5.0e5_wp
    !> Least tolerance, and the least of a run that a smaller one can verify
    real(wp), parameter :: least_tolerance = 1.0e-13_wp
@@ -47,7 +47,7 @@ module limber_analysis_trial
       character(:), allocatable :: reason
       !> Whether it was given up as it left the samples of another by too much
       logical :: leaves = .false.
-      !> Counted work of its time loop, eq. (182); the same on every machine
+      !> Counted work of its time loop, eq. (184); the same on every machine
       real(wp) :: work = 0.0_wp
       character(10) :: integrator = ''
       !> Magnitude that each channel's errors are relative to (channels)
@@ -158,7 +158,7 @@ contains
          & error)
    end subroutine run_check
 
-   !> What an evaluation costs with so many rates, its part of the factorisation of the Newton matrix included, eq. (182).
+   !> What an evaluation costs with so many rates, its part of the factorisation of the Newton matrix included, eq. (184).
    pure real(wp) function work_of(rates) result(work)
       integer, intent(in) :: rates
       work = 1.0_wp + 0.005_wp*real(rates, wp)**2

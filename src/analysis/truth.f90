@@ -68,7 +68,7 @@ contains
       allocate (self%rungs, source=rungs)
    end subroutine take_pair
 
-   !> Whether the finest run, of the same models, is near to a run that a finer one has contradicted, and not to that, eq. (T7).
+   !> Whether the finest run, of the same models, is near to a run that a finer one has contradicted, and not to that, eq. (182).
    pure logical function is_forgotten(self, rungs, finest, scale, target)
       class(shown_type), intent(in) :: self
       type(rung_type), intent(in) :: rungs(:)

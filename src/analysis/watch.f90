@@ -59,11 +59,11 @@ contains
                   & ': it diverges, for it rotates at '//as_text(spin, 3)//' rad/'//system%model%units%time// &
                   & ', above its first frequency '// &
                   & as_text(first_frequency, 3)//', and a LINEAR beam is not stiffened by the tension that rotation makes.'// &
-                  & ' Use GEOMETRIC=K_G or FULL')
+                  & ' Use GEOMETRIC=EXACT or K_G')
             else
                call raise(error, "beam '"//body%name//"' deflects by more than its length at t = "//as_text(t, 8)// &
                   & ': that is outside what one floating frame can describe, or the motion diverges. Look at the history up to'// &
-                  & ' there, use GEOMETRIC=FULL, or divide the beam')
+                  & ' there, or use GEOMETRIC=EXACT')
             end if
             return
          end associate

@@ -112,18 +112,24 @@ contains
       type(field_type) :: field
       type(spline_type) :: spline
       real(wp), allocatable :: left(:, :), right(:, :)
+      !> Elements for each function, so that its mode is resolved
+      integer, parameter :: of_a_function = 8
+      type(beam_type) :: mesh
       real(wp) :: value(0:2), tiny_part
       integer :: count, i, j
-      field = mesh_beam(beam)
+      mesh = beam
+      ! Masses within the beam have nodes of their own
+      if (.not. allocated(mesh%place)) mesh%elements = max(beam%elements, of_a_function*choice%angles)
+      field = mesh_beam(mesh)
       ! Modes that the mesh does not resolve are no better than polynomials
-      count = min(choice%angles, count_bending_modes(beam, choice%support), beam%elements/3)
-      call bending_modes(beam, choice%support, count, field, error)
+      count = min(choice%angles, count_bending_modes(mesh, choice%support), mesh%elements/3)
+      call bending_modes(mesh, choice%support, count, field, error)
       if (allocated(error)) return
-      allocate (left(0:beam%elements, count), right(0:beam%elements, count))
+      allocate (left(0:mesh%elements, count), right(0:mesh%elements, count))
       deallocate (modes)
       allocate (modes(size(s), count))
-      do i = 0, beam%elements
-         tiny_part = 1.0e-9_wp*beam%length/beam%elements
+      do i = 0, mesh%elements
+         tiny_part = 1.0e-9_wp*beam%length/mesh%elements
          left(i, :) = slope_at(field, max(field%s(i) - tiny_part, 0.0_wp), bending_curvature)
          right(i, :) = slope_at(field, min(field%s(i) + tiny_part, beam%length), bending_curvature)
       end do

@@ -1,5 +1,4 @@
-!> The truth of a search: what is known of the error of its integration stays when a run with finer models takes its place, and what
-!> it may err itself counts against every setting.
+!> The truth of a search: what it may err itself counts against every setting.
 program test_truth
    use limber_base_kinds, only: wp
    use limber_analysis_rungs, only: rung_type
@@ -17,7 +16,8 @@ contains
    subroutine test_errors()
       type(truth_type) :: truth
       real(wp) :: values(3, 4)
-      call truth%start(rungs, 1.0e-2_wp, [10.0_wp, 1.0_wp], reshape([0, 0, 1, 1, 2, 0, 3, 1]*1.0_wp, [2, 4]), 5.0_wp)
+      truth%scale = [10.0_wp, 1.0_wp]
+      call truth%take(rungs, 1.0e-2_wp, reshape([0, 0, 1, 1, 2, 0, 3, 1]*1.0_wp, [2, 4]), 5.0_wp, [0.0_wp, 0.0_wp])
       call check(truth%known, 'it is known')
       call check_close(truth%tolerance, 1.0e-2_wp, 0.0_wp, 'tolerance')
       values = 7.0_wp
@@ -31,25 +31,18 @@ contains
       call check_close(sum(abs(largest_difference(values, truth%values) - [0.5_wp, 0.03_wp])), 0.0_wp, 1.0e-14_wp, 'differences')
    end subroutine test_errors
 
-   !> A finer run, an error of the integration that is taken away, a still finer run.
+   !> A finer run takes its place.
    subroutine test_refinement()
       type(truth_type) :: truth
-      real(wp) :: first(1, 2), second(1, 2), third(1, 2), correction(1, 2)
+      real(wp) :: first(1, 2), second(1, 2)
       first = 1.0_wp
       second = reshape([2.0_wp, 3.0_wp], [1, 2])
-      third = reshape([2.5_wp, 3.5_wp], [1, 2])
-      correction = reshape([0.25_wp, -0.25_wp], [1, 2])
-      call truth%start(rungs, 1.0e-2_wp, [1.0_wp], first, 5.0_wp)
-      call truth%refine(second, 6.0_wp)
+      truth%scale = [1.0_wp]
+      call truth%take(rungs, 1.0e-2_wp, first, 5.0_wp, [0.1_wp])
+      call truth%take(rungs, 1.0e-3_wp, second, 6.0_wp, [0.05_wp])
       call check_close(maxval(abs(truth%values - second)), 0.0_wp, 0.0_wp, 'it takes the place')
-      truth%values = truth%finest + correction
-      call truth%refine(third, 7.0_wp)
-      call check_close(maxval(abs(truth%finest - third)), 0.0_wp, 0.0_wp, 'as it was run')
-      call check_close(maxval(abs(truth%values - third - correction)), 0.0_wp, 1.0e-15_wp, 'less the error of the integration')
-      call check_close(truth%work, 7.0_wp, 0.0_wp, 'its work')
-      call check_close(truth%verified_work, 5.0_wp, 0.0_wp, 'the work of what it verifies')
-      call truth%start(rungs, 1.0e-3_wp, [1.0_wp], first, 5.0_wp)
-      call check_close(maxval(abs(truth%values - first)), 0.0_wp, 0.0_wp, 'it begins anew')
+      call check_close(truth%work, 6.0_wp, 0.0_wp, 'its work')
+      call check_close(error_against(truth, first), 2.05_wp, 1.0e-15_wp, 'and its error')
    end subroutine test_refinement
 
 end program test_truth

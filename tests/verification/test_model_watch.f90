@@ -21,7 +21,6 @@ program test_model_watch
    call check_ends()
    call check_phase()
    call check_kinks()
-   call check_braking()
    call check_defaults()
    call check_follower()
    call check_damping()
@@ -85,7 +84,7 @@ contains
       character(*), parameter :: string = 'TYPE=WELD > TYPE=REVOLUTE; *FORCE > *JOINT, NAME=roller, TYPE=POINT ON LINE'// &
          & '@ beam.end, ground.origin@*FORCE; pull = 0 > pull = 9869.6044; YOUNG=1e4 > YOUNG=1e8; INERTIA=1e-4 > INERTIA=1e-8;'
       call judge_mode('LINEAR under tension', string//'LENGTH=1 > LENGTH=1, ELEMENTS=40, GEOMETRIC=LINEAR', &
-         & pi**2*sqrt(1001.0_wp), 'carries axial forces that LINEAR leaves out; use GEOMETRIC=K_G or FULL')
+         & pi**2*sqrt(1001.0_wp), 'carries axial forces that LINEAR leaves out; use GEOMETRIC=EXACT')
       call judge_mode('K_G under tension', string//'LENGTH=1 > LENGTH=1, ELEMENTS=40, AXIAL BASIS=STATIC', &
          & pi**2*sqrt(1001.0_wp), '')
       call judge_mode('modes of pins with a weld', '', 3.5160153_wp, 'cannot take this shape with its 7 coordinates; use more'// &
@@ -146,7 +145,7 @@ contains
       character(*), parameter :: channels = 'tip = y(beam.end), stretch > tip = y(beam.end), v = shear_force(beam.start), stretch'
       call run_words('verification/watch_beam.inp', 'pull = 0 > pull = -2.590771; NUMBER=1 > NUMBER=2', reader)
       call check_warning(reader, 'times its Euler load at t = 1, which its functions take 8.1 % too large: they do not fit'// &
-         & ' how its joints hold it; use END SHAPES=YES', 'a column on functions that do not fit')
+         & ' how its joints hold it; use GEOMETRIC=EXACT', 'a column on functions that do not fit')
       call reader%close()
       call run_words('verification/watch_beam.inp', 'pull = 0 > pull = 49.348; push = 0 > push = 0.01; LENGTH=1 > LENGTH=1,'// &
          & ' END SHAPES=YES; '//channels, reader)
@@ -167,41 +166,6 @@ contains
       call judge_kink('dry friction', '-300*max(0, x(m) - 1 - gap) > 1 - 2*step(vx(m))', 'jumps in this state')
       call judge_kink('a smooth law', '-300*max(0, x(m) - 1 - gap) > -3*tanh(vx(m)/1e-3) - 50*abs(x(m) - 1)*(x(m) - 1)', '')
    end subroutine check_kinks
-
-   !> A ratio of all modes of FULL brakes the shortening, which is told; one of the bending modes is right: a tip under a sudden force
-   !> for 11 vibrations against the sum of damped modes.
-   subroutine check_braking()
-      character(*), parameter :: full = 'LENGTH=1 > LENGTH=1, GEOMETRIC=FULL, SUPPORT=CLAMPED-FREE, ELEMENTS=100;'// &
-         & ' push = 0 > push = 0.03; YOUNG=1e4 > YOUNG=1e6; INERTIA=1e-4 > INERTIA=1e-6;'// &
-         & ' *STATICS, NAME=loaded, INCREMENTS=1 > *DYNAMICS, INTEGRATOR=RADAU, TOLERANCE=1e-6,'// &
-         & ' END=20; *MODES, NAME=small, NUMBER=1 > ** no modes; '
-      call judge_braking('all modes', full//'*OUTPUT > *DAMPING, BODY=beam, RATIO=0.02@*OUTPUT', 'list the bending modes alone')
-      call judge_braking('bending modes', full//'*OUTPUT > *DAMPING, BODY=beam@ 1, 0.02@ 2, 0.02@ 3, 0.02@*OUTPUT', '')
-   end subroutine check_braking
-
-   subroutine judge_braking(name, words, warning)
-      character(*), intent(in) :: name, words, warning
-      real(wp), parameter :: omega(3) = [3.5160153_wp, 22.034492_wp, 61.697214_wp], ratio = 0.02_wp
-      real(wp), parameter :: damped(3) = omega*sqrt(1 - ratio**2)
-      type(history_reader_type) :: reader
-      real(wp), allocatable :: tip(:)
-      real(wp) :: off, t
-      integer :: i
-      call run_words('verification/watch_beam.inp', words, reader)
-      allocate (tip, source=channel(reader, 'tip'))
-      off = 0.0_wp
-      do i = 1, size(tip)
-         t = 20.0_wp*(i - 1)/(size(tip) - 1)
-         off = max(off, abs(tip(i) - sum(0.12_wp/omega**2*(1 - exp(-ratio*omega*t)*(cos(damped*t) + ratio*omega/damped &
-            & *sin(damped*t))))))
-      end do
-      off = off/maxval(abs(tip))
-      print '(2a,es12.4)', name, ': error of the damped tip', off
-      if (warning == '') call check(off < 0.005_wp, 'damping of '//name//': right')
-      if (warning /= '') call check(off > 0.01_wp, 'damping of '//name//': wrong')
-      call check_warning(reader, warning, 'damping of '//name)
-      call reader%close()
-   end subroutine judge_braking
 
    subroutine judge_kink(name, words, warning)
       character(*), intent(in) :: name, words, warning
@@ -299,7 +263,6 @@ contains
       call judge_tip('AXIAL MODES=1, as a warning says', clamped//', AXIAL MODES=1'//pulled, 1.0e-3_wp*(1 - tanh(root)/root)/10, &
          & 8.1e-4_wp, 'longer or shorter')
       call judge_tip('LINEAR', clamped//', GEOMETRIC=LINEAR; pull = 0 > pull = 10', 0.0_wp, 1.0e-3_wp, '')
-      call judge_tip('FULL', clamped//', GEOMETRIC=FULL; pull = 0 > pull = 10', 0.0_wp, 1.0e-3_wp, '')
       call judge_tip('bending modes alone', clamped//', GEOMETRIC=LINEAR, BENDING MODES=3; pull = 0 > pull = 10', 0.0_wp, &
          & 0.0_wp, 'has no axial coordinate')
       call judge_tip('pieces', clamped//', GEOMETRIC=LINEAR, SEGMENTS=2; pull = 0 > pull = 10', 0.0_wp, 1.0e-3_wp, '')
@@ -330,7 +293,6 @@ contains
       call judge_flutter('clamped', '')
       call judge_flutter('pins, with the shapes of the ends', 'SUPPORT=CLAMPED-FREE > SUPPORT=PINNED-ROLLER, END SHAPES=YES')
       call judge_flutter('free', 'SUPPORT=CLAMPED-FREE > SUPPORT=FREE-FREE, END SHAPES=YES')
-      call judge_flutter('FULL', 'GEOMETRIC ELEMENTS=16 > GEOMETRIC ELEMENTS=16, GEOMETRIC=FULL')
    end subroutine check_follower
 
    subroutine judge_flutter(name, words)

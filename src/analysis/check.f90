@@ -34,7 +34,8 @@ contains
             if (model%bodies(i)%whole > 0) then
                associate (whole => model%wholes(model%bodies(i)%whole))
                   if (i == whole%first) report = report//newline//'   '//whole%name//' in '// &
-                     & as_text(whole%last - whole%first + 1)//' segments; '//body_line(model%bodies(i), model%units)
+                     & as_text(whole%last - whole%first + 1)//trim(merge(' beams;   ', ' segments;', allocated(whole%lean)))// &
+                     & ' '//body_line(model%bodies(i), model%units)
                end associate
                cycle
             end if

@@ -57,10 +57,21 @@ contains
             associate (sections => model%bodies(i)%recovery%sections(model%bodies(i)%point_sections + 1:))
                place(total + 1:total + n) = piece_start(model, i) + sections%x
                member(total + 1:total + n) = real(sections%member, wp)
+               if (allocated(model%wholes)) call count_member(i, member(total + 1:total + n))
             end associate
             total = total + n
          end do
       end subroutine gather
+
+      !> Of a frame of beams the member is the beam.
+      subroutine count_member(body, number)
+         integer, intent(in) :: body
+         real(wp), intent(inout) :: number(:)
+         if (model%bodies(body)%whole == 0) return
+         associate (whole => model%wholes(model%bodies(body)%whole))
+            if (allocated(whole%lean)) number = body - whole%first + 1
+         end associate
+      end subroutine count_member
 
       subroutine put(row, name, unit, meaning)
          integer, intent(in) :: row

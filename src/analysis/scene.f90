@@ -246,7 +246,7 @@ contains
          if (number <= size(model%joints)) then
             block = scene%deck%find_named('JOINT|COUPLER', model%joints(number)%name)
             ! One between the segments of a beam
-            if (block == 0) beam = scene%deck%find_named('BEAM', name_in_deck(model, &
+            if (block == 0) beam = scene%deck%find_named('BEAM|FRAME', name_in_deck(model, &
                & model%points(model%joints(number)%points(1))%body))
          else
             associate (name => model%drivers(number - size(model%joints))%name)
@@ -315,7 +315,7 @@ contains
       associate (model => scene%system%model, found => scene%assembly)
          if (found%turned <= model%assembly%largest_turn) return
          origin = origin_type(file=1)
-         block = scene%deck%find_named('RIGID BODY|BEAM', name_in_deck(model, found%body))
+         block = scene%deck%find_named('RIGID BODY|BEAM|FRAME', name_in_deck(model, found%body))
          if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
          call diagnostics%warn(origin, "the assembly has turned body '"//model%bodies(found%body)%name//"' by "// &
             & as_text(found%turned, 3)//' rad from its guess: make sure that the branch is the one that is meant, or give ANGLE=')
@@ -326,7 +326,7 @@ contains
    pure integer function inner_joints(model) result(number)
       type(model_type), intent(in) :: model
       number = 0
-      if (allocated(model%wholes)) number = sum(model%wholes%last - model%wholes%first)
+      if (allocated(model%wholes)) number = sum(model%wholes%inner)
    end function inner_joints
 
    !> Springs that pull or push between points that coincide: their force has no direction.

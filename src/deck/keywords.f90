@@ -226,6 +226,12 @@ module limber_deck_keywords
       &    '', '', 'responses to what joints, drivers and loads exert on it, and to its accelerations; default YES with K_G'), &
       & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G', &
       &    '', 'K_G', 'fidelity: no deflection, K_E alone, or K_E and K_G; where members bend far, LARGE=YES'), &
+      & option_spec_type('FRAME', 'LARGE', kind_yes, '', &
+      &    '', 'NO', 'YES: each member an exact beam, welded to the others at their nodes, for members that bend far'), &
+      & option_spec_type('FRAME', 'FUNCTIONS', kind_counting, '', &
+      &    '', '', 'LARGE: functions of the angle of each member; default as *BEAM has', most=60), &
+      & option_spec_type('FRAME', 'STRAIN FUNCTIONS', kind_count, '', &
+      &    '', '', 'LARGE: functions of the strain of each member; default as *BEAM has', most=60), &
       & option_spec_type('FRAME', 'X', kind_real, '', &
       &    'm', '0', 'x of the floating frame at first, kept where the joints allow it'), &
       & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame at first'), &

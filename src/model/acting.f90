@@ -128,7 +128,8 @@ contains
       if (has_pair) has_pair = block%lines(1)%count() >= 2
    end function has_pair
 
-   !> Notes a point `body.point`, or the origin of a body by its name alone, if it is one of this body.
+   !> Notes a point `body.point`, or the origin of a body by its name alone, if it is one of this body; of a member `frame/number` those
+   !> of its frame too, under the names that the member has for them.
    subroutine enter(text, body, force, couple, points, held, clamped)
       character(*), intent(in) :: text, body
       logical, intent(in) :: force, couple
@@ -137,13 +138,19 @@ contains
       logical, intent(in), optional :: held, clamped
       type(acting_type) :: new
       integer :: dot, i
+      character(:), allocatable :: sign
       dot = index(text, '.')
+      sign = ''
+      i = index(body, '/')
       new%name = 'origin'
       if (dot == 0) then
-         if (text /= body) return
+         if (text /= body .and. text /= body(:max(0, i - 1))) return
+         if (text /= body) sign = '@'
+         new%name = sign//'origin'
       else
-         if (text(:dot - 1) /= body) return
-         new%name = text(dot + 1:)
+         if (text(:dot - 1) /= body .and. text(:dot - 1) /= body(:max(0, i - 1))) return
+         if (text(:dot - 1) /= body) sign = '@'
+         new%name = sign//text(dot + 1:)
       end if
       new%force = force
       new%couple = couple

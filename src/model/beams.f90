@@ -231,7 +231,7 @@ contains
                   & 'give a coordinate from 0 to '//as_text(length))
                cycle
             end if
-            if (is_new_point(model, block%name()//'.'//line%text(1), line%origin_of(1), diagnostics)) &
+            if (is_new_point(model, full_name(line%text(1)), line%origin_of(1), diagnostics)) &
                & call place(line%text(1), line%number(2))
          end associate
       end do
@@ -243,9 +243,19 @@ contains
          real(wp), intent(in) :: s
          integer :: piece
          piece = piece_at(s, length/pieces, pieces)
-         call add_beam_point(model, block%name()//'.'//name, first + piece - 1, &
+         call add_beam_point(model, full_name(name), first + piece - 1, &
             & min(max(s - (piece - 1)*length/pieces, 0.0_wp), length/pieces))
       end subroutine place
+
+      !> Name of a point in the model: a point of a frame that its member carries has the name of the frame.
+      pure function full_name(name)
+         character(*), intent(in) :: name
+         character(:), allocatable :: full_name
+         character(:), allocatable :: own
+         own = block%name()
+         full_name = own//'.'//name
+         if (name(1:1) == '@') full_name = own(:index(own, '/') - 1)//'.'//name(2:)
+      end function full_name
 
    end subroutine add_beam_points
 

@@ -13,6 +13,7 @@ module limber_model_build
    use limber_model_first_state, only: read_assembly
    use limber_model_frames, only: add_frame
    use limber_model_gravity, only: read_gravity, warn_of_degrees
+   use limber_model_large_frames, only: is_large, has_large_frames, expand_frames, unite_frame
    use limber_model_joints, only: add_joint, add_coupler, add_driver
    use limber_model_motions, only: add_motion
    use limber_model_lists, only: trim_lists
@@ -39,6 +40,23 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       !> Reductions of models that were built before; those of this one are added
       type(library_type), intent(inout), optional :: library
+      type(deck_type) :: expanded
+      if (has_large_frames(deck)) then
+         expanded = deck
+         call expand_frames(expanded, diagnostics)
+         call build_blocks(expanded, model, diagnostics, library)
+         deck%blocks = expanded%blocks(:size(deck%blocks))
+      else
+         call build_blocks(deck, model, diagnostics, library)
+      end if
+   end subroutine build_model
+
+   !> The same of a deck whose large frames are beams.
+   subroutine build_blocks(deck, model, diagnostics, library)
+      type(deck_type), intent(inout) :: deck
+      type(model_type), intent(out) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(library_type), intent(inout), optional :: library
       integer :: i, before
       logical :: whole
       allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
@@ -57,7 +75,7 @@ contains
          case ('RIGID BODY'); call add_rigid_body(deck%blocks(i), model, diagnostics)
          case ('POINT MASS'); call add_point_mass(deck%blocks(i), model)
          case ('BEAM'); call add_beam(deck, i, model, diagnostics, library)
-         case ('FRAME'); call add_frame(deck, i, model, diagnostics)
+         case ('FRAME'); if (.not. is_large(deck%blocks(i))) call add_frame(deck, i, model, diagnostics)
          case ('ACCURACY'); call read_accuracy(deck%blocks(i), model, diagnostics)
          end select
          if (has_angle(deck%blocks(i)%keyword)) call warn_of_degrees(deck, i, 'ANGLE', diagnostics)
@@ -65,6 +83,9 @@ contains
       end do
       call check_parts(deck, diagnostics)
       call trim_lists(model)
+      do i = 1, size(deck%blocks)
+         if (is_large(deck%blocks(i))) call unite_frame(deck, i, model, diagnostics)
+      end do
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
       do i = 1, size(deck%blocks)
@@ -112,7 +133,7 @@ contains
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
-   end subroutine build_model
+   end subroutine build_blocks
 
    !> Whether a keyword has an ANGLE of a frame or a line at the start.
    pure logical function has_angle(keyword)

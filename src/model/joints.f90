@@ -139,7 +139,7 @@ contains
          end do
       case (joint_sliding)
          if (bodies(2) /= ground) then
-            if (model%bodies(bodies(2))%whole > 0) then
+            if (is_in_segments(bodies(2))) then
                call diagnostics%add(block%lines(1)%origin_of(2), "joint '"//block%name()//"' slides along a beam in segments", &
                   & 'leave out SEGMENTS: a point slides along an undivided beam only')
                return
@@ -154,6 +154,16 @@ contains
          call diagnostics%add(block%lines(1)%origin_of(2), "joint '"//block%name()//"' slides along something that is no "// &
             & 'flexible beam', 'name a *BEAM second; along what is straight, use POINT ON LINE')
       end select
+
+   contains
+
+      !> Whether a body is a piece of a beam; a member of a frame is a beam of its own.
+      pure logical function is_in_segments(body)
+         integer, intent(in) :: body
+         is_in_segments = model%bodies(body)%whole > 0
+         if (is_in_segments) is_in_segments = .not. allocated(model%wholes(model%bodies(body)%whole)%lean)
+      end function is_in_segments
+
    end subroutine check_bodies
 
    !> First guesses from which a joint cannot begin.

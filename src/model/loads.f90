@@ -196,7 +196,7 @@ contains
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
       pieces = pieces_of(model, body)
-      if (pieces(2) > pieces(1) .and. (size(block%lines) > 0 .or. block%real('RATIO') > 0.0_wp .or. &
+      if (model%bodies(body)%whole > 0 .and. (size(block%lines) > 0 .or. block%real('RATIO') > 0.0_wp .or. &
          & block%real('RAYLEIGH ALPHA') > 0.0_wp)) call diagnostics%warn(block%origin, "damping of '"//block%name('BODY')// &
          & "' is that of the coordinates of its segments, which are not the modes of the whole beam", &
          & 'RAYLEIGH BETA means the same for any number of segments')

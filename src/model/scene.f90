@@ -125,7 +125,8 @@ module limber_model_scene
    end type body_type
 
    !> A beam of the deck that is divided into pieces, bodies of their own that are welded together. Its name stands for the first
-   !> of them, whose frame is that of the whole beam if it is clamped at its start.
+   !> of them, whose frame is that of the whole beam if it is clamped at its start. Or a frame of exact beams: the section at the
+   !> start of its first member carries its axes.
    type :: whole_type
       character(:), allocatable :: name
       !> First and last piece
@@ -134,6 +135,12 @@ module limber_model_scene
       real(wp) :: length = 0.0_wp, origin = 0.0_wp
       !> Whether the frame of the whole beam is the section at its start; else it lies along the chord
       logical :: clamped = .false.
+      !> Welds between the pieces
+      integer :: inner = 0
+      !> Of a frame: numbers of its members in the deck, place of the start (2, members) [length] and direction [rad] of each in the
+      !> axes of the frame
+      integer, allocatable :: member_numbers(:)
+      real(wp), allocatable :: place(:, :), lean(:)
    end type whole_type
 
    !> A named point of a body, or of the ground

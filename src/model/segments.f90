@@ -16,7 +16,7 @@ module limber_model_segments
    use limber_model_scene, only: model_type, body_type, whole_type, joint_type, body_flexible, joint_weld
    implicit none
    private
-   public :: number_of_pieces, choose_basis, choose_frame, place_piece, piece_at, unite, weld_pieces, add_beam_point
+   public :: number_of_pieces, choose_basis, choose_frame, place_piece, piece_at, unite, append_whole, weld_pieces, add_beam_point
    public :: pieces_of, piece_start, name_in_deck, find_frame, has_frame
 
    !> Bending modes of a piece beside the shapes of its ends, where the deck does not say
@@ -96,23 +96,31 @@ contains
       type(model_type), intent(inout) :: model
       type(block_type), intent(in) :: block
       integer, intent(in) :: first
+      type(whole_type) :: whole
+      whole%name = block%name()
+      whole%first = first
+      whole%last = model%counts%bodies
+      whole%length = block%real('LENGTH')
+      whole%origin = block%real('ORIGIN')
+      whole%clamped = is_clamped(block)
+      whole%inner = whole%last - whole%first
+      call append_whole(model, whole)
+   end subroutine unite
+
+   !> Appends a whole; its name stands for its first piece.
+   subroutine append_whole(model, whole)
+      type(model_type), intent(inout) :: model
+      type(whole_type), intent(in) :: whole
       type(whole_type), allocatable :: longer(:)
       integer :: n
       n = size(model%wholes) + 1
       allocate (longer(n))
       longer(:n - 1) = model%wholes
+      longer(n) = whole
       call move_alloc(longer, model%wholes)
-      associate (whole => model%wholes(n))
-         whole%name = block%name()
-         whole%first = first
-         whole%last = model%counts%bodies
-         whole%length = block%real('LENGTH')
-         whole%origin = block%real('ORIGIN')
-         whole%clamped = is_clamped(block)
-         model%bodies(whole%first:whole%last)%whole = n
-         call enter_name(model, 'body', whole%name, first)
-      end associate
-   end subroutine unite
+      model%bodies(whole%first:whole%last)%whole = n
+      call enter_name(model, 'body', whole%name, whole%first)
+   end subroutine append_whole
 
    !> Welds each piece of a beam to the one before it.
    subroutine weld_pieces(model, index)
@@ -165,12 +173,15 @@ contains
          & model%wholes(model%bodies(body)%whole)%last]
    end function pieces_of
 
-   !> Coordinate along the whole beam of the start of a piece; zero of any other body [length].
+   !> Coordinate along the whole beam of the start of a piece; zero of any other body, and of a member of a frame [length].
    pure real(wp) function piece_start(model, body) result(start)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
       start = 0.0_wp
-      if (model%bodies(body)%whole > 0) start = (body - model%wholes(model%bodies(body)%whole)%first)*model%bodies(body)%beam%length
+      if (model%bodies(body)%whole == 0) return
+      associate (whole => model%wholes(model%bodies(body)%whole))
+         if (.not. allocated(whole%lean)) start = (body - whole%first)*model%bodies(body)%beam%length
+      end associate
    end function piece_start
 
    !> Name of a body in the deck: of a piece that of the whole beam.
@@ -201,8 +212,12 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       body = find_body(model, name)
       if (has_frame(model, body)) return
-      call diagnostics%add(origin, "beam '"//name//"' is in segments and has no frame of its own", &
-         & 'name a point of it or a joint at its start, or give it SUPPORT=CLAMPED-FREE')
+      if (allocated(model%wholes(model%bodies(body)%whole)%lean)) then
+         call diagnostics%add(origin, "frame '"//name//"' is LARGE and has no floating frame", 'name a point of it, or a joint')
+      else
+         call diagnostics%add(origin, "beam '"//name//"' is in segments and has no frame of its own", &
+            & 'name a point of it or a joint at its start, or give it SUPPORT=CLAMPED-FREE')
+      end if
       body = 0
    end function find_frame
 

@@ -39,9 +39,17 @@ contains
       integer :: body, pieces(2), member, i, k, first
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
-      call find_member(block, model%bodies(body), member, length, diagnostics)
-      if (member == 0) return
       pieces = pieces_of(model, body)
+      if (is_large_frame()) then
+         call find_large(member)
+         if (member == 0) return
+         pieces = pieces(1) + member - 1
+         length = model%bodies(pieces(1))%beam%length
+         member = 1
+      else
+         call find_member(block, model%bodies(body), member, length, diagnostics)
+         if (member == 0) return
+      end if
       length = length*(pieces(2) - pieces(1) + 1)
       ends = [block%real('START'), length]
       if (block%has('END')) ends(2) = block%real('END')
@@ -60,6 +68,27 @@ contains
          end do
       end do
       call name_load(block, load_distributed, in_efforts, first, model)
+
+   contains
+
+      pure logical function is_large_frame()
+         is_large_frame = model%bodies(body)%whole > 0
+         if (is_large_frame) is_large_frame = allocated(model%wholes(model%bodies(body)%whole)%lean)
+      end function is_large_frame
+
+      !> The member of a large frame that the load acts on; 0 with a complaint if there is none.
+      subroutine find_large(found)
+         integer, intent(out) :: found
+         found = 0
+         if (.not. block%has('MEMBER')) then
+            call diagnostics%add(block%origin, "load '"//block%name()//"' acts on a frame", 'add MEMBER=, the number of a member')
+            return
+         end if
+         found = findloc(model%wholes(model%bodies(body)%whole)%member_numbers, block%integer('MEMBER'), dim=1)
+         if (found == 0) call diagnostics%add(block%origin_of('MEMBER'), "frame '"//block%name('BODY')//"' has no member "// &
+            & as_text(block%integer('MEMBER')))
+      end subroutine find_large
+
    end subroutine add_distributed
 
    !> The member that a load acts on, and its length; 0 with a complaint if there is none.

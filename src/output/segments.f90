@@ -23,7 +23,11 @@ contains
       integer :: first
       first = system%layout%q(system%model%wholes(whole)%first) + 2
       direction = q(first:first + 1)
-      if (.not. system%model%wholes(whole)%clamped) direction = chord(system, whole, q)
+      if (allocated(system%model%wholes(whole)%lean)) then
+         direction = turned(direction, -system%model%wholes(whole)%lean(1))
+      else if (.not. system%model%wholes(whole)%clamped) then
+         direction = chord(system, whole, q)
+      end if
       direction = direction/norm2(direction)
    end function whole_direction
 
@@ -36,7 +40,7 @@ contains
       real(wp) :: along(2), rate(2)
       integer :: first
       associate (own => system%model%bodies(system%model%wholes(whole)%first), points => system%model%points)
-         if (system%model%wholes(whole)%clamped) then
+         if (system%model%wholes(whole)%clamped .or. allocated(system%model%wholes(whole)%lean)) then
             first = system%layout%q(system%model%wholes(whole)%first) + 2
             spin = cross(q(first:first + 1), v(first:first + 1))
          else
@@ -76,6 +80,13 @@ contains
                & points(body%start_point), q)
             piece = own%body - system%model%wholes(body%whole)%first
             displacement = [dot_product(direction, arm) - (own%along + piece*body%beam%length), cross(direction, arm)]
+            associate (whole => system%model%wholes(body%whole))
+               if (.not. allocated(whole%lean)) return
+               arm = point_position(system%model, system%layout, own, q) - point_position(system%model, system%layout, &
+                  & points(system%model%bodies(whole%first)%start_point), q)
+               displacement = [dot_product(direction, arm), cross(direction, arm)] - whole%place(:, piece + 1) + whole%place(:, 1) &
+                  & - own%along*[cos(whole%lean(piece + 1)), sin(whole%lean(piece + 1))]
+            end associate
          end associate
       end associate
    end function whole_displacement
@@ -91,6 +102,17 @@ contains
       associate (own => system%model%points(point))
          before = whole_direction(system, system%model%bodies(own%body)%whole, q)
          angle = 0.0_wp
+         associate (whole => system%model%wholes(system%model%bodies(own%body)%whole))
+            if (allocated(whole%lean)) then
+               first = system%layout%q(own%body) + 2
+               before = turned(before, whole%lean(own%body - whole%first + 1))
+               here = q(first:first + 1)
+               first = system%layout%q(own%body) + 4
+               angle = atan2(cross(before, here), dot_product(before, here)) + dot_product(own%psi, &
+                  & q(first:first + size(own%psi) - 1))
+               return
+            end if
+         end associate
          do body = system%model%wholes(system%model%bodies(own%body)%whole)%first, own%body
             first = system%layout%q(body) + 2
             here = q(first:first + 1)
@@ -104,5 +126,12 @@ contains
          angle = angle + slope
       end associate
    end function whole_rotation
+
+   !> A vector turned by an angle [rad].
+   pure function turned(vector, angle)
+      real(wp), intent(in) :: vector(2), angle
+      real(wp) :: turned(2)
+      turned = cos(angle)*vector + sin(angle)*[-vector(2), vector(1)]
+   end function turned
 
 end module limber_output_segments

@@ -1,5 +1,6 @@
 !> Frames near their critical loads, with no option but material and section: deflections at rest and first frequencies against
-!> finite elements with consistent masses and geometric stiffness, 40 for each member. Usage, in tests/: test_frames RESULT_FILE
+!> finite elements with consistent masses and geometric stiffness, 40 for each member. Frames of exact beams: the same, and Lee's
+!> frame against the solution of its differential equations. Usage, in tests/: test_frames RESULT_FILE
 program test_frames
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -27,29 +28,37 @@ program test_frames
    character(256) :: results
 
    call get_command_argument(1, results)
-   call check_critical()
+   call check_critical('', 1.0e-2_wp)
+   call check_critical(', LARGE=YES', 1.0e-2_wp)
+   call check_lee()
+   call check_parts()
    call finish()
 
 contains
 
    !> Half and 0.9 of the critical load.
-   subroutine check_critical()
-      call judge('portal', portal//walls, ['knee ', 'other'], 'knee', 44240.0_wp, 1.0e-4_wp, [2.630258e-4_wp, 1.309565e-3_wp], &
-         & [22.85546_wp, 10.26346_wp])
-      call judge('portal on hinges', portal//hinges, ['knee ', 'other'], 'knee', 10790.0_wp, 1.0e-4_wp, &
+   subroutine check_critical(option, tolerance)
+      !> Of *FRAME; of all answers
+      character(*), intent(in) :: option
+      real(wp), intent(in) :: tolerance
+      call judge('portal', option, tolerance, portal//walls, ['knee ', 'other'], 'knee', 44240.0_wp, 1.0e-4_wp, &
+         & [2.630258e-4_wp, 1.309565e-3_wp], [22.85546_wp, 10.26346_wp])
+      call judge('portal on hinges', option, tolerance, portal//hinges, ['knee ', 'other'], 'knee', 10790.0_wp, 1.0e-4_wp, &
          & [2.771080e-4_wp, 1.384523e-3_wp], [10.36357_wp, 4.630247_wp])
-      call judge('braced portal', portal//'*ELEMENT'//nl//' 4, 1, 3'//nl//walls, ['knee ', 'other'], 'place', 166400.0_wp, &
-         & 1.0e-4_wp, [6.055185e-4_wp, 1.279201e-3_wp], [70.32099_wp, 41.81769_wp])
-      call judge('two storeys', portal//storey//walls, ['top', 'end'], 'top', 29010.0_wp, 1.0e-4_wp, &
+      call judge('braced portal', option, tolerance, portal//'*ELEMENT'//nl//' 4, 1, 3'//nl//walls, ['knee ', 'other'], 'place', &
+         & 166400.0_wp, 1.0e-4_wp, [6.055185e-4_wp, 1.279201e-3_wp], [70.32099_wp, 41.81769_wp])
+      call judge('two storeys', option, tolerance, portal//storey//walls, ['top', 'end'], 'top', 29010.0_wp, 1.0e-4_wp, &
          & [5.323976e-4_wp, 2.615616e-3_wp], [10.83003_wp, 5.017357_wp])
-      call judge('L', angle//wall, ['knee'], 'knee', 15960.0_wp, 1.0e-3_wp, [4.89922e-3_wp, 2.431281e-2_wp], &
+      call judge('L', option, tolerance, angle//wall, ['knee'], 'knee', 15960.0_wp, 1.0e-3_wp, [4.89922e-3_wp, 2.431281e-2_wp], &
          & [13.12996_wp, 5.900609_wp])
    end subroutine check_critical
 
    !> A frame under loads on its corners and a small one across.
-   subroutine judge(name, parts, loaded, pushed, critical, side, deflection, frequency)
+   subroutine judge(name, option, tolerance, parts, loaded, pushed, critical, side, deflection, frequency)
       !> What stands below *FRAME; the corners that are loaded, and the one (or the middle of member 1) that is pushed
-      character(*), intent(in) :: name, parts, loaded(:), pushed
+      character(*), intent(in) :: name, option, parts, loaded(:), pushed
+      !> Of the answers
+      real(wp), intent(in) :: tolerance
       !> Critical load, and the part of it that pushes; answers at 0.5 and 0.9 of it [rad/s]
       real(wp), intent(in) :: critical, side, deflection(2), frequency(2)
       type(history_reader_type) :: reader
@@ -57,8 +66,9 @@ contains
       real(wp) :: found(1)
       character(:), allocatable :: scene, warnings
       integer :: i, k
+      scene = ''
       do i = 1, 2
-         scene = stuff//'*FRAME, NAME=frame, MATERIAL=steel, SECTION=tube'//nl//' place, 1, 1.5'//nl//parts
+         scene = stuff//'*FRAME, NAME=frame, MATERIAL=steel, SECTION=tube'//option//nl//' place, 1, 1.5'//nl//parts
          do k = 1, size(loaded)
             scene = scene//'*FORCE, NAME=load-'//as_text(k)//', POINT=frame.'//trim(loaded(k))//nl//' 0, '// &
                & as_text(-critical*merge(0.5_wp, 0.9_wp, i == 1), 17)//nl
@@ -68,31 +78,93 @@ contains
          call run_scene(scene, reader, warnings)
          allocate (x, source=channel(reader, 'u'))
          call first_frequency(reader, found)
-         print '(a,i2,2es10.2)', name, i, x(size(x))/deflection(i) - 1, found/frequency(i) - 1
-         call check_close(x(size(x))/deflection(i), 1.0_wp, 1.0e-2_wp, name//': deflection')
-         call check_close(found(1)/frequency(i), 1.0_wp, 1.0e-2_wp, name//': frequency')
+         print '(2a,i2,2es10.2)', name, option, i, x(size(x))/deflection(i) - 1, found/frequency(i) - 1
+         call check_close(x(size(x))/deflection(i), 1.0_wp, tolerance, name//option//': deflection')
+         call check_close(found(1)/frequency(i), 1.0_wp, tolerance, name//option//': frequency')
          call check(warnings == '', name//': no warning: '//warnings)
          call reader%close()
          deallocate (x)
       end do
    end subroutine judge
 
+   !> Lee's frame, two bars of 120 on hinges, with the default functions: a place before the snap-through, its load, and one behind
+   !> it, from shooting to 1e-10 with the strain; a load that is turned with the frame moves it alike.
+   subroutine check_lee()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: x(:), y(:), time(:), moment(:), u(:)
+      character(:), allocatable :: warnings
+      type(error_type), allocatable :: error
+      call run_scene('*MATERIAL, NAME=stuff, YOUNG=720, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=RECTANGLE, WIDTH=3, HEIGHT=2'// &
+         & nl//'*FRAME, NAME=lee, MATERIAL=stuff, SECTION=bar, LARGE=YES'//nl//' load, 2, 24'//nl//'*NODE'//nl// &
+         & ' 1, 0, 0, foot'//nl//' 2, 0, 120, corner'//nl//' 3, 120, 120, end'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//' 2, 2, 3'// &
+         & nl//'*GROUND'//nl//' far, 120, 120'//nl//'*JOINT, NAME=first, TYPE=REVOLUTE'//nl//' lee.foot, ground.origin'//nl// &
+         & '*JOINT, NAME=second, TYPE=REVOLUTE'//nl//' lee.end, ground.far'//nl//'*FORCE, NAME=down, POINT=lee.load'//nl// &
+         & ' 0, -2*t'//nl//'*STATICS, INCREMENTS=10'//nl//'*OUTPUT'//nl//' x = x(lee.load), y = y(lee.load)'//nl// &
+         & ' moment = bending_moment(lee.load), u = u1(lee.corner)'//nl, reader, warnings)
+      allocate (x, source=channel(reader, 'x'))
+      allocate (y, source=channel(reader, 'y'))
+      allocate (u, source=channel(reader, 'u'))
+      allocate (moment, source=channel(reader, 'moment'))
+      call reader%read_time(time, error)
+      call check_no_error(error, 'time')
+      print '(a,4es11.2)', 'Lee', hypot(x(6) - 24 - 1.9143318_wp, y(6) - 120 + 10.7068747_wp)/10.9_wp, &
+         & 2*time(11)/1.8556728_wp - 1, hypot(x(12) - 24 - 85.9130865_wp, y(12) - 120 + 92.7276412_wp)/126, &
+         & moment(6)/16.283692_wp - 1
+      call check(size(time) == 12 .and. warnings == '', 'Lee: one limit point, no warning: '//warnings)
+      call check_close(x(6), 25.9143318_wp, 1.1e-2_wp, 'Lee: x at 1')
+      call check_close(y(6), 109.2931253_wp, 1.1e-2_wp, 'Lee: y at 1')
+      call check_close(moment(6)/16.283692_wp, 1.0_wp, 1.0e-3_wp, 'Lee: moment under the load')
+      call check_close(2*time(11)/1.8556728_wp, 1.0_wp, 1.0e-3_wp, 'Lee: limit load')
+      call check_close(x(12), 109.9130865_wp, 0.1_wp, 'Lee: x behind the snap-through')
+      call check_close(y(12), 27.2723588_wp, 0.1_wp, 'Lee: y behind the snap-through')
+      ! Seen from the section at the foot, which has turned by 0.2609 there
+      call check_close(u(6), cos(0.2609499_wp)*3.2749683_wp + sin(0.2609499_wp)*117.2213128_wp, 1.0e-2_wp, 'Lee: u1')
+      call reader%close()
+   end subroutine check_lee
+
+   !> What the parts of a frame of exact beams are known by: loads along members, masses at nodes, sections of members, damping,
+   !> displacements and rotations in the axes of the frame, its place. A quarter of a cross that is turned, against slope and
+   !> deflection: an upright of 3 that carries an arm of 2 under its weight, 40 on each length, and a mass.
+   subroutine check_parts()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: u(:), turn(:), moment(:)
+      character(:), allocatable :: warnings
+      call run_scene('*MATERIAL, NAME=stuff, YOUNG=1e9, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, '// &
+         & 'INERTIA=1e-3'//nl//'*GRAVITY, Y=-10'//nl//'*FRAME, NAME=hook, MATERIAL=stuff, SECTION=bar, LARGE=YES, X=1, Y=2, '// &
+         & 'ANGLE=pi/2'//nl//' low, 7, 0'//nl//' middle, 9, 1'//nl//'*NODE'//nl//' 1, 0, 0, foot'//nl//' 2, 3, 0, knee'//nl// &
+         & ' 4, 3, -2, tip'//nl//'*ELEMENT'//nl//' 7, 1, 2'//nl//' 9, 2, 4'//nl//'*MASS'//nl//' 4, 5'//nl//'*GROUND'//nl// &
+         & ' here, 1, 2'//nl//'*JOINT, NAME=wall, TYPE=WELD'//nl//' hook.foot, ground.here'//nl//'*DISTRIBUTED LOAD, '// &
+         & 'NAME=snow, BODY=hook, MEMBER=9'//nl//' 0, -40'//nl//'*DAMPING, BODY=hook, RAYLEIGH BETA=1e-3'//nl//'*STATICS'//nl// &
+         & '*OUTPUT, ENVELOPE=hook'//nl//'*OUTPUT'//nl//' u = u2(hook.tip), turn = rotation(hook.knee)'//nl// &
+         & ' moment = bending_moment(hook.low), v = u1(hook.middle)'//nl, reader, warnings)
+      allocate (u, source=channel(reader, 'u'))
+      allocate (turn, source=channel(reader, 'turn'))
+      allocate (moment, source=channel(reader, 'moment'))
+      ! M = (40 + 10)*2*1 + 50*2 at the knee and below it; E I = 1e6: the knee turns by 3 M/E I
+      call check_close(moment(size(moment)), -200.0_wp, 0.2_wp, 'hook: moment')
+      call check_close(turn(size(turn)), -6.0e-4_wp, 1.0e-6_wp, 'hook: rotation')
+      ! Across the upright: M 3^2/(2 E I), to the right: along -y of the frame
+      call check_close(u(size(u)), -9.0e-4_wp, 2.0e-6_wp, 'hook: displacement')
+      call check(warnings == '', 'hook: no warning: '//warnings)
+      call reader%close()
+   end subroutine check_parts
+
    !> Runs a scene.
-   subroutine run_scene(scene, reader, warnings)
-      character(*), intent(in) :: scene
+   subroutine run_scene(text, reader, warnings)
+      character(*), intent(in) :: text
       type(history_reader_type), intent(out) :: reader
       character(:), allocatable, intent(out) :: warnings
       type(error_type), allocatable :: error
       integer :: unit
       open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
-      write (unit) scene
+      write (unit) text
       close (unit)
       call run_deck(trim(results)//'.inp', trim(results), .true., .true., warnings, error)
-      call check_no_error(error, scene)
+      call check_no_error(error, text)
       if (allocated(error)) error stop 1
       if (index(warnings, 'warning') == 0) warnings = ''
       call reader%open(trim(results), error)
-      call check_no_error(error, scene)
+      call check_no_error(error, text)
    end subroutine run_scene
 
    !> Of *MODES [rad/s].

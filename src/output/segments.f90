@@ -64,8 +64,8 @@ contains
       end associate
    end function chord
 
-   !> Displacement of a point of a beam in segments from its undeformed place, along the axes of the whole beam's frame (2), eq.
-   !> (150).
+   !> Displacement of a point of a beam in segments from its undeformed place, along the axes of the whole beam's frame (2), eqs.
+   !> (150), (V1).
    pure function whole_displacement(system, point, q) result(displacement)
       type(system_type), intent(in) :: system
       !> Index of the point

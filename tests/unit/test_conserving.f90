@@ -273,7 +273,7 @@ contains
          choice%accelerations = .true.
          frame = add_frame(model, 'frame', l_frame(), choice, [-0.3_wp, 0.7_wp], -1.1_wp, error)
          call check_no_error(error, 'frame')
-         call run_fixed(model, 1.0e-3_wp, 2000, 1, 1.0_wp, outcome)
+         call run_fixed(model, 1.0e-3_wp, 2000, 1, 0.3_wp, outcome)
          call report(outcome, 'free frame of fidelity '//as_text(fidelity))
          call check_close(outcome%energy, 0.0_wp, 1.0e-10_wp, 'free frame: energy')
          call check_close(outcome%linear, 0.0_wp, 1.0e-10_wp, 'free frame: linear momentum')

@@ -57,12 +57,11 @@ contains
             & block%origin_of('ORIGIN'), "the origin of the frame lies outside beam '"//body%name//"'", &
             & 'give a coordinate from 0 to '//as_text(block%real('LENGTH')))
          if (pieces > 1) call choose_frame(block, piece, body%choice)
-         if (body%choice%fidelity == fidelity_exact) call choose_exact(deck, index, body)
-         if (body%choice%fidelity /= fidelity_exact .or. pieces > 1) then
-            call refuse_features(deck, index, body%choice%fidelity == fidelity_exact, diagnostics)
-         else if (section > 0 .and. material > 0) then
-            call read_features(deck, index, material, section, body, diagnostics)
-         end if
+         if (body%choice%fidelity == fidelity_exact) call choose_exact(deck, index, piece, pieces, body)
+         if (body%choice%fidelity /= fidelity_exact .or. (piece == 1 .and. pieces > 1)) &
+            & call refuse_features(deck, index, body%choice%fidelity == fidelity_exact, diagnostics)
+         if (body%choice%fidelity == fidelity_exact .and. section > 0 .and. material > 0 .and. diagnostics%count == before) &
+            & call read_features(deck, index, material, section, piece, body, diagnostics)
          if (body%choice%linear .and. body%choice%fidelity == fidelity_full) call diagnostics%add( &
             & block%origin_of('GEOMETRIC INTEGRAL'), "beam '"//body%name//"': FULL needs a tension that is constant in each "// &
             & 'geometric element', 'use GEOMETRIC INTEGRAL=EXACT, or GEOMETRIC=K_G')
@@ -272,9 +271,10 @@ contains
    !> The functions of an exact beam: how many, the support of its modes, which follows from the joints that hold it if the deck does
    !> not say, and the places within it where something acts. Where more than pins at both ends acts, polynomials serve what the
    !> support has not: what loads, springs and bodies at the ends ask for.
-   subroutine choose_exact(deck, index, body)
+   subroutine choose_exact(deck, index, piece, pieces, body)
       type(deck_type), intent(in) :: deck
-      integer, intent(in) :: index
+      !> Block of the beam; which piece, of how many
+      integer, intent(in) :: index, piece, pieces
       type(body_type), intent(inout) :: body
       type(acting_type), allocatable :: points(:)
       real(wp), allocatable :: x(:)
@@ -283,7 +283,7 @@ contains
       real(wp) :: length
       integer :: i
       associate (block => deck%blocks(index), choice => body%choice%exact)
-         length = block%real('LENGTH')
+         length = body%beam%length
          choice%angles = block%integer('FUNCTIONS')
          choice%strains = block%integer('STRAIN FUNCTIONS')
          choice%origin = body%choice%origin
@@ -293,6 +293,9 @@ contains
          x = -1.0_wp
          do i = 1, size(points)
             call find_beam_point(block, trim(points(i)%name), x(i), found)
+            ! What lies on another piece counts as what no point has
+            if (piece_at(x(i), length, pieces) /= piece) x(i) = -1.0_wp
+            if (x(i) >= 0.0_wp) x(i) = max(x(i) - (piece - 1)*length, 0.0_wp)
          end do
          choice%kinks = pack(x, points%force)
          choice%steps = pack(x, points%couple)
@@ -307,7 +310,10 @@ contains
          support = end_support(0.0_wp)//'-'//end_support(length)
          choice%mixed = support /= 'PINNED-PINNED' .or. any(is_inner(choice%kinks)) .or. any(choice%steps >= 0.0_wp)
          if (support == 'FREE-FREE' .and. size(points) > 0) support = 'CLAMPED-FREE'
-         if (.not. block%given('SUPPORT')) choice%support = new_support(support)
+         ! Pieces are welded to each other
+         if (pieces > 1) support = 'CLAMPED-FREE'
+         if (pieces > 1 .or. .not. block%given('SUPPORT')) choice%support = new_support(support)
+         choice%mixed = choice%mixed .or. pieces > 1
          choice%mixed = choice%mixed .or. .not. is_alike(choice%support, new_support(support))
       end associate
 

@@ -15,9 +15,10 @@ module limber_model_beam_features
    private
    public :: read_features, refuse_features
 
-   !> Options that exact beams only have
-   character(*), parameter :: features(*) = [character(17) :: 'SHEAR', 'END SECTION', 'CURVATURE', 'THERMAL STRAIN', &
+   !> Options that exact beams only have, first those that are not for beams in segments
+   character(*), parameter :: features(*) = [character(17) :: 'END SECTION', 'CURVATURE', 'SHEAR', 'THERMAL STRAIN', &
       & 'THERMAL CURVATURE', 'PRETENSION']
+   integer, parameter :: whole_only = 2
    !> Part of the first frequency that shear takes before it is worth a warning
    real(wp), parameter :: noticed = 0.01_wp
 
@@ -40,7 +41,7 @@ contains
             reason = ' is for GEOMETRIC=EXACT only, not for '//block%word('GEOMETRIC')
             remedy = 'use GEOMETRIC=EXACT'
          end if
-         do i = 1, size(features)
+         do i = 1, merge(whole_only, size(features), is_exact)
             if (.not. block%given(trim(features(i)))) cycle
             if (features(i) == 'SHEAR' .and. .not. block%yes('SHEAR')) cycle
             call diagnostics%add(block%origin_of(trim(features(i))), &
@@ -55,10 +56,10 @@ contains
    end subroutine refuse_features
 
    !> Reads all of it into the choice of an exact beam.
-   subroutine read_features(deck, index, material, section, body, diagnostics)
+   subroutine read_features(deck, index, material, section, piece, body, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Blocks of the beam, of its material and of its section
-      integer, intent(in) :: index, material, section
+      !> Blocks of the beam, of its material and of its section; which piece of it
+      integer, intent(in) :: index, material, section, piece
       type(body_type), intent(inout) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
       integer, allocatable :: from(:), to(:)
@@ -75,14 +76,14 @@ contains
             call need_strain('PRETENSION')
          end if
          allocate (from(0), to(0))
-         call read_stretches(deck, index, section, from, to, body%fibres, diagnostics)
+         call read_stretches(deck, index, section, body%beam%length, from, to, body%fibres, diagnostics)
          if (diagnostics%count > before) return
          call read_strengths(deck, from, to, body%fibres, diagnostics)
          if (block%yes('SHEAR')) call check_shear(deck, material, from, to, diagnostics)
          if (diagnostics%count > before) return
          call multiply(deck, material, from, to, block%yes('SHEAR'), body%fibres, choice%profile)
          call use_mean(body)
-         if (.not. block%yes('SHEAR')) call warn_of_shear(deck, index, material, section, body, diagnostics)
+         if (piece == 1 .and. .not. block%yes('SHEAR')) call warn_of_shear(deck, index, material, section, body, diagnostics)
       end associate
 
    contains
@@ -98,16 +99,16 @@ contains
    end subroutine read_features
 
    !> Stretches of a beam: where they end, and the sections (blocks) at both ends of each.
-   subroutine read_stretches(deck, index, section, from, to, fibres, diagnostics)
+   subroutine read_stretches(deck, index, section, length, from, to, fibres, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index, section
+      !> Of the beam, or of a piece of one that has no stretches
+      real(wp), intent(in) :: length
       integer, allocatable, intent(inout) :: from(:), to(:)
       type(profile_type), intent(inout) :: fibres
       type(diagnostics_type), intent(inout) :: diagnostics
       real(wp), allocatable :: at(:)
-      real(wp) :: length
       integer :: i, k
-      length = deck%blocks(index)%real('LENGTH')
       allocate (at(1))
       at = 0.0_wp
       from = [section]

@@ -114,7 +114,7 @@ def slider_crank():
                 (12, 40, 1e-3, "sparse", False), (16, 30, 1e-3, "sparse", False), (16, 40, 1e-3, "sparse", True)]]
     return Scene("S1", "slider-crank of Han and Lee, rod of 6 mm: deflection of its middle", "tests/reference/slider_crank_6mm.csv",
                  {"deflection_over_length": "w_mid_over_L"}, False, [1e-2, 1e-3, 1e-4],
-                 input_deck("slider_crank_full.inp", ["deflection_over_length = deflection(rod.middle)/length(rod)"], models),
+                 input_deck("slider_crank_exact.inp", ["deflection_over_length = deflection(rod.middle)/length(rod)"], models),
                  models, tolerances(2, 3, FINE)[:-1] + tolerances(3, 6), peer, [])
 
 

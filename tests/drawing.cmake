@@ -45,8 +45,8 @@ set(colours "rgb.  0, 114, 178." "rgb.213,  94,   0." "rgb.  0, 158, 115." "rgb.
 
 # Crank, rod and slider with its block: one stroke each, the rod also without its deflection, in grey; pins, mass and block
 # are polygons
-run(slider_crank_full "turns = 2:turns = 0.2" OUTPUTS=838:OUTPUTS=40)
-draw(slider_crank_full.h5 --sample 20 --deflection 5 -o crank.svg)
+run(slider_crank_exact "turns = 2:turns = 0.2" OUTPUTS=838:OUTPUTS=40)
+draw(slider_crank_exact.h5 --sample 20 --deflection 5 -o crank.svg)
 foreach(i RANGE 2)
   list(GET colours ${i} colour)
   count(crank.svg 1 "<path stroke='${colour}'")
@@ -59,7 +59,7 @@ count(crank.svg 1 "<polygon fill = 'rgb.191, 230, 220.'")
 count(crank.svg 1 "t = 0.0042 s, deflections × 5")
 count(crank.svg 1 "Flexible slider-crank of Han and Lee 1993, large deflections<")
 # A path more
-draw(slider_crank_full.h5 --path rod.middle --format svg -o path.svg)
+draw(slider_crank_exact.h5 --path rod.middle --format svg -o path.svg)
 count(path.svg 1 "<path stroke='rgb.221, 126,  51.'")
 count(path.svg 1 "t = 0.0000 s<")
 

@@ -54,7 +54,7 @@ begins() {
   fi
 }
 
-sed "s/TOLERANCE=1e-8, OUTPUTS=838/TOLERANCE=1e-5, OUTPUTS=20000/; s/turns = 2/turns = $turns/" "$input/slider_crank_full.inp" > deck.inp
+sed "s/TOLERANCE=1e-8, OUTPUTS=838/TOLERANCE=1e-5, OUTPUTS=20000/; s/turns = 2/turns = $turns/" "$input/slider_crank_exact.inp" > deck.inp
 expect 0 "20001 samples" "$limber" run deck.inp -o whole.h5
 sed "s/turns = $turns/turns = ${turns}00/; s/OUTPUTS=20000/OUTPUTS=200000/" deck.inp > long.inp
 "$limber" export whole.h5 > whole.txt

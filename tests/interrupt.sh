@@ -43,7 +43,7 @@ sed 's/^\*DYNAMICS.*/*KINEMATICS, END=0.01, OUTPUTS=500\
 *DYNAMICS, END=0.08, TOLERANCE=1e-6, OUTPUTS=500, INTEGRATOR=RADAU\
 *KINEMATICS, END=0.09, OUTPUTS=500\
 *SCALAR\
- most = maximum(slider_x), rms(crank_angle)/; s/^\*OUTPUT$/*OUTPUT, ENVELOPE=rod/' "$input/slider_crank_full.inp" > several.inp
+ most = maximum(slider_x), rms(crank_angle)/; s/^\*OUTPUT$/*OUTPUT, ENVELOPE=rod/' "$input/slider_crank_exact.inp" > several.inp
 sed '/^\*OUTPUT/,$d; s/^\*DYNAMICS.*/*MODES, NUMBER=3\
 *DYNAMICS, END=3, OUTPUTS=100, TOLERANCE=1e-9\
 *STATICS, NAME=more, INCREMENTS=500/; s/INCREMENTS=4$/INCREMENTS=500/' "$input/cantilever_statics.inp" > statics.inp
@@ -93,7 +93,7 @@ done
 
 # A search: whether the deck is found wanting or not, status 4 leaves either nothing or a run that keeps the target, marked incomplete
 sed 's/^\*DYNAMICS.*/*DYNAMICS, END=turns*2*pi\/speed, OUTPUTS=838\
-*ACCURACY, TARGET=2e-3/' "$input/slider_crank_full.inp" > search.inp
+*ACCURACY, TARGET=2e-3/' "$input/slider_crank_exact.inp" > search.inp
 deck=search
 measure
 interrupted=0

@@ -20,16 +20,16 @@ deck() {
   sed "$2" "$input/$1.inp" > $count.inp
 }
 for integrator in ADAMS RADAU ALPHA CONSERVING; do
-  deck slider_crank_full "s/turns = 2/turns = 3/; s/TOLERANCE=1e-8, OUTPUTS=838/TOLERANCE=1e-5, OUTPUTS=838, INTEGRATOR=$integrator/"
+  deck slider_crank_exact "s/turns = 2/turns = 3/; s/TOLERANCE=1e-8, OUTPUTS=838/TOLERANCE=1e-5, OUTPUTS=838, INTEGRATOR=$integrator/"
   deck andrews_squeezer "s/TOLERANCE=1e-8, OUTPUTS=300, INTEGRATOR=ADAMS/TOLERANCE=1e-10, OUTPUTS=3000, MAXIMUM STEP=1e-5, INTEGRATOR=$integrator/"
 done
 deck chain_flexible "s/N = 100/N = 30/; s/OUTPUTS=100/OUTPUTS=400/"
 deck rotating_cantilever "s/rise = 12/rise = 4/; s/END=24, OUTPUTS=2400/END=10, OUTPUTS=1000/"
 deck cantilever_statics "s/INCREMENTS=4\$/INCREMENTS=300/; s/END=3, OUTPUTS=10/END=3, OUTPUTS=300, TOLERANCE=1e-9/"
-deck slider_crank_full 's/turns = 2/turns = 1/; s/^\*DYNAMICS.*/*DYNAMICS, END=turns*2*pi\/speed, TOLERANCE=1e-6, OUTPUTS=400\
+deck slider_crank_exact 's/turns = 2/turns = 1/; s/^\*DYNAMICS.*/*DYNAMICS, END=turns*2*pi\/speed, TOLERANCE=1e-6, OUTPUTS=400\
 *DYNAMICS, END=2*turns*2*pi\/speed, TOLERANCE=1e-7, OUTPUTS=400/'
 deck portal_frame "s/TOLERANCE=1e-7/TOLERANCE=1e-9/"
-deck spin_up "s/MODAL DERIVATIVES=1/&, AXIAL DYNAMICS=STATIC/; s/TOLERANCE=1e-8/TOLERANCE=1e-10/"
+deck spin_up "s/STRAIN FUNCTIONS=2/STRAIN FUNCTIONS=0/; s/TOLERANCE=1e-8/TOLERANCE=1e-10/"
 deck flexible_four_bar 's/rise = 0.4/rise = 0.02/; s/TOLERANCE=1e-6/&\
 *ACCURACY, ESTIMATE=YES/; s/TOLERANCE=1e-6/TOLERANCE=1e-5/'
 

@@ -1,7 +1,7 @@
 # A run that is ended by a signal, or killed, and goes on: cmake -DLIMBER=... -DINPUT=... -DWORK=... -DTURNS=4 -P restart.cmake
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
-set(DECK ${INPUT}/slider_crank_full.inp)
+set(DECK ${INPUT}/slider_crank_exact.inp)
 
 # Runs a command of the shell in the folder and compares its status
 function(expect status text command)

@@ -122,7 +122,7 @@ for summary in array ranks; do
 done
 
 # A run that is warned twice puts itself into the queue again, and ends with the bits of one that was not
-sed 's/turns = 2/turns = 16/; s/OUTPUTS=838/OUTPUTS=8380/' "$(dirname "$deck")/slider_crank_full.inp" > long.inp
+sed 's/turns = 2/turns = 16/; s/OUTPUTS=838/OUTPUTS=8380/' "$(dirname "$deck")/slider_crank_exact.inp" > long.inp
 "$limber" run long.inp --quiet -o whole.h5
 export LIMBER_OPTIONS="--checkpoint 0.2"
 run=$(sbatch --parsable "$jobs/run_restart.sh" long.inp pieces.h5)

@@ -129,7 +129,7 @@ contains
       work = 0.0_wp
       self%elastic = 0.0_wp
       if (reduced%geometric) then
-         call elastic_force(reduced, eta, self%elastic, self%z, self%s)
+         call elastic_force(reduced, eta, self%elastic, self%s)
          self%elastic = self%elastic - reduced%omega2*eta
       end if
       self%lacking(0) = 0.0_wp

@@ -209,7 +209,7 @@ contains
       if (self%surveys%of(index) == 0) return
       associate (survey => self%surveys%bodies(self%surveys%of(index))%survey)
          m = size(survey%chosen)
-         allocate (body%slope_work(0:m, 0:m), body%lacking(0:m), body%elastic(reduced%n), body%z(size(reduced%cubic, 1)), &
+         allocate (body%slope_work(0:m, 0:m), body%lacking(0:m), body%elastic(reduced%n), &
             & body%s(size(reduced%cubic, 1)), body%lumping(reduced%n))
          body%lumping = 0.0_wp
          body%lumping(survey%chosen) = survey%lumping

@@ -110,7 +110,7 @@ module limber_analysis_indicators
       !> Scratch of a frame: work of the axial forces on slopes (0:chosen, 0:chosen), on the motions (motions, motions), eigenvalues
       !> of that and room for them, elastic force (n), products of coordinates and their tension (pairs), forces that are lacking
       !> (0:chosen)
-      real(wp), allocatable :: slope_work(:, :), loaded(:, :), value(:), room(:), elastic(:), z(:), s(:), lacking(:)
+      real(wp), allocatable :: slope_work(:, :), loaded(:, :), value(:), room(:), elastic(:), s(:), lacking(:)
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
       real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)

@@ -491,7 +491,7 @@ contains
       type(body_type), intent(in) :: body
       real(wp), intent(in) :: eta(:)
       real(wp), intent(out) :: lack, coarse
-      real(wp) :: length, mean, tilt, own, tension, part
+      real(wp) :: length, mean, tilt, tension, part
       integer :: g, s, k, j, from, each
       self%push = 0.0_wp
       each = stations%count/stations%elements
@@ -507,16 +507,8 @@ contains
          end do
          mean = mean/length
          tilt = merge(3*tilt/length, 0.0_wp, stations%linear)
-         own = 0.0_wp
-         if (size(stations%slopes, 3) > 0) then
-            do j = 1, stations%bending
-               do k = 1, stations%bending
-                  own = own + eta(k)*stations%slopes(k, j, g)*eta(j)
-               end do
-            end do
-         end if
          do s = from + 1, from + each
-            tension = own
+            tension = 0.0_wp
             do k = 1, stations%axial
                tension = tension + stations%strain(k, s)*eta(stations%bending + k)
             end do

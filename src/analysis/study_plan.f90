@@ -19,6 +19,10 @@ module limber_analysis_study_plan
    integer, parameter, public :: axes = 5, axis_integrator = 1, axis_tolerance = 2, axis_modes = 3, axis_elements = 4, &
       & axis_fidelity = 5
 
+   !> Lists that mean something of beams with modes, and of exact ones
+   character(*), parameter :: lists_of_modes(3) = [character(18) :: 'modes', 'bending modes', 'geometric elements'], &
+      & lists_of_exact(2) = [character(18) :: 'functions', 'strain functions']
+
    !> The values of one option
    type :: axis_type
       !> As in the keyword table: 'bending modes'
@@ -126,6 +130,7 @@ contains
    subroutine plan_axes(plan, block)
       type(plan_type), intent(inout) :: plan
       integer, intent(in) :: block
+      logical :: exact
       plan%capped = block == 0
       call define(plan%axis(axis_integrator), 'integrators', 'DYNAMICS', 'INTEGRATOR')
       plan%has_steps = place_of(plan%deck, block, 'steps') > 0
@@ -134,17 +139,27 @@ contains
       else
          call define(plan%axis(axis_tolerance), 'tolerances', 'DYNAMICS', 'TOLERANCE')
       end if
-      if (place_of(plan%deck, block, 'modes') > 0 .or. block == 0 .and. .not. by_kind(plan)) then
+      exact = are_exact(plan)
+      if (exact) then
+         call define(plan%axis(axis_modes), 'functions', 'BEAM', 'FUNCTIONS')
+      else if (place_of(plan%deck, block, 'modes') > 0 .or. block == 0 .and. .not. by_kind(plan)) then
          call define(plan%axis(axis_modes), 'modes', 'BEAM', 'MODES')
       else
          call define(plan%axis(axis_modes), 'bending modes', 'BEAM', 'BENDING MODES')
       end if
-      call define(plan%axis(axis_elements), 'geometric elements', 'BEAM', 'GEOMETRIC ELEMENTS')
+      if (exact) then
+         call define(plan%axis(axis_elements), 'strain functions', 'BEAM', 'STRAIN FUNCTIONS')
+      else
+         call define(plan%axis(axis_elements), 'geometric elements', 'BEAM', 'GEOMETRIC ELEMENTS')
+      end if
       call define(plan%axis(axis_fidelity), 'fidelities', 'BEAM', 'GEOMETRIC')
       if (block == 0) then
          call fill_numbers(plan%axis(axis_modes), up_to([1, 2, 3], largest(plan, plan%axis(axis_modes)%option)))
-         if (bends_geometrically(plan)) call fill_numbers(plan%axis(axis_elements), few_elements(largest( &
-            & plan, 'GEOMETRIC ELEMENTS')))
+         if (exact) then
+            call fill_numbers(plan%axis(axis_elements), up_to([1], largest(plan, 'STRAIN FUNCTIONS')))
+         else if (bends_geometrically(plan)) then
+            call fill_numbers(plan%axis(axis_elements), few_elements(largest(plan, 'GEOMETRIC ELEMENTS')))
+         end if
       end if
       call fill_given(plan, block)
       if (size(plan%axis(axis_integrator)%texts) == 0) call fill_words(plan%axis(axis_integrator))
@@ -253,6 +268,13 @@ contains
       end do
    end function largest
 
+   !> Whether all beams are exact ones.
+   pure logical function are_exact(plan)
+      type(plan_type), intent(in) :: plan
+      integer :: i
+      are_exact = all([(plan%deck%blocks(plan%beams(i))%word('GEOMETRIC') == 'EXACT', i=1, size(plan%beams))])
+   end function are_exact
+
    !> Whether a beam has its modes counted by kind, bending and axial.
    pure logical function by_kind(plan)
       type(plan_type), intent(in) :: plan
@@ -308,12 +330,31 @@ contains
             case ('modes'); call check_modes(i, .true., 'bending modes')
             case ('bending modes'); call check_modes(i, .false., 'modes')
             end select
-            if (any(lines(i)%text(1) == [character(18) :: 'modes', 'bending modes', 'geometric elements', 'fidelities']) &
+            call check_model(i)
+            if (any(lines(i)%text(1) == [character(18) :: lists_of_modes, lists_of_exact, 'fidelities']) &
                & .and. size(plan%beams) == 0) call diagnostics%add(lines(i)%origin_of(1), 'the deck has no *BEAM to vary')
          end do
       end associate
 
    contains
+
+      !> A list that means nothing of the model of a beam.
+      subroutine check_model(line)
+         integer, intent(in) :: line
+         logical :: exact
+         integer :: j
+         exact = any(plan%deck%blocks(block)%lines(line)%text(1) == lists_of_exact)
+         if (.not. (exact .or. any(plan%deck%blocks(block)%lines(line)%text(1) == lists_of_modes))) return
+         do j = 1, size(plan%beams)
+            associate (model => plan%deck%blocks(plan%beams(j))%word('GEOMETRIC'))
+               if ((model == 'EXACT') .eqv. exact) cycle
+               call diagnostics%add(plan%deck%blocks(block)%lines(line)%origin_of(1), "beam '"// &
+                  & plan%deck%blocks(plan%beams(j))%name()//"' is "//model//" and has no '"// &
+                  & plan%deck%blocks(block)%lines(line)%text(1)//"'", "choose the beam by BEAM=, or its model by GEOMETRIC=")
+               return
+            end associate
+         end do
+      end subroutine check_model
 
       !> A number of modes that the beam does not look at.
       subroutine check_modes(line, by_kind, other)

@@ -9,7 +9,7 @@ module limber_deck_assembly
    use limber_deck_lexer, only: part_type, trimmed, find_outside, collapsed, comment_start, is_parameter_name
    use limber_deck_origin, only: origin_type
    use limber_deck_source, only: beside
-   use limber_deck_synonyms, only: advice_for
+   use limber_deck_synonyms, only: advice_for, successor_of
    use limber_deck_tables, only: new_table
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_schema, only: option_spec_type, needed, kind_yes
@@ -261,6 +261,7 @@ contains
       label = 'it takes none'
       if (size(specs) > 0) label = suggestion(word, specs%name)
       if (len(word) > 0 .and. verify(word, digits) == 0) label = 'a number has a point in place of a comma: 0.'//word
+      if (len(successor_of(word)) > 0) label = successor_of(word)
       call diagnostics%add(name%origin, '*'//block%keyword//" has no option '"//word//"'", label)
       ! What is missing may be meant by it
       attempted = .true.

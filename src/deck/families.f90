@@ -7,15 +7,15 @@ module limber_deck_families
    public :: is_void, settle_models
 
    !> Of the models with modes, and of exact beams
-   character(*), parameter, public :: options_of_modes(14) = [character(18) :: 'MODES', 'BENDING MODES', 'AXIAL MODES', &
-      & 'FREQUENCY LIMIT', 'BASIS', 'CORRECTIONS', 'END SHAPES', 'GEOMETRIC ELEMENTS', 'GEOMETRIC INTEGRAL', 'AXIAL BASIS', &
-      & 'END FORCE', 'CENTRIFUGAL', 'MODAL DERIVATIVES', 'AXIAL DYNAMICS']
+   character(*), parameter, public :: options_of_modes(10) = [character(18) :: 'MODES', 'BENDING MODES', 'AXIAL MODES', &
+      & 'FREQUENCY LIMIT', 'BASIS', 'CORRECTIONS', 'END SHAPES', 'GEOMETRIC ELEMENTS', 'GEOMETRIC INTEGRAL', 'AXIAL BASIS']
    character(*), parameter, public :: options_of_exact(8) = [character(18) :: 'FUNCTIONS', 'STRAIN FUNCTIONS', 'SHEAR', &
       & 'END SECTION', 'CURVATURE', 'THERMAL STRAIN', 'THERMAL CURVATURE', 'PRETENSION']
 
 contains
 
-   !> The model of each beam that the deck leaves open: EXACT, or K_G where the deck asks for modes of the beam.
+   !> The model of each beam that the deck leaves open: EXACT, or K_G where the deck asks for modes of the beam, and its axial functions if
+   !> it has modes.
    pure subroutine settle_models(deck)
       type(deck_type), intent(inout) :: deck
       logical :: studied
@@ -26,9 +26,19 @@ contains
          associate (block => deck%blocks(i))
             if (.not. block%given('GEOMETRIC') .and. (studied .or. gives_modes(block) .or. has_attachments(deck, i))) &
                & call deck%set_option(i, 'GEOMETRIC', 'K_G')
+            if (any(block%word('GEOMETRIC') == ['LINEAR', 'K_G   ']) .and. .not. block%given('AXIAL BASIS')) &
+               & call deck%set_option(i, 'AXIAL BASIS', merge('MODES ', 'STATIC', counts_modes(block)))
          end associate
       end do
    end subroutine settle_models
+
+   !> Whether a beam says what modes it has; if not, its axial functions are static ones, which carry tension whatever their number.
+   pure logical function counts_modes(block)
+      type(block_type), intent(in) :: block
+      counts_modes = block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES') &
+         & .or. block%given('FREQUENCY LIMIT') .or. block%word('BASIS') == 'CRAIG-BAMPTON' &
+         & .or. block%yes('CORRECTIONS')
+   end function counts_modes
 
    !> Whether a beam gives an option of modes.
    pure logical function gives_modes(block)

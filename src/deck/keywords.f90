@@ -156,7 +156,7 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
       &    '', '', 'number of bending modes; given, it replaces MODES', most=1000), &
       & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', &
-      &    '', '', 'number of axial modes; given without BENDING MODES, MODES is the number of bending modes', most=1000), &
+      &    '', '', 'number of axial modes; without BENDING MODES, MODES is the number of bending modes', most=1000), &
       & option_spec_type('BEAM', 'FREQUENCY LIMIT', kind_positive, '', &
       &    'rad/s', '', 'all modes below it, at most BENDING MODES and AXIAL MODES; given, it replaces MODES'), &
       & option_spec_type('BEAM', 'BASIS', kind_word, bases, &
@@ -167,8 +167,8 @@ module limber_deck_keywords
       &    '', 'PINNED-ROLLER', 'how the ends are held in the floating frame: defines the modes'), &
       & option_spec_type('BEAM', 'END SHAPES', kind_yes, '', &
       &    '', '', 'YES: shapes of forces and moments at the ends beside the bending modes, for beams that are welded'), &
-      & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|FULL|EXACT', &
-      &    '', 'EXACT', 'rigid; K_E alone; K_E and K_G (the paper; default if modes are asked for); von Karman; or exact'), &
+      & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|EXACT', &
+      &    '', 'EXACT', 'rigid; K_E alone; K_E and K_G (the paper; default if modes are asked for); or exact'), &
       & option_spec_type('BEAM', 'FUNCTIONS', kind_counting, '', &
       &    '', '7', 'functions of the section angle of an EXACT beam', most=200), &
       & option_spec_type('BEAM', 'STRAIN FUNCTIONS', kind_count, '', &
@@ -188,18 +188,11 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
       &    '', '2', 'elements for the geometric part, independent of ELEMENTS', most=1000), &
       & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &
-      &    '', 'EXACT', 'slope in an element: from its two ends, or integrated; LINEAR: and tension not constant (K_G only)'), &
-      & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|ELEMENTS|STATIC', &
-      &    '', '', 'modes, one function for each geometric element, or static functions: default, unless modes are counted'), &
-      & option_spec_type('BEAM', 'END FORCE', kind_yes, '', '', 'YES', 'STATIC: include the response to an end force'), &
-      & option_spec_type('BEAM', 'CENTRIFUGAL', kind_yes, '', &
-      &    '', 'YES', 'STATIC: include the response to a centrifugal load'), &
-      & option_spec_type('BEAM', 'MODAL DERIVATIVES', kind_count, '', &
-      &    '', '3', 'STATIC: number of modal derivatives, of mode pairs 11, 12, 22, 13, ...', most=1000), &
-      & option_spec_type('BEAM', 'AXIAL DYNAMICS', kind_word, 'FULL|STATIC', &
-      &    '', 'FULL', 'STATIC: the beam stretches as at rest, without axial vibrations; not with CONSERVING'), &
+      &    '', 'EXACT', 'slope in an element: from its two ends, or integrated; LINEAR: and tension not constant'), &
+      & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|STATIC', &
+      &    '', '', 'axial modes, or responses to forces along the beam and to rotation: default, unless modes are counted'), &
       & option_spec_type('BEAM', 'SEGMENTS', kind_counting, '', &
-      &    '', '1', 'equal pieces, each with a frame, modes and elements of its own, welded together: large deflections', &
+      &    '', '1', 'EXACT: equal pieces, each with a frame and functions of its own, welded together: ropes', &
       &    most=500), &
       & option_spec_type('BEAM', 'ORIGIN', kind_real, '', &
       &    'm', '0', 'coordinate along the beam where the floating frame has its origin'), &
@@ -535,6 +528,8 @@ module limber_deck_keywords
       & list_spec_type('STUDY', 'modes', 'BEAM', 'MODES', 'numbers of modes'), &
       & list_spec_type('STUDY', 'bending modes', 'BEAM', 'BENDING MODES', 'numbers of bending modes'), &
       & list_spec_type('STUDY', 'geometric elements', 'BEAM', 'GEOMETRIC ELEMENTS', 'numbers of elements of the geometric part'), &
+      & list_spec_type('STUDY', 'functions', 'BEAM', 'FUNCTIONS', 'numbers of functions of exact beams'), &
+      & list_spec_type('STUDY', 'strain functions', 'BEAM', 'STRAIN FUNCTIONS', 'numbers of functions of the strain'), &
       & list_spec_type('STUDY', 'fidelities', 'BEAM', 'GEOMETRIC', 'fidelities'), &
       & list_spec_type('STUDY', 'channels', '', '', 'channels of *OUTPUT that are compared; default all')]
 

@@ -2,7 +2,7 @@
 module limber_deck_synonyms
    implicit none
    private
-   public :: word_in_deck, advice_for
+   public :: word_in_deck, advice_for, successor_of
 
    !> A word that is often written, and that of the deck language
    type :: synonym_type
@@ -98,6 +98,15 @@ module limber_deck_synonyms
       & advice_type('MARKER', 'named points are data lines of their body'), &
       & advice_type('END', 'a deck ends with its last line')]
 
+   character(*), parameter :: gone_with_full = 'leave it out: it went with FULL, whose successor is GEOMETRIC=EXACT'
+   !> Options and words of earlier versions
+   type(advice_type), parameter :: removals(*) = [ &
+      & advice_type('FULL', 'its successor is EXACT, the default of *BEAM; a *FRAME has K_G'), &
+      & advice_type('END FORCE', gone_with_full), &
+      & advice_type('CENTRIFUGAL', gone_with_full), &
+      & advice_type('MODAL DERIVATIVES', gone_with_full), &
+      & advice_type('AXIAL DYNAMICS', 'an EXACT beam with STRAIN FUNCTIONS=0 has no axial vibrations')]
+
 contains
 
    !> The word of the deck language that a common word stands for, if it is among those that are possible; else empty.
@@ -128,5 +137,17 @@ contains
          if (advices(i)%written == keyword) advice = trim(advices(i)%advice)
       end do
    end function advice_for
+
+   !> What took the place of an option or word of earlier versions; empty if there was none of that name.
+   pure function successor_of(word) result(advice)
+      !> In upper case
+      character(*), intent(in) :: word
+      character(:), allocatable :: advice
+      integer :: i
+      advice = ''
+      do i = 1, size(removals)
+         if (removals(i)%written == word) advice = trim(removals(i)%advice)
+      end do
+   end function successor_of
 
 end module limber_deck_synonyms

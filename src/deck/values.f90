@@ -7,7 +7,7 @@ module limber_deck_values
    use limber_deck_lexer, only: part_type, collapsed, is_name, is_point, unquoted, trimmed, &
       & find_outside
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_deck_synonyms, only: word_in_deck
+   use limber_deck_synonyms, only: word_in_deck, successor_of
    use limber_deck_parameters, only: parameter_list_type, name_length
    use limber_deck_expression, only: expression_type
    use limber_deck_compile, only: compile
@@ -211,10 +211,13 @@ contains
       type(option_type), intent(inout) :: option
       logical, intent(out) :: ok
       type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: label
       option%text = collapsed(part%text)
       ok = contains_value(choices, option%text)
-      if (.not. ok) call diagnostics%add(part%origin, trim(spec%name)//" cannot be '"//option%text//"'", &
-         & suggestion(option%text, split_values(choices)))
+      if (ok) return
+      label = suggestion(option%text, split_values(choices))
+      if (spec%name == 'GEOMETRIC' .and. len(successor_of(option%text)) > 0) label = successor_of(option%text)
+      call diagnostics%add(part%origin, trim(spec%name)//" cannot be '"//option%text//"'", label)
    end subroutine read_word
 
    !> Reports a text that is not the name of an object.

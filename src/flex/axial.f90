@@ -1,9 +1,6 @@
-!> Axial functions for the full model, made of constant strain over each k_G element: one for each element, or a
-!> few chosen ones (static responses to an end force and to a centrifugal load, and modal derivatives).
-!>
-!> They must live on the same k_G elements as the coupling: with vibration modes alone, or with functions on a finer
-!> mesh than the element means, the model locks. They are made orthonormal in the lumped mass and diagonalise
-!> the axial stiffness. Floor: flex. Source: doc/theory, eqs. (25), (26).
+!> Axial functions of constant strain in each k_G element: static responses to forces along the beam and to a centrifugal load, which
+!> carry the tension of the model k_g at once. They are made orthonormal in the lumped mass and diagonalise the axial stiffness.
+!> Floor: flex. Source: doc/theory, eqs. (25), (26).
 module limber_flex_axial
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -12,78 +9,36 @@ module limber_flex_axial
    use limber_flex_mesh, only: beam_type, support_type, field_type, nodal_masses
    implicit none
    private
-   public :: element_functions, static_functions, axial_basis
+   public :: static_functions, axial_basis
 
 contains
 
-   !> Strains (elements, elements) of one function for each k_G element.
-   pure function element_functions(elements) result(strain)
-      integer, intent(in) :: elements
-      real(wp) :: strain(elements, elements)
-      integer :: g
-      strain = 0.0_wp
-      do g = 1, elements
-         strain(g, g) = 1.0_wp
-      end do
-   end function element_functions
-
-   !> Strains (elements, number) of the chosen static functions.
-   pure function static_functions(x, b, origin, end_force, centrifugal, derivatives, places, support) result(strain)
+   !> Strains (elements, number) of the static functions: the responses to forces along the beam at places of it, to one at its end,
+   !> and to a load that grows with the distance from a place, as that of a rotation does.
+   pure function static_functions(x, origin, places, support) result(strain)
       !> Ends of the k_G elements (0:elements) [length]
       real(wp), intent(in) :: x(0:)
-      !> Mean squared slopes of the bending coordinates (bending, bending, elements)
-      real(wp), intent(in) :: b(:, :, :)
-      !> Place along the beam that the centrifugal load is proportional to the distance from [length]
+      !> Where that load is zero [length]
       real(wp), intent(in) :: origin
-      !> Response to an end force: uniform strain
-      logical, intent(in) :: end_force
-      !> Response to a load that grows from `origin`
-      logical, intent(in) :: centrifugal
-      !> Number of modal derivatives, for the pairs (1,1), (1,2), (2,2), (1,3), ... of bending coordinates: the
-      !> strain that cancels the foreshortening of the pair, -1/2 mean(phi_i' phi_j')
-      integer, intent(in) :: derivatives
       !> Places where forces along the beam act [length]; of a beam that nothing holds they accelerate it
-      real(wp), intent(in), optional :: places(:)
-      type(support_type), intent(in), optional :: support
-      real(wp), allocatable :: strain(:, :)
+      real(wp), intent(in) :: places(:)
+      type(support_type), intent(in) :: support
+      real(wp) :: strain(size(x) - 1, size(places) + 2)
       real(wp) :: length
-      integer :: n, count, i, j, made
+      integer :: n, i
       n = size(x) - 1
       length = x(n)
-      count = 0
-      if (present(places)) count = size(places)
-      count = count + merge(1, 0, end_force) + merge(1, 0, centrifugal) + min(derivatives, size(b, 1)*(size(b, 1) + 1)/2)
-      allocate (strain(n, count))
-      made = 0
-      if (present(places)) then
-         do i = 1, size(places)
-            made = made + 1
-            ! Part of each element before the place, pulled by a unit force
-            strain(:, made) = min(max(places(i) - x(0:n - 1), 0.0_wp), x(1:n) - x(0:n - 1))/(x(1:n) - x(0:n - 1))
-            if (present(support)) then
-               if (.not. (support%u_start .or. support%u_end)) strain(:, made) = strain(:, made) - 1 &
-                  & + (x(1:n) + x(0:n - 1))/(2*length)
-            end if
-         end do
-      end if
-      if (end_force) then
-         made = made + 1
-         strain(:, made) = 1.0_wp
-      end if
-      if (centrifugal) then
-         made = made + 1
-         ! mean over the element of the tension, the integral of (s - origin) from s to the free end
-         strain(:, made) = (length**2/2 - origin*length) &
-            & - (x(1:n)**2 + x(1:n)*x(0:n - 1) + x(0:n - 1)**2)/6 + origin*(x(1:n) + x(0:n - 1))/2
-         strain(:, made) = strain(:, made)/length**2
-      end if
-      do j = 1, size(b, 1)
-         do i = 1, j
-            if (made == count) return
-            made = made + 1
-            strain(:, made) = -0.5_wp*b(i, j, :)
-         end do
+      do i = 1, size(places)
+         ! Part of each element before the place, pulled by a unit force
+         strain(:, i) = min(max(places(i) - x(0:n - 1), 0.0_wp), x(1:n) - x(0:n - 1))/(x(1:n) - x(0:n - 1))
+         if (.not. (support%u_start .or. support%u_end)) strain(:, i) = strain(:, i) - 1 + (x(1:n) + x(0:n - 1))/(2*length)
       end do
+      i = size(places) + 1
+      strain(:, i) = 1.0_wp
+      ! mean over the element of the tension, the integral of (s - origin) from s to the free end
+      strain(:, i + 1) = (length**2/2 - origin*length) &
+         & - (x(1:n)**2 + x(1:n)*x(0:n - 1) + x(0:n - 1)**2)/6 + origin*(x(1:n) + x(0:n - 1))/2
+      strain(:, i + 1) = strain(:, i + 1)/length**2
    end function static_functions
 
    !> Turns strains into axial coordinates of the beam: displacements that respect the supports, orthonormal in

@@ -160,9 +160,8 @@ contains
       end do
       allocate (body%omega2, source=omega2)
       body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
-      if (body%geometric) call check_size(body%n, body%n, .false., error)
-      if (body%geometric .and. .not. allocated(error)) call check_slopes(body%n, size(frame%length), size(frame%length), &
-         & .false., error)
+      if (body%geometric) call check_size(body%n, body%n, error)
+      if (body%geometric .and. .not. allocated(error)) call check_slopes(body%n, size(frame%length), size(frame%length), error)
       if (.not. allocated(error)) call project_members(frame, shape, body)
    end subroutine reduce_frame
 
@@ -278,7 +277,7 @@ contains
       type(field_type) :: field
       real(wp), allocatable :: slopes(:, :, :)
       integer :: m
-      allocate (body%cubic(merge(body%n*(body%n + 1)/2, 0, body%geometric), body%n), body%quartic(0, 0))
+      allocate (body%cubic(merge(body%n*(body%n + 1)/2, 0, body%geometric), body%n))
       body%cubic = 0.0_wp
       if (.not. body%geometric) return
       do m = 1, size(frame%first) - 1

@@ -1,12 +1,8 @@
 !> The geometric part of a beam's elastic energy on its own, coarser division into k_G elements, projected
 !> once onto the coordinates, so that nothing of the elements is left in the time loop.
 !>
-!> With eta_b the bending and eta_a the axial coordinates and z the products eta_i eta_j, i <= j, of the
-!> bending coordinates, the elastic energy of the full model is
-!>
-!>    U = 1/2 eta.K_E eta + z.(cubic eta_a) + 1/2 z.(quartic z),
-!>
-!> and the tension that a k_G element gets from eta_a acts on the bending through `cubic` alone (model k_g).
+!> With eta_b the bending and eta_a the axial coordinates and z the products eta_i eta_j, i <= j, of the bending coordinates, the work
+!> of the tension that the k_G elements get from eta_a is z.(cubic eta_a); its derivatives by eta_b act on the bending (model k_g).
 !> Floor: flex. Source: Han and Lee 1993, eq. (12); Przemieniecki, section 15.4; doc/theory, eqs. (20)-(22).
 module limber_flex_geometric
    use limber_base_kinds, only: wp
@@ -15,7 +11,7 @@ module limber_flex_geometric
    implicit none
    private
    public :: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, element_ends, project_cubic
-   public :: project_membrane, project_curvature, pair_index
+   public :: pair_index
 
 contains
 
@@ -150,49 +146,6 @@ contains
       end do
    end function project_cubic
 
-   !> Part of `quartic` (pairs, pairs) from the membrane energy, the sum over g of E A l_g b_g^2 / 8.
-   pure function project_membrane(ea, x, b) result(quartic)
-      !> Axial rigidity [force]
-      real(wp), intent(in) :: ea
-      !> Ends of the k_G elements (0:elements) [length]
-      real(wp), intent(in) :: x(0:)
-      !> Mean squared slopes (bending, bending, elements)
-      real(wp), intent(in) :: b(:, :, :)
-      real(wp) :: quartic(size(b, 1)*(size(b, 1) + 1)/2, size(b, 1)*(size(b, 1) + 1)/2), pairs(size(quartic, 1))
-      integer :: g, j
-      quartic = 0.0_wp
-      do g = 1, size(b, 3)
-         pairs = as_pairs(b(:, :, g))
-         do j = 1, size(pairs)
-            quartic(:, j) = quartic(:, j) + 0.25_wp*ea*(x(g) - x(g - 1))*pairs(j)*pairs
-         end do
-      end do
-   end function project_membrane
-
-   !> Part of `quartic` (pairs, pairs) from the exact curvature of an inextensible axis, 1/2 E I times the
-   !> integral of w''^2 w'^2.
-   pure function project_curvature(beam, field) result(quartic)
-      type(beam_type), intent(in) :: beam
-      type(field_type), intent(in) :: field
-      real(wp) :: quartic(size(field%w, 2)*(size(field%w, 2) + 1)/2, size(field%w, 2)*(size(field%w, 2) + 1)/2)
-      real(wp) :: bend(size(quartic, 1)), turn(size(quartic, 1))
-      real(wp), allocatable :: place(:), weight(:)
-      integer :: k, j
-      quartic = 0.0_wp
-      if (size(quartic) == 0) return
-      call quadrature(field%s, 0.0_wp, beam%length, place, weight)
-      do k = 1, size(place)
-         bend = as_pairs(outer(slope_at(field, place(k), bending_curvature)))
-         turn = as_pairs(outer(slope_at(field, place(k), bending_slope)))
-         do j = 1, size(bend)
-            quartic(j:, j) = quartic(j:, j) + 0.5_wp*beam%ei*weight(k)*(bend(j:)*turn(j) + turn(j:)*bend(j))
-         end do
-      end do
-      do j = 2, size(bend)
-         quartic(:j - 1, j) = quartic(j, :j - 1)
-      end do
-   end function project_curvature
-
    !> Coefficients p of a quadratic form with respect to z: eta.b eta = p.z.
    pure function as_pairs(b) result(pairs)
       real(wp), intent(in) :: b(:, :)
@@ -204,15 +157,6 @@ contains
          end do
       end do
    end function as_pairs
-
-   pure function outer(a) result(b)
-      real(wp), intent(in) :: a(:)
-      real(wp) :: b(size(a), size(a))
-      integer :: j
-      do j = 1, size(a)
-         b(:, j) = a*a(j)
-      end do
-   end function outer
 
    !> Gauss points and weights (four to a piece: exact to degree seven) between two places, piecewise over
    !> the fine elements between them.

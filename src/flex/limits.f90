@@ -15,32 +15,25 @@ module limber_flex_limits
 contains
 
    !> Refuses a geometric part that would take too much memory, before it is made.
-   subroutine check_size(bending, others, full, error)
+   subroutine check_size(bending, others, error)
       !> Coordinates that bend, and that carry tension
       integer, intent(in) :: bending, others
-      !> Whether it is that of von Karman
-      logical, intent(in) :: full
       type(error_type), allocatable, intent(out) :: error
       integer(long) :: pairs, bytes
       pairs = int(bending, long)*(bending + 1)/2
       bytes = 8*pairs*others
-      if (full) bytes = bytes + 8*pairs**2
       if (bytes > max_bytes) call raise(error, 'the geometric part of '//as_text(bending)//' coordinates would take '// &
          & as_text(bytes/1024**2)//' MB of memory, more than '//as_text(max_bytes/1024**2)//'; ask for fewer modes')
    end subroutine check_size
 
-   !> Refuses k_G elements whose slopes and fourth-order part would take too much memory or time, before they are made.
-   subroutine check_slopes(bending, geometric, fine, full, error)
+   !> Refuses k_G elements whose slopes would take too much memory or time, before they are made.
+   subroutine check_slopes(bending, geometric, fine, error)
       !> Coordinates that bend, k_G elements, and the finite elements that they are integrated over
       integer, intent(in) :: bending, geometric, fine
-      !> Whether the model is that of von Karman
-      logical, intent(in) :: full
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: squares, fourth
+      real(wp) :: squares
       squares = real(bending, wp)**2
-      fourth = 0.0_wp
-      if (full) fourth = (0.5_wp*squares)**2
-      call check_operations(4*real(fine, wp)*(squares + fourth) + 3*real(geometric, wp)*(squares + fourth), &
+      call check_operations((4*real(fine, wp) + 3*real(geometric, wp))*squares, &
          & 'the geometric part of '//as_text(bending)//' coordinates', error)
       if (allocated(error)) return
       if (8*squares*geometric > real(max_bytes, wp)) call raise(error, 'the slopes of '//as_text(bending)//' coordinates in '// &

@@ -36,8 +36,6 @@ module limber_flex_recovery
       !> Axial force, shear force and bending moment for unit coordinates (3, n, sections), and for unit amplitudes (3, columns,
       !> sections): see `amplitudes`
       real(wp), allocatable :: modal(:, :, :), load(:, :, :)
-      !> Of the model full: the tension is also eta_b.slopes eta_b (bending, bending, sections); otherwise (0,0,0)
-      real(wp), allocatable :: slopes(:, :, :)
       !> Sections: where they are
       type(section_type), allocatable :: sections(:)
       !> Of an exact beam, whose forces follow from equilibrium; `load` has no meaning there but its size: where each place of loads
@@ -62,14 +60,12 @@ contains
    end function all_sections
 
    !> Makes the coefficients.
-   subroutine new_recovery(frame, shape, body, geometric_elements, sections, places, recovery, error)
+   subroutine new_recovery(frame, shape, body, sections, places, recovery, error)
       type(frame_type), intent(in) :: frame
       !> Shapes of the coordinates (3, nodes, n)
       real(wp), intent(in) :: shape(:, :, :)
-      !> Their frequencies, and whether the model is full
+      !> Their frequencies
       type(reduced_type), intent(in) :: body
-      !> Number of k_G elements in a member
-      integer, intent(in) :: geometric_elements
       type(section_type), intent(in) :: sections(:)
       type(load_place_type), intent(in) :: places(:)
       type(recovery_type), intent(out) :: recovery
@@ -113,7 +109,6 @@ contains
             end do
          end associate
       end do
-      call quadratic_tension(frame, shape, body, geometric_elements, recovery)
    end subroutine new_recovery
 
    !> Of an exact beam: sections and places of loads only.
@@ -136,7 +131,7 @@ contains
          end if
       end do
       recovery%first_part(size(places) + 1) = size(recovery%part) + 1
-      allocate (recovery%modal(3, 0, size(sections)), recovery%load(3, 3*size(places), size(sections)), recovery%slopes(0, 0, 0))
+      allocate (recovery%modal(3, 0, size(sections)), recovery%load(3, 3*size(places), size(sections)))
       recovery%load = 0.0_wp
    end subroutine exact_recovery
 
@@ -280,33 +275,6 @@ contains
       if (section%x >= frame%from(e + 1) - 1.0e-9_wp*frame%length(e)) e = e + 1
    end function element_of_section
 
-   !> The tension of the model full beside its linear part, E A b_g/2, in a finite element that ends of geometric elements divide the
-   !> mean over it, as its strain is.
-   pure subroutine quadratic_tension(frame, shape, body, geometric_elements, recovery)
-      type(frame_type), intent(in) :: frame
-      real(wp), intent(in) :: shape(:, :, :)
-      type(reduced_type), intent(in) :: body
-      integer, intent(in) :: geometric_elements
-      type(recovery_type), intent(inout) :: recovery
-      real(wp) :: x(0:geometric_elements), b(size(shape, 3), size(shape, 3), geometric_elements), share
-      integer :: i, g, e
-      allocate (recovery%slopes(merge(body%bending, 0, body%full), merge(body%bending, 0, body%full), size(recovery%sections)))
-      if (.not. body%full) return
-      do i = 1, size(recovery%sections)
-         associate (section => recovery%sections(i), last => frame%first(recovery%sections(i)%member + 1) - 1)
-            x = element_ends(frame%from(last) + frame%length(last), geometric_elements)
-            b = mean_slopes(member_field(frame, shape, section%member), x, .false.)
-            e = element_of_section(frame, section)
-            recovery%slopes(:, :, i) = 0.0_wp
-            do g = 1, geometric_elements
-               share = (min(x(g), frame%from(e) + frame%length(e)) - max(x(g - 1), frame%from(e)))/frame%length(e)
-               if (share > 0.0_wp) recovery%slopes(:, :, i) = recovery%slopes(:, :, i) &
-                  & + 0.5_wp*frame%ea(last)*share*b(:body%bending, :body%bending, g)
-            end do
-         end associate
-      end do
-   end subroutine quadratic_tension
-
    !> The amplitudes that the coefficients are for, but those of the places of loads: first 4 + 3n of them.
    pure subroutine amplitudes(heavy, omega, alpha, eta, rate, acceleration, amplitude)
       !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2)
@@ -340,9 +308,6 @@ contains
       end do
       do k = 1, size(recovery%load, 2)
          force = force + recovery%load(:, k, section)*amplitude(k)
-      end do
-      do k = 1, size(recovery%slopes, 2)
-         force(1) = force(1) + eta(k)*dot_product(recovery%slopes(:, k, section), eta(:size(recovery%slopes, 1)))
       end do
    end function internal_forces
 

@@ -32,19 +32,13 @@ module limber_flex_reduced
       real(wp), allocatable :: rotary(:, :)
       !> Diagonal of K_E: squared circular frequencies (n) [1/time^2]
       real(wp), allocatable :: omega2(:)
-      !> True if tension acts on the bending (models k_g and full)
+      !> True if tension acts on the bending (model k_g)
       logical :: geometric = .false.
-      !> True if the geometric part is the gradient of an energy (model full)
-      logical :: full = .false.
       !> True if the coordinates are damped, and the factors of their rates then, symmetric (n, n) [1/time]
       logical :: damped = .false.
       real(wp), allocatable :: damping(:, :)
-      !> Geometric part (pairs, n - offset) and (pairs, pairs), pairs = bending (bending + 1)/2; see limber_flex_geometric
-      real(wp), allocatable :: cubic(:, :), quartic(:, :)
-      !> True if the axial coordinates of a straight beam follow at rest (STATIC); then what bending makes of them, the
-      !> foreshortening (n - bending, pairs); see limber_flex_folding
-      logical :: condensed = .false.
-      real(wp), allocatable :: fold(:, :)
+      !> Geometric part (pairs, n - offset), pairs = bending (bending + 1)/2; see limber_flex_geometric
+      real(wp), allocatable :: cubic(:, :)
       !> True of an exact beam, and its constants: then the mass matrix changes with the coordinates, and the invariants above are
       !> those of the undeformed beam
       logical :: is_exact = .false.
@@ -58,8 +52,7 @@ contains
    !> Memory that the constants of a body take [bytes].
    pure integer(long) function bytes_of(body)
       type(reduced_type), intent(in) :: body
-      bytes_of = 8*(7_long*body%n + size(body%skew, kind=long) + size(body%rotary, kind=long) + size(body%cubic, kind=long) &
-         & + size(body%quartic, kind=long))
+      bytes_of = 8*(7_long*body%n + size(body%skew, kind=long) + size(body%rotary, kind=long) + size(body%cubic, kind=long))
    end function bytes_of
 
    !> A rigid body.
@@ -72,7 +65,7 @@ contains
       body%mass = mass
       body%c0 = mass*centre
       body%i0 = inertia + mass*dot_product(centre, centre)
-      allocate (body%c(2, 0), body%d(0), body%e(0), body%skew(0, 0), body%omega2(0), body%cubic(0, 0), body%quartic(0, 0))
+      allocate (body%c(2, 0), body%d(0), body%e(0), body%skew(0, 0), body%omega2(0), body%cubic(0, 0))
       allocate (body%rotary(0, 0))
    end function rigid_reduced
 

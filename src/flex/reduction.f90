@@ -7,15 +7,14 @@ module limber_flex_reduction
    use limber_base_text, only: as_text
    use limber_flex_beam, only: bending_slope
    use limber_flex_exact, only: exact_type, new_exact, reach_of, angles_at, undeformed_place
+   use limber_flex_axial, only: static_functions, axial_basis
    use limber_flex_exact_functions, only: exact_choice_type
-   use limber_flex_axial, only: element_functions, static_functions, axial_basis
    use limber_flex_frame, only: frame_type, beam_frame, beam_nodes
    use limber_flex_frame_solver, only: solver_type, new_solver, remove_motion
    use limber_flex_functions, only: attachment_type, attachment_loads, static_responses, constraint_functions, add_functions, &
       & left_out_note
-   use limber_flex_folding, only: start_folding
    use limber_flex_geometric, only: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, element_ends, &
-      & project_cubic, project_membrane, project_curvature
+      & project_cubic
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
       & nodal_inertias, count_bending_modes, count_axial_modes, deflection_at, slope_at, extension_at
    use limber_flex_limits, only: check_size, check_slopes
@@ -30,9 +29,7 @@ module limber_flex_reduction
    integer, parameter :: max_limited = 1000
 
    !> Fidelities of a flexible body
-   integer, parameter, public :: fidelity_linear = 1, fidelity_kg = 2, fidelity_full = 3, fidelity_exact = 4
-   !> Axial bases: vibration modes, one function for each k_G element, chosen static functions
-   integer, parameter, public :: axial_by_modes = 1, axial_by_elements = 2, axial_static = 3
+   integer, parameter, public :: fidelity_linear = 1, fidelity_kg = 2, fidelity_exact = 3
 
    !> What the user chooses of a beam's reduction
    type :: reduction_type
@@ -48,7 +45,7 @@ module limber_flex_reduction
       logical :: craig_bampton = .false.
       !> The interface; and what else acts on the beam, the responses to which join the coordinates
       type(attachment_type), allocatable :: interface(:), corrections(:)
-      !> fidelity_linear, fidelity_kg or fidelity_full
+      !> fidelity_linear, fidelity_kg or fidelity_exact
       integer :: fidelity = fidelity_kg
       !> Number of k_G elements
       integer :: geometric_elements = 2
@@ -56,17 +53,12 @@ module limber_flex_reduction
       logical :: nodal = .false.
       !> True: the tension changes linearly within a k_G element, which the model k_g only can have
       logical :: linear = .false.
-      !> axial_by_modes, axial_by_elements or axial_static
-      integer :: axial_basis = axial_by_modes
-      !> Which static functions, and how many modal derivatives
-      logical :: end_force = .true., centrifugal = .true.
-      integer :: derivatives = 3
+      !> True: axial functions are static responses; false: vibration modes
+      logical :: static_axial = .false.
       !> Whether the shapes that forces and moments at the ends make join the bending modes
       logical :: end_shapes = .false.
       !> Coordinate along the beam of the floating frame's origin [length]
       real(wp) :: origin = 0.0_wp
-      !> Whether the axial coordinates follow at rest, without vibrations of their own
-      logical :: condensed = .false.
       !> Of an exact beam
       type(exact_choice_type) :: exact
    end type reduction_type
@@ -132,22 +124,18 @@ contains
       ! Axial functions on pieces of the k_G elements, if the tension may vary within these
       pieces = 1
       if (choice%linear) pieces = max(1, beam%elements/choice%geometric_elements)
-      call check_slopes(size(field%w, 2), choice%geometric_elements*pieces, beam%elements, choice%fidelity == fidelity_full, error)
+      call check_slopes(size(field%w, 2), choice%geometric_elements*pieces, beam%elements, error)
       if (allocated(error)) return
       allocate (x(0:choice%geometric_elements*pieces))
       x(:) = element_ends(beam%length, choice%geometric_elements*pieces)
       allocate (slopes, source=mean_slopes(field, x, choice%nodal))
-      select case (choice%axial_basis)
-      case (axial_by_modes)
+      if (choice%static_axial) then
+         call axial_basis(beam, choice%support, x, static_functions(x, load_origin(beam, choice), axial_places(choice), &
+            & choice%support), field, strains, error, left_out(2))
+         if (allocated(error)) return
+      else
          allocate (strains, source=mean_strains(field, x))
-      case (axial_by_elements)
-         call axial_basis(beam, choice%support, x, element_functions(size(x) - 1), field, strains, error)
-      case (axial_static)
-         call axial_basis(beam, choice%support, x, static_functions(x, slopes, load_origin(beam, choice), &
-            & choice%end_force, choice%centrifugal, choice%derivatives, axial_places(choice), choice%support), field, strains, &
-            & error, left_out(2))
-      end select
-      if (allocated(error)) return
+      end if
       if (present(note)) then
          note = left_out_note(left_out(1), 'bending ')
          if (all(left_out > 0)) note = note//', '
@@ -158,8 +146,7 @@ contains
       call sum_inertia(beam, choice%origin, field, body)
       allocate (body%omega2, source=[field%omega2_bending, field%omega2_axial])
       body%geometric = choice%fidelity /= fidelity_linear .and. body%bending > 0
-      body%full = choice%fidelity == fidelity_full .and. body%bending > 0
-      if (body%geometric) call check_size(body%bending, body%n - body%bending, body%full, error)
+      if (body%geometric) call check_size(body%bending, body%n - body%bending, error)
       if (allocated(error)) return
       if (body%geometric .and. choice%linear) then
          x = x(::pieces)
@@ -170,12 +157,6 @@ contains
       else
          allocate (body%cubic(0, body%n - body%bending))
       end if
-      if (body%full) then
-         allocate (body%quartic, source=project_membrane(beam%ea, x, slopes) + project_curvature(beam, field))
-      else
-         allocate (body%quartic(0, 0))
-      end if
-      if (choice%condensed) call start_folding(body)
    end subroutine reduce_beam
 
    !> Reduces a beam to the functions of an exact one; the fields are those of small deflections.
@@ -221,7 +202,7 @@ contains
       call move_alloc(exact, body%exact)
       call move_alloc(omega2, body%omega2)
       body%is_exact = .true.
-      allocate (body%cubic(0, 0), body%quartic(0, 0))
+      allocate (body%cubic(0, 0))
    end subroutine reduce_exact
 
    !> Displacement (2,n) and rotation (n) of the coordinates of an exact beam at a place along it, undeformed, and what its stations
@@ -278,6 +259,14 @@ contains
       allocate (x, source=[pack(own%x, own%part == 1), pack(other%x, other%part == 1)])
    end function axial_places
 
+   !> Where the centrifugal load grows from: the frame's origin, or the middle of a beam that nothing holds.
+   pure real(wp) function load_origin(beam, choice)
+      type(beam_type), intent(in) :: beam
+      type(reduction_type), intent(in) :: choice
+      load_origin = choice%origin
+      if (.not. (choice%support%u_start .or. choice%support%u_end)) load_origin = 0.5_wp*beam%length
+   end function load_origin
+
    !> The interface of Craig and Bampton, and what else acts; both empty if there is none.
    pure subroutine split(choice, own, other)
       type(reduction_type), intent(in) :: choice
@@ -322,7 +311,7 @@ contains
       end if
       call compute_bending(bending)
       if (allocated(error)) return
-      if (choice%modes >= 0 .or. choice%axial_basis == axial_by_modes) call compute_axial(axial)
+      if (choice%modes >= 0 .or. .not. choice%static_axial) call compute_axial(axial)
       if (allocated(error)) return
       bending = size(field%omega2_bending)
       axial = size(field%omega2_axial)
@@ -331,7 +320,7 @@ contains
          bending = lowest_of(field%omega2_bending, field%omega2_axial, wanted)
          axial = wanted - bending
       end if
-      if (choice%axial_basis /= axial_by_modes) axial = 0
+      if (choice%static_axial) axial = 0
       call keep(field, bending, axial)
 
    contains
@@ -412,7 +401,7 @@ contains
       allocate (field%omega2_bending, source=omega2)
       field%w(:, :) = part(2, node, :)
       field%theta(:, :) = part(3, node, :)
-      if (choice%axial_basis /= axial_by_modes) return
+      if (choice%static_axial) return
       deallocate (part, omega2)
       allocate (part, source=shape(:, :, modes + 1:))
       allocate (omega2, source=field%omega2_axial)
@@ -480,14 +469,6 @@ contains
       field%omega2_bending = field%omega2_bending(:bending)
       field%omega2_axial = field%omega2_axial(:axial)
    end subroutine keep
-
-   !> Where the centrifugal load grows from: the frame's origin, or the middle of a beam that nothing holds.
-   pure real(wp) function load_origin(beam, choice)
-      type(beam_type), intent(in) :: beam
-      type(reduction_type), intent(in) :: choice
-      load_origin = choice%origin
-      if (.not. (choice%support%u_start .or. choice%support%u_end)) load_origin = 0.5_wp*beam%length
-   end function load_origin
 
    !> Inertia invariants: sums over the nodes.
    subroutine sum_inertia(beam, origin, field, body)

@@ -34,7 +34,7 @@ module limber_flex_stations
       real(wp), allocatable :: pull(:, :)
       !> Tension that the model itself has at each station for unit axial coordinates (axial, count), and of the model full the
       !> matrices E A B_g / 2 (bending, bending, elements); otherwise (0,0,0)
-      real(wp), allocatable :: strain(:, :), slopes(:, :, :)
+      real(wp), allocatable :: strain(:, :)
       !> Euler's load of the chosen functions, as the joints hold the beam, and the weights of the axial force of the stations in
       !> its ratio to that load (count), eq. (159)
       real(wp) :: euler = 0.0_wp
@@ -80,11 +80,11 @@ contains
       allocate (stations%place, source=place)
       allocate (stations%stretch(stations%axial))
       stations%stretch = field%u(beam%elements, :) - field%u(0, :)
-      if (.not. body%full .and. (held .or. (choice%support%u_start .and. choice%support%u_end))) &
+      if (held .or. (choice%support%u_start .and. choice%support%u_end)) &
          & stations%membrane = 0.5_wp*beam%ea/beam%length
       call divide(beam, stations)
       call shape_stations(field, beam%length, stations)
-      call share_tension(beam, choice, field, body, stations)
+      call share_tension(beam, field, body, stations)
       call collect_pull(beam, choice%origin, field, stations)
       call find_euler(beam, field, body, jointed, clamped, stations)
       call find_left_out(beam, choice, field, body, stations, error)
@@ -136,19 +136,15 @@ contains
    end subroutine shape_stations
 
    !> The tension of the model: none in a linear one.
-   subroutine share_tension(beam, choice, field, body, stations)
+   subroutine share_tension(beam, field, body, stations)
       type(beam_type), intent(in) :: beam
-      type(reduction_type), intent(in) :: choice
       type(field_type), intent(in) :: field
       type(reduced_type), intent(in) :: body
       type(stations_type), intent(inout) :: stations
       real(wp) :: mean(stations%elements, stations%axial), tilt(stations%elements, stations%axial)
-      integer :: s, pieces, full
+      integer :: s, pieces
       allocate (stations%strain(stations%axial, stations%count))
       stations%strain = 0.0_wp
-      full = merge(stations%bending, 0, body%full)
-      allocate (stations%slopes(full, full, merge(stations%elements, 0, body%full)))
-      if (body%full) stations%slopes = 0.5_wp*beam%ea*mean_slopes(field, element_ends(beam%length, stations%elements), choice%nodal)
       if (.not. body%geometric) return
       pieces = size(field%strain, 1)/stations%elements
       mean = joined_strains(field%strain, pieces)

@@ -11,7 +11,6 @@ module limber_integrator_adams
    use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, predict, finish_differences
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, energy_scale
-   use limber_system_condensation, only: place_axial, place_axial_rates, update_folds
    use limber_system_kinematics, only: place_frames
    use limber_system_dynamics, only: linearise, linearise_placed, accelerations, input_power
    use limber_system_projection, only: project_position, project_velocity, list_unplaced, place_known
@@ -91,7 +90,7 @@ contains
       integer :: i
       if (size(system%layout%q) >= many) call new_recursion(system, self%tree)
       call list_unplaced(system, self%kept)
-      if (self%tree%usable .or. system%condensed .or. .not. sum(system%inertia(1, :)) > 0.0_wp) self%kept = [(i, i=1, size(q))]
+      if (self%tree%usable .or. .not. sum(system%inertia(1, :)) > 0.0_wp) self%kept = [(i, i=1, size(q))]
       self%nq = size(self%kept)
       self%whole = self%nq == size(q)
       self%steps_to_start = 15
@@ -262,11 +261,6 @@ contains
          if (self%ns <= self%k_last) self%ns = self%ns + 1
          call step_coefficients(self%k, self%ns, self%h, self%psi, self%alpha, self%beta, self%sig, self%g)
          call predict(self%ny, self%k, self%ns, self%h, self%beta, self%g, self%y, self%phi, self%p)
-         if (system%condensed) then
-            call place_axial(system, work, self%p(:self%nq))
-            call update_folds(system, work, self%p(:self%nq))
-            call place_axial_rates(system, work, self%p(self%nq + 1:2*self%nq))
-         end if
          call evaluate(self, system, work, t, self%p, self%yp, error)
          if (allocated(error)) return
          call estimate_errors(self, estimate, err, k_next)

@@ -11,7 +11,6 @@ module limber_integrator_alpha
    use limber_integrator_implicit, only: implicit_type
    use limber_integrator_integrator, only: constraint_limit
    use limber_integrator_scales, only: energy_scale
-   use limber_system_condensed_motion, only: condense_residual, condense_right_side
    use limber_system_dynamics, only: accelerations, input_power
    use limber_system_forest, only: forest_type, new_forest, forest_solve
    use limber_system_forest_factors, only: forest_factor
@@ -119,7 +118,7 @@ contains
          end if
          if (good) then
             err = 0.0_wp
-            if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, work, err)
+            if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, err)
             good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
             if (good) call close_step(self, system, work, stop, good, err, error)
             if (allocated(error)) return
@@ -228,7 +227,6 @@ contains
             work%evaluations = work%evaluations + 1
          else
             call motion_residual(system, work, t, self%new_q, self%new_v, self%new_a, self%new_lambda, self%motion, self%rate)
-            if (system%condensed) call condense_residual(system, work, self%new_q, self%new_v, self%motion)
             if (system%redundant) call give_way(self%tangent, self%new_lambda, self%rate)
          end if
          self%unknown(:nw) = -self%motion
@@ -275,10 +273,9 @@ contains
 
    !> Local error in units of the scales: the next terms of the series, through the Newton matrix, which lets pass what the
    !> step resolves.
-   subroutine estimate_error(self, system, work, err)
+   subroutine estimate_error(self, system, err)
       class(alpha_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
       real(wp), intent(out) :: err
       integer :: nw
       real(wp) :: factor_x, factor_w
@@ -288,13 +285,11 @@ contains
       self%unknown = 0.0_wp
       self%e = factor_x*self%h**2*(self%new_a - self%a)
       call add_mass(self, system, self%e, self%unknown(:nw))
-      if (system%condensed) call condense_right_side(system, work, self%unknown(:nw))
       call solve(self, self%unknown)
       err = sum((self%unknown(:nw)/self%scale_x)**2)
       self%unknown = 0.0_wp
       self%e = factor_w*self%h*(self%new_a - self%a - self%h*self%jerk)
       call add_mass(self, system, self%e, self%unknown(:nw))
-      if (system%condensed) call condense_right_side(system, work, self%unknown(:nw))
       call solve(self, self%unknown)
       err = sqrt(err + sum((self%unknown(:nw)/self%scale_w)**2))
       if (.not. err <= huge(err)) err = huge(err)

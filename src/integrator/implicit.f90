@@ -8,7 +8,6 @@ module limber_integrator_implicit
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, across_allowed
    use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
-   use limber_system_condensed_motion, only: condensed_rows_type, new_condensed_rows, condense_tangent
    use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_layout, only: layout_type, rates_of
    use limber_system_motion, only: linearise_motion, place_motion
@@ -27,7 +26,6 @@ module limber_integrator_implicit
       !> Scratch (nq)
       real(wp), allocatable :: change(:)
       type(tangent_type) :: tangent
-      type(condensed_rows_type) :: condensed_rows
       type(crossing_type) :: crossing
       type(layout_type) :: layout
       type(scales_type) :: scales
@@ -101,7 +99,6 @@ contains
       class(implicit_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       call new_tangent(system, self%tangent)
-      if (system%condensed) call new_condensed_rows(system, self%tangent, self%condensed_rows)
       call new_crossing(system, self%crossing)
    end subroutine use_sparse
 
@@ -112,7 +109,6 @@ contains
       type(workspace_type), intent(inout) :: work
       call place_motion(system, work, self%t, self%q, self%v)
       call linearise_motion(system, work, self%tangent, self%q, self%v, self%a, self%lambda)
-      if (system%condensed) call condense_tangent(system, work, self%condensed_rows, self%q, self%v, self%tangent)
       self%statistics%jacobians = self%statistics%jacobians + 1
       self%fresh = .true.
       self%h_factors = 0.0_wp
@@ -210,7 +206,6 @@ contains
       call snapshot%keep('increment', self%increment)
       call snapshot%keep('change', self%change)
       if (sparse) call self%tangent%exchange(snapshot)
-      call self%condensed_rows%exchange(snapshot)
       call self%crossing%exchange(snapshot)
       call self%scales%exchange(snapshot)
       call snapshot%keep('scale_x', self%scale_x)

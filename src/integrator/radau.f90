@@ -14,7 +14,6 @@ module limber_integrator_radau
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_t, radau_ti, radau_inverse, radau_weights, &
       & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
    use limber_system_algebra, only: cross
-   use limber_system_condensed_motion, only: condense_residual, condense_right_side
    use limber_system_dynamics, only: input_power, power_at
    use limber_system_layout, only: velocities_of, advance
    use limber_system_motion, only: motion_residual
@@ -111,7 +110,7 @@ contains
             factor = min(8.0_wp, max(1.0_wp, wanted/self%h))
             exit
          end if
-         call estimate_error(self, system, work, err)
+         call estimate_error(self, system, err)
          accepted = err <= bound(self) .or. self%fixed_step > 0.0_wp
          if (accepted .and. system%powered) call integrate_power(self, system, work, err, accepted)
          factor = next_factor(self, err, repeated .or. .not. accepted)
@@ -234,7 +233,6 @@ contains
       call place_stage(self, system, i)
       call motion_residual(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v, self%stage_a, &
          & self%multipliers(:, i), self%motion(:, i), self%rate(:, i))
-      if (system%condensed) call condense_residual(system, work, self%stage_q, self%stage_v, self%motion(:, i))
    end subroutine find_residual
 
    !> Power put in at the stages, less what their residuals take: with them it is as exact as the stages will ever be. For the
@@ -248,7 +246,7 @@ contains
       rough = self%input%is_rough(self%tolerance)
       do i = 1, 3
          work%lambda = self%multipliers(:, i)
-         if (rough .and. .not. system%condensed) then
+         if (rough) then
             call place_stage(self, system, i)
             self%stage_power(i) = power_at(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v)
             cycle
@@ -356,10 +354,9 @@ contains
    end function changes_of
 
    !> Local error of the step in units of the scales: difference from an embedded formula of order 3, filtered.
-   subroutine estimate_error(self, system, work, err)
+   subroutine estimate_error(self, system, err)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
       real(wp), intent(out) :: err
       integer :: i, nw
       nw = system%layout%nw
@@ -373,7 +370,6 @@ contains
       self%real_part = 0.0_wp
       call times_mass(system, self%tangent, 1.0_wp, self%e, self%real_part(:nw))
       call times_stiffness(system, self%tangent, -self%h/gamma, self%stage_a, self%real_part(:nw))
-      if (system%condensed) call condense_right_side(system, work, self%real_part(:nw))
       call self%tangent%matrix%solve(self%real_part)
       self%e = self%h/gamma*(self%stage_a + self%real_part(:nw))
       err = sqrt(sum((self%e/self%scale_x)**2) + sum((self%real_part(:nw)/self%scale_w)**2))

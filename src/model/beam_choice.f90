@@ -6,8 +6,7 @@ module limber_model_beam_choice
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_functions, only: attachment_type
    use limber_flex_mesh, only: support_type, new_support, concentrate
-   use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_full, fidelity_exact, &
-      & axial_by_modes, axial_by_elements, axial_static
+   use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_parts, only: is_part
    use limber_model_beam_features, only: read_features, refuse_features
@@ -49,7 +48,6 @@ contains
       rigid(1) = body%beam%rho_a*body%beam%length
       rigid(2:3) = [0.5_wp*body%beam%length, body%beam%rho_a*body%beam%length**3/12]
       call read_masses(deck, index, piece, pieces, body, rigid, diagnostics)
-      call settle_axial_basis(deck, index)
       associate (block => deck%blocks(index))
          body%choice = new_choice(block)
          call choose_attachments(deck, index, piece, pieces, body%choice, diagnostics)
@@ -62,9 +60,6 @@ contains
             & call refuse_features(deck, index, body%choice%fidelity == fidelity_exact, diagnostics)
          if (body%choice%fidelity == fidelity_exact .and. section > 0 .and. material > 0 .and. diagnostics%count == before) &
             & call read_features(deck, index, material, section, piece, body, diagnostics)
-         if (body%choice%linear .and. body%choice%fidelity == fidelity_full) call diagnostics%add( &
-            & block%origin_of('GEOMETRIC INTEGRAL'), "beam '"//body%name//"': FULL needs a tension that is constant in each "// &
-            & 'geometric element', 'use GEOMETRIC INTEGRAL=EXACT, or GEOMETRIC=K_G')
          usable = section > 0 .and. material > 0 .and. diagnostics%count == before .and. body%beam%length > 0.0_wp &
             & .and. body%beam%elements > 0 .and. body%choice%geometric_elements > 0
          if (usable) call check_modes(block, body, diagnostics)
@@ -106,23 +101,6 @@ contains
          end do
       end do
    end subroutine read_masses
-
-   !> Axial functions where the deck leaves them open: static ones, so that a beam stretches and stiffens whatever the number of its
-   !> modes is; modal derivatives, which carry the shortening by bending, with FULL only.
-   subroutine settle_axial_basis(deck, index)
-      type(deck_type), intent(inout) :: deck
-      integer, intent(in) :: index
-      logical :: full, static
-      if (deck%blocks(index)%word('AXIAL BASIS') /= '' .or. deck%blocks(index)%word('GEOMETRIC') == 'EXACT') return
-      associate (block => deck%blocks(index))
-         full = block%word('GEOMETRIC') == 'FULL'
-         static = .not. (block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES') &
-            & .or. block%given('FREQUENCY LIMIT') .or. block%word('BASIS') == 'CRAIG-BAMPTON' .or. block%yes('CORRECTIONS'))
-         static = static .and. .not. block%given('MODAL DERIVATIVES')
-      end associate
-      call deck%set_option(index, 'AXIAL BASIS', merge('STATIC', 'MODES ', full .or. static))
-      if (static .and. .not. full) call deck%set_number(index, 'MODAL DERIVATIVES', 0.0_wp)
-   end subroutine settle_axial_basis
 
    !> Coordinate along a beam that the first field of a line gives as a number or as the name of a point.
    real(wp) function beam_place(block, line, diagnostics) result(x)
@@ -376,23 +354,14 @@ contains
       select case (block%word('GEOMETRIC'))
       case ('LINEAR'); choice%fidelity = fidelity_linear
       case ('K_G'); choice%fidelity = fidelity_kg
-      case ('FULL'); choice%fidelity = fidelity_full
       case ('EXACT'); choice%fidelity = fidelity_exact
       end select
       choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
       choice%nodal = block%word('GEOMETRIC INTEGRAL') == 'NODAL'
       choice%linear = block%word('GEOMETRIC INTEGRAL') == 'LINEAR'
-      select case (block%word('AXIAL BASIS'))
-      case ('MODES'); choice%axial_basis = axial_by_modes
-      case ('ELEMENTS'); choice%axial_basis = axial_by_elements
-      case ('STATIC'); choice%axial_basis = axial_static
-      end select
       choice%end_shapes = block%yes('END SHAPES')
-      choice%end_force = block%yes('END FORCE')
-      choice%centrifugal = block%yes('CENTRIFUGAL')
-      choice%derivatives = block%integer('MODAL DERIVATIVES')
+      choice%static_axial = block%word('AXIAL BASIS') == 'STATIC'
       choice%origin = block%real('ORIGIN')
-      choice%condensed = block%word('AXIAL DYNAMICS') == 'STATIC'
    end function new_choice
 
    !> More modes than the lumped mass gives.
@@ -405,8 +374,7 @@ contains
       available = available_modes(body%beam, body%choice)
       call check_count('MODES', body%choice%modes, sum(available), 'bending and axial')
       call check_count('BENDING MODES', body%choice%bending, available(1), 'bending')
-      if (body%choice%axial_basis == axial_by_modes) &
-         & call check_count('AXIAL MODES', body%choice%axial, available(2), 'axial')
+      if (.not. body%choice%static_axial) call check_count('AXIAL MODES', body%choice%axial, available(2), 'axial')
 
    contains
 

@@ -19,6 +19,9 @@ contains
             & 'say how finely it bends and stretches')
       else
          call look(options_of_exact(:2), 'of a beam that is not EXACT', 'leave it out, or write GEOMETRIC=EXACT')
+         if (block%integer('SEGMENTS') > 1 .and. block%word('GEOMETRIC') /= 'RIGID') call diagnostics%add( &
+            & block%origin_of('SEGMENTS'), "beam '"//block%name()//"': SEGMENTS is for GEOMETRIC=EXACT only, not for "// &
+            & block%word('GEOMETRIC'), 'leave it out, or write GEOMETRIC=EXACT in place of the options of modes')
       end if
 
    contains

@@ -9,13 +9,13 @@ module limber_model_beams
    use limber_flex_functions, only: attachment_type
    use limber_flex_library, only: library_type
    use limber_flex_reduced, only: rigid_reduced
-   use limber_flex_reduction, only: reduce_beam, axial_by_modes
+   use limber_flex_reduction, only: reduce_beam
    use limber_model_beam_options, only: check_options
    use limber_model_beam_choice, only: read_beam
    use limber_model_bodies, only: new_body, append_body, is_new_point, memory_of, warn_of_rounding
    use limber_model_points, only: enter_name, find_named
    use limber_model_scene, only: model_type, body_type, body_rigid, body_flexible
-   use limber_model_segments, only: number_of_pieces, choose_basis, place_piece, piece_at, unite, weld_pieces, add_beam_point
+   use limber_model_segments, only: number_of_pieces, place_piece, piece_at, unite, weld_pieces, add_beam_point
    implicit none
    private
    public :: add_beam
@@ -36,7 +36,6 @@ contains
       type(library_type), intent(inout), optional :: library
       integer :: pieces, piece, before, first
       pieces = number_of_pieces(deck%blocks(index))
-      if (pieces > 1) call choose_basis(deck, index)
       before = diagnostics%count
       first = model%counts%bodies + 1
       do piece = 1, pieces
@@ -135,10 +134,9 @@ contains
       character(200) :: buffer
       integer :: i
       associate (beam => body%beam, choice => body%choice)
-         write (buffer, '(5(z16, 1x), 8(i0, 1x), 12l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
-            & choice%modes, choice%bending, choice%axial, choice%fidelity, choice%geometric_elements, choice%axial_basis, &
-            & choice%derivatives, choice%support, choice%nodal, choice%end_force, choice%centrifugal, &
-            & choice%end_shapes, choice%linear, choice%condensed
+         write (buffer, '(5(z16, 1x), 6(i0, 1x), 10l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
+            & choice%modes, choice%bending, choice%axial, choice%fidelity, choice%geometric_elements, &
+            & choice%support, choice%nodal, choice%end_shapes, choice%linear, choice%static_axial
          text = trim(buffer)
          write (buffer, '(1x, l1, 1x, z16)') choice%craig_bampton, choice%frequency_limit
          text = text//trim(buffer)//exact_text(choice%exact)// &
@@ -201,9 +199,6 @@ contains
       if (body%reduced%geometric .and. body%reduced%n == body%reduced%bending) call diagnostics%warn( &
          & block%origin_of('GEOMETRIC'), "beam '"//body%name//"' has no axial coordinate: no tension, so that its "// &
          & 'geometric stiffness is zero', 'ask for more MODES, or AXIAL MODES=1')
-      if (body%reduced%full .and. body%choice%axial_basis == axial_by_modes) call diagnostics%warn( &
-         & block%origin_of('AXIAL BASIS'), "beam '"//body%name//"' locks: FULL with vibration modes alone deflects too little", &
-         & 'use AXIAL BASIS=STATIC or ELEMENTS')
       call warn_of_rounding(real(body%beam%elements, wp), block%origin_of('ELEMENTS'), "beam '"//body%name//"'", diagnostics)
    end subroutine warn_of_basis
 

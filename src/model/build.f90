@@ -164,7 +164,7 @@ contains
       pieces = pieces_of(model, body)
       model%bodies(pieces(1):pieces(2))%envelope = .true.
       if (model%bodies(body)%kind /= body_flexible) call diagnostics%add(block%origin_of('ENVELOPE'), "'"// &
-         & model%bodies(body)%name//"' is rigid: its internal forces are not computed", 'use GEOMETRIC=LINEAR, K_G or FULL')
+         & model%bodies(body)%name//"' is rigid: its internal forces are not computed", 'use GEOMETRIC=EXACT, K_G or LINEAR')
    end subroutine want_envelope
 
    !> What is asked of the errors.

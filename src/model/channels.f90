@@ -274,7 +274,7 @@ contains
          if (body%kind /= body_flexible) then
             quantity%of = -1
             call diagnostics%add(slot%origin, "'"//body%name//"' is rigid: its internal forces are not computed", &
-               & 'use GEOMETRIC=LINEAR, K_G or FULL')
+               & 'use GEOMETRIC=EXACT, K_G or LINEAR')
          else if (model%points(point)%meeting /= 1) then
             quantity%of = -1
             call diagnostics%add(slot%origin, as_text(model%points(point)%meeting)//" members meet at '"//slot%argument//"'", &

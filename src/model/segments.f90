@@ -16,11 +16,8 @@ module limber_model_segments
    use limber_model_scene, only: model_type, body_type, whole_type, joint_type, body_flexible, joint_weld
    implicit none
    private
-   public :: number_of_pieces, choose_basis, choose_frame, place_piece, piece_at, unite, append_whole, weld_pieces, add_beam_point
+   public :: number_of_pieces, choose_frame, place_piece, piece_at, unite, append_whole, weld_pieces, add_beam_point
    public :: pieces_of, piece_start, name_in_deck, find_frame, has_frame
-
-   !> Bending modes of a piece beside the shapes of its ends, where the deck does not say
-   integer, parameter :: usual_modes = 1
 
 contains
 
@@ -31,30 +28,12 @@ contains
       if (block%word('GEOMETRIC') == 'RIGID') pieces = 1
    end function number_of_pieces
 
-   !> Writes into the deck what it does not say of the coordinates of a piece: the shapes of welded ends, few modes, and in the
-   !> geometric models an axial function for each geometric element, so that nothing locks.
-   subroutine choose_basis(deck, index)
-      type(deck_type), intent(inout) :: deck
-      !> Of the block
-      integer, intent(in) :: index
-      if (.not. deck%blocks(index)%has('END SHAPES')) call deck%set_option(index, 'END SHAPES', 'YES')
-      if (.not. (deck%blocks(index)%given('MODES') .or. deck%blocks(index)%given('BENDING MODES') .or. &
-         & deck%blocks(index)%given('AXIAL MODES'))) call deck%set_number(index, 'BENDING MODES', real(usual_modes, wp))
-      if (deck%blocks(index)%word('AXIAL BASIS') == '' .and. deck%blocks(index)%word('GEOMETRIC') /= 'LINEAR') &
-         & call deck%set_option(index, 'AXIAL BASIS', 'ELEMENTS')
-   end subroutine choose_basis
-
    !> The frame of a piece: along its chord, from its start; but the frame of the first piece of a beam that is clamped at its
    !> start is the section there, which is the frame of the whole beam.
    subroutine choose_frame(block, piece, choice)
       type(block_type), intent(in) :: block
       integer, intent(in) :: piece
       type(reduction_type), intent(inout) :: choice
-      if (choice%bending < 0 .and. .not. block%given('MODES')) then
-         choice%bending = block%integer('BENDING MODES')
-         choice%axial = block%integer('AXIAL MODES')
-         choice%modes = -1
-      end if
       choice%origin = 0.0_wp
       if (piece == 1 .and. is_clamped(block)) then
          choice%support = new_support('CLAMPED-FREE')

@@ -62,7 +62,7 @@ contains
       call spread_places(model, index, sections, places)
       associate (body => model%bodies(index))
          if (body%is_frame) then
-            call new_recovery(body%mesh, body%shape, body%reduced, 1, &
+            call new_recovery(body%mesh, body%shape, body%reduced, &
                & [sections, all_sections(body%mesh, body%envelope)], places, body%recovery, error)
          else
             call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
@@ -70,7 +70,7 @@ contains
                call exact_recovery([sections, all_sections(frame, body%envelope)], places, body%recovery)
                return
             end if
-            call new_recovery(frame, shape, body%reduced, body%choice%geometric_elements, &
+            call new_recovery(frame, shape, body%reduced, &
                & [sections, all_sections(frame, body%envelope)], places, body%recovery, error)
          end if
          if (allocated(error)) call diagnostics%add(origin_type(file=1), "internal forces of '"//body%name//"': "//error%message)

@@ -121,8 +121,6 @@ contains
          end do
          first = system%layout%q(own%body) + 4
          slope = dot_product(own%psi, q(first:first + size(own%psi) - 1))
-         ! the slope is the sine of the angle in the model FULL, the angle itself in the others
-         if (system%model%bodies(own%body)%reduced%full) slope = asin(min(1.0_wp, max(-1.0_wp, slope)))
          angle = angle + slope
       end associate
    end function whole_rotation

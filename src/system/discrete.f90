@@ -175,7 +175,7 @@ contains
          scratch%eta_force = 0.0_wp
          do point = 1, size(gauss)
             eta = step%q(first:first + n - 1) + gauss(point)*y(at:at + n - 1)
-            call elastic_force(system%model%bodies(i)%reduced, eta, scratch%eta_force, scratch%z, scratch%s)
+            call elastic_force(system%model%bodies(i)%reduced, eta, scratch%eta_force, scratch%s)
          end do
          scratch%eta_force = scratch%eta_force/size(gauss)
       end associate
@@ -297,7 +297,7 @@ contains
          do point = 1, size(gauss)
             own%eta = step%q(first:first + n - 1) + gauss(point)*y(at:at + n - 1)
             own%tangent = 0.0_wp
-            call elastic_tangent(system%model%bodies(i)%reduced, own%eta, own%tangent, scratch%z, scratch%s, to%slope)
+            call elastic_tangent(system%model%bodies(i)%reduced, own%eta, own%tangent, scratch%s)
             to%stiffness(4:, 4:) = to%stiffness(4:, 4:) + gauss(point)*own%tangent
          end do
       end associate
@@ -357,7 +357,7 @@ contains
          associate (body => system%model%bodies(i)%reduced)
             at = system%layout%w(i) + 2
             if (body%damped) done = done - damping_power(body, y(at + 1:at + body%n))/step%h
-            if (body%full .or. .not. body%geometric) cycle
+            if (.not. body%geometric) cycle
             call mean_elastic_force(system, work, step, i, y)
             first = system%layout%q(i) + 3
             do k = 1, body%n

@@ -9,7 +9,6 @@ module limber_system_dynamics
    use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn, along, cross
    use limber_system_eta_mass, only: factor_eta_masses
-   use limber_system_condensation, only: update_folds, project_vector, condense_forces, gather_loads, push_bending, axial_posture
    use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_bodies, place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, factor_multiplier_system
@@ -44,7 +43,6 @@ contains
       real(wp), contiguous, intent(in) :: q(:)
       type(error_type), allocatable, intent(out) :: error
       logical :: singular
-      if (system%condensed) call update_folds(system, work, q)
       if (system%exact) then
          call factor_eta_masses(work, singular)
          if (singular) then
@@ -76,11 +74,7 @@ contains
             call item%gamma(work%kinematics, work%gamma(item%first:item%first + item%rows - 1))
          end associate
       end do
-      if (system%condensed) then
-         call solve_condensed(system, work, v, a)
-      else
-         call solve_multiplier_system(system, work, work%gamma, a, .false.)
-      end if
+      call solve_multiplier_system(system, work, work%gamma, a, .false.)
       call recover_multipliers(system, work)
       do i = 1, size(work%bodies)
          if (.not. system%layout%framed(i)) cycle
@@ -92,24 +86,6 @@ contains
       end do
       work%evaluations = work%evaluations + 1
    end subroutine accelerations
-
-   !> The same where axial coordinates follow at rest; in the model k_g by repeated solutions, eq. (144).
-   subroutine solve_condensed(system, work, v, a)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: v(:)
-      real(wp), intent(out) :: a(:)
-      integer, parameter :: most = 30
-      integer :: round
-      logical :: settled
-      call condense_forces(system, work, v)
-      do round = 1, most
-         call solve_multiplier_system(system, work, work%gamma, a, .false.)
-         call gather_loads(system, work, a)
-         call push_bending(system, work, round, settled)
-         if (settled .or. .not. system%repeats) exit
-      end do
-   end subroutine solve_condensed
 
    !> Accelerations that forces alone make, at rest and with the constraints kept; `linearise` comes first.
    subroutine accelerate(system, work, force, push)
@@ -128,8 +104,6 @@ contains
          work%bodies(i)%force = 0.0_wp
          work%bodies(i)%force(:rates) = force(first:first + rates - 1)
          work%bodies(i)%eta_force = force(first + rates:first + rates + n - 1)
-         if (system%model%bodies(i)%reduced%condensed) call project_vector(system%model%bodies(i)%reduced, work%bodies(i)%fold, &
-            & work%bodies(i)%normal, work%bodies(i)%eta_force)
       end do
       work%gamma = 0.0_wp
       call solve_multiplier_system(system, work, work%gamma, change, .false.)
@@ -178,7 +152,7 @@ contains
             last = first + reduced%n - 1
             if (reduced%n > 0) then
                body%eta_force = 0.0_wp
-               call elastic_force(reduced, q(first:last), body%eta_force, body%z, body%s)
+               call elastic_force(reduced, q(first:last), body%eta_force, body%s)
                body%eta_force = -body%eta_force
                if (reduced%damped) call add_damping(reduced, -1.0_wp, v(first:last), body%eta_force)
             end if
@@ -359,7 +333,7 @@ contains
       do i = 1, size(work%bodies)
          if (system%layout%n(i) == 0) cycle
          first = system%layout%q(i) + 4
-         call find_tension(system%model%bodies(i)%reduced, q(first:first + system%layout%n(i) - 1), work%bodies(i)%z, &
+         call find_tension(system%model%bodies(i)%reduced, q(first:first + system%layout%n(i) - 1), &
             & work%bodies(i)%s)
       end do
       power = input_power(system, work, q, v)
@@ -417,12 +391,7 @@ contains
       first = system%layout%q(which) + 4
       last = first + system%layout%n(which) - 1
       associate (body => work%bodies(which), reduced => system%model%bodies(which)%reduced)
-         if (reduced%condensed) then
-            call axial_posture(reduced, body%load, q(first:last), body%posture)
-            call geometric_power(reduced, body%posture, v(first:last), body%z, body%s, taken)
-         else
-            taken = tension_power(reduced, q(first:last), v(first:last), body%s)
-         end if
+         taken = tension_power(reduced, q(first:last), v(first:last), body%s)
          if (reduced%damped) taken = taken + damping_power(reduced, v(first:last))
       end associate
    end function body_loss
@@ -462,7 +431,7 @@ contains
                kinetic = kinetic + kinetic_energy(reduced, u, q(first + 4:last), v(first:first + 1), omega, v(first + 4:last))
                potential = potential + weight_potential(reduced, system%model%gravity, q(first:first + 1), u, q(first + 4:last))
             end if
-            call elastic_energy(reduced, q(first + 4:last), work%bodies(i)%z, work%bodies(i)%s, elastic)
+            call elastic_energy(reduced, q(first + 4:last), elastic)
             potential = potential + elastic
          end associate
       end do

@@ -69,8 +69,8 @@ module limber_system_forest
       logical, allocatable :: started(:)
       !> Derivatives of the momenta of a step by its increments, if they are wanted (order, order, places)
       real(wp), allocatable :: masses(:, :, :)
-      !> Scratch of the elastic force: (pairs, 2), (pairs, 2), (n, n)
-      real(wp), allocatable :: pairs(:, :), slope(:, :), tangent(:, :)
+      !> Scratch of the elastic force: (pairs), (n, n)
+      real(wp), allocatable :: pairs(:), tangent(:, :)
    contains
       procedure :: exchange => exchange_forest
    end type forest_type
@@ -84,7 +84,7 @@ contains
       integer, allocatable :: pin(:)
       integer :: bodies, i, n, pairs
       bodies = size(system%model%bodies)
-      if (bodies < many .or. size(system%loads) > 0 .or. system%redundant .or. system%condensed .or. system%exact) return
+      if (bodies < many .or. size(system%loads) > 0 .or. system%redundant .or. system%exact) return
       if (3 + maxval(system%layout%n) > most_order) return
       if (size(system%constraints) > bodies .or. size(system%angles) + size(system%bends) > 0) return
       do i = 1, bodies
@@ -111,7 +111,7 @@ contains
       call set_places(system, pin, n, forest)
       allocate (forest%block(3 + n, 3 + n, bodies), forest%reaction(3 + n, 2, bodies), forest%rows(3 + n, 2, bodies), &
          & forest%carried(3 + n, 2, bodies), forest%carrying(3 + n, 2, bodies), forest%compliance(2, 2, bodies))
-      allocate (forest%started(bodies), forest%pairs(pairs, 2), forest%slope(pairs, 2), &
+      allocate (forest%started(bodies), forest%pairs(pairs), &
          & forest%tangent(n, n))
       forest%block = 0.0_wp
       forest%started = .false.
@@ -190,7 +190,7 @@ contains
    pure logical function same_body(a, b) result(same)
       type(reduced_type), intent(in) :: a, b
       same = a%n == b%n .and. a%bending == b%bending .and. a%offset == b%offset .and. (a%geometric .eqv. b%geometric) &
-         & .and. (a%full .eqv. b%full) .and. (a%damped .eqv. b%damped)
+         & .and. (a%damped .eqv. b%damped)
       if (.not. same) return
       same = abs(a%mass - b%mass) + sum(abs(a%c0 - b%c0)) + abs(a%i0 - b%i0) <= 0.0_wp
       if (.not. same .or. a%n == 0) return
@@ -199,7 +199,6 @@ contains
       if (same .and. a%damped) same = all(abs(a%damping - b%damping) <= 0.0_wp)
       if (.not. same .or. .not. a%geometric) return
       same = all(abs(a%cubic - b%cubic) <= 0.0_wp)
-      if (same .and. a%full) same = all(abs(a%quartic - b%quartic) <= 0.0_wp)
    end function same_body
 
    !> Inverse of a body's block, and what its pin yields to its carrier; blocks of all that hangs on it are there: eqs. (166),

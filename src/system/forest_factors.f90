@@ -70,8 +70,7 @@ contains
             & w(place%w + 2), w(place%w + 3), a(place%w), forest%block(:, :, k))
          if (n == 0) return
          forest%tangent(:n, :n) = 0.0_wp
-         call elastic_tangent(reduced, q(place%q + 4:place%q + 3 + n), forest%tangent(:n, :n), forest%pairs(:, 1), &
-            & forest%pairs(:, 2), forest%slope(:reduced%bending*(reduced%bending + 1)/2, :))
+         call elastic_tangent(reduced, q(place%q + 4:place%q + 3 + n), forest%tangent(:n, :n), forest%pairs)
          forest%block(4:3 + n, 4:3 + n, k) = forest%block(4:3 + n, 4:3 + n, k) + stiffness*forest%tangent(:n, :n)
          if (.not. reduced%damped) return
          do i = 1, n

@@ -100,7 +100,7 @@ contains
       type(reduced_type), intent(in) :: body
       real(wp), contiguous, intent(in) :: eta(:), rate(:)
       real(wp), contiguous, intent(inout) :: motion(:)
-      call elastic_force(body, eta, motion, forest%pairs(:, 1), forest%pairs(:, 2))
+      call elastic_force(body, eta, motion, forest%pairs)
       if (body%damped) call add_damping(body, 1.0_wp, rate, motion)
    end subroutine add_elastic
 
@@ -258,7 +258,7 @@ contains
          associate (place => forest%places(k), reduced => model%bodies(forest%places(k)%model)%reduced)
             if (place%n == 0) cycle
             call geometric_power(reduced, q(place%q + 4:place%q + 3 + place%n), w(place%w + 3:place%w + 2 + place%n), &
-               & forest%pairs(:, 1), forest%pairs(:, 2), taken)
+               & forest%pairs, taken)
             power = power - taken
             if (reduced%damped) power = power - damping_power(reduced, w(place%w + 3:place%w + 2 + place%n))
          end associate

@@ -134,7 +134,7 @@ contains
          do k = 1, n
             between(k) = eta(k) + gauss(point)*change(k)
          end do
-         call elastic_force(body, between(:n), force(:n), forest%pairs(:, 1), forest%pairs(:, 2))
+         call elastic_force(body, between(:n), force(:n), forest%pairs)
       end do
       do k = 1, n
          motion(k) = motion(k) + force(k)/size(gauss)
@@ -253,8 +253,7 @@ contains
             do point = 1, size(gauss)
                between(:n) = step%q(first:first + n - 1) + gauss(point)*y(at + 3:last)
                forest%tangent(:n, :n) = 0.0_wp
-               call elastic_tangent(body, between(:n), forest%tangent(:n, :n), forest%pairs(:, 1), forest%pairs(:, 2), &
-                  & forest%slope(:body%bending*(body%bending + 1)/2, :))
+               call elastic_tangent(body, between(:n), forest%tangent(:n, :n), forest%pairs)
                block(4:3 + n, 4:3 + n) = block(4:3 + n, 4:3 + n) + 0.5_wp*gauss(point)*forest%tangent(:n, :n)
             end do
          end associate

@@ -87,9 +87,6 @@ contains
                damping(:, k) = damping(:, k) + factor*strained(:, j)*strained(k, j)
             end do
          end do
-         if (.not. reduced%condensed) return
-         damping(reduced%bending + 1:, :reduced%bending) = 0.0_wp
-         damping(:reduced%bending, reduced%bending + 1:) = 0.0_wp
       end associate
    end subroutine damp_body
 

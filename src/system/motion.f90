@@ -204,8 +204,7 @@ contains
             call body_tangent(reduced, system%model%gravity, frame%u, frame%omega, q(first:last), v(first:last), a(at:at + 1), &
                & a(at + 2), a(at + 3:at + 2 + n), body%stiffness(:, 3:), body%damping(:, 3:))
          end if
-         if (n > 0) call elastic_tangent(reduced, q(first:last), body%stiffness(4:, 4:), work%bodies(i)%z, work%bodies(i)%s, &
-            & body%slope)
+         if (n > 0) call elastic_tangent(reduced, q(first:last), body%stiffness(4:, 4:), work%bodies(i)%s)
          if (.not. reduced%damped) return
          do k = 1, n
             body%damping(4:3 + n, 3 + k) = body%damping(4:3 + n, 3 + k) + reduced%damping(:, k)

@@ -12,7 +12,6 @@ module limber_system_multiplier
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
    use limber_system_body, only: body_mass, rigid_mass
-   use limber_system_condensation, only: condense_couplings, project_vector
    use limber_system_eta_mass, only: to_unit_mass
    use limber_system_holding, only: split_motion
    use limber_system_system, only: system_type, workspace_type
@@ -45,8 +44,6 @@ contains
                associate (from => body%sources(:, column))
                   body%eta_rows(:, column) = work%jacobians(from(2), from(1))%eta(from(3), :)
                end associate
-               if (system%model%bodies(i)%reduced%condensed) call project_vector(system%model%bodies(i)%reduced, body%fold, &
-                  & body%normal, body%eta_rows(:, column))
                if (allocated(body%factor)) call to_unit_mass(body%factor, body%eta_rows(:, column))
             end do
          end associate
@@ -99,7 +96,6 @@ contains
       integer :: i, j, row
       call update_masses(system, work, q)
       if (system%exact) call update_beam_masses(work)
-      if (system%condensed) call condense_couplings(system, work)
       do i = 1, size(work%kinematics%beams)
          associate (body => work%bodies(work%kinematics%beams(i)))
             do j = 1, 3

@@ -7,7 +7,6 @@ module limber_system_projection
    use limber_model_scene, only: point_type
    use limber_system_algebra, only: cross
    use limber_system_closure, only: close_positions
-   use limber_system_condensation, only: place_axial, place_axial_rates, stretch_axial, release_axial
    use limber_system_drivers, only: driven_angle_type
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
    use limber_system_dynamics, only: linearise, position_residual, velocity_residual
@@ -23,7 +22,7 @@ module limber_system_projection
    !> And the one that is aimed at
    real(wp), parameter :: least_residual = 1.0e-14_wp
 
-   public :: project_position, project_velocity, settle, settle_position, settle_place, settle_stretched, list_unplaced, place_known
+   public :: project_position, project_velocity, settle, settle_position, settle_place, list_unplaced, place_known
 
 contains
 
@@ -53,7 +52,6 @@ contains
       !> Coordinates (nq)
       real(wp), contiguous, intent(inout) :: q(:)
       call normalise_frames(system, q)
-      if (system%condensed) call place_axial(system, work, q)
       call place_tree(system, work, t, q)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
    end subroutine put_together
@@ -246,7 +244,7 @@ contains
       real(wp) :: before, left
       call settle_position(system, work, t, q, change, before, residual, error)
       if (allocated(error)) return
-      if (before > near .or. ((exact .or. system%condensed) .and. before > nearest)) then
+      if (before > near .or. (exact .and. before > nearest)) then
          call linearise(system, work, t, q, error)
          if (allocated(error)) return
          before = 0.0_wp
@@ -256,24 +254,6 @@ contains
       call project_velocity(system, work, v, change, left)
       if (before > nearest) call project_velocity(system, work, v, change, left)
    end subroutine settle
-
-   !> Lets the loads of the last accelerations stretch bodies whose axial coordinates follow at rest, eq. (143), and moves the state
-   !> onto the constraints so.
-   subroutine settle_stretched(system, work, t, q, v, change, residual, error)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      !> Coordinates and velocities (nq)
-      real(wp), contiguous, intent(inout) :: q(:), v(:)
-      !> Scratch (nq)
-      real(wp), intent(inout) :: change(:)
-      !> Residual of the position reached
-      real(wp), intent(out) :: residual
-      type(error_type), allocatable, intent(out) :: error
-      call stretch_axial(system, work)
-      call settle(system, work, t, q, v, change, .true., residual, error)
-      call release_axial(work)
-   end subroutine settle_stretched
 
    !> Moves coordinates that are near the constraints onto them.
    subroutine settle_position(system, work, t, q, change, before, residual, error)
@@ -288,7 +268,6 @@ contains
       real(wp), intent(out) :: before, residual
       type(error_type), allocatable, intent(out) :: error
       call normalise_frames(system, q)
-      if (system%condensed) call place_axial(system, work, q)
       call place_tree(system, work, t, q)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
@@ -347,7 +326,6 @@ contains
       integer :: i, first
       real(wp) :: omega
       call clear_forces(work)
-      if (system%condensed) call place_axial_rates(system, work, v)
       residual = velocity_residual(system, work, v)
       call solve_multiplier_system(system, work, work%gamma, change, .true.)
       do i = 1, size(work%bodies)

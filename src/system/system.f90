@@ -34,8 +34,6 @@ module limber_system_system
       logical :: parted = .false.
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
       type(tree_type) :: tree
-      !> True if the axial coordinates of some body follow at rest; and whether their loads need several solutions (model k_g)
-      logical :: condensed = .false., repeats = .false.
       !> True if there is an exact beam
       logical :: exact = .false.
       !> True if something puts energy in or takes it out: a driver, a load, or the force of the model k_g
@@ -62,7 +60,7 @@ module limber_system_system
       !> Coupling (n,3) of eta'' with the frame, and forces on eta (n)
       real(wp), allocatable :: coupling(:, :), eta_force(:)
       !> Scratch of the elastic force (pairs)
-      real(wp), allocatable :: z(:), s(:)
+      real(wp), allocatable :: s(:)
       !> Constraint equations with multipliers that act on the body: their places among the unknowns (rows), where each comes
       !> from, [constraint, side, row in it] (3, rows), and their eta parts (n, rows)
       integer, allocatable :: rows(:), sources(:, :)
@@ -72,16 +70,6 @@ module limber_system_system
       !> Where the mass matrix of the frame (count, count), the parts of the constraint rows on it, as they are and transposed (rows,
       !> count), and what eta adds between these rows (rows, rows), stand in the multiplier matrix
       integer, allocatable :: frame_place(:, :), across_place(:, :), transposed_place(:, :), rows_place(:, :)
-      !> Of a body whose axial coordinates follow at rest (else not allocated): H (axial, bending), the factor of I + H^T H
-      !> (bending, bending), rows of the coupling that were condensed (axial, 3)
-      real(wp), allocatable :: fold(:, :), normal(:, :), axial_coupling(:, :)
-      !> Forces on axial and bending coordinates before, and the part of the axial accelerations that velocities alone make
-      real(wp), allocatable :: axial_force(:), bending_force(:), drift(:)
-      !> Loads on the axial coordinates, inertia included, that stretch the body; those of the last solution, of the one before, and
-      !> by how much they missed (axial)
-      real(wp), allocatable :: load(:), new_load(:), last_load(:), last_gap(:)
-      !> Stretch that is added to the foreshortening at samples; zero else (axial); and scratch (n)
-      real(wp), allocatable :: stretch(:), posture(:)
       !> Of an exact beam (else not allocated) the mass matrix of its coordinates and its Cholesky factor, in the lower triangle
       !> (n, n); and a centreline for what is asked at other states
       real(wp), allocatable :: eta_mass(:, :), factor(:, :)
@@ -149,10 +137,8 @@ contains
       system%powered = system%powered .or. system%loaded
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i)%reduced)
-            if (body%damped .or. (body%geometric .and. .not. body%full)) system%powered = .true.
-            if (body%condensed) system%condensed = .true.
+            if (body%damped .or. body%geometric) system%powered = .true.
             if (body%is_exact) system%exact = .true.
-            if (body%condensed .and. body%geometric .and. .not. body%full) system%repeats = .true.
          end associate
       end do
    end function new_system
@@ -328,9 +314,8 @@ contains
       type(body_workspace_type), intent(inout) :: scratch
       integer :: pairs, i
       pairs = body%bending*(body%bending + 1)/2
-      allocate (scratch%coupling(body%n, 3), scratch%eta_force(body%n), scratch%z(pairs), scratch%s(pairs), scratch%rows(0))
+      allocate (scratch%coupling(body%n, 3), scratch%eta_force(body%n), scratch%s(pairs), scratch%rows(0))
       allocate (scratch%sources(3, 0))
-      if (body%condensed) call size_condensed(body, scratch)
       if (.not. body%is_exact) return
       allocate (scratch%eta_mass(body%n, body%n), scratch%factor(body%n, body%n), scratch%line)
       call new_centreline(body%exact, scratch%line)
@@ -340,27 +325,6 @@ contains
       end do
       scratch%eta_mass = scratch%factor
    end subroutine size_body
-
-   !> Room for what condenses the axial coordinates.
-   pure subroutine size_condensed(body, scratch)
-      type(reduced_type), intent(in) :: body
-      type(body_workspace_type), intent(inout) :: scratch
-      integer :: axial, i
-      axial = body%n - body%bending
-      allocate (scratch%fold(axial, body%bending), scratch%normal(body%bending, body%bending), scratch%axial_coupling(axial, 3))
-      allocate (scratch%axial_force(axial), scratch%bending_force(body%bending), scratch%drift(axial), scratch%posture(body%n))
-      allocate (scratch%load(axial), scratch%new_load(axial), scratch%last_load(axial), scratch%last_gap(axial), &
-         & scratch%stretch(axial))
-      scratch%fold = 0.0_wp
-      scratch%normal = 0.0_wp
-      do i = 1, body%bending
-         scratch%normal(i, i) = 1.0_wp
-      end do
-      scratch%load = 0.0_wp
-      scratch%last_load = 0.0_wp
-      scratch%last_gap = 0.0_wp
-      scratch%stretch = 0.0_wp
-   end subroutine size_condensed
 
    !> Saves or restores its memory.
    subroutine exchange_body_workspace(self, snapshot)
@@ -376,22 +340,9 @@ contains
       call snapshot%keep('hanging', self%hanging)
       call snapshot%keep('coupling', self%coupling)
       call snapshot%keep('eta_force', self%eta_force)
-      call snapshot%keep('z', self%z)
       call snapshot%keep('s', self%s)
       call snapshot%keep('eta_rows', self%eta_rows)
       call snapshot%keep('frame_rows', self%frame_rows)
-      call snapshot%keep('fold', self%fold)
-      call snapshot%keep('normal', self%normal)
-      call snapshot%keep('axial_coupling', self%axial_coupling)
-      call snapshot%keep('axial_force', self%axial_force)
-      call snapshot%keep('bending_force', self%bending_force)
-      call snapshot%keep('drift', self%drift)
-      call snapshot%keep('load', self%load)
-      call snapshot%keep('new_load', self%new_load)
-      call snapshot%keep('last_load', self%last_load)
-      call snapshot%keep('last_gap', self%last_gap)
-      call snapshot%keep('stretch', self%stretch)
-      call snapshot%keep('posture', self%posture)
       call snapshot%keep('eta_mass', self%eta_mass)
       call snapshot%keep('factor', self%factor)
    end subroutine exchange_body_workspace

@@ -20,8 +20,6 @@ module limber_system_tangent
    type :: body_tangent_type
       real(wp), allocatable :: mass(:, :), damping(:, :), stiffness(:, :)
       integer, allocatable :: place(:, :)
-      !> Scratch of the elastic tangent (pairs, 2)
-      real(wp), allocatable :: slope(:, :)
    end type body_tangent_type
 
    !> Rows of a constraint on its two bodies, and where they stand
@@ -66,14 +64,12 @@ contains
    subroutine new_tangent(system, tangent)
       type(system_type), intent(in) :: system
       type(tangent_type), intent(inout) :: tangent
-      integer :: i, m, pairs, side
+      integer :: i, m, side
       allocate (tangent%bodies(size(system%layout%q)), tangent%constraints(size(system%constraints)))
       do i = 1, size(tangent%bodies)
          m = body_size(system, i)
-         pairs = system%model%bodies(i)%reduced%bending
-         pairs = pairs*(pairs + 1)/2
          associate (body => tangent%bodies(i))
-            allocate (body%mass(m, m), body%damping(m, m), body%stiffness(m, m), body%slope(pairs, 2))
+            allocate (body%mass(m, m), body%damping(m, m), body%stiffness(m, m))
             call mark_block(tangent%matrix, places(system, i), places(system, i))
          end associate
       end do
@@ -351,7 +347,6 @@ contains
          call snapshot%keep('mass', self%bodies(i)%mass)
          call snapshot%keep('damping', self%bodies(i)%damping)
          call snapshot%keep('stiffness', self%bodies(i)%stiffness)
-         call snapshot%keep('slope', self%bodies(i)%slope)
       end do
       do i = 1, size(self%constraints)
          call snapshot%keep('first', self%constraints(i)%first)

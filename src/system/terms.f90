@@ -89,8 +89,7 @@ contains
       call add_slope(system, item, joint%points(2), -system%model%length, row)
    end subroutine add_parallel
 
-   !> Adds what the angle of a section of a beam is more than that of its direction (1, slope) in the frame, to third order: the
-   !> slope is the sine of the angle in the model FULL, the angle itself in the others.
+   !> Adds what the angle of a section of a beam is more than that of its direction (1, slope) in the frame, to third order.
    subroutine add_slope(system, item, point, coefficient, row)
       class(registry_type), intent(inout) :: system
       type(linear_type), intent(inout) :: item
@@ -104,7 +103,7 @@ contains
       vectors(1) = vector(item, frame_direction(system, body, 0.0_wp))
       vectors(2) = vector(item, direction_of(system, point, 0.0_wp))
       call add_measure(item, measure_type(kind=measure_slope, vectors=vectors), &
-         & coefficient*merge(0.5_wp, 1.0_wp/3, system%model%bodies(body)%reduced%full), row)
+         & coefficient/3, row)
    end subroutine add_slope
 
    !> Adds the distance along an axis of space from the second point to the first; without the second (0), from the origin.

@@ -9,7 +9,7 @@ module scenes
    use limber_flex_frame_reduction, only: frame_choice_type, frame_point_shape, reduce_frame
    use limber_flex_mesh, only: beam_type, new_support
    use limber_flex_reduced, only: rigid_reduced
-   use limber_flex_reduction, only: axial_by_elements, point_shape, exact_shape, reduce_beam, reduction_type
+   use limber_flex_reduction, only: fidelity_exact, point_shape, exact_shape, reduce_beam, reduction_type
    use limber_model_scene, only: body_flexible, body_point, body_rigid, body_type, driver_type, force_type, ground, &
       & joint_point_on_line, joint_revolute, joint_type, model_type, point_type, spring_type, torque_type
    implicit none
@@ -149,7 +149,13 @@ contains
       body%kind = body_flexible
       body%beam = beam
       body%choice = choice
-      call reduce_beam(beam, choice, body%reduced, body%field, error)
+      if (choice%fidelity == fidelity_exact .and. .not. allocated(choice%exact%kinks)) then
+         body%choice%exact%angles = choice%bending
+         body%choice%exact%support = choice%support
+         body%choice%exact%origin = choice%origin
+         allocate (body%choice%exact%kinks(0), body%choice%exact%steps(0))
+      end if
+      call reduce_beam(beam, body%choice, body%reduced, body%field, error)
       body%largest_shape = max(maxval(abs(body%field%w)), maxval(abs(body%field%u)))
       body%size = beam%length
       body%position = position
@@ -392,8 +398,8 @@ contains
       if (fidelity == 0) then
          rod = add_rigid(model, 'rod', rho_a*length, rho_a*length**3/12, [0.5_wp*length, 0.0_wp], place, -0.3_wp)
       else
-         choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, geometric_elements=2, &
-            & axial_basis=axial_by_elements, fidelity=fidelity)
+         choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, axial=2, geometric_elements=2, &
+            & fidelity=fidelity)
          rod = add_beam(model, 'rod', beam_type(ea=ea, ei=1.2_wp, rho_a=rho_a, length=length, elements=12), choice, place, &
             & -0.3_wp, error)
          if (allocated(error)) return

@@ -4,7 +4,7 @@ program test_adams
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_flex_mesh, only: beam_type, new_support, nodal_masses
-   use limber_flex_reduction, only: axial_by_elements, axial_static, fidelity_full, fidelity_kg, reduction_type
+   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_adams, only: adams_type
    use limber_integrator_scales, only: new_scales, scales_type, update_scales
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
@@ -32,7 +32,7 @@ program test_adams
    call test_stone()
    call test_flight()
    call test_work(fidelity_kg)
-   call test_work(fidelity_full)
+   call test_work(fidelity_linear)
    call test_singular()
    call finish()
 
@@ -470,7 +470,7 @@ contains
       do i = 1, 2
          model = empty_model(1.0_wp)
          choice = reduction_type(support=new_support(trim(supports(i))), bending=2, geometric_elements=6, &
-            & axial_basis=axial_static, fidelity=fidelity_full, origin=0.2_wp)
+            & fidelity=fidelity_linear, origin=0.2_wp)
          body = add_beam(model, 'beam', beam, choice, [0.3_wp, -0.4_wp], 0.5_wp, error)
          call check_no_error(error, 'beam')
          model%bodies(body)%velocity = [0.5_wp, 1.0_wp]
@@ -510,8 +510,8 @@ contains
       integer :: crank, rod, slider
       model = empty_model(0.5_wp)
       model%gravity = [0.0_wp, -g]
-      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, geometric_elements=2, &
-         & axial_basis=axial_by_elements, fidelity=fidelity)
+      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, axial=2, geometric_elements=2, &
+         & fidelity=fidelity)
       crank = add_rigid(model, 'crank', 0.4_wp, 2.0e-3_wp, [0.1_wp, 0.01_wp], nil, 0.9_wp)
       rod = add_beam(model, 'rod', beam_type(ea=5.0e4_wp, ei=1.2_wp, rho_a=0.6_wp, length=0.5_wp, elements=12), choice, &
          & [0.2_wp, 0.1_wp], -0.3_wp, error)

@@ -4,7 +4,7 @@ program test_assembly
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: axial_by_elements, fidelity_full, reduction_type
+   use limber_flex_reduction, only: fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
@@ -174,8 +174,8 @@ contains
       integer :: crank, rod, slider
       model = empty_model(0.45_wp)
       beam = beam_type(ea=5.65e6_wp, ei=12.7_wp, rho_a=0.2225_wp, length=length, elements=8)
-      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, geometric_elements=2, &
-         & axial_basis=axial_by_elements, fidelity=fidelity_full)
+      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, axial=2, geometric_elements=2, &
+         & fidelity=fidelity_linear)
       ! A crank of no mass, its angle guessed by nobody: the driver knows it
       crank = add_rigid(model, 'crank', 0.0_wp, 0.0_wp, [0.0_wp, 0.0_wp], [0.01_wp, -0.02_wp], -2.0_wp)
       rod = add_beam(model, 'rod', beam, choice, [0.1_wp, 0.1_wp], -0.367_wp + error_of_rod, error)

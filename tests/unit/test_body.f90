@@ -6,7 +6,7 @@ program test_body
    use limber_base_kinds, only: wp
    use limber_flex_mesh, only: beam_type, field_type, new_support
    use limber_flex_reduced, only: add_inertia, add_rotary, reduced_type, rigid_reduced, start_inertia
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_linear, reduce_beam, reduction_type
+   use limber_flex_reduction, only: fidelity_linear, reduce_beam, reduction_type
    use limber_system_body, only: body_mass, centre_moment, gravity_forces, kinetic_energy, velocity_forces, weight_potential
    use scenes, only: derivative, random, second_derivative
    use testing, only: check, check_close, check_no_error, finish
@@ -37,11 +37,11 @@ program test_body
       call synthetic(9, trial + 1, .true., cloud, body)
       call test_all(cloud, body, 'spinning')
    end do
-   call from_beam('PINNED-ROLLER', axial_by_modes, cloud, body)
+   call from_beam('PINNED-ROLLER', cloud, body)
    call test_all(cloud, body, 'pinned beam')
-   call from_beam('CLAMPED-FREE', axial_by_elements, cloud, body)
+   call from_beam('CLAMPED-FREE', cloud, body)
    call test_all(cloud, body, 'clamped beam')
-   call from_beam('FREE-FREE', axial_by_modes, cloud, body)
+   call from_beam('FREE-FREE', cloud, body)
    call test_all(cloud, body, 'free beam')
    call rigid(cloud, body)
    call test_all(cloud, body, 'rigid')
@@ -97,9 +97,8 @@ contains
    end function product_of
 
    !> A real beam, its nodes with half an element's mass from either side.
-   subroutine from_beam(support, basis, cloud, body)
+   subroutine from_beam(support, cloud, body)
       character(*), intent(in) :: support
-      integer, intent(in) :: basis
       type(cloud_type), intent(out) :: cloud
       type(reduced_type), intent(out) :: body
       type(beam_type), parameter :: beam = beam_type(ea=2.0e4_wp, ei=3.0_wp, rho_a=0.8_wp, length=1.3_wp, elements=10)
@@ -108,7 +107,7 @@ contains
       type(field_type) :: field
       type(error_type), allocatable :: error
       integer :: i
-      choice = reduction_type(support=new_support(support), bending=3, axial=2, geometric_elements=2, axial_basis=basis, &
+      choice = reduction_type(support=new_support(support), bending=3, axial=2, geometric_elements=2, &
          & fidelity=fidelity_linear, origin=origin)
       call reduce_beam(beam, choice, body, field, error)
       call check_no_error(error, support)

@@ -7,7 +7,7 @@ program test_conserving
    use limber_base_text, only: as_text
    use limber_flex_frame_reduction, only: frame_choice_type
    use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, fidelity_linear, reduction_type
+   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_conserving, only: conserving_type
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_radau, only: radau_type
@@ -93,8 +93,7 @@ contains
       type(reduction_type) :: choice
       type(error_type), allocatable :: error
       choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=2, &
-         & axial_basis=axial_by_elements, fidelity=fidelity, origin=0.3_wp)
-      if (fidelity == fidelity_linear) choice%axial_basis = axial_by_modes
+         & fidelity=fidelity, origin=0.3_wp)
       arm = add_beam(model, name, beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.2_wp, elements=8), choice, position, &
          & angle, error)
       call check_no_error(error, name)
@@ -245,10 +244,10 @@ contains
       type(model_type) :: model
       type(run_type) :: outcome
       integer :: fidelity, steps, arm
-      do fidelity = fidelity_linear, fidelity_full
+      do fidelity = fidelity_linear, fidelity_kg
          model = empty_model(1.2_wp)
          arm = add_arm(model, 'arm', fidelity, [-0.3_wp, 0.7_wp], -1.1_wp)
-         steps = merge(many, 2000, fidelity == fidelity_full)
+         steps = merge(many, 2000, fidelity == fidelity_linear)
          call run_fixed(model, 1.0e-3_wp, steps, max(1, steps/10000), 1.0_wp, outcome)
          call report(outcome, 'free beam of fidelity '//as_text(fidelity))
          call check_close(outcome%energy, 0.0_wp, 1.0e-10_wp, 'free beam: energy')
@@ -305,8 +304,8 @@ contains
       type(model_type) :: model
       integer :: a, b, points(2)
       model = empty_model(1.2_wp)
-      a = add_arm(model, 'a', fidelity_full, [-0.3_wp, 0.7_wp], -0.4_wp)
-      b = add_arm(model, 'b', fidelity_full, [0.4_wp, 0.2_wp], 1.1_wp)
+      a = add_arm(model, 'a', fidelity_linear, [-0.3_wp, 0.7_wp], -0.4_wp)
+      b = add_arm(model, 'b', fidelity_linear, [0.4_wp, 0.2_wp], 1.1_wp)
       call join(model, 'pin', joint_revolute, a, [1.2_wp, 0.0_wp], b, nil)
       points(1) = add_beam_place(model, 'a.middle', a, 0.55_wp)
       points(2) = add_beam_place(model, 'b.end', b, 1.2_wp)
@@ -336,7 +335,7 @@ contains
       integer :: a, b, bead, points(2)
       model = empty_model(1.0_wp)
       a = add_rigid(model, 'a', 1.3_wp, 0.2_wp, [0.3_wp, 0.1_wp], [0.1_wp, 0.2_wp], 0.4_wp)
-      b = add_arm(model, 'b', fidelity_full, [0.5_wp, 0.2_wp], 0.1_wp)
+      b = add_arm(model, 'b', fidelity_linear, [0.5_wp, 0.2_wp], 0.1_wp)
       bead = add_point_mass(model, 'bead', 0.4_wp, [0.9_wp, -0.3_wp])
       call join(model, 'slide', joint_point_on_line, a, [0.5_wp, 0.1_wp], b, [0.3_wp, 0.0_wp], 0.3_wp)
       call join(model, 'ring', joint_point_on_line, bead, nil, a, [-0.3_wp, 0.0_wp], -1.0_wp)
@@ -368,7 +367,7 @@ contains
       call report(outcome, 'double pendulum at large steps')
       call check_close(outcome%energy, 0.0_wp, 1.0e-12_wp, 'large steps, double pendulum: energy')
       model = empty_model(1.2_wp)
-      arm = add_arm(model, 'arm', fidelity_full, [-0.3_wp, 0.7_wp], -1.1_wp)
+      arm = add_arm(model, 'arm', fidelity_linear, [-0.3_wp, 0.7_wp], -1.1_wp)
       integrator%initial_step = 2.0e-2_wp
       integrator%maximum_step = 2.0e-2_wp
       integrator%tolerance = 1.0e10_wp
@@ -386,7 +385,7 @@ contains
       type(run_type) :: outcome
       type(error_type), allocatable :: error
       integer :: kind, points(2), wheel
-      integer, parameter :: kinds(3) = [0, fidelity_kg, fidelity_full]
+      integer, parameter :: kinds(3) = [0, fidelity_kg, fidelity_linear]
       do kind = 1, 3
          call slider_crank(kinds(kind), 5.0e4_wp, model, error)
          call check_no_error(error, 'slider-crank')
@@ -472,7 +471,7 @@ contains
       integer :: arm
       model = empty_model(1.2_wp)
       model%gravity = [0.0_wp, -g]
-      arm = add_arm(model, 'arm', fidelity_full, [-0.3_wp, 0.7_wp], -1.1_wp)
+      arm = add_arm(model, 'arm', fidelity_linear, [-0.3_wp, 0.7_wp], -1.1_wp)
       call join(model, 'pin', joint_revolute, arm, nil, ground, nil)
       call check_against_radau(model, 0.05_wp, 400, 1.0_wp, 'flexible beam')
    end subroutine test_order_of_beam

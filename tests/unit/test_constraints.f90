@@ -6,7 +6,7 @@ program test_constraints
    use limber_base_lapack, only: dgetrf, dgetrs
    use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_mesh, only: beam_type, concentrate, new_support
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_exact, fidelity_full, fidelity_kg, reduction_type
+   use limber_flex_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, joint_sliding, &
       & model_type
    use limber_system_assembly, only: assemble, first_guess
@@ -32,7 +32,7 @@ program test_constraints
    call test_points(zoo(.false.))
    call test_pendulum_force()
    call test_whole_matrix()
-   call test_energy_rate(fidelity_full)
+   call test_energy_rate(fidelity_linear)
    call test_energy_rate(fidelity_kg)
    call test_joint_power()
    call test_projection()
@@ -55,11 +55,11 @@ contains
       model%gravity = [0.4_wp, -9.81_wp]
       beam = beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.2_wp, elements=8)
       choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, axial=1, geometric_elements=2, &
-         & axial_basis=axial_by_modes, fidelity=fidelity_kg)
+         & fidelity=fidelity_kg)
       rod = add_beam(model, 'rod', beam, choice, [0.1_wp, 0.2_wp], 0.4_wp, error)
       call check_no_error(error, 'rod')
       choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=3, &
-         & axial_basis=axial_by_elements, fidelity=merge(fidelity_exact, fidelity_full, exact), origin=0.3_wp)
+         & fidelity=merge(fidelity_exact, fidelity_kg, exact), origin=0.3_wp)
       choice%exact = exact_choice_type(angles=3, strains=2, support=choice%support, origin=0.3_wp, kinks=[0.8_wp], steps=[0.5_wp])
       ! Heavy, so that a unit of its coordinates is no more than a stencil can follow
       if (exact) beam%rho_a = 5000.0_wp
@@ -346,8 +346,8 @@ contains
       model = empty_model(0.5_wp)
       model%gravity = [0.0_wp, -9.81_wp]
       beam = beam_type(ea=5.0e4_wp, ei=1.2_wp, rho_a=0.6_wp, length=0.5_wp, elements=12)
-      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=3, geometric_elements=3, &
-         & axial_basis=axial_by_elements, fidelity=fidelity, origin=0.1_wp)
+      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=3, axial=2, geometric_elements=3, &
+         & fidelity=fidelity, origin=0.1_wp)
       crank = add_rigid(model, 'crank', 0.4_wp, 2.0e-3_wp, [0.1_wp, 0.01_wp], [0.0_wp, 0.0_wp], 0.9_wp)
       rod = add_beam(model, 'rod', beam, choice, [0.2_wp, 0.1_wp], -0.3_wp, error)
       call check_no_error(error, 'rod')
@@ -417,7 +417,7 @@ contains
       type(motion_type) :: motion
       real(wp), allocatable :: q(:), v(:)
       integer :: i
-      call prepare(fidelity_full, .true., 0.3_wp, system, work, q, v)
+      call prepare(fidelity_linear, .true., 0.3_wp, system, work, q, v)
       call compare_whole(system, work, 0.3_wp, q, v)
       do i = 1, 100
          motion = random_motion(system)
@@ -521,7 +521,7 @@ contains
          scale = sum(abs(a(5:)*v(5:)))
          call check_close(derivative(energy(-2), energy(-1), energy(1), energy(2), h), power, &
             & 1.0e-9_wp*scale + 1.0e-15_wp*abs(kinetic)/h, 'power is the rate of the energy')
-         if (.not. driven .and. fidelity == fidelity_full) call check_close(power, 0.0_wp, 0.0_wp, 'nothing puts energy in')
+         if (.not. driven .and. fidelity == fidelity_linear) call check_close(power, 0.0_wp, 0.0_wp, 'nothing puts energy in')
          if (driven) call check(abs(power) > 1.0e-2_wp, 'the motor works')
          if (driven) call check(abs(power) > 1.0e-6_wp*scale, 'the motor can be seen')
          deallocate (a)
@@ -536,7 +536,7 @@ contains
       real(wp), allocatable :: q(:), v(:), a(:), jacobian(:, :), rates(:)
       real(wp) :: each, total
       integer :: i, first, row
-      call prepare(fidelity_full, .false., 0.0_wp, system, work, q, v)
+      call prepare(fidelity_linear, .false., 0.0_wp, system, work, q, v)
       allocate (a(size(q)), rates(sum(system%layout%rates + system%layout%n)))
       call linearise(system, work, 0.0_wp, q, error)
       call accelerations(system, work, q, v, a)
@@ -565,7 +565,7 @@ contains
       real(wp), allocatable :: q(:), v(:), good(:), change(:), speed(:)
       real(wp) :: before, residual
       integer :: i
-      call prepare(fidelity_full, .true., 0.4_wp, system, work, q, v)
+      call prepare(fidelity_linear, .true., 0.4_wp, system, work, q, v)
       allocate (change(size(q)))
       good = q
       call linearise(system, work, 0.4_wp, q, error)

@@ -52,8 +52,9 @@ contains
          call check(block%integer('MODES') == 4 .and. block%given('MODES'), 'whole number')
          call check(block%integer('ELEMENTS') == 10 .and. .not. block%given('ELEMENTS'), 'default')
          call check(block%has('ELEMENTS') .and. .not. block%has('BENDING MODES'), 'option without a value')
-         call check(block%yes('END FORCE') .and. .not. block%yes('CENTRIFUGAL'), 'yes and no')
-         call check_text(block%word('AXIAL BASIS'), '', 'word that is left open')
+         call check(block%yes('END SHAPES') .and. .not. block%yes('CORRECTIONS'), 'yes and no')
+         call check_text(block%word('GEOMETRIC'), 'K_G', 'the model that a number of modes asks for')
+         call check_text(block%word('AXIAL BASIS'), 'MODES', 'and its axial functions')
          call check(same(block%origin_of('MODES'), origin_type(1, 18, 10, 10)), 'origin of an option in a continued line')
          call check(same(block%origin_of('ELEMENTS'), origin_type(1, 16, 1, 5)), 'origin of a default is the keyword')
       end associate
@@ -121,10 +122,10 @@ contains
    subroutine test_set_option()
       type(deck_type) :: deck
       call read_good(deck)
-      call deck%set_option(deck%find('BEAM'), 'AXIAL BASIS', 'modes ')
-      call check_text(deck%blocks(deck%find('BEAM'))%word('AXIAL BASIS'), 'MODES', 'option that was set')
+      call deck%set_option(deck%find('BEAM'), 'AXIAL BASIS', 'static ')
+      call check_text(deck%blocks(deck%find('BEAM'))%word('AXIAL BASIS'), 'STATIC', 'option that was set')
       call check(.not. deck%blocks(deck%find('BEAM'))%given('AXIAL BASIS'), 'set is not given')
-      call check(index(effective_deck(deck), 'AXIAL BASIS=MODES') > 0, 'it is in the effective deck')
+      call check(index(effective_deck(deck), 'AXIAL BASIS=STATIC') > 0, 'it is in the effective deck')
    end subroutine test_set_option
 
    !> Blocks that are repeated, one in the other, with parameters of their own and a file; they stand as written in the effective

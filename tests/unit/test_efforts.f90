@@ -29,7 +29,7 @@ program test_efforts
       & '*GROUND'//newline//' a, 2.3, -1.6'//newline//' b, -1.4, 1.9'//newline// &
       & '*BEAM, NAME=rod, MATERIAL=m, SECTION=s, LENGTH=1.2, ELEMENTS=8, BENDING MODES=2, AXIAL MODES=1'//newline// &
       & '*BEAM, NAME=arm, MATERIAL=m, SECTION=s, LENGTH=1.2, ELEMENTS=8, BENDING MODES=2, SUPPORT=CLAMPED-FREE, ORIGIN=0.3, '// &
-      & 'GEOMETRIC=FULL, GEOMETRIC ELEMENTS=3, AXIAL BASIS=ELEMENTS'//newline// &
+      & 'AXIAL MODES=3, GEOMETRIC=LINEAR'//newline// &
       & '*RIGID BODY, NAME=block, MASS=2, INERTIA=0.3, CENTRE X=0.1, CENTRE Y=-0.2'//newline//' corner, -0.4, 0.25'//newline// &
       & '*POINT MASS, NAME=bead, MASS=0.7'//newline
    !> Those that are a law of time or of the motion, or dissipate

@@ -4,7 +4,7 @@ program test_equilibrium
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: fidelity_full, fidelity_kg, reduction_type
+   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_model_scene, only: model_type, ground, joint_revolute
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: linearise, accelerations
@@ -25,7 +25,7 @@ program test_equilibrium
    real(wp), parameter :: t = 0.37_wp, step = 1.0e-3_wp
 
    call test_rotation(fidelity_kg)
-   call test_rotation(fidelity_full)
+   call test_rotation(fidelity_linear)
    call test_freedom()
    call test_held()
    call test_eigenvalues()
@@ -105,7 +105,7 @@ contains
       real(wp), allocatable :: q(:), v(:), moved(:), before(:)
       real(wp), parameter :: h = 1.0e-5_wp
       integer :: culprit, j, i
-      call build(fidelity_full, system, work)
+      call build(fidelity_linear, system, work)
       allocate (q(system%layout%nq), v(system%layout%nq), moved(system%layout%nq), before(system%nc))
       call first_guess(system, t, q, v)
       call assemble(system, work, t, q, v, error, culprit)

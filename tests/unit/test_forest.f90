@@ -5,7 +5,7 @@ program test_forest
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, reduction_type
+   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_assembly, only: assemble
    use limber_system_discrete, only: linearise_step, step_residual
@@ -96,10 +96,10 @@ contains
          return
       case (1)
          choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, axial=1, geometric_elements=2, &
-            & axial_basis=axial_by_modes, fidelity=fidelity_kg)
+            & fidelity=fidelity_kg)
       case default
          choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=2, &
-            & axial_basis=axial_by_elements, fidelity=fidelity_full, origin=0.3_wp)
+            & fidelity=fidelity_linear, origin=0.3_wp)
       end select
       body = add_beam(model, name, beam, choice, position, 0.0_wp, error)
       call check_no_error(error, name)

@@ -10,7 +10,7 @@ program test_functions
    use limber_flex_functions, only: attachment_loads, attachment_type
    use limber_flex_mesh, only: beam_type, bending_modes, concentrate, count_bending_modes, field_type, mesh_beam, new_support
    use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: available_modes, axial_by_modes, fidelity_linear, reduce_beam, reduction_type
+   use limber_flex_reduction, only: available_modes, fidelity_linear, reduce_beam, reduction_type
    use testing, only: check, check_close, check_no_error, check_text, finish
    implicit none
    real(wp), parameter :: ea = 5.0e3_wp, ei = 2.0_wp, rho_a = 0.7_wp, length = 1.5_wp
@@ -105,7 +105,7 @@ contains
       real(wp) :: whole(5), left(5)
       integer :: turn
       beam = uneven_beam()
-      choice = reduction_type(support=new_support(name), bending=2, axial=2, fidelity=fidelity_linear, axial_basis=axial_by_modes)
+      choice = reduction_type(support=new_support(name), bending=2, axial=2, fidelity=fidelity_linear)
       do turn = 1, 2
          if (turn == 2) allocate (choice%corrections, source=at)
          call reduce_beam(beam, choice, body, field, error)

@@ -9,8 +9,7 @@ program test_geometric
    use limber_flex_mesh, only: beam_type, bending_modes, deflection_at, extension_at, field_type, mesh_beam, new_support, &
       & slope_at
    use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, axial_static, fidelity_full, fidelity_kg, &
-      & fidelity_linear, reduce_beam, reduction_type
+   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduce_beam, reduction_type
    use scenes, only: derivative, gauss_point, gauss_weight, random
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -23,13 +22,12 @@ program test_geometric
    call test_mean_slopes(7, 3)
    call test_mean_slopes(5, 8)
    call test_sum()
-   call test_energy('PINNED-ROLLER', 4, 3, axial_by_modes, .false., 0.0_wp)
-   call test_energy('PINNED-ROLLER', 3, 12, axial_static, .false., 0.1_wp)
-   call test_energy('CLAMPED-FREE', 3, 6, axial_by_elements, .false., 0.0_wp)
-   call test_energy('FREE-FREE', 2, 4, axial_by_elements, .true., 0.15_wp)
-   call test_energy('CLAMPED-ROLLER', 3, 7, axial_by_modes, .true., 0.0_wp)
-   call test_energy('PINNED-PINNED', 1, 4, axial_by_elements, .false., 0.0_wp)
-   call test_foreshortening()
+   call test_energy('PINNED-ROLLER', 4, 3, .false., 0.0_wp)
+   call test_energy('PINNED-ROLLER', 3, 12, .false., 0.1_wp)
+   call test_energy('CLAMPED-FREE', 3, 6, .false., 0.0_wp)
+   call test_energy('FREE-FREE', 2, 4, .true., 0.15_wp)
+   call test_energy('CLAMPED-ROLLER', 3, 7, .true., 0.0_wp)
+   call test_energy('PINNED-PINNED', 1, 4, .false., 0.0_wp)
    call finish()
 
 contains
@@ -177,50 +175,47 @@ contains
       end do
    end subroutine test_sum
 
-   !> Energies and forces of all three models at random coordinates.
-   subroutine test_energy(support, bending, parts, basis, nodal, origin)
+   !> Energies and forces of both models at random coordinates.
+   subroutine test_energy(support, bending, parts, nodal, origin)
       character(*), intent(in) :: support
-      integer, intent(in) :: bending, parts, basis
+      integer, intent(in) :: bending, parts
       logical, intent(in) :: nodal
       real(wp), intent(in) :: origin
       type(reduction_type) :: choice
-      type(reduced_type) :: linear, kg, full
+      type(reduced_type) :: linear, kg
       type(field_type) :: field
       type(error_type), allocatable :: error
       integer :: trial
       choice = reduction_type(support=new_support(support), bending=bending, axial=3, geometric_elements=parts, &
-         & axial_basis=basis, nodal=nodal, origin=origin)
+         & nodal=nodal, origin=origin)
       choice%fidelity = fidelity_linear
       call reduce_beam(rod, choice, linear, field, error)
       call check_no_error(error, 'linear')
       choice%fidelity = fidelity_kg
       call reduce_beam(rod, choice, kg, field, error)
       call check_no_error(error, 'k_g')
-      choice%fidelity = fidelity_full
-      call reduce_beam(rod, choice, full, field, error)
-      call check_no_error(error, 'full')
-      call check(full%bending == bending .and. full%n > bending, support//': bending and axial coordinates')
+      call check(kg%bending == bending .and. kg%n > bending, support//': bending and axial coordinates')
       do trial = 1, 3
-         call compare(support, choice, field, linear, kg, full)
+         call compare(support, choice, field, linear, kg)
       end do
    end subroutine test_energy
 
-   subroutine compare(support, choice, field, linear, kg, full)
+   subroutine compare(support, choice, field, linear, kg)
       character(*), intent(in) :: support
       type(reduction_type), intent(in) :: choice
       type(field_type), intent(in) :: field
-      type(reduced_type), intent(in) :: linear, kg, full
-      real(wp), dimension(full%n) :: eta, rate, step
-      real(wp) :: cubic, quartic, curved, quadratic, scale, energy, power
-      real(wp) :: z(size(full%quartic, 1)), s(size(full%quartic, 1)), f(full%n), expected(full%n), x(0:choice%geometric_elements)
-      real(wp) :: a(choice%geometric_elements, full%n - full%bending), u(2, full%n - full%bending)
+      type(reduced_type), intent(in) :: linear, kg
+      real(wp), dimension(kg%n) :: eta, rate, step
+      real(wp) :: scale, energy, power
+      real(wp) :: s(size(kg%cubic, 1)), f(kg%n), expected(kg%n), x(0:choice%geometric_elements)
+      real(wp) :: a(choice%geometric_elements, kg%n - kg%bending), u(2, kg%n - kg%bending)
       real(wp), allocatable :: b(:, :, :)
       integer :: g, i, nb
-      nb = full%bending
+      nb = kg%bending
       ! Deflections of a tenth of the length; axial strains of a hundredth, so that all parts count
       eta(:nb) = [(0.1_wp*rod%length*random()/maxval(abs(field%w(:, i))), i=1, nb)]
-      eta(nb + 1:) = [(0.01_wp*rod%length*random()/maxval(abs(field%u(:, i))), i=1, full%n - nb)]
-      rate = [(random(), i=1, full%n)]
+      eta(nb + 1:) = [(0.01_wp*rod%length*random()/maxval(abs(field%u(:, i))), i=1, kg%n - nb)]
+      rate = [(random(), i=1, kg%n)]
       x = element_ends(rod%length, choice%geometric_elements)
       b = mean_slopes(field, x, choice%nodal)
       do g = 1, choice%geometric_elements
@@ -230,28 +225,17 @@ contains
       end do
       call check(maxval(abs(a - mean_strains(field, x))) <= 1.0e-14_wp*maxval(abs(a)), support//': mean strains')
 
-      call parts_of_energy(choice, field, full, eta, x, a, b, quadratic, cubic, quartic, curved)
-      scale = quadratic + abs(cubic) + quartic + curved
-      call elastic_energy(full, eta, z, s, energy)
-      call check_close(energy, quadratic + cubic + quartic + curved, 1.0e-12_wp*scale, support//': energy of the full model')
-      call check(min(abs(cubic), quartic, curved) > 1.0e-6_wp*scale, support//': every part of the energy counts')
-      call elastic_energy(kg, eta, z, s, energy)
-      call check_close(energy, quadratic, 1.0e-14_wp*quadratic, support//': energy of k_g is that of K_E')
-      call elastic_energy(linear, eta, z, s, energy)
-      call check_close(energy, quadratic, 1.0e-14_wp*quadratic, support//': energy of the linear model')
+      scale = 0.5_wp*sum([field%omega2_bending, field%omega2_axial]*eta**2)
+      call elastic_energy(kg, eta, energy)
+      call check_close(energy, scale, 1.0e-14_wp*scale, support//': energy of k_g is that of K_E')
+      call elastic_energy(linear, eta, energy)
+      call check_close(energy, scale, 1.0e-14_wp*scale, support//': energy of the linear model')
 
-      ! The energy is a quartic, for which the stencil is exact; steps as large as the coordinates
+      ! The energy is a square, for which the stencil is exact; steps as large as the coordinates
       step = 0.5_wp*abs(eta) + 1.0e-3_wp*maxval(abs(eta))
-      f = 1.0_wp
-      call elastic_force(full, eta, f, z, s)
-      f = f - 1.0_wp
-      do i = 1, full%n
-         expected(i) = energy_slope(full, eta, i, step(i))
-      end do
-      call check(all(abs(f - expected) <= 1.0e-11_wp*(maxval(abs(f)) + scale/step)), support//': force of the full model')
       f = 0.0_wp
-      call elastic_force(linear, eta, f, z, s)
-      do i = 1, full%n
+      call elastic_force(linear, eta, f, s)
+      do i = 1, kg%n
          expected(i) = energy_slope(linear, eta, i, step(i))
       end do
       call check(all(abs(f - expected) <= 1.0e-11_wp*(maxval(abs(f)) + scale/step)), support//': force of the linear model')
@@ -262,15 +246,13 @@ contains
          expected(:nb) = expected(:nb) + (x(g) - x(g - 1))*rod%ea*dot_product(a(g, :), eta(nb + 1:))*matmul(b(:, :, g), eta(:nb))
       end do
       f = 0.0_wp
-      call elastic_force(kg, eta, f, z, s)
+      call elastic_force(kg, eta, f, s)
       call check(maxval(abs(f - expected)) <= 1.0e-12_wp*maxval(abs(expected)), support//': force of the model k_g')
       call check(maxval(abs(f - kg%omega2*eta)) > 1.0e-3_wp*maxval(abs(f(:nb))), support//': the tension counts')
-      call geometric_power(kg, eta, rate, z, s, power)
+      call geometric_power(kg, eta, rate, s, power)
       call check_close(power, dot_product(f - kg%omega2*eta, rate), 1.0e-12_wp*sum(abs(f*rate)), support//': power of k_g')
-      call geometric_power(full, eta, rate, z, s, power)
-      call check_close(power, 0.0_wp, 0.0_wp, support//': the full model takes no power')
-      call geometric_power(linear, eta, rate, z, s, power)
-      call check_close(power, 0.0_wp, 0.0_wp, support//': nor does the linear one')
+      call geometric_power(linear, eta, rate, s, power)
+      call check_close(power, 0.0_wp, 0.0_wp, support//': the linear model takes no power')
    end subroutine compare
 
    !> Derivative of the elastic energy with respect to one coordinate.
@@ -278,85 +260,14 @@ contains
       type(reduced_type), intent(in) :: body
       real(wp), intent(in) :: eta(:), h
       integer, intent(in) :: i
-      real(wp) :: value(-2:2), moved(size(eta)), z(size(body%quartic, 1)), s(size(body%quartic, 1))
+      real(wp) :: value(-2:2), moved(size(eta))
       integer :: k
       do k = -2, 2
          moved = eta
          moved(i) = eta(i) + k*h
-         call elastic_energy(body, moved, z, s, value(k))
+         call elastic_energy(body, moved, value(k))
       end do
       slope = derivative(value(-2), value(-1), value(1), value(2), h)
    end function energy_slope
-
-   !> 1/2 eta.K_E eta; sum of E A l e b/2; sum of E A l b^2/8; 1/2 E I integral of w''^2 w'^2.
-   subroutine parts_of_energy(choice, field, full, eta, x, a, b, quadratic, cubic, quartic, curved)
-      type(reduction_type), intent(in) :: choice
-      type(field_type), intent(in) :: field
-      type(reduced_type), intent(in) :: full
-      real(wp), intent(in) :: eta(:), x(0:), a(:, :), b(:, :, :)
-      real(wp), intent(out) :: quadratic, cubic, quartic, curved
-      real(wp), dimension(full%bending) :: w, slope, curvature
-      real(wp) :: strain, mean, l
-      integer :: g, e, nb
-      nb = full%bending
-      quadratic = 0.5_wp*sum([field%omega2_bending, field%omega2_axial]*eta**2)
-      cubic = 0.0_wp
-      quartic = 0.0_wp
-      do g = 1, choice%geometric_elements
-         l = x(g) - x(g - 1)
-         strain = dot_product(a(g, :), eta(nb + 1:))
-         mean = dot_product(eta(:nb), matmul(b(:, :, g), eta(:nb)))
-         cubic = cubic + rod%ea*l*strain*mean/2
-         quartic = quartic + rod%ea*l*mean**2/8
-      end do
-      curved = 0.0_wp
-      do e = 1, rod%elements
-         l = field%s(e) - field%s(e - 1)
-         do g = 1, 5
-            call shape_at(field, field%s(e - 1) + 0.5_wp*l*(1 + gauss_point(g)), w, slope, curvature)
-            curved = curved + 0.5_wp*rod%ei*0.5_wp*l*gauss_weight(g)*dot_product(curvature, eta(:nb))**2 &
-               & *dot_product(slope, eta(:nb))**2
-         end do
-      end do
-   end subroutine parts_of_energy
-
-   !> With one axial function for each k_G element the foreshortening e_g = -b_g/2 can be carried, and then no membrane energy
-   !> is left: what remains is bending and its curvature term. A wrong axial stiffness or coupling leaves some.
-   subroutine test_foreshortening()
-      integer, parameter :: nb = 3, parts = 6
-      type(reduction_type) :: choice
-      type(reduced_type) :: full
-      type(field_type) :: field
-      type(error_type), allocatable :: error
-      real(wp) :: x(0:parts), a(parts, parts), b(nb, nb, parts), eta(nb + parts), z(6), s(6), energy, quadratic, cubic, quartic, &
-         & curved, gram(parts, parts), rhs(parts), f(nb + parts)
-      integer :: g, i
-      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=nb, geometric_elements=parts, &
-         & fidelity=fidelity_full, axial_basis=axial_by_elements)
-      call reduce_beam(rod, choice, full, field, error)
-      call check_no_error(error, 'foreshortening')
-      x = element_ends(rod%length, parts)
-      a = mean_strains(field, x)
-      b = mean_slopes(field, x, .false.)
-      eta(:nb) = [(0.05_wp*rod%length*random()/maxval(abs(field%w(:, i))), i=1, nb)]
-      ! a^T diag(E A l) a = diag(omega^2): its inverse is known
-      do i = 1, parts
-         gram(:, i) = [(rod%ea*sum((x(1:) - x(:parts - 1))*a(:, g)*a(:, i)), g=1, parts)]
-         gram(i, i) = gram(i, i) - field%omega2_axial(i)
-      end do
-      call check(maxval(abs(gram)) <= 1.0e-12_wp*maxval(field%omega2_axial), 'axial stiffness from the element strains')
-      rhs = [(-0.5_wp*dot_product(eta(:nb), matmul(b(:, :, g), eta(:nb))), g=1, parts)]
-      eta(nb + 1:) = matmul(transpose(a), rod%ea*(x(1:) - x(:parts - 1))*rhs)/field%omega2_axial
-      call check(maxval(abs(matmul(a, eta(nb + 1:)) - rhs)) <= 1.0e-12_wp*maxval(abs(rhs)), 'the functions hold any strain')
-      call parts_of_energy(choice, field, full, eta, x, a, b, quadratic, cubic, quartic, curved)
-      call elastic_energy(full, eta, z, s, energy)
-      call check_close(energy, 0.5_wp*sum(field%omega2_bending*eta(:nb)**2) + curved, 1.0e-12_wp*(quartic + energy), &
-         & 'no membrane energy is left')
-      call check(quartic > energy, 'there was some to be cancelled')
-      f = 0.0_wp
-      call elastic_force(full, eta, f, z, s)
-      call check(maxval(abs(f(nb + 1:))) <= 1.0e-12_wp*maxval(abs(field%omega2_axial*eta(nb + 1:))), &
-         & 'nor any force on the axial coordinates')
-   end subroutine test_foreshortening
 
 end program test_geometric

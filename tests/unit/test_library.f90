@@ -42,7 +42,7 @@ contains
       type(field_type) :: field
       reduced%mass = number
       allocate (reduced%skew(2, 2), source=real(number, wp))
-      allocate (reduced%rotary(0, 0), reduced%cubic(0, 0), reduced%quartic(0, 0))
+      allocate (reduced%rotary(0, 0), reduced%cubic(0, 0))
       call library%put('beam '//as_text(number), reduced, field, 'note '//as_text(number))
    end subroutine keep
 

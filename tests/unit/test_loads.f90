@@ -4,7 +4,7 @@ program test_loads
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, fidelity_full, fidelity_kg, reduction_type
+   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_model_scene, only: ground, model_type
    use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy
    use limber_system_kinematics, only: move_frames, place_frames
@@ -44,11 +44,11 @@ contains
       model%gravity = [0.4_wp, -9.81_wp]
       beam = beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.2_wp, elements=8)
       choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, axial=1, geometric_elements=2, &
-         & axial_basis=axial_by_modes, fidelity=fidelity_kg)
+         & fidelity=fidelity_kg)
       rod = add_beam(model, 'rod', beam, choice, [0.1_wp, 0.2_wp], 0.4_wp, error)
       call check_no_error(error, 'rod')
       choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=3, &
-         & axial_basis=axial_by_elements, fidelity=fidelity_full, origin=0.3_wp)
+         & fidelity=fidelity_linear, origin=0.3_wp)
       arm = add_beam(model, 'arm', beam, choice, [-0.3_wp, 0.7_wp], -1.1_wp, error)
       call check_no_error(error, 'arm')
       block = add_rigid(model, 'block', 2.0_wp, 0.3_wp, [0.1_wp, -0.2_wp], [0.5_wp, 0.5_wp], 2.0_wp)

@@ -12,7 +12,7 @@ program test_model
       & 'joint_to_itself', 'joints', 'loads', 'motion', 'no_body', 'no_branch', 'no_output', 'origin_outside', 'point_names', &
       & 'point_off_beam', 'points', 'section', 'section_missing', 'segments', 'spread_loads', 'too_many_bending_modes', &
       & 'too_many_modes', 'welds']
-   character(*), parameter :: warned(*) = [character(32) :: 'warn_locks', 'warn_no_tension', &
+   character(*), parameter :: warned(*) = [character(32) :: 'warn_no_tension', &
       & 'warn_redundant_coupler', 'warn_redundant_joint', 'warn_redundant_beam', 'warn_singular']
 
    do i = 1, size(refused)

@@ -6,7 +6,7 @@ program test_radau
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: axial_by_elements, axial_static, fidelity_full, fidelity_kg, reduction_type
+   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_adams, only: adams_type
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_radau, only: radau_type
@@ -44,7 +44,7 @@ program test_radau
    call test_tolerance_of_crank()
    call test_between()
    call test_fall()
-   call test_work(fidelity_full)
+   call test_work(fidelity_linear)
    call test_work(fidelity_kg)
    call test_ringing()
    call test_flight()
@@ -216,9 +216,9 @@ contains
       end do
       call check_order(error, 4.6_wp, 5.5_wp, 'rigid slider-crank')
       call check_order(speed, 4.6_wp, 5.5_wp, 'its speeds')
-      call run_reference(crank_with(fidelity_full, soft, .true.), driven, reference)
+      call run_reference(crank_with(fidelity_kg, soft, .true.), driven, reference)
       do i = 1, 3
-         call run_fixed(crank_with(fidelity_full, soft, .true.), 160*2**i, 1.0e10_wp, driven, outcome)
+         call run_fixed(crank_with(fidelity_kg, soft, .true.), 160*2**i, 1.0e10_wp, driven, outcome)
          error(i) = maxval(abs(outcome%q - reference%q))
          call check_residuals(outcome, 'flexible slider-crank')
       end do
@@ -282,10 +282,10 @@ contains
       type(run_type) :: outcome, reference
       real(wp) :: error(4)
       integer :: i
-      call run_reference(crank_with(fidelity_full, soft, .true.), duration, reference)
+      call run_reference(crank_with(fidelity_kg, soft, .true.), duration, reference)
       do i = 1, 4
          allocate (integrator)
-         call run(crank_with(fidelity_full, soft, .true.), integrator, tolerance(i), duration, outcome)
+         call run(crank_with(fidelity_kg, soft, .true.), integrator, tolerance(i), duration, outcome)
          deallocate (integrator)
          ! The rod's eta follow [r, u] of crank and rod
          error(i) = maxval(abs(outcome%q(9:12) - reference%q(9:12)))
@@ -377,7 +377,7 @@ contains
    subroutine test_ringing()
       type(radau_type) :: integrator
       type(run_type) :: outcome
-      call run(crank_with(fidelity_full, 1.0e4_wp*soft, .true.), integrator, 1.0e-4_wp, 0.05_wp, outcome)
+      call run(crank_with(fidelity_kg, 1.0e4_wp*soft, .true.), integrator, 1.0e-4_wp, 0.05_wp, outcome)
       call check(outcome%most > 0.1_wp, 'there is work to compare with')
       call check_close(outcome%loss, 0.0_wp, 1.0e-5_wp, 'ringing: energy that is lost')
       call check_close(outcome%gain, 0.0_wp, 0.1_wp*outcome%loss, 'ringing: energy that is gained')
@@ -398,8 +398,8 @@ contains
       real(wp) :: energy(2), kinetic, potential, w
       integer :: body, i
       model = empty_model(1.0_wp)
-      choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, geometric_elements=6, axial_basis=axial_static, &
-         & fidelity=fidelity_full, origin=0.2_wp)
+      choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=2, geometric_elements=6, &
+         & fidelity=fidelity_linear, origin=0.2_wp)
       body = add_beam(model, 'beam', beam, choice, [0.3_wp, -0.4_wp], 0.5_wp, error)
       call check_no_error(error, 'beam')
       model%bodies(body)%velocity = [0.5_wp, 1.0_wp]
@@ -448,8 +448,8 @@ contains
       integer :: body, i, j
       stiff = empty_model(1.0_wp)
       stiff%gravity = [0.0_wp, -g]
-      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, geometric_elements=4, &
-         & axial_basis=axial_by_elements, fidelity=fidelity_full)
+      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, axial=2, geometric_elements=4, &
+         & fidelity=fidelity_linear)
       body = add_beam(stiff, 'beam', beam, choice, nil, 0.0_wp, error)
       call check_no_error(error, 'beam')
       call join(stiff, 'pin', joint_revolute, body, nil, ground, nil)
@@ -487,7 +487,7 @@ contains
 
    !> All coordinates and the work, as Adams finds them.
    subroutine test_agreement()
-      integer, parameter :: fidelities(3) = [0, fidelity_kg, fidelity_full]
+      integer, parameter :: fidelities(3) = [0, fidelity_kg, fidelity_linear]
       real(wp), parameter :: duration = 0.15_wp
       type(radau_type), allocatable :: integrator
       type(run_type) :: outcome, reference

@@ -12,8 +12,7 @@ program test_recovery
    use limber_flex_recovery, only: amplitudes, internal_forces, load_place_type, new_recovery, recovery_type, &
       & section_type
    use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: axial_static, fidelity_full, fidelity_linear, point_shape, reduce_beam, &
-      & reduction_type
+   use limber_flex_reduction, only: fidelity_linear, point_shape, reduce_beam, reduction_type
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -28,7 +27,6 @@ program test_recovery
    call test_free_beam()
    call test_vibration()
    call test_rotation()
-   call test_full()
    call test_masses()
    call test_portal()
    call finish()
@@ -59,7 +57,7 @@ contains
       call reduce_beam(own, choice, body, field, error)
       call check_no_error(error, support)
       call beam_frame(own, choice%support, 0.0_wp, field, frame, shape)
-      call new_recovery(frame, shape, body, 1, [(section_type(1, at(i), .false.), section_type(1, at(i), .true.), &
+      call new_recovery(frame, shape, body, [(section_type(1, at(i), .false.), section_type(1, at(i), .true.), &
          & i=1, size(at))], [(load_place_type(1, at(i)), i=1, size(at))], recovery, error)
       call check_no_error(error, support//': recovery')
       allocate (phi(2, body%n, size(at)))
@@ -237,45 +235,6 @@ contains
       end do
    end subroutine test_rotation
 
-   !> The tension of the model full has the part of the slopes, E A b_g/2.
-   subroutine test_full()
-      type(beam_type) :: beam
-      type(reduction_type) :: choice
-      type(reduced_type) :: body
-      type(field_type) :: field
-      type(frame_type) :: frame
-      type(recovery_type) :: recovery
-      type(error_type), allocatable :: error
-      real(wp), allocatable :: shape(:, :, :), eta(:), amplitude(:)
-      real(wp) :: inner(3), squares
-      integer :: i
-      beam = beam_type(ea=ea, ei=ei, rho_a=rho_a, length=length, elements=10)
-      choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=0, fidelity=fidelity_full, &
-         & geometric_elements=2, axial_basis=axial_static)
-      call reduce_beam(beam, choice, body, field, error)
-      call check_no_error(error, 'full')
-      call beam_frame(beam, choice%support, 0.0_wp, field, frame, shape)
-      call new_recovery(frame, shape, body, 2, [section_type(1, 0.8_wp*length, .false.)], [load_place_type(1, 0.0_wp)], &
-         & recovery, error)
-      call check_no_error(error, 'full: recovery')
-      allocate (eta(body%n), amplitude(4 + 3*body%n + 3))
-      eta = 0.0_wp
-      amplitude = 0.0_wp
-      eta(1:2) = [0.05_wp, -0.02_wp]
-      ! Mean of the squared slope over the outer half of the beam
-      squares = 0.0_wp
-      do i = 1, 2000
-         squares = squares + dot_product(slope_at(field, length*(0.5_wp + (i - 0.5_wp)/4000), bending_slope), eta(1:2))**2/2000
-      end do
-      inner = internal_forces(recovery, 1, eta, amplitude)
-      call check_close(inner(1), 0.5_wp*ea*squares, 1.0e-5_wp*ea*squares, 'full: tension of the slopes')
-      eta(1:2) = 0.0_wp
-      eta(3:) = 0.01_wp
-      inner = internal_forces(recovery, 1, eta, amplitude)
-      call check_close(inner(1), ea*dot_product(field%u(8, :) - field%u(7, :), eta(3:))/(0.1_wp*length), 1.0e-9_wp*ea, &
-         & 'full: tension of the stretch')
-   end subroutine test_full
-
    !> Concentrated masses: their weight jumps in the shear force.
    subroutine test_masses()
       type(beam_type) :: beam
@@ -320,7 +279,7 @@ contains
       call check_no_error(error, 'portal')
       sections = [section_type(1, 0.0_wp, .true.), section_type(1, frame%from(4) + frame%length(4), .false.), &
          & section_type(2, 0.0_wp, .true.), section_type(3, 0.4_wp*frame%length(9), .false.)]
-      call new_recovery(frame, shape, body, 1, sections, [load_place_type(2, 0.0_wp)], recovery, error)
+      call new_recovery(frame, shape, body, sections, [load_place_type(2, 0.0_wp)], recovery, error)
       call check_no_error(error, 'portal: recovery')
       allocate (load(3, size(frame%place, 2)), u(3, size(frame%place, 2)), eta(body%n), zero(body%n), amplitude(4 + 3*body%n + 3))
       load = 0.0_wp

@@ -5,7 +5,7 @@ program test_stations
    use limber_base_error, only: error_type
    use limber_flex_mesh, only: beam_type, field_type, new_support
    use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: reduction_type, reduce_beam, fidelity_kg, axial_by_elements
+   use limber_flex_reduction, only: reduction_type, reduce_beam, fidelity_kg
    use limber_flex_stations, only: stations_type, new_stations
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -41,7 +41,6 @@ contains
       choice%axial = 0
       choice%fidelity = fidelity_kg
       choice%geometric_elements = 2
-      choice%axial_basis = axial_by_elements
       call reduce_beam(beam, choice, body, field, error)
       call check_no_error(error, support)
       call new_stations(beam, choice, field, body, [0.0_wp, 1.0_wp], jointed, [.false., .false.], .false., stations, error)

@@ -8,8 +8,7 @@ program test_tangent
    use limber_flex_frame_reduction, only: frame_choice_type
    use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_mesh, only: beam_type, concentrate, new_support
-   use limber_flex_reduction, only: axial_by_elements, axial_by_modes, axial_static, fidelity_exact, fidelity_full, fidelity_kg, &
-      & fidelity_linear, reduction_type
+   use limber_flex_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
    use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
    use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
    use limber_system_kinematics, only: place_frames
@@ -37,7 +36,6 @@ program test_tangent
    call test_scene('slider-crank, rigid', crank_with(0))
    call test_scene('slider-crank, linear', crank_with(fidelity_linear))
    call test_scene('slider-crank, k_g', crank_with(fidelity_kg))
-   call test_scene('slider-crank, full', crank_with(fidelity_full))
    call test_scene('a moving line', moving_line())
    call test_scene('every pairing', zoo(.false.))
    call test_scene('loads', loaded())
@@ -45,7 +43,6 @@ program test_tangent
    call test_scene('frame, k_g', framed(fidelity_kg))
    call test_elastic(fidelity_linear)
    call test_elastic(fidelity_kg)
-   call test_elastic(fidelity_full)
    call test_scene('every pairing, exact', zoo(.true.))
    call finish()
 
@@ -91,11 +88,11 @@ contains
       model%gravity = [0.4_wp, -9.81_wp]
       beam = beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.2_wp, elements=8)
       choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=2, axial=1, geometric_elements=2, &
-         & axial_basis=axial_by_modes, fidelity=fidelity_kg)
+         & fidelity=fidelity_kg)
       rod = add_beam(model, 'rod', beam, choice, [0.1_wp, 0.2_wp], 0.4_wp, error)
       call check_no_error(error, 'rod')
       choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=3, &
-         & axial_basis=axial_by_elements, fidelity=merge(fidelity_exact, fidelity_full, exact), origin=0.3_wp)
+         & fidelity=merge(fidelity_exact, fidelity_kg, exact), origin=0.3_wp)
       choice%exact = exact_choice_type(angles=3, strains=2, support=choice%support, origin=0.3_wp, kinks=[0.8_wp], steps=[0.5_wp])
       ! Heavy, so that a unit of its coordinates is no more than a stencil can follow
       if (exact) beam%rho_a = 500.0_wp
@@ -134,8 +131,8 @@ contains
       type(error_type), allocatable :: error
       integer :: beam, block, bead
       model = empty_model(1.2_wp)
-      choice = reduction_type(support=new_support('FREE-FREE'), bending=2, geometric_elements=3, axial_basis=axial_static, &
-         & fidelity=fidelity_full, origin=0.3_wp)
+      choice = reduction_type(support=new_support('FREE-FREE'), bending=2, axial=2, geometric_elements=3, &
+         & fidelity=fidelity_linear, origin=0.3_wp)
       beam = add_beam(model, 'beam', beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.2_wp, elements=8), choice, &
          & [0.1_wp, 0.2_wp], 0.4_wp, error)
       call check_no_error(error, 'beam')
@@ -532,7 +529,7 @@ contains
    !> The elastic stiffness by itself at large deflections; symmetric where there is an energy, and only there.
    subroutine test_elastic(fidelity)
       integer, intent(in) :: fidelity
-      character(6), parameter :: names(3) = [character(6) :: 'linear', 'k_g', 'full']
+      character(6), parameter :: names(2) = [character(6) :: 'linear', 'k_g']
       type(model_type) :: model
       type(reduction_type) :: choice
       type(error_type), allocatable :: error
@@ -541,8 +538,8 @@ contains
       real(wp) :: skew
       integer :: body, n, pairs, trial, column, i
       model = empty_model(1.0_wp)
-      choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=3, geometric_elements=4, &
-         & axial_basis=axial_by_elements, fidelity=fidelity)
+      choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=3, axial=2, geometric_elements=4, &
+         & fidelity=fidelity)
       body = add_beam(model, 'beam', beam_type(ea=4.0e3_wp, ei=2.0_wp, rho_a=0.9_wp, length=1.2_wp, elements=12), choice, &
          & [0.0_wp, 0.0_wp], 0.0_wp, error)
       call check_no_error(error, 'beam')
@@ -557,14 +554,14 @@ contains
             eta = randoms(n)
             ! The tangent adds to what is there
             k = 1.0_wp
-            call elastic_tangent(reduced, eta, k, z, s, slope)
+            call elastic_tangent(reduced, eta, k, s)
             k = k - 1.0_wp
             do column = 1, n
                do i = 1, 4
                   moved = eta
                   moved(column) = moved(column) + parts(i)
                   side(:, i) = 0.0_wp
-                  call elastic_force(reduced, moved, side(:, i), z, s)
+                  call elastic_force(reduced, moved, side(:, i), s)
                end do
                expected(:, column) = derivative(side(:, 1), side(:, 2), side(:, 3), side(:, 4), step)
             end do

@@ -41,7 +41,7 @@ contains
    subroutine check_slider_crank()
       type(history_reader_type) :: reader
       real(wp), allocatable :: energy(:), kinetic(:), deflection(:)
-      call run_changed('../input/slider_crank_full.inp', trim(results), [character(128) :: 'TOLERANCE=1e-8', &
+      call run_changed('../input/slider_crank_exact.inp', trim(results), [character(128) :: 'TOLERANCE=1e-8', &
          & 'slider_x = x(slider)'], [character(128) :: 'TOLERANCE=1e-4, INTEGRATOR=CONSERVING', &
          & 'kinetic = kinetic_energy(system), energy = kinetic_energy(system) + potential_energy(system) - work(system)'], reader)
       allocate (energy, source=channel(reader, 'energy'))

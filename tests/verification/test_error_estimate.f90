@@ -33,7 +33,7 @@ program test_error_estimate
    call get_command_argument(1, results)
    print '(a)', 'Estimated over true error: median of all samples, median factor between them, least and greatest of the', &
       & 'largest of each channel that has an error; CPU time of the estimate over that of the run'
-   scene = case_type('../input/slider_crank_full.inp', 'TOLERANCE=1e-8, OUTPUTS=838', 'OUTPUTS=838', nl// &
+   scene = case_type('../input/slider_crank_exact.inp', 'TOLERANCE=1e-8, OUTPUTS=838', 'OUTPUTS=838', nl// &
       & ' energy = kinetic_energy(system) + potential_energy(system) - work(system)'//nl// &
       & ' speed = vy(rod.middle), acceleration = ax(slider), pin_force = force_x(crank-pin)')
    call make_truth('ADAMS', '1e-11', 'RADAU', '3e-12')

@@ -296,7 +296,7 @@ contains
       bar = steel//rectangle('bar', '0.02', '0.02')
       call refused(bar, '1, SHEAR=YES', 'K_G', 'SHEAR is for GEOMETRIC=EXACT only')
       call refused(bar, '1, CURVATURE=1', 'LINEAR', 'CURVATURE is for GEOMETRIC=EXACT only')
-      call refused(bar, '1'//nl//'*PROFILE'//nl//' 0.5, bar', 'FULL', '*PROFILE is for GEOMETRIC=EXACT only')
+      call refused(bar, '1'//nl//'*PROFILE'//nl//' 0.5, bar', 'LINEAR', '*PROFILE is for GEOMETRIC=EXACT only')
       call refused(bar, '1, CURVATURE=1, SEGMENTS=2', 'EXACT', 'CURVATURE is not for a beam in SEGMENTS')
       call refused(bar, '1'//nl//'*PROFILE'//nl//' 1.5, bar', 'EXACT', 'sections of a beam change within it')
       call refused(bar, '1'//nl//'*PROFILE'//nl//' 0.5, none', 'EXACT', "no *SECTION named 'none'")

@@ -265,7 +265,6 @@ contains
       call judge_tip('LINEAR', clamped//', GEOMETRIC=LINEAR; pull = 0 > pull = 10', 0.0_wp, 1.0e-3_wp, '')
       call judge_tip('bending modes alone', clamped//', GEOMETRIC=LINEAR, BENDING MODES=3; pull = 0 > pull = 10', 0.0_wp, &
          & 0.0_wp, 'has no axial coordinate')
-      call judge_tip('pieces', clamped//', GEOMETRIC=LINEAR, SEGMENTS=2; pull = 0 > pull = 10', 0.0_wp, 1.0e-3_wp, '')
    end subroutine check_defaults
 
    !> Deflection and elongation of the cantilever.

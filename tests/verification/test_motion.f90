@@ -50,7 +50,7 @@ contains
    !> Rod with large deflections: its places, magnified too; no channel changes by a bit when the motion is asked for.
    subroutine test_slider_crank(path)
       character(*), intent(in) :: path
-      character(*), parameter :: deck = '../input/slider_crank_full.inp'
+      character(*), parameter :: deck = '../input/slider_crank_exact.inp'
       character(200) :: old(4), new(4)
       type(history_reader_type) :: reader
       type(motion_type) :: motion

@@ -17,8 +17,8 @@ program test_prescribed
 
    call get_command_argument(1, results)
    call check_held()
-   call check_slider_crank('FULL', ['GEOMETRIC=FULL'], ['GEOMETRIC=FULL'])
-   call check_slider_crank('K_G', ['GEOMETRIC=FULL'], ['GEOMETRIC=K_G '])
+   call check_slider_crank('EXACT', ['FUNCTIONS=7, STRAIN FUNCTIONS=3'], ['FUNCTIONS=7, STRAIN FUNCTIONS=3'])
+   call check_slider_crank('K_G', ['FUNCTIONS=7, STRAIN FUNCTIONS=3'], ['BENDING MODES=3, AXIAL MODES=1 '])
    call check_all_driven()
    call finish()
 

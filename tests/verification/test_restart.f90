@@ -29,7 +29,7 @@ contains
       integer :: i
       do i = 1, size(integrators)
          chosen = 'INTEGRATOR='//integrators(i)
-         call compare_pieces('slider_crank_full', results, 7, 'turns = 2', 'turns = 0.2', 'TOLERANCE=1e-8, OUTPUTS=838', &
+         call compare_pieces('slider_crank_exact', results, 7, 'turns = 2', 'turns = 0.2', 'TOLERANCE=1e-8, OUTPUTS=838', &
             & 'TOLERANCE=1e-5, OUTPUTS=83, '//chosen)
          call compare_pieces('andrews_squeezer', results, 7, 'END=0.03, TOLERANCE=1e-8', 'END=0.03, TOLERANCE=1e-5', &
             & 'OUTPUTS=300, INTEGRATOR=ADAMS', 'OUTPUTS=60, '//chosen)

@@ -18,7 +18,6 @@ program test_segments
    call check_crank()
    call check_pendulum()
    call check_energy()
-   call check_static_axial()
    call check_end_mass()
    call finish()
 
@@ -27,10 +26,11 @@ contains
    !> A mass at the end of a beam whose pieces do not add up to its length in the last digit.
    subroutine check_end_mass()
       type(history_reader_type) :: reader
-      character(60) :: old(2), new(2)
+      character(60) :: old(3), new(3)
       real(wp), allocatable :: angle(:)
-      old = [character(60) :: 'AXIAL MODES=1, GEOMETRIC=K_G, ANGLE=0', 'END=rise + 2*pi/speed, OUTPUTS=400']
-      new = [character(60) :: 'GEOMETRIC=K_G, SEGMENTS=3, ANGLE=0', 'END=0.01, OUTPUTS=4']
+      old = [character(60) :: 'ELEMENTS=8, SUPPORT=CLAMPED-FREE,', 'BENDING MODES=1, AXIAL MODES=1, GEOMETRIC=K_G, ANGLE=0', &
+         & 'END=rise + 2*pi/speed, OUTPUTS=400']
+      new = [character(60) :: 'SUPPORT=CLAMPED-FREE,', 'SEGMENTS=3, FUNCTIONS=3, ANGLE=0', 'END=0.01, OUTPUTS=4']
       call run_changed('../input/flexible_four_bar.inp', trim(results), old, new, reader)
       angle = channel(reader, 'angle_crank')
       call check(size(angle) == 5, 'a mass at the end of three pieces lies on the beam')
@@ -63,36 +63,6 @@ contains
       call reader%close()
 
    end subroutine check_bending
-
-   !> Segments that stretch as at rest, by two integrators, against those that follow it.
-   subroutine check_static_axial()
-      character(*), parameter :: names(3) = [character(10) :: 'y', 'deflection', 'pull']
-      real(wp), parameter :: tolerances(3) = [1.0e-5_wp, 3.0e-4_wp, 1.0e-3_wp]
-      type(history_reader_type) :: reader
-      character(20) :: old(2), new(2, 3)
-      real(wp), allocatable :: values(:)
-      real(wp) :: full(21, 3), scale
-      integer :: i, k
-      old = [character(20) :: 'DYNAMICS=FULL', 'INTEGRATOR=ADAMS']
-      new(:, 1) = old
-      new(:, 2) = [character(20) :: 'DYNAMICS=STATIC', 'INTEGRATOR=ADAMS']
-      new(:, 3) = [character(20) :: 'DYNAMICS=STATIC', 'INTEGRATOR=RADAU']
-      do k = 1, 3
-         call run_changed('verification/segments_static.inp', trim(results), old, new(:, k), reader)
-         do i = 1, 3
-            values = channel(reader, trim(names(i)))
-            if (k == 1) full(:, i) = values
-            scale = maxval(abs(full(:, i)))
-            print '(a,a12,es9.1)', new(1, k)//new(2, k), names(i), maxval(abs(values - full(:, i)))/scale
-            call check_close(maxval(abs(values - full(:, i)))/scale, 0.0_wp, tolerances(i), trim(new(1, k))//', '// &
-               & trim(new(2, k))//': '//trim(names(i))//' of segments')
-         end do
-         values = channel(reader, 'energy')
-         call check_close(maxval(abs(values - values(1))), 0.0_wp, 1.0e-7_wp, trim(new(2, k))//': energy of segments')
-         call reader%close()
-      end do
-      call check(scale > 0.5_wp, 'the segments are pulled')
-   end subroutine check_static_axial
 
    !> Compares the last value of a channel.
    subroutine expect(reader, name, value, tolerance)
@@ -145,9 +115,9 @@ contains
       real(wp) :: error(2)
       character(60) :: old(3), new(3)
       integer :: k
-      old = [character(60) :: 'SEGMENTS=8', 'END=2*pi/speed', 'OUTPUTS=419']
+      old = [character(60) :: 'FUNCTIONS=9, STRAIN FUNCTIONS=3', 'END=2*pi/speed', 'OUTPUTS=419']
       do k = 1, 2
-         new(1) = 'SEGMENTS='//as_text(2**k)
+         new(1) = 'FUNCTIONS=3, SEGMENTS='//as_text(2**k)
          new(2) = 'END=200/419*2*pi/speed'
          new(3) = 'OUTPUTS=200'
          call run_changed('../input/slider_crank_3mm.inp', trim(results), old, new, reader)
@@ -172,9 +142,9 @@ contains
       real(wp) :: error(2)
       character(60) :: old(3), new(3)
       integer :: i, k
-      old = [character(60) :: 'SEGMENTS=16', 'END=1.1', 'OUTPUTS=220']
+      old = [character(60) :: 'FUNCTIONS=40, STRAIN FUNCTIONS=20', 'END=1.1', 'OUTPUTS=220']
       do k = 1, 2
-         new(1) = 'SEGMENTS='//as_text(4*k)
+         new(1) = 'FUNCTIONS=3, SEGMENTS='//as_text(4*k)
          new(2) = 'END=0.4'
          new(3) = 'OUTPUTS=4'
          call run_changed('../input/soft_pendulum.inp', trim(results), old, new, reader)
@@ -197,8 +167,9 @@ contains
       type(history_reader_type) :: reader
       real(wp), allocatable :: energy(:)
       character(100) :: old(5), new(5)
-      old = [character(100) :: 'SEGMENTS=16', 'INTEGRATOR=RADAU', 'END=1.1', 'OUTPUTS=220', 'y_middle = y(rod.middle)']
-      new = [character(100) :: 'SEGMENTS=4', 'INTEGRATOR=CONSERVING', 'END=0.3', 'OUTPUTS=30', &
+      old = [character(100) :: 'FUNCTIONS=40, STRAIN FUNCTIONS=20', 'INTEGRATOR=RADAU', 'END=1.1', 'OUTPUTS=220', &
+         & 'y_middle = y(rod.middle)']
+      new = [character(100) :: 'FUNCTIONS=3, SEGMENTS=4', 'INTEGRATOR=CONSERVING', 'END=0.3', 'OUTPUTS=30', &
          & 'y_middle = y(rod.middle), e = kinetic_energy(system) + potential_energy(system)']
       call run_changed('../input/soft_pendulum.inp', trim(results), old, new, reader)
       allocate (energy, source=channel(reader, 'e'))

@@ -16,7 +16,7 @@ module limber_analysis_dynamics
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_text
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
-      & phase_warning, ringing_warning, slip_warning, largest_speed
+      & phase_warning, ringing_warning, slip_warning, largest_speed, find_weak
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -184,6 +184,7 @@ contains
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
          stop = min(stop, crossings%hold)
          call integrator%step(scene%system, scene%work, stop, error)
+         if (allocated(error)) call name_weak()
          if (.not. allocated(error)) call history%check_limit(integrator%t, error, integrator%statistics%evaluations)
          if (allocated(error)) exit
          t = integrator%t
@@ -255,6 +256,17 @@ contains
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
 
    contains
+
+      !> Says at what constraints without a grip a step has failed, if that is why: there it does not matter how short it is.
+      subroutine name_weak()
+         character(:), allocatable :: names
+         if (index(error%message, 'shrunk to nothing') == 0 .or. index(error%message, 'cannot be kept') > 0) return
+         call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
+         call find_weak(scene%system, scene%work, integrator%t, sample%q, names)
+         if (names /= '') error%message = error%message//'. There '//names//' lose their grip on the motion: branches of it'// &
+            & ' meet, which ADAMS and RADAU may pass, or a driver moves what joints stop at a dead centre'
+      end subroutine name_weak
 
       !> Does the last step again, up to what was found in it, or as near to that as a step can end.
       subroutine do_again()

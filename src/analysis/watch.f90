@@ -14,7 +14,7 @@ module limber_analysis_watch
    implicit none
    private
    public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning, ringing_warning, &
-      & slip_warning, largest_speed
+      & slip_warning, largest_speed, find_weak
 
    !> Velocities that change faster than a motion changes them
    type :: jump_watch_type
@@ -270,12 +270,28 @@ contains
       !> The body with the largest jump
       integer, intent(in) :: body
       character(:), allocatable, intent(out) :: text
+      character(:), allocatable :: names
+      call find_weak(system, work, t, q, names)
+      if (names == '') return
+      text = "the velocities of body '"//system%model%bodies(body)%name//"' change abruptly at t = "//as_text(t, 8)// &
+         & ', where branches of the motion meet ('//names//' without grip): it may have gone over to'// &
+         & ' another branch; compare with INTEGRATOR=ADAMS or a smaller TOLERANCE'
+   end subroutine explain
+
+   !> Names of the constraints that have lost their grip at a state, as at a dead centre or a fold; empty if there are none.
+   subroutine find_weak(system, work, t, q, names)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      character(:), allocatable, intent(out) :: names
       type(crossing_type) :: scratch
       type(error_type), allocatable :: error
       logical :: part(size(system%constraints))
       real(wp) :: strength
       integer :: i
-      if (maxval(system%tree%row) == 0 .or. system%redundant) return
+      names = ''
+      if (maxval([0, system%tree%row]) == 0 .or. system%redundant) return
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
       call new_crossing(system, scratch)
@@ -286,10 +302,8 @@ contains
             part(i) = maxval(abs(scratch%weakest(item%first:item%first + item%rows - 1))) > 0.1_wp*maxval(abs(scratch%weakest))
          end associate
       end do
-      text = "the velocities of body '"//system%model%bodies(body)%name//"' change abruptly at t = "//as_text(t, 8)// &
-         & ', where branches of the motion meet ('//constraint_names(system, part)//' without grip): it may have gone over to'// &
-         & ' another branch; compare with INTEGRATOR=ADAMS or a smaller TOLERANCE'
-   end subroutine explain
+      names = constraint_names(system, part)
+   end subroutine find_weak
 
    !> Saves or restores its memory.
    subroutine exchange_jump_watch(self, snapshot)

@@ -88,6 +88,10 @@ contains
       else if (base%status /= 0 .and. reference%status /= 0) then
          verdict%kind = 'failed'
          verdict%what = first_words(base%message)
+      else if (base%status /= reference%status .and. (is_singular(base) .or. is_singular(reference))) then
+         verdict%kind = 'failed'
+         verdict%what = first_words(base%message//reference%message)
+         return
       else if (base%status /= reference%status) then
          call disagree('status', plan%reference%name, trim(as_text(base%status))//', reference '//as_text(reference%status)// &
             & ': '//base%message//reference%message)
@@ -107,6 +111,9 @@ contains
             if (is_slow(other)) then
                if (base%cpu > nearly_slow*patience) verdict%kind = 'failed'
                if (base%cpu <= nearly_slow*patience) call disagree('slow', plan%others(i)%name, first_words(other%message))
+            else if (is_singular(other) .or. is_singular(base)) then
+               verdict%kind = 'failed'
+               verdict%what = first_words(other%message//base%message)
             else
                call disagree('status', plan%others(i)%name, as_text(other%status)//', base '//as_text(base%status)//': '// &
                   & other%message//base%message)
@@ -157,6 +164,12 @@ contains
       type(trial_type), intent(in) :: trial
       is_slow = trial%status == 3 .and. index(trial%message, 'given up after') > 0
    end function is_slow
+
+   !> Whether a run has failed at a place where constraints have no grip, and says so: others may pass it, by luck or by a fold.
+   pure logical function is_singular(trial)
+      type(trial_type), intent(in) :: trial
+      is_singular = trial%status == 3 .and. index(trial%message, 'lose their grip') > 0
+   end function is_singular
 
    pure logical function is_disagreement(verdict)
       type(verdict_type), intent(in) :: verdict

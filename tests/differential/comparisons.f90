@@ -24,8 +24,8 @@ module comparisons
    !> crossed once in the time of the run for speeds
    integer, parameter :: resting(7) = [speeds, spins, deflections, rotations, powers, others, others + 1]
    real(wp), parameter :: of_rest(7) = [5.0_wp, 5.0_wp, 5.0e-4_wp, 1.0e-3_wp, 1.0e3_wp, 5.0_wp, 5.0_wp]
-   !> Part of the largest of its group that accelerations, reactions and section forces of elastic bodies may be off by an integrator
-   !> that does not follow their vibrations, or keeps them up at rest: from there on limber warns
+   !> Part of the largest of its group that accelerations, reactions and section forces of elastic bodies may be off by an
+   !> integrator that does not follow their vibrations, or keeps them up at rest: from there on limber warns
    real(wp), parameter :: unseen = 1.0e-2_wp
    !> Part of the largest of its group that a channel counts as at least
    real(wp), parameter :: part_of_group = 0.05_wp
@@ -33,6 +33,8 @@ module comparisons
    !> What errors of the channels are relative to (channels), and the largest of the group of each
    type :: scales_type
       real(wp), allocatable :: own(:), of_group(:)
+      !> The same of the envelope
+      real(wp) :: envelope(3) = 0.0_wp
    end type scales_type
 
    !> What came out
@@ -80,6 +82,8 @@ contains
       if (draft%elastic) lowest(moments) = elastic_moment
       if (draft%timeless) lowest(resting) = of_rest
       answers = changed%status == 0 .and. all(shape(changed%values) == shape(reference%values))
+      scales%envelope = max(reference%envelope, [elastic_force, elastic_force, elastic_moment])
+      if (answers) scales%envelope = scales%envelope + abs(changed%envelope - reference%envelope)/small_change
       do row = 1, size(scales%own)
          scales%of_group(row) = max(largest(group(row)), lowest(group(row)))
          scales%own(row) = max(scales%own(row), part_of_group*largest(group(row)), lowest(group(row)))
@@ -129,9 +133,26 @@ contains
             end if
          end do
       end do
+      call compare_envelopes()
       call compare_modes()
 
    contains
+
+      !> Largest internal forces of the envelope.
+      subroutine compare_envelopes()
+         character(*), parameter :: names(3) = [character(14) :: 'axial force', 'shear force', 'bending moment']
+         integer :: group
+         do i = 1, 3
+            group = merge(moments, forces, i == 3)
+            error = abs(trial%envelope(i) - reference%envelope(i))
+            limit = scales%envelope(i)*allowed_by(view)
+            if (draft%timeless .or. view%integrator /= 'ADAMS') limit = max(limit, unseen*maxval(reference%envelope(:2)))
+            if (error <= limit) cycle
+            excused = max(pardoned(trial%warnings, group), pardoned(reference%warnings, group))*scales%envelope(i)
+            call disagree(merge('warned', 'values', excused >= error), error/limit, trim(view%integrator)//' envelope, '// &
+               & trim(names(i))//': '//as_text(trial%envelope(i), 6)//' for '//as_text(reference%envelope(i), 6))
+         end do
+      end subroutine compare_envelopes
 
       !> Notes a difference, if it is worse than what is known.
       subroutine disagree(kind, ratio, what)

@@ -39,6 +39,8 @@ module drafts
       integer :: outputs = 20
       !> Whether it may be turned by quarters only; moved in time; whether CONSERVING may run it
       logical :: by_quarters = .false., timeless = .false., elastic = .false.
+      !> The beam or frame whose envelope is asked for; empty: none
+      character(12) :: envelope = ''
       !> What it is, for the summary
       character(24) :: title = ''
    end type draft_type

@@ -37,7 +37,19 @@ contains
       end if
       call ask_bodies(draft)
       call ask_system(draft)
+      if (mod(seed, 3) == 0) call ask_envelope(draft)
    end subroutine invent
+
+   !> The envelope of the last body that bends.
+   subroutine ask_envelope(draft)
+      type(draft_type), intent(inout) :: draft
+      integer :: i
+      do i = draft%count, 1, -1
+         if (.not. any(draft%bodies(i)%kind == [is_beam, is_frame]) .or. .not. draft%bodies(i)%bends) cycle
+         draft%envelope = draft%bodies(i)%name
+         return
+      end do
+   end subroutine ask_envelope
 
    !> Whether the beams of a scene are exact ones: every fifth from 10000 on.
    pure logical function has_exact(seed)

@@ -132,7 +132,9 @@ contains
             if (draft%blocks(order(i))%part == part) text = text//rendered(draft%blocks(order(i))%text, now)
          end do
       end do
-      text = text//'*OUTPUT'//newline
+      text = text//'*OUTPUT'
+      if (draft%envelope /= '') text = text//rendered(', ENVELOPE=<N|'//trim(draft%envelope)//'>', now)
+      text = text//newline
       do i = 1, size(draft%channels)
          text = text//asked(draft%channels(i), now)
       end do

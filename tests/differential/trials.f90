@@ -37,6 +37,8 @@ module trials
       real(wp), allocatable :: values(:, :), errors(:, :)
       !> Frequencies of *MODES, all analyses one after another, with damping ratios behind them (2, modes)
       real(wp), allocatable :: modes(:, :)
+      !> Largest axial force, shear force and bending moment of the envelope, either sign; 0 without one
+      real(wp) :: envelope(3) = 0.0_wp
       real(wp) :: cpu = 0.0_wp
    end type trial_type
 
@@ -98,6 +100,14 @@ contains
       if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
       allocate (trial%values, source=history%memory%values(:, :history%memory%samples))
       if (allocated(lines)) call read_modes(lines, trial%modes)
+      if (allocated(outcome%efforts)) then
+         do i = 1, size(outcome%efforts)
+            if (.not. allocated(outcome%efforts(i)%extremes)) cycle
+            associate (extremes => outcome%efforts(i)%extremes)
+               trial%envelope = max(trial%envelope, maxval(maxval(abs(extremes(:3, :, :)), 3), 2))
+            end associate
+         end do
+      end if
       if (allocated(error)) then
          trial%status = 3
          trial%message = error%message

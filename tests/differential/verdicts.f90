@@ -46,6 +46,8 @@ contains
          call seen_again(draft%channels(i), view, trial%values(row:row + rows - 1, :))
          row = row + rows
       end do
+      trial%envelope(:2) = trial%envelope(:2)/product(view%units**[1, 1, -2])
+      trial%envelope(3) = trial%envelope(3)/product(view%units**[1, 2, -2])
       if (size(trial%modes) > 0) then
          trial%modes(1, :) = trial%modes(1, :)*view%units(3)
       end if

@@ -180,12 +180,25 @@ contains
       call reader%read_time(time, error)
       call check_close(21*time(size(time))/20.05095_wp, 1.0_wp, 5.0e-5_wp, "Beck's column")
       call reader%close()
+      ! Leipholz's: a load along all of it that follows; by polynomials of degree 27
+      call run_bar('FUNCTIONS=8, STRAIN FUNCTIONS=0', wall//'*DISTRIBUTED LOAD, NAME=load, BODY=bar, FOLLOWER=YES'//nl// &
+         & ' -42, 0, t'//nl//'*STATICS, INCREMENTS=10, INSTABILITY=STOP'//nl, reader)
+      deallocate (time)
+      call reader%read_time(time, error)
+      call check_close(42*time(size(time))/40.0537365_wp, 1.0_wp, 1.0e-5_wp, "Leipholz's column")
+      call reader%close()
    end subroutine check_beck
 
-   !> First frequency of a rotating cantilever in its plane, hub radius 0: the square of that across the plane less the speed's.
+   !> First frequency of a rotating cantilever in its plane: the square of that across the plane (polynomials of degree 27) less the
+   !> speed's. Hub radius 0, 1 and 5, at 11 times the first frequency too.
    subroutine check_rotation()
       type(history_reader_type) :: reader
       real(wp), parameter :: speed(3) = [1.0_wp, 4.0_wp, 12.0_wp], flap(3) = [3.6816468140_wp, 5.5850014209_wp, 13.1701504875_wp]
+      integer, parameter :: radius(7) = [0, 1, 1, 1, 5, 5, 5]
+      character(11), parameter :: fast(7) = [character(11) :: '38.67616795', '4', '12', '38.67616795', '1', '4', '12']
+      real(wp), parameter :: across(7) = [39.7623648885_wp, 7.4750477889_wp, 19.7215419341_wp, 61.5481171700_wp, &
+         & 4.6241726521_wp, 12.3819027400_wp, 35.2082045573_wp]
+      real(wp), parameter :: omega(7) = [38.67616795_wp, 4.0_wp, 12.0_wp, 38.67616795_wp, 1.0_wp, 4.0_wp, 12.0_wp]
       real(wp), parameter :: tolerance(3) = [1.0e-6_wp, 1.0e-5_wp, 1.0e-3_wp]
       character(2), parameter :: text(3) = ['1 ', '4 ', '12']
       real(wp), allocatable :: frequency(:)
@@ -198,6 +211,16 @@ contains
          call check_no_error(error, 'frequencies')
          if (allocated(error)) cycle
          call check_close(frequency(1)/sqrt(flap(i)**2 - speed(i)**2), 1.0_wp, tolerance(i), 'frequency of a rotating cantilever')
+         call reader%close()
+      end do
+      do i = 1, size(radius)
+         call run_bar('FUNCTIONS=12, STRAIN FUNCTIONS=0', pin//'*DRIVER, NAME=hub, TYPE=ANGLE, BODY=bar'//nl//' 0'//nl// &
+            & '*STATICS, ROTATION='//trim(fast(i))//', CENTRE X=-'//achar(48 + radius(i))//', INCREMENTS=5'//nl// &
+            & '*MODES, NAME=modes, NUMBER=2'//nl, reader, .true.)
+         call reader%read_numbers('/modes/modes/frequency', frequency, error)
+         call check_no_error(error, 'frequencies')
+         if (allocated(error)) cycle
+         call check_close(frequency(1)/sqrt(across(i)**2 - omega(i)**2), 1.0_wp, 1.0e-4_wp, 'rotating on a hub')
          call reader%close()
       end do
    end subroutine check_rotation

@@ -469,7 +469,7 @@ contains
       integer :: body, i
       do i = 1, 2
          model = empty_model(1.0_wp)
-         choice = reduction_type(support=new_support(trim(supports(i))), bending=2, geometric_elements=6, &
+         choice = reduction_type(support=new_support(trim(supports(i))), bending=2, axial=2, geometric_elements=6, &
             & fidelity=fidelity_linear, origin=0.2_wp)
          body = add_beam(model, 'beam', beam, choice, [0.3_wp, -0.4_wp], 0.5_wp, error)
          call check_no_error(error, 'beam')

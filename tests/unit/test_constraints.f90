@@ -346,7 +346,7 @@ contains
       model = empty_model(0.5_wp)
       model%gravity = [0.0_wp, -9.81_wp]
       beam = beam_type(ea=5.0e4_wp, ei=1.2_wp, rho_a=0.6_wp, length=0.5_wp, elements=12)
-      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=3, axial=2, geometric_elements=3, &
+      choice = reduction_type(support=new_support('PINNED-ROLLER'), bending=3, axial=3, geometric_elements=3, &
          & fidelity=fidelity, origin=0.1_wp)
       crank = add_rigid(model, 'crank', 0.4_wp, 2.0e-3_wp, [0.1_wp, 0.01_wp], [0.0_wp, 0.0_wp], 0.9_wp)
       rod = add_beam(model, 'rod', beam, choice, [0.2_wp, 0.1_wp], -0.3_wp, error)

@@ -183,7 +183,7 @@ contains
          & fidelity=fidelity_kg)
       rod = add_beam(model, 'rod', beam, choice, [0.1_wp, 0.2_wp], 0.4_wp, error)
       call check_no_error(error, 'rod')
-      choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=3, &
+      choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=3, geometric_elements=3, &
          & fidelity=fidelity_linear, origin=0.3_wp)
       arm = add_beam(model, 'arm', beam, choice, [-0.3_wp, 0.7_wp], -1.1_wp, error)
       call check_no_error(error, 'arm')

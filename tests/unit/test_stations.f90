@@ -41,6 +41,7 @@ contains
       choice%axial = 0
       choice%fidelity = fidelity_kg
       choice%geometric_elements = 2
+      choice%static_axial = .true.
       call reduce_beam(beam, choice, body, field, error)
       call check_no_error(error, support)
       call new_stations(beam, choice, field, body, [0.0_wp, 1.0_wp], jointed, [.false., .false.], .false., stations, error)

@@ -1,5 +1,5 @@
 # Every equation that a source or doc/theory.md cites, `eq. (n)` or `eqs. (n), (m)-(k)`, stands in doc/theory.md, where numbers
-# are there once and ascend; equations with a letter before the number are new ones that will get a number.
+# are there once and ascend (those of equations that are gone stay free); equations with a letter before the number are new ones that will get a number.
 # cmake -DSOURCE=<src> -DTHEORY=<doc/theory.md> -P equations.cmake
 cmake_policy(VERSION 3.25)
 file(READ ${THEORY} theory)
@@ -14,8 +14,7 @@ foreach(tag IN LISTS tags)
   endif()
   list(APPEND known "${tag}")
   if(tag MATCHES "^([0-9]+)([a-z]?)$")
-    math(EXPR next "${last} + 1")
-    if(NOT "${CMAKE_MATCH_1}${CMAKE_MATCH_2}" STREQUAL "${next}" AND NOT ("${CMAKE_MATCH_1}" STREQUAL "${last}" AND CMAKE_MATCH_2))
+    if(NOT CMAKE_MATCH_1 GREATER last AND NOT ("${CMAKE_MATCH_1}" STREQUAL "${last}" AND CMAKE_MATCH_2))
       list(APPEND faults "${THEORY}: equation (${tag}) follows (${last})")
     endif()
     set(last ${CMAKE_MATCH_1})

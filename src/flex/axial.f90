@@ -1,6 +1,6 @@
 !> Axial functions of constant strain in each k_G element: static responses to forces along the beam and to a centrifugal load, which
 !> carry the tension of the model k_g at once. They are made orthonormal in the lumped mass and diagonalise the axial stiffness.
-!> Floor: flex. Source: doc/theory, eqs. (25), (26).
+!> Floor: flex. Source: doc/theory, eq. (26).
 module limber_flex_axial
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

@@ -1,5 +1,5 @@
 !> Elastic energy and force of a reduced body: linear or k_g. Plain kernels of the time loop; their cost
-!> depends on the number of coordinates only. Floor: flex. Source: Han and Lee 1993, eqs. (10)-(14); doc/theory, eqs. (22)-(24).
+!> depends on the number of coordinates only. Floor: flex. Source: Han and Lee 1993, eqs. (10)-(14); doc/theory, eqs. (22), (24).
 module limber_flex_elastic
    use limber_base_kinds, only: wp
    use limber_flex_reduced, only: reduced_type

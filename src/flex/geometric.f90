@@ -3,7 +3,7 @@
 !>
 !> With eta_b the bending and eta_a the axial coordinates and z the products eta_i eta_j, i <= j, of the bending coordinates, the work
 !> of the tension that the k_G elements get from eta_a is z.(cubic eta_a); its derivatives by eta_b act on the bending (model k_g).
-!> Floor: flex. Source: Han and Lee 1993, eq. (12); Przemieniecki, section 15.4; doc/theory, eqs. (20)-(22).
+!> Floor: flex. Source: Han and Lee 1993, eq. (12); Przemieniecki, section 15.4; doc/theory, eqs. (20), (22).
 module limber_flex_geometric
    use limber_base_kinds, only: wp
    use limber_flex_beam, only: geometric_stiffness, bending_slope, bending_curvature

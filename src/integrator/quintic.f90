@@ -15,12 +15,13 @@ contains
       !> Part of the step that has gone, 0 to 1, and its length
       real(wp), intent(in) :: part, h
       !> Coordinates at its beginning (nq), its increment (nw); rates and accelerations at its beginning and its end (nw)
-      real(wp), intent(in) :: q_before(:), increment(:), w_before(:), w(:), a_before(:), a(:)
+      real(wp), contiguous, intent(in) :: q_before(:), increment(:), w_before(:), w(:), a_before(:), a(:)
       !> Scratch (nw)
-      real(wp), intent(inout) :: change(:), rates(:)
+      real(wp), contiguous, intent(inout) :: change(:), rates(:)
       !> Coordinates and velocities (nq)
-      real(wp), intent(inout) :: q(:), v(:)
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
       real(wp) :: b(5), d(5)
+      integer :: k
       associate (s => part)
          ! Factors of [increment, h w0, h^2 a0, h w1, h^2 a1]
          b = [s**3*(10 - 15*s + 6*s**2), s - 6*s**3 + 8*s**4 - 3*s**5, 0.5_wp*s**2*(1 - s)**3, -4*s**3 + 7*s**4 - 3*s**5, &
@@ -28,8 +29,12 @@ contains
          d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
             & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]/h
       end associate
-      change = b(1)*increment + h*(b(2)*w_before + b(4)*w) + h**2*(b(3)*a_before + b(5)*a)
-      rates = d(1)*increment + h*(d(2)*w_before + d(4)*w) + h**2*(d(3)*a_before + d(5)*a)
+      b(2:5) = b(2:5)*[h, h**2, h, h**2]
+      d(2:5) = d(2:5)*[h, h**2, h, h**2]
+      do k = 1, size(w)
+         change(k) = b(1)*increment(k) + b(2)*w_before(k) + b(3)*a_before(k) + b(4)*w(k) + b(5)*a(k)
+         rates(k) = d(1)*increment(k) + d(2)*w_before(k) + d(3)*a_before(k) + d(4)*w(k) + d(5)*a(k)
+      end do
       call advance(layout, q_before, change, q)
       call velocities_of(layout, q, rates, v)
    end subroutine quintic_state

@@ -6,21 +6,53 @@ module limber_output_exact_forces
    use limber_flex_exact_profile, only: of_mass, of_rotary
    use limber_flex_recovery, only: recovery_type, section_type
    use limber_system_algebra, only: turn, cross
-   use limber_system_centreline, only: centreline_type
+   use limber_system_centreline, only: centreline_type, inner
    implicit none
    private
-   public :: inertia_behind, add_behind, turn_into_sections
+   public :: section_reach_type, new_section_reach, inertia_behind, add_behind, turn_into_sections
 
    !> Distance of places that are the same, of the length of the beam
    real(wp), parameter :: near = 1.0e-9_wp
 
+   !> What belongs to the sections of a beam at any state, found once, and their places at the last one
+   type :: section_reach_type
+      !> What the stations give to the place of each section, and of each part of a load (stations, sections), (stations, parts)
+      real(wp), allocatable :: reach(:, :), part(:, :)
+      !> Functions of the angle (angles, sections), and the angle of the undeformed axis (sections)
+      real(wp), allocatable :: psi(:, :), lean(:)
+      !> In the axes of the frame (2, sections)
+      real(wp), allocatable :: place(:, :)
+   end type section_reach_type
+
 contains
 
-   !> What inertia and weight make at each section: force along the axes of the frame (2) and couple (3, sections).
-   subroutine inertia_behind(line, recovery, heavy, omega, alpha, eta_acceleration, forces)
+   !> The sections of a recovery.
+   pure function new_section_reach(exact, recovery) result(at)
+      type(exact_type), intent(in) :: exact
+      type(recovery_type), intent(in) :: recovery
+      type(section_reach_type) :: at
+      integer :: i
+      associate (n => size(recovery%sections), parts => size(recovery%part_at))
+         allocate (at%reach(exact%stations, n), at%part(exact%stations, parts), at%psi(exact%angles, n), at%lean(n), at%place(2, n))
+         do i = 1, n
+            at%reach(:, i) = reach_of(exact, recovery%sections(i)%x) - exact%base
+            at%psi(:, i) = angles_at(exact, recovery%sections(i)%x)
+            at%lean(i) = lean_at(exact, recovery%sections(i)%x)
+         end do
+         do i = 1, parts
+            at%part(:, i) = reach_of(exact, recovery%part_at(i)) - exact%base
+         end do
+      end associate
+      at%place = 0.0_wp
+   end function new_section_reach
+
+   !> What inertia and weight make at each section: force along the axes of the frame (2) and couple (3, sections). Places the
+   !> sections.
+   subroutine inertia_behind(line, recovery, sections, heavy, omega, alpha, eta_acceleration, forces)
       !> At the state
       type(centreline_type), intent(in) :: line
       type(recovery_type), intent(in) :: recovery
+      type(section_reach_type), intent(inout) :: sections
       !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2); angular velocity and acceleration;
       !> second derivatives of the coordinates (n)
       real(wp), intent(in) :: heavy(2), omega, alpha, eta_acceleration(:)
@@ -30,8 +62,9 @@ contains
       call line%accelerations(heavy, omega, alpha, eta_acceleration, push)
       do i = 1, size(recovery%sections)
          forces(:, i) = 0.0_wp
-         place = place_of(line, recovery%sections(i)%x)
-         part = line%weight - reach_of(line%exact_type, recovery%sections(i)%x)
+         place = place_of(line, sections%reach(:, i))
+         sections%place(:, i) = place
+         part = line%weight - line%base - sections%reach(:, i)
          do k = 1, line%stations
             f = -line%section(of_mass, k)*part(k)*push(k, :)
             forces(1:2, i) = forces(1:2, i) + f
@@ -52,33 +85,39 @@ contains
       end do
    end subroutine inertia_behind
 
-   !> Adds a force along the axes of the frame (2) and a couple at a coordinate along the beam.
-   pure subroutine add_behind(line, recovery, x, force, forces)
+   !> Adds a force along the axes of the frame (2) and a couple at a coordinate along the beam; `inertia_behind` comes first.
+   pure subroutine add_behind(line, recovery, sections, x, force, forces, reach)
       type(centreline_type), intent(in) :: line
       type(recovery_type), intent(in) :: recovery
+      type(section_reach_type), intent(in) :: sections
       real(wp), intent(in) :: x, force(3)
       real(wp), intent(inout) :: forces(:, :)
+      !> What the stations give to the place of that coordinate, if it is known (stations)
+      real(wp), contiguous, intent(in), optional :: reach(:)
       real(wp) :: place(2)
       integer :: i
-      place = place_of(line, x)
+      if (.not. any(abs(force) > 0.0_wp)) return
+      if (present(reach)) then
+         place = place_of(line, reach)
+      else
+         place = place_of(line, reach_of(line%exact_type, x) - line%base)
+      end if
       do i = 1, size(recovery%sections)
          if (.not. is_behind(line%exact_type, recovery%sections(i), x)) cycle
          forces(1:2, i) = forces(1:2, i) + force(1:2)
-         forces(3, i) = forces(3, i) + force(3) + cross(place - place_of(line, recovery%sections(i)%x), force(1:2))
+         forces(3, i) = forces(3, i) + force(3) + cross(place - sections%place(:, i), force(1:2))
       end do
    end subroutine add_behind
 
    !> Axial force, shear force and bending moment of the sections, in the place of forces along the axes of the frame.
-   subroutine turn_into_sections(line, recovery, eta, forces)
-      type(centreline_type), intent(in) :: line
-      type(recovery_type), intent(in) :: recovery
+   subroutine turn_into_sections(sections, eta, forces)
+      type(section_reach_type), intent(in) :: sections
       real(wp), intent(in) :: eta(:)
       real(wp), intent(inout) :: forces(:, :)
       real(wp) :: angle, axis(2)
       integer :: i
-      do i = 1, size(recovery%sections)
-         angle = lean_at(line%exact_type, recovery%sections(i)%x) &
-            & + dot_product(angles_at(line%exact_type, recovery%sections(i)%x), eta(:line%angles))
+      do i = 1, size(sections%lean)
+         angle = sections%lean(i) + dot_product(sections%psi(:, i), eta(:size(sections%psi, 1)))
          axis = [cos(angle), sin(angle)]
          forces(1:2, i) = [dot_product(axis, forces(1:2, i)), dot_product(turn(axis), forces(1:2, i))]
       end do
@@ -96,17 +135,13 @@ contains
       end if
    end function is_behind
 
-   !> Place of a coordinate along the beam, in the axes of the frame (2).
-   pure function place_of(line, x) result(place)
+   !> Place with a reach, in the axes of the frame (2).
+   pure function place_of(line, reach) result(place)
       type(centreline_type), intent(in) :: line
-      real(wp), intent(in) :: x
-      real(wp) :: place(2), reach(line%stations)
-      integer :: k
-      reach = reach_of(line%exact_type, x) - line%base
-      place = 0.0_wp
-      do k = 1, line%stations
-         place = place + reach(k)*line%g(k, :)
-      end do
+      !> (stations)
+      real(wp), contiguous, intent(in) :: reach(:)
+      real(wp) :: place(2)
+      place = [inner(line%stations, reach, line%g(:, 1)), inner(line%stations, reach, line%g(:, 2))]
    end function place_of
 
 end module limber_output_exact_forces

@@ -3,7 +3,7 @@
 !> Source: doc/theory, eqs. (124)-(127).
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
-   use limber_output_exact_forces, only: inertia_behind, add_behind, turn_into_sections
+   use limber_output_exact_forces, only: section_reach_type, new_section_reach, inertia_behind, add_behind, turn_into_sections
    use limber_flex_exact_profile, only: profile_at, profile_values
    use limber_flex_recovery, only: recovery_type, section_type, amplitudes, internal_forces
    use limber_model_scene, only: body_type, ground
@@ -31,8 +31,9 @@ module limber_output_internal_forces
       !> Of an envelope: least and greatest axial force, shear force, bending moment, and stresses to the left and to the right
       !> (5, 2, sections along the body); otherwise unallocated
       real(wp), allocatable :: extremes(:, :, :)
-      !> Of an exact beam: internal forces at its sections (3, sections); otherwise unallocated
+      !> Of an exact beam: internal forces at its sections (3, sections), otherwise unallocated; and where they are
       real(wp), allocatable :: exact(:, :)
+      type(section_reach_type) :: sections
       !> What acts on its frame, which is the section at the origin: force and couple in the axes of the frame
       real(wp) :: on_frame(3) = 0.0_wp
    end type effort_type
@@ -73,7 +74,10 @@ contains
       end do
       allocate (effort%amplitude(size(recovery%load, 2)), effort%place(size(system%model%points)), effort%scratch(most))
       effort%amplitude = 0.0_wp
-      if (system%model%bodies(body)%reduced%is_exact) allocate (effort%exact(3, size(recovery%sections)))
+      if (system%model%bodies(body)%reduced%is_exact) then
+         allocate (effort%exact(3, size(recovery%sections)))
+         effort%sections = new_section_reach(system%model%bodies(body)%reduced%exact, recovery)
+      end if
       effort%place = 0
       count = 0
       do i = 1, size(system%model%points)
@@ -135,17 +139,17 @@ contains
       heavy = a(first:first + 1) - system%model%gravity
       heavy = [dot_product(q(first + 2:first + 3), heavy), cross(q(first + 2:first + 3), heavy)]
       associate (line => work%kinematics%lines(findloc(work%kinematics%beams, body, dim=1)), u => q(first + 2:first + 3))
-         call inertia_behind(line, recovery, heavy, cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), &
-            & a(first + 4:last), effort%exact)
+         call inertia_behind(line, recovery, effort%sections, heavy, cross(u, v(first + 2:first + 3)), &
+            & cross(u, a(first + 2:first + 3)), a(first + 4:last), effort%exact)
          do k = 1, recovery%places
             do part = recovery%first_part(k), recovery%first_part(k + 1) - 1
-               call add_behind(line, recovery, recovery%part_at(part), recovery%part(part)*effort%amplitude(3*k - 2:3*k), &
-                  & effort%exact)
+               call add_behind(line, recovery, effort%sections, recovery%part_at(part), &
+                  & recovery%part(part)*effort%amplitude(3*k - 2:3*k), effort%exact, effort%sections%part(:, part))
             end do
          end do
-         call add_behind(line, recovery, system%model%bodies(body)%choice%origin, effort%on_frame, effort%exact)
+         call add_behind(line, recovery, effort%sections, system%model%bodies(body)%choice%origin, effort%on_frame, effort%exact)
          call add_sliding(effort, system, work, body, line, recovery, q)
-         call turn_into_sections(line, recovery, q(first + 4:last), effort%exact)
+         call turn_into_sections(effort%sections, q(first + 4:last), effort%exact)
       end associate
    end subroutine gather_exact
 
@@ -314,7 +318,7 @@ contains
                z = [dot_product(u, z), cross(u, z)]
                at = foot_of(item, z, q(first + 4:first + 3 + system%layout%n(body)))
                force = -work%lambda(item%first)*work%jacobians(2, i)%z(1, 1:2)
-               call add_behind(line, recovery, at, &
+               call add_behind(line, recovery, effort%sections, at, &
                   & [dot_product(u, force), cross(u, force), 0.0_wp], effort%exact)
             end select
          end associate

@@ -78,12 +78,19 @@ module limber_system_kinematics
       logical :: still = .false.
    end type drive_type
 
+   !> Times at which the values of drivers are kept
+   integer, parameter :: times_kept = 4
+
    !> Frames of all bodies (index 0 is the ground), all markers in use, and what drivers prescribe, at a time
    type :: kinematics_type
       real(wp) :: time = -huge(1.0_wp)
       !> Time over which they are means, velocities being increments over it; zero: those of an instant
       real(wp) :: span = 0.0_wp
       type(drive_type), allocatable :: drives(:)
+      !> What they prescribe at the last few times, these times, and the oldest of them: stages of a step come again in each round
+      type(drive_type), allocatable :: known(:, :)
+      real(wp) :: known_times(times_kept) = -huge(1.0_wp)
+      integer :: oldest = 1
       type(frame_type), allocatable :: frames(:)
       !> The exact beams, and the body of each
       type(centreline_type), allocatable :: lines(:)
@@ -123,6 +130,7 @@ contains
       end do
       allocate (kinematics%drives(size(model%drivers) + count(model%joints%has_law)))
       kinematics%drives(size(model%drivers) + 1:)%joint = pack([(m, m=1, size(model%joints))], model%joints%has_law)
+      allocate (kinematics%known(size(kinematics%drives), times_kept))
       do m = 1, size(model%drivers)
          kinematics%drives(m)%still = model%drivers(m)%level == 0 .and. model%drivers(m)%law%is_constant()
          if (kinematics%drives(m)%still) call place_drive(model%drivers(m), 0.0_wp, kinematics%drives(m))
@@ -170,6 +178,12 @@ contains
       integer :: i
       if (.not. abs(t - kinematics%time) > 0.0_wp) return
       kinematics%time = t
+      if (size(kinematics%drives) == 0) return
+      do i = 1, times_kept
+         if (abs(t - kinematics%known_times(i)) > 0.0_wp) cycle
+         kinematics%drives = kinematics%known(:, i)
+         return
+      end do
       do i = 1, size(model%drivers)
          if (.not. kinematics%drives(i)%still) call place_drive(model%drivers(i), t, kinematics%drives(i))
       end do
@@ -179,6 +193,9 @@ contains
          kinematics%drives(i)%rate = theta%first
          kinematics%drives(i)%acceleration = theta%second
       end do
+      kinematics%known(:, kinematics%oldest) = kinematics%drives
+      kinematics%known_times(kinematics%oldest) = t
+      kinematics%oldest = modulo(kinematics%oldest, times_kept) + 1
    end subroutine place_drives
 
    !> What one driver prescribes at the time t.

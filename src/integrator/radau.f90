@@ -26,6 +26,9 @@ module limber_integrator_radau
    public :: radau_type
 
    integer, parameter :: most_iterations = 10
+   !> Contraction of Newton's method below which the derivatives serve the next step, too; growth of the step that is not worth new
+   !> factors then
+   real(wp), parameter :: lazy = 1.0e-3_wp, alike = 1.2_wp
 
    !> Memory of the method
    type, extends(implicit_type) :: radau_type
@@ -39,6 +42,9 @@ module limber_integrator_radau
       complex(wp), allocatable :: complex_part(:)
       !> Error and step of the last accepted step, for the prediction
       real(wp) :: error_last = 0.0_wp, h_accepted = 0.0_wp
+      !> Contraction of the last Newton iteration, and whether the derivatives are those of the present state
+      real(wp) :: contraction = 1.0_wp
+      logical :: current = .false.
    contains
       procedure :: start => radau_start
       procedure :: step => radau_step
@@ -66,6 +72,7 @@ contains
       call self%begin(system, work, t, duration, q, v, error)
       if (allocated(error)) return
       self%h_accepted = 0.0_wp
+      self%contraction = 1.0_wp
       self%a_before = self%a
       self%a_end = self%a
       call self%begin_step_size(duration, 0.1_wp*bound(self)**0.25_wp)
@@ -92,7 +99,10 @@ contains
             call self%step_too_small(system, work, count(system%layout%w <= i), error)
             return
          end if
-         if (.not. self%fresh) call self%refresh(system, work)
+         if (.not. self%fresh) then
+            call self%refresh(system, work)
+            self%current = .true.
+         end if
          if (abs(self%h - self%h_factors) > 0.0_wp) call factor_both(self, converged)
          if (abs(self%h - self%h_factors) > 0.0_wp) then
             call self%singular_matrix('RADAU', error)
@@ -100,6 +110,10 @@ contains
          end if
          call guess_stages(self)
          call iterate(self, system, work, converged)
+         if (.not. converged .and. .not. self%current) then
+            self%fresh = .false.
+            cycle
+         end if
          if (.not. converged) then
             self%statistics%rejected = self%statistics%rejected + 1
             call self%heed_failure(failures)
@@ -133,9 +147,10 @@ contains
       ! The function of stability of the method is exp(z) to z^6/7200
       call self%ringing%note(system, self%h, self%a, 1/7200.0_wp, 6)
       call self%count_step(self%h, 5)
-      self%h = self%h*factor
+      self%current = .false.
+      self%fresh = self%contraction <= lazy .and. .not. system%condensed .and. .not. repeated
+      if (.not. self%fresh .or. factor < 1.0_wp .or. factor > alike) self%h = self%h*factor
       if (self%t >= stop .and. .not. repeated) self%h = max(self%h, wanted)
-      self%fresh = .false.
       call self%renew_scales(system)
    end subroutine radau_step
 
@@ -194,7 +209,7 @@ contains
       logical, intent(out) :: converged
       !> Correction, in units of the scales, that is round-off if it no longer shrinks
       real(wp), parameter :: noise = 1.0e-12_wp
-      real(wp) :: size_now, size_last, contraction, goal
+      real(wp) :: size_now, size_last, goal
       integer :: round, i
       converged = .false.
       goal = max(1.0e-14_wp, self%strictness*bound(self)*min(0.03_wp, sqrt(bound(self))))
@@ -208,13 +223,13 @@ contains
          call newton_change(self, system, size_now)
          if (.not. size_now <= huge(size_now)) return
          if (round > 1) then
-            contraction = size_now/max(size_last, tiny(size_last))
-            if (round > 2 .and. contraction >= 0.99_wp) converged = size_now <= noise
-            if (round > 2 .and. contraction >= 0.99_wp .and. size_now > goal) return
-            if (contraction < 1.0_wp) then
-               if (round > 2) converged = size_now/(1 - contraction) <= noise
-               if (round > 2 .and. size_now*contraction**(most_iterations - round)/(1 - contraction) > goal) return
-               converged = size_now*contraction/(1 - contraction) <= goal
+            self%contraction = size_now/max(size_last, tiny(size_last))
+            if (round > 2 .and. self%contraction >= 0.99_wp) converged = size_now <= noise
+            if (round > 2 .and. self%contraction >= 0.99_wp .and. size_now > goal) return
+            if (self%contraction < 1.0_wp) then
+               if (round > 2) converged = size_now/(1 - self%contraction) <= noise
+               if (round > 2 .and. size_now*self%contraction**(most_iterations - round)/(1 - self%contraction) > goal) return
+               converged = size_now*self%contraction/(1 - self%contraction) <= goal
             end if
          end if
          converged = converged .or. size_now <= 1.0e-2_wp*goal
@@ -511,6 +526,8 @@ contains
       call snapshot%exchange('complex_part', self%complex_part)
       call snapshot%exchange('error_last', self%error_last)
       call snapshot%exchange('h_accepted', self%h_accepted)
+      call snapshot%exchange('contraction', self%contraction)
+      call snapshot%exchange('current', self%current)
    end subroutine exchange_radau
 
 end module limber_integrator_radau

@@ -148,7 +148,7 @@ contains
       call self%ringing%note(system, self%h, self%a, 1/7200.0_wp, 6)
       call self%count_step(self%h, 5)
       self%current = .false.
-      self%fresh = self%contraction <= lazy .and. .not. system%condensed .and. .not. repeated
+      self%fresh = self%contraction <= lazy .and. .not. repeated
       if (.not. self%fresh .or. factor < 1.0_wp .or. factor > alike) self%h = self%h*factor
       if (self%t >= stop .and. .not. repeated) self%h = max(self%h, wanted)
       call self%renew_scales(system)

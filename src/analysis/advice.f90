@@ -5,7 +5,7 @@ module limber_analysis_advice
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_analysis_probe, only: probe_type, prospect_type, make_probe
-   use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, functions_of, strains_of, verifying, level_exact, most_steps
+   use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, functions_of, strains_of, verifying, level_exact
    use limber_deck_content, only: deck_type
    implicit none
    private
@@ -30,8 +30,6 @@ module limber_analysis_advice
 
    !> Parts of the target that the models and the integration may have; the rest is for the doubt about the verification
    real(wp), parameter, public :: part_model = 0.65_wp, part_time = 0.3_wp
-   !> By how much a force that is there at once stretches more than one at rest
-   real(wp), parameter :: sudden = 2.0_wp
    !> Part of the target below which the expected error of a beam does not matter, and part below which all that its deflection does
    !> to the channels does not
    real(wp), parameter :: no_matter = 0.02_wp, no_effect = 0.2_wp
@@ -73,6 +71,8 @@ contains
       type(prospect_type), intent(in) :: beam
       type(rung_type), intent(inout) :: rung
       real(wp), parameter :: of_stretch = 0.9_wp
+      !> Highest rung to begin with: an expectation may be far too large
+      integer, parameter :: most = 6
       type(rung_type) :: other, best
       real(wp) :: least, error, stretch
       integer :: step, k
@@ -80,7 +80,7 @@ contains
       best = rung
       found = .false.
       least = huge(least)
-      do step = merge(rung%lowest, rung%step, rung%open_functions), merge(most_steps, rung%step, rung%open_functions)
+      do step = merge(rung%lowest, rung%step, rung%open_functions), merge(most, rung%step, rung%open_functions)
          do k = 0, merge(1, 0, rung%open_strains .and. step > 0)
             other = rung
             other%step = step
@@ -127,9 +127,17 @@ contains
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
       error = 0.0_wp
-      if (rung%step > 0) error = sudden*beam%stretch
+      if (rung%step > 0) error = whole_stretch(beam)
       if (strains_of(rung) > 0) error = error*min(0.7_wp, 0.9_wp/strains_of(rung)**2)
    end function expected_stretch
+
+   !> What a beam that does not stretch leaves out: the stretch itself, and what a beam that is longer deflects more.
+   pure real(wp) function whole_stretch(beam)
+      type(prospect_type), intent(in) :: beam
+      !> By how much a force that is there at once stretches more than one at rest
+      real(wp), parameter :: sudden = 2.0_wp
+      whole_stretch = sudden*(beam%stretch + beam%effect*beam%strain)
+   end function whole_stretch
 
    !> What a rung costs in an evaluation, in units of a rigid body: counted operations, eq. (177).
    elemental real(wp) function cost_of(rung) result(cost)
@@ -151,7 +159,7 @@ contains
       associate (rung => advice%rungs(i), beam => advice%probe%beams(i))
          check = rung
          if (.not. matters(advice, i)) return
-         check = verifying(rung, sudden*beam%stretch > of_stretch*advice%target)
+         check = verifying(rung, whole_stretch(beam) > of_stretch*advice%target .or. advice%probe%blind)
       end associate
    end function check_rung
 

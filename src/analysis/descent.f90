@@ -41,7 +41,10 @@ contains
       !> Whether it has failed to leave out the strain of a beam, to take a lower rung (rungs), a looser tolerance, another integrator
       logical :: unstrained(size(reached%advice%rungs)), lower(size(reached%advice%rungs)), loose(2), implicit
       integer :: tries, i
-      logical :: down
+      !> Whether the last one that failed has cost too much, not erred by too much
+      logical :: down, dear
+      !> Errors of the integration are taken to grow with this power of the tolerance
+      real(wp), parameter :: growing = 0.6_wp
       if (any(truth%rest >= target*truth%scale)) return
       allocate (rungs, source=reached%advice%rungs)
       unstrained = .false.
@@ -62,7 +65,12 @@ contains
          if (.not. down) call try_integrator()
          do i = 1, 2
             if (down .or. loose(i) .or. allocated(error) .or. .not. reached%advice%open_tolerance) cycle
-            if (reached%advice%tolerance < 0.99_wp*loosest) call try(min(loosest, looser(i)*reached%advice%tolerance), loose(i))
+            if (reached%advice%tolerance > 0.99_wp*loosest) cycle
+            loose(i) = reached%error + (looser(i)**growing - 1)*reached%of_time > target
+            if (loose(i)) cycle
+            call try(min(loosest, looser(i)*reached%advice%tolerance), loose(i))
+            ! A little looser saves even less
+            if (loose(i) .and. dear) loose = .true.
          end do
          do i = 1, size(rungs)
             if (down .or. allocated(error)) exit
@@ -95,6 +103,7 @@ contains
          real(wp) :: found
          integer :: k
          failed = .true.
+         dear = .false.
          if (tries < least_tries .or. reached%work < (most_effort - 1)*best%work) then
             tries = tries + 1
             call run_less(deck_of(reached%advice, deck), tolerance, trial)
@@ -102,6 +111,7 @@ contains
             call reached%count_run(trial)
             failed = trial%reason /= '' .or. trial%work > (1 - saved)*best%work &
                & .or. size(truth%values, 2) /= trial%samples%samples
+            dear = failed .and. .not. trial%leaves
             if (.not. failed) found = error_against(truth, trial%samples%values)
             if (.not. failed) failed = found > target
          end if
@@ -110,6 +120,7 @@ contains
             return
          end if
          down = .true.
+         if (tolerance > reached%advice%tolerance) reached%of_time = (tolerance/reached%advice%tolerance)**growing*reached%of_time
          reached%error = found
          associate (advice => reached%advice)
             advice%rungs = rungs

@@ -233,7 +233,6 @@ contains
          associate (beam => probe%beams(i))
             beam%part = [(1/real(k, wp)**5, k=1, probe_modes)]
             beam%effect = 1.0_wp
-            beam%stretch = 1.0_wp
             beam%geometric = 1.0_wp
             beam%deflection = 0.015_wp
             beam%slope = 0.05_wp

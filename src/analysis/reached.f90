@@ -34,6 +34,8 @@ module limber_analysis_reached
       type(estimate_type) :: estimate
       !> Largest of them, and their parts by the integration and by the models, relative
       real(wp) :: error = 0.0_wp, of_time = 0.0_wp, of_model = 0.0_wp
+      !> The part of the models before the last climb; zero: they did not climb
+      real(wp) :: before = 0.0_wp
       !> What runs have shown of the integration
       type(shown_type) :: shown
       !> What the deck fixes of beams, and the error of that, relative; models that nothing verifies. Empty: there are none

@@ -18,12 +18,12 @@ module limber_analysis_rungs
    !> The rungs above the rigid one: functions of the section angle, or bending modes; functions of the strain where it matters, or
    !> axial modes
    integer, parameter :: ladder(2, 10) = reshape([1, 1, 2, 1, 3, 2, 5, 2, 7, 3, 10, 3, 14, 5, 20, 5, 28, 8, 40, 12], [2, 10])
-   !> The highest rung, and the highest of a run that is to be verified; rungs from which on the next one verifies them, else the one
-   !> after it
-   integer, parameter, public :: most_steps = size(ladder, 2) - 1
-   integer, parameter :: highest = size(ladder, 2), close_steps = 4
+   !> Rungs from which on the next one verifies them, else the one after it; most coordinates of a beam that something slides along
+   integer, parameter :: close_steps = 4, most_under_slider = 24
    !> Elements and their geometric parts of a beam whose modes are chosen: of no cost in the time loop
    integer, parameter :: elements = 200, geometric_elements = 12
+   !> Axial modes of K_G: half as many leave out twice as much of the tension
+   integer, parameter :: many_axial = 8
 
    !> A beam on its rung
    type :: rung_type
@@ -40,8 +40,10 @@ module limber_analysis_rungs
       logical :: open_level = .false., open_functions = .false., open_strains = .false.
       !> Functions that the deck gives; negative: none
       integer :: functions = -1, strains = -1
-      !> Lowest place in the ladder
-      integer :: lowest = 0
+      !> Lowest and highest place in the ladder
+      integer :: lowest = 0, highest = size(ladder, 2)
+      !> Most functions of both
+      integer :: most = huge(1)
    end type rung_type
 
 contains
@@ -87,8 +89,12 @@ contains
          end if
          if (.not. rung%open_level .or. block%integer('SEGMENTS') > 1 .or. has_features(deck, place)) rung%lowest = 1
       end associate
+      if (carries_slider(deck, deck%blocks(place)%name())) then
+         rung%most = most_under_slider
+         rung%highest = count(ladder(1, :) < most_under_slider)
+      end if
       ! As many steps as the functions that are given
-      if (rung%functions > 0) rung%step = max(1, count(ladder(1, :most_steps) <= rung%functions))
+      if (rung%functions > 0) rung%step = max(1, count(ladder(1, :rung%highest - 1) <= rung%functions))
       if (rung%functions > 0) rung%lowest = 1
    end function given_rung
 
@@ -125,6 +131,23 @@ contains
       end do
    end function has_features
 
+   !> Whether a joint slides along a beam.
+   pure logical function carries_slider(deck, name)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: name
+      integer :: i
+      carries_slider = .false.
+      i = deck%find('JOINT')
+      do while (i > 0)
+         associate (block => deck%blocks(i))
+            if (block%word('TYPE') == 'SLIDING' .and. size(block%lines) > 0) then
+               if (block%lines(1)%count() > 1) carries_slider = carries_slider .or. block%lines(1)%text(2) == name
+            end if
+         end associate
+         i = deck%find('JOINT', i)
+      end do
+   end function carries_slider
+
    !> Functions of the section angle, or bending modes, of a rung.
    elemental integer function functions_of(rung) result(functions)
       type(rung_type), intent(in) :: rung
@@ -139,7 +162,7 @@ contains
       strains = 0
       if (rung%step == 0) return
       if (rung%stretches .or. rung%level < level_exact) strains = ladder(2, rung%step)
-      strains = max(strains, rung%least)
+      strains = max(min(strains, rung%most - functions_of(rung)), rung%least)
       if (rung%strains >= 0) strains = rung%strains
    end function strains_of
 
@@ -149,7 +172,7 @@ contains
       integer, intent(in) :: steps
       logical, intent(in) :: stretches
       richer = rung
-      if (rung%open_functions) richer%step = min(highest, rung%step + steps)
+      if (rung%open_functions) richer%step = min(rung%highest, rung%step + steps)
       if (richer%step > 0 .and. rung%open_strains) richer%stretches = rung%stretches .or. stretches
    end function richer
 
@@ -171,7 +194,7 @@ contains
    !> Whether there is a rung above for a run that is to be verified.
    elemental logical function can_climb(rung)
       type(rung_type), intent(in) :: rung
-      can_climb = rung%open_functions .and. rung%step < most_steps .or. rung%open_strains .and. .not. rung%stretches
+      can_climb = rung%open_functions .and. rung%step < rung%highest - 1 .or. rung%open_strains .and. .not. rung%stretches
    end function can_climb
 
    !> Leaves out the damping of modes that a rung does not have.
@@ -229,7 +252,7 @@ contains
          if (rung%open_strains) call number('STRAIN FUNCTIONS', strains_of(rung))
       else if (rung%open_functions) then
          call number('BENDING MODES', functions_of(rung))
-         call number('AXIAL MODES', strains_of(rung))
+         call number('AXIAL MODES', merge(many_axial, strains_of(rung), rung%level == level_kg))
          call number('ELEMENTS', elements)
          if (rung%level == level_kg) call number('GEOMETRIC ELEMENTS', geometric_elements)
       end if

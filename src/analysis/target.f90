@@ -10,7 +10,7 @@ module limber_analysis_target
    use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
    use limber_analysis_reached, only: reached_type, record_errors, say_why, names_of
    use limber_analysis_probe, only: prospect_type
-   use limber_analysis_rungs, only: rung_type, richer, can_climb, most_steps
+   use limber_analysis_rungs, only: rung_type, richer, can_climb
    use limber_analysis_trial, only: trial_type, run_trial, run_check, take_trial, take_samples, take_outcome, least_patience, &
       & least_verified
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
@@ -155,7 +155,8 @@ contains
 
    end subroutine search
 
-   !> Where AUTO chooses ADAMS for beams: that at the tolerance of rigid bodies, which it needs, or RADAU, whichever costs less.
+   !> The integrator of a scene with beams, which all runs keep: where AUTO chooses ADAMS, that at the tolerance of rigid bodies, which
+   !> it needs, or RADAU, unless that costs much more.
    subroutine choose_integrator(deck, target, quiet, candidate, reached, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
@@ -164,10 +165,14 @@ contains
       type(trial_type), intent(inout) :: candidate
       type(reached_type), intent(inout) :: reached
       type(error_type), allocatable, intent(out) :: error
-      real(wp), parameter :: of_adams = 0.03_wp
+      !> Tolerance of ADAMS in units of the target, and how much more work RADAU may take: higher rungs have vibrations that bind ADAMS
+      real(wp), parameter :: of_adams = 0.03_wp, dearer = 3.0_wp
       type(trial_type) :: adams, radau
       associate (advice => reached%advice)
-         if (candidate%integrator /= 'ADAMS' .or. .not. (any(advice%rungs%step > 0) .and. advice%open_tolerance)) return
+         if (.not. any(advice%rungs%step > 0)) return
+         ! At a smaller tolerance AUTO may choose another one
+         if (candidate%integrator == 'RADAU' .and. advice%open_integrator) advice%integrator = 'RADAU'
+         if (candidate%integrator /= 'ADAMS' .or. .not. advice%open_tolerance) return
          adams%reason = ''
          if (advice%tolerance > of_adams*target) then
             call reached%count_run(candidate)
@@ -181,7 +186,7 @@ contains
             call run_trial(deck_of(advice, deck), advice%rungs, advice%tolerance, 1.0_wp, huge(1.0_wp), .false., quiet, &
                & 'run with RADAU', radau, error)
             if (allocated(error)) return
-            if (radau%reason == '' .and. (radau%work < candidate%work .or. candidate%reason /= '')) then
+            if (radau%reason == '' .and. (radau%work < dearer*candidate%work .or. candidate%reason /= '')) then
                call reached%count_run(candidate)
                call take_trial(radau, candidate)
                return
@@ -329,9 +334,14 @@ contains
       type(truth_type), intent(in) :: truth
       type(reached_type), intent(inout) :: reached
       logical, intent(out) :: climbed
+      !> Part of the error that is left when more functions have not helped
+      real(wp), parameter :: stalled = 0.7_wp
       real(wp) :: aim
       integer :: i
+      logical :: stalls
       climbed = .false.
+      stalls = reached%before > 0.0_wp .and. reached%of_model > stalled*reached%before
+      reached%before = 0.0_wp
       associate (advice => reached%advice)
          aim = part_time*target
          if (widening*reached%of_time > aim .and. advice%open_tolerance) &
@@ -340,9 +350,10 @@ contains
          if (reached%of_model > 0.5_wp*target .or. .not. climbed) then
             do i = 1, size(advice%rungs)
                if (can_climb(advice%rungs(i))) &
-                  & call put(i, next_rung(advice%rungs(i), advice%probe%beams(i), reached%of_model, target))
+                  & call put(i, next_rung(advice%rungs(i), advice%probe%beams(i), stalls, reached%of_model, target))
             end do
          end if
+         if (climbed) reached%before = reached%of_model
          if (.not. climbed .and. advice%open_tolerance .and. reached%of_time > 0.1_wp*target) call tighten(0.2_wp)
       end associate
 
@@ -384,9 +395,11 @@ contains
    end subroutine climb
 
    !> The rung above one that errs by too much: with strain where the stretch is what was expected, else one higher or two.
-   pure type(rung_type) function next_rung(rung, beam, error, target) result(higher)
+   pure type(rung_type) function next_rung(rung, beam, stalls, error, target) result(higher)
       type(rung_type), intent(in) :: rung
       type(prospect_type), intent(in) :: beam
+      !> Whether more functions of the angle have not helped
+      logical, intent(in) :: stalls
       !> That it has shown, and what is asked for, relative
       real(wp), intent(in) :: error, target
       !> Part of the error from which on the stretch, or the bending, is one of its causes; error in units of the target for two rungs
@@ -395,11 +408,11 @@ contains
       logical :: by_stretch
       aim = cause*min(1.0_wp, error)
       stretch = expected_stretch(rung, beam)
-      by_stretch = rung%open_strains .and. .not. rung%stretches .and. stretch > max(aim, 0.9_wp*target)
+      by_stretch = rung%open_strains .and. .not. rung%stretches .and. (stalls .or. stretch > max(aim, 0.9_wp*target))
       higher = richer(rung, 0, by_stretch)
-      if (.not. by_stretch .or. expected_error(rung, beam) - stretch > aim) &
+      if (.not. by_stretch .or. .not. stalls .and. expected_error(rung, beam) - stretch > aim) &
          & higher = richer(higher, merge(2, 1, error > far*target), .false.)
-      if (higher%step > most_steps) higher%step = max(most_steps, rung%step)
+      if (higher%step > rung%highest - 1) higher%step = max(rung%highest - 1, rung%step)
       if (higher%step == rung%step) higher = richer(higher, 0, .true.)
    end function next_rung
 

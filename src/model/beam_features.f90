@@ -91,7 +91,7 @@ contains
       subroutine need_strain(option)
          character(*), intent(in) :: option
          associate (block => deck%blocks(index))
-            if (block%given(option)) call diagnostics%add(block%origin_of(option), "beam '"//block%name()// &
+            if (abs(block%real(option)) > 0.0_wp) call diagnostics%add(block%origin_of(option), "beam '"//block%name()// &
                & "' has no STRAIN FUNCTIONS, which "//option//' acts on', 'ask for STRAIN FUNCTIONS=1 or more')
          end associate
       end subroutine need_strain

@@ -189,12 +189,13 @@ contains
          if (body%reduced%geometric) then
             text = text//' in part: its axial functions or k_G elements cannot follow them'
             cure = 'use GEOMETRIC=EXACT'
-            if (body%is_frame) cure = 'use CORRECTIONS=YES'
+            if (body%is_frame) cure = merge('use LARGE=YES      ', 'use CORRECTIONS=YES', body%frame_choice%accelerations)
          end if
       case (by_basis)
          text = text//'cannot take this shape with its '//as_text(body%reduced%n)//' coordinates'
          cure = 'use more BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints'
          if (body%is_frame) cure = 'use more MODES, CORRECTIONS=YES, or a *BOUNDARY that is like its joints'
+         if (body%is_frame .and. body%frame_choice%accelerations) cure = 'use more MODES, or LARGE=YES'
       case default
          text = text//'has too few elements: its mass is in their nodes'
          cure = 'use ELEMENTS='//as_text(ceiling(1.2_wp*size_of_mesh()*sqrt(worst%error/little)))

@@ -282,8 +282,12 @@ contains
       integer :: divisions
       divisions = maxval(body%mesh%first(2:) - body%mesh%first(:size(body%mesh%first) - 1))
       select case (kind)
-      case (indicator_axial); text = 'use CORRECTIONS=YES'
-      case (indicator_residual); text = 'use CORRECTIONS=YES, more MODES, or a *BOUNDARY that is like its joints'
+      case (indicator_axial)
+         text = 'use CORRECTIONS=YES'
+         if (body%frame_choice%accelerations) text = 'use more MODES, or LARGE=YES'
+      case (indicator_residual)
+         text = 'use CORRECTIONS=YES, more MODES, or a *BOUNDARY that is like its joints'
+         if (body%frame_choice%accelerations) text = 'use more MODES, or LARGE=YES'
       case (indicator_lumping, indicator_phase); text = 'use DIVISIONS='//as_text(ceiling(1.2_wp*divisions*sqrt(over)))
       case (indicator_rotation, indicator_geometric); text = 'use GEOMETRIC=K_G'
       case (indicator_compression)

@@ -139,10 +139,13 @@ contains
       item = ''
       model = ''
       if (block%keyword == 'BEAM') model = block%word('GEOMETRIC')
+      if (block%keyword == 'FRAME') then
+         if (block%yes('LARGE')) model = 'LARGE'
+      end if
       line = '*'//block%keyword
       do i = 1, size(block%options)
          if (.not. block%options(i)%has_value) cycle
-         ! What means nothing of this beam is written only if the deck has it
+         ! What means nothing of this body is written only if the deck has it
          if (.not. block%options(i)%given .and. is_void(block%keyword, model, trim(block%options(i)%name))) cycle
          item = trim(block%options(i)%name)//'='//value_text(block%options(i))
          line = line//','

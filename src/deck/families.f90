@@ -12,6 +12,10 @@ module limber_deck_families
    character(*), parameter, public :: options_of_exact(8) = [character(18) :: 'FUNCTIONS', 'STRAIN FUNCTIONS', 'SHEAR', &
       & 'END SECTION', 'CURVATURE', 'THERMAL STRAIN', 'THERMAL CURVATURE', 'PRETENSION']
 
+   !> Of frames: those that mean nothing where each member is an exact beam
+   character(*), parameter, public :: options_of_frame_modes(6) = [character(18) :: 'MODES', 'FREQUENCY LIMIT', 'BASIS', &
+      & 'CORRECTIONS', 'DIVISIONS', 'GEOMETRIC']
+
 contains
 
    !> The model of each beam that the deck leaves open: EXACT, or K_G where the deck asks for modes of the beam, and its axial functions if
@@ -86,9 +90,10 @@ contains
 
    !> Whether an option means nothing of a beam.
    pure logical function is_void(keyword, model, option)
-      !> Of the block; its GEOMETRIC; the option's name
+      !> Of the block; its GEOMETRIC, of a frame of exact beams LARGE; the option's name
       character(*), intent(in) :: keyword, model, option
       is_void = .false.
+      if (keyword == 'FRAME' .and. model == 'LARGE') is_void = any(options_of_frame_modes == option)
       if (keyword /= 'BEAM') return
       if (model == 'EXACT') then
          is_void = any(options_of_modes == option)

@@ -7,6 +7,7 @@ module limber_model_large_frames
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type, line_type, resize_blocks, resize_lines
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_families, only: options_of_frame_modes
    use limber_deck_origin, only: origin_type
    use limber_deck_reader, only: read_deck_text
    use limber_model_frame_draft, only: draft_type, read_draft, member_of
@@ -20,9 +21,6 @@ module limber_model_large_frames
 
    !> Before the name of a point of the frame among those of a member
    character(1), parameter, public :: of_frame = '@'
-   !> Options of modes, which mean nothing here
-   character(*), parameter :: unused(*) = [character(15) :: 'MODES', 'FREQUENCY LIMIT', 'BASIS', 'CORRECTIONS', 'DIVISIONS', &
-      & 'GEOMETRIC']
    !> Blocks to be copied: a beam with a point, a mass, a weld
    character(*), parameter :: nl = new_line('a'), pattern = '*MATERIAL, NAME=m, YOUNG=1, DENSITY=1'//nl// &
       & '*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=1'//nl//'*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=1'//nl//' p, 0'//nl// &
@@ -62,11 +60,13 @@ contains
          before = diagnostics%count
          call read_draft(deck, i, draft, diagnostics)
          call check_frame(deck, i, draft, diagnostics)
+         if (diagnostics%count > before) call diagnostics%tell(deck%blocks(i)%name())
          if (diagnostics%count > before) cycle
-         do k = 1, size(unused)
+         do k = 1, size(options_of_frame_modes)
             associate (block => deck%blocks(i))
-               if (block%given(trim(unused(k)))) call diagnostics%warn(block%origin_of(trim(unused(k))), "frame '"// &
-                  & block%name()//"': "//trim(unused(k))//' means nothing with LARGE=YES', 'leave it out')
+               if (.not. block%given(trim(options_of_frame_modes(k)))) cycle
+               call diagnostics%warn(block%origin_of(trim(options_of_frame_modes(k))), "frame '"//block%name()//"': "// &
+                  & trim(options_of_frame_modes(k))//' means nothing with LARGE=YES', 'leave it out')
             end associate
          end do
          do m = 1, size(draft%number)

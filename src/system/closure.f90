@@ -39,7 +39,7 @@ contains
       allocate (step(size(q)))
       least = huge(least)
       since = 0
-      partly = any(abs(matrix%scale - matrix%unweighted) > 0.0_wp)
+      partly = any(abs(matrix%scale(:matrix%columns) - matrix%unweighted(:matrix%columns)) > 0.0_wp)
       allocate (best, source=q)
       do round = 1, most
          call place_frames(system%model, system%layout, t, q, work%kinematics)

@@ -128,7 +128,8 @@ contains
    subroutine check_parts()
       type(history_reader_type) :: reader
       real(wp), allocatable :: u(:), turn(:), moment(:)
-      character(:), allocatable :: warnings
+      character(:), allocatable :: warnings, scene
+      type(error_type), allocatable :: error
       call run_scene('*MATERIAL, NAME=stuff, YOUNG=1e9, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, '// &
          & 'INERTIA=1e-3'//nl//'*GRAVITY, Y=-10'//nl//'*FRAME, NAME=hook, MATERIAL=stuff, SECTION=bar, LARGE=YES, X=1, Y=2, '// &
          & 'ANGLE=pi/2'//nl//' low, 7, 0'//nl//' middle, 9, 1'//nl//'*NODE'//nl//' 1, 0, 0, foot'//nl//' 2, 3, 0, knee'//nl// &
@@ -146,6 +147,13 @@ contains
       ! Across the upright: M 3^2/(2 E I), to the right: along -y of the frame
       call check_close(u(size(u)), -9.0e-4_wp, 2.0e-6_wp, 'hook: displacement')
       call check(warnings == '', 'hook: no warning: '//warnings)
+      call reader%read_text('/run/effective_deck', scene, error)
+      call check_no_error(error, 'hook: effective deck')
+      call reader%close()
+      if (allocated(error)) return
+      call check(index(scene, 'LARGE=YES') > 0 .and. index(scene, 'DIVISIONS') == 0, 'hook: effective deck: '//scene)
+      call run_scene(scene, reader, warnings)
+      call check(warnings == '', 'hook: the effective deck runs: '//warnings)
       call reader%close()
    end subroutine check_parts
 

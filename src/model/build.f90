@@ -84,7 +84,7 @@ contains
       call check_parts(deck, diagnostics)
       call trim_lists(model)
       do i = 1, size(deck%blocks)
-         if (is_large(deck%blocks(i))) call unite_frame(deck, i, model, diagnostics)
+         if (is_large(deck%blocks(i))) call unite_frame(deck, i, model)
       end do
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)

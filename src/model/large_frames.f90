@@ -258,12 +258,11 @@ contains
    end function member_name
 
    !> Makes a whole of the members of a large frame, which are in the model; its name stands for the first of them.
-   subroutine unite_frame(deck, index, model, diagnostics)
+   subroutine unite_frame(deck, index, model)
       type(deck_type), intent(in) :: deck
       !> Block of the frame
       integer, intent(in) :: index
       type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
       type(diagnostics_type) :: none
       type(draft_type) :: draft
       type(whole_type) :: whole
@@ -274,7 +273,8 @@ contains
       whole%name = deck%blocks(index)%name()
       whole%first = find_body(model, member_name(deck%blocks(index), draft, 1))
       whole%last = whole%first + members - 1
-      if (whole%first == 0 .or. diagnostics%count > 0) return
+      ! A member that was refused is no body
+      if (whole%first == 0 .or. find_body(model, member_name(deck%blocks(index), draft, members)) /= whole%last) return
       allocate (whole%member_numbers, source=draft%number)
       allocate (whole%place(2, members), whole%lean(members))
       do m = 1, members

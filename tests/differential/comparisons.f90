@@ -19,7 +19,7 @@ module comparisons
    real(wp), parameter :: floors(14) = [1.0e-3_wp, 1.0e-3_wp, 1.0e-2_wp, 1.0e-2_wp, 1.0e-3_wp, 1.0e-4_wp, 1.0e-3_wp, 1.0e-2_wp, &
       & 1.0e-6_wp, 3.0e-4_wp, 1.0e3_wp, 1.0e-3_wp, 1.0e-3_wp, 1.0e-3_wp]
    !> The same of accelerations and forces where bodies vibrate
-   real(wp), parameter :: elastic_acceleration = 10.0_wp, elastic_force = 1.0_wp, elastic_moment = 0.1_wp
+   real(wp), parameter :: elastic_acceleration = 10.0_wp, elastic_force = 1.0_wp, elastic_moment = 0.1_wp, elastic_stress = 1.0e4_wp
    !> The same where what stands still is run: limber's own scales, a thousandth of a body's length for deflections and the scene
    !> crossed once in the time of the run for speeds
    integer, parameter :: resting(7) = [speeds, spins, deflections, rotations, powers, others, others + 1]
@@ -80,9 +80,11 @@ contains
       if (draft%elastic) lowest(accelerations) = elastic_acceleration
       if (draft%elastic) lowest(forces) = elastic_force
       if (draft%elastic) lowest(moments) = elastic_moment
+      if (draft%elastic) lowest(stresses) = elastic_stress
       if (draft%timeless) lowest(resting) = of_rest
       answers = changed%status == 0 .and. all(shape(changed%values) == shape(reference%values))
-      scales%envelope = max(reference%envelope, [elastic_force, elastic_force, elastic_moment])
+      scales%envelope = max(reference%envelope, [10*elastic_force, elastic_force, elastic_moment], &
+         & part_of_group*largest([forces, forces, moments]))
       if (answers) scales%envelope = scales%envelope + abs(changed%envelope - reference%envelope)/small_change
       do row = 1, size(scales%own)
          scales%of_group(row) = max(largest(group(row)), lowest(group(row)))

@@ -142,12 +142,13 @@ contains
       !> Where the next step must end at the latest, the next break, times so near that there is no step between them, and the time
       !> up to which the last step counts
       real(wp) :: stop, barrier, near, t
-      integer :: passed, seen
+      integer :: passed, seen, begun
       logical :: at_station, cut, turns
       allocate (breaks, source=break_times(scene%system%model))
       allocate (stations, source=station_times(scene%system%model))
       passed = 0
       seen = 0
+      begun = scene%work%evaluations
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
       t = dynamics%start
       sample%q = scene%q
@@ -185,7 +186,8 @@ contains
          stop = min(stop, crossings%hold)
          call integrator%step(scene%system, scene%work, stop, error)
          if (allocated(error)) call name_weak()
-         if (.not. allocated(error)) call history%check_limit(integrator%t, error, integrator%statistics%evaluations)
+         if (.not. allocated(error)) call history%check_limit(integrator%t, error, &
+            & int(scene%work%evaluations - begun, long))
          if (allocated(error)) exit
          t = integrator%t
          cut = .false.

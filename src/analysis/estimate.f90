@@ -85,13 +85,13 @@ contains
    end subroutine exchange_both
 
    !> Estimates the errors of a run that has finished.
-   subroutine make_estimate(scene, samples, steps, cpu, quiet, estimate)
+   subroutine make_estimate(scene, samples, steps, evaluations, cpu, quiet, estimate)
       !> As it was run; the same again on return
       type(scene_type), intent(inout) :: scene
       !> Its samples
       type(memory_type), intent(in) :: samples
-      !> Its steps, and CPU seconds of its time loop
-      integer(long), intent(in) :: steps
+      !> Its steps and evaluations, and CPU seconds of its time loop
+      integer(long), intent(in) :: steps, evaluations
       real(wp), intent(in) :: cpu
       !> Whether the progress is not shown
       logical, intent(in) :: quiet
@@ -103,9 +103,10 @@ contains
       estimate%tolerance = scene%system%model%dynamics%tolerance
       is_finer = estimate%tolerance/ladder >= smallest_tolerance
       estimate%companion = merge(1/ladder, ladder, is_finer)*estimate%tolerance
-      call run_again(scene, merge(1/ladder, ladder, is_finer), 10 + 50*cpu, quiet, companion, estimate%cpu, estimate%reason)
+      call run_again(scene, merge(1/ladder, ladder, is_finer), 1000000 + 50*evaluations, quiet, companion, &
+         & estimate%cpu, estimate%reason)
       if (estimate%reason == '' .and. is_finer .and. estimate%tolerance*ladder <= largest_tolerance) then
-         call run_again(scene, ladder, 1 + 4*cpu, quiet, check, estimate%cpu, no_check)
+         call run_again(scene, ladder, 100000 + 4*evaluations, quiet, check, estimate%cpu, no_check)
          if (no_check == '') estimate%check = ladder*estimate%tolerance
       end if
       estimate%factor = estimate%cpu/max(cpu, tiny(cpu))
@@ -115,8 +116,10 @@ contains
    !> Runs a scene once more at another tolerance. Besides the channels the run samples all quantities that are in them.
    subroutine run_again(scene, factor, limit, quiet, samples, cpu, reason)
       type(scene_type), intent(inout) :: scene
-      !> Of the tolerance, and CPU seconds after which the run is given up
-      real(wp), intent(in) :: factor, limit
+      !> Of the tolerance
+      real(wp), intent(in) :: factor
+      !> Evaluations after which the run is given up: the same on every machine
+      integer(long), intent(in) :: limit
       logical, intent(in) :: quiet
       type(memory_type), intent(inout) :: samples
       !> Seconds so far; those of this run are added
@@ -136,7 +139,8 @@ contains
          model%dynamics = varied(dynamics, factor)
          call add_quantities(channels, model%channels)
          call new_integrator(model%dynamics, integrator)
-         call samples%start(size(model%channels), dynamics%outputs + 1, limit)
+         call samples%start(size(model%channels), dynamics%outputs + 1, huge(1.0_wp))
+         samples%most_evaluations = limit
          samples%heeds_signals = .true.
          if (.not. quiet) call progress%start(dynamics%start, dynamics%end, 'estimate of the errors')
          call run_dynamics(scene, integrator, samples, progress, outcome, error)

@@ -449,7 +449,7 @@ contains
       self%statistics%position_residual = max(self%statistics%position_residual, residual)
       call linearise_placed(system, work, t, self%p(:nq), error)
       if (allocated(error)) return
-      call project_velocity(system, work, self%p(nq + 1:2*nq), self%change, residual)
+      call project_velocity(system, work, self%p(nq + 1:2*nq), self%change)
       self%y = self%p
       call differentiate(self, system, work, self%y, self%yp)
    end subroutine correct
@@ -472,7 +472,7 @@ contains
       self%statistics%position_residual = max(self%statistics%position_residual, residual)
       call linearise_placed(system, work, t, self%q, error)
       if (allocated(error)) return
-      call project_velocity(system, work, self%v, self%change, residual)
+      call project_velocity(system, work, self%v, self%change)
       do i = 1, self%nq
          self%p(i) = self%q(self%kept(i))
          self%p(self%nq + i) = self%v(self%kept(i))

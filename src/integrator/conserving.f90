@@ -459,11 +459,11 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       type(error_type), allocatable :: error
-      real(wp) :: residual, before
+      real(wp) :: before
       call linearise(system, work, self%trial%final, self%trial%new_q, error)
       if (allocated(error)) return
       call velocities_of(system%layout, self%trial%new_q, self%new_w, self%path_v)
-      call project_velocity(system, work, self%path_v, self%change, residual)
+      call project_velocity(system, work, self%path_v, self%change)
       call rates_of(system%layout, self%trial%new_q, self%path_v, self%new_w)
       before = dot_product(self%trial%new_b, self%trial%new_p)
       call frame_rates(system%layout, self%trial%new_q, self%new_w, self%e)

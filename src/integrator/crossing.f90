@@ -232,9 +232,8 @@ contains
       !> rest has been taken out when the state was settled.
       real(wp) function error_along(from)
          integer, intent(in) :: from
-         real(wp) :: left
          self%place = self%y(nq + 1:2*nq) + self%start(from + 1:from + nq)
-         call project_velocity(system, work, self%place, self%change, left)
+         call project_velocity(system, work, self%place, self%change)
          error_along = norm2((self%place - self%y(nq + 1:2*nq))/scale(from + 1:from + nq))
       end function error_along
 

@@ -17,7 +17,7 @@ module limber_system_dynamics
    implicit none
    private
    public :: linearise, linearise_placed, accelerations, accelerate, sum_forces, sum_given_forces
-   public :: position_residual, velocity_residual
+   public :: position_residual, velocity_residual, velocity_gaps
    public :: input_power, power_at, add_parts_of_power, mechanical_energy, worst_constraint
 
 contains
@@ -253,9 +253,17 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(in) :: v(:)
+      call velocity_gaps(system, work, v)
+      largest = largest_of(system, work%gamma)
+   end function velocity_residual
+
+   !> The same residual without a look at its size.
+   subroutine velocity_gaps(system, work, v)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), contiguous, intent(in) :: v(:)
       integer :: i, side, body, at, first, n
       real(wp) :: rates(3)
-      largest = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
             at = item%first - 1
@@ -271,11 +279,9 @@ contains
                call take_speed(item%rows, system%layout%n(body), n, work%jacobians(side, i)%z, work%jacobians(side, i)%eta, rates, &
                   & v(first + 4:), work%gamma(at + 1:))
             end do
-            largest = max(largest, maxval(abs(work%gamma(at + 1:at + item%rows)))/item%scale)
          end associate
       end do
-      if (system%parted) largest = largest_of(system, work%gamma)
-   end function velocity_residual
+   end subroutine velocity_gaps
 
    !> Takes from rates the speed that a body gives constraint equations.
    pure subroutine take_speed(rows, columns, n, z, eta, rates, eta_rates, left)

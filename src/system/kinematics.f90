@@ -181,7 +181,7 @@ contains
       if (size(kinematics%drives) == 0) return
       do i = 1, times_kept
          if (abs(t - kinematics%known_times(i)) > 0.0_wp) cycle
-         kinematics%drives = kinematics%known(:, i)
+         kinematics%drives(:) = kinematics%known(:, i)
          return
       end do
       do i = 1, size(model%drivers)

@@ -9,7 +9,7 @@ module limber_system_projection
    use limber_system_closure, only: close_positions
    use limber_system_drivers, only: driven_angle_type
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
-   use limber_system_dynamics, only: linearise, position_residual, velocity_residual
+   use limber_system_dynamics, only: linearise, position_residual, velocity_residual, velocity_gaps
    use limber_system_kinematics, only: place_drives, place_frames
    use limber_system_point_motion, only: point_position, point_velocity
    use limber_system_multiplier, only: update_jacobians
@@ -241,7 +241,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Residual before, below which the factors serve the new place too, and below which they do so to round-off
       real(wp), parameter :: near = 1.0e-4_wp, nearest = 1.0e-9_wp
-      real(wp) :: before, left
+      real(wp) :: before
       call settle_position(system, work, t, q, change, before, residual, error)
       if (allocated(error)) return
       if (before > near .or. (exact .and. before > nearest)) then
@@ -251,8 +251,8 @@ contains
       else if (before > 0.0_wp) then
          call update_jacobians(system, work)
       end if
-      call project_velocity(system, work, v, change, left)
-      if (before > nearest) call project_velocity(system, work, v, change, left)
+      call project_velocity(system, work, v, change)
+      if (before > nearest) call project_velocity(system, work, v, change)
    end subroutine settle
 
    !> Moves coordinates that are near the constraints onto them.
@@ -322,11 +322,15 @@ contains
       !> Scratch (nq)
       real(wp), contiguous, intent(inout) :: change(:)
       !> Residual before, relative to the constraints' scales
-      real(wp), intent(out) :: residual
+      real(wp), intent(out), optional :: residual
       integer :: i, first
       real(wp) :: omega
       call clear_forces(work)
-      residual = velocity_residual(system, work, v)
+      if (present(residual)) then
+         residual = velocity_residual(system, work, v)
+      else
+         call velocity_gaps(system, work, v)
+      end if
       call solve_multiplier_system(system, work, work%gamma, change, .true.)
       do i = 1, size(work%bodies)
          if (.not. system%layout%framed(i)) cycle

@@ -1,24 +1,26 @@
 !> Whether the functions of exact beams are enough: bending moment and axial force that equilibrium asks for, along the beam, against
-!> those that the functions make. What differs is what they leave out, and its elastic energy the size of that. Floor: analysis.
+!> those that the functions make. What differs is what they leave out; the displacements that it makes are the size of that. Floor: analysis.
 !> Source: doc/theory, eqs. (X16), (X17).
 module limber_analysis_function_watch
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_flex_exact_profile, only: of_ei, of_ea
+   use limber_flex_exact, only: exact_type, sum_along
+   use limber_flex_exact_profile, only: of_ei, of_ea, of_ga
+   use limber_flex_mesh, only: support_type
    use limber_flex_recovery, only: recovery_type
    use limber_model_scene, only: model_type
    use limber_model_stresses, only: recover_stations
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
+   use limber_system_algebra, only: turn, along
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
    public :: function_watch_type, start_functions, observe_functions, join_functions, function_warnings
 
-   !> Parts of the energy that may be left out: of that of bending by the angle, of all by the strain
-   real(wp), parameter :: allowed(2) = [0.006_wp, 0.006_wp]
-   !> Mean slope and strain that are too small to count
-   real(wp), parameter :: least(2) = [1.0e-5_wp, 1.0e-4_wp]
+   !> Parts of the largest deflection that may be left out, by the functions of the angle and by those of the strain, and parts of
+   !> the length that are too small to count
+   real(wp), parameter :: allowed(2) = [1.0e-3_wp, 1.0e-3_wp], least(2) = [1.0e-6_wp, 1.0e-4_wp]
 
    !> What is left out of one beam
    type :: beam_watch_type
@@ -27,10 +29,9 @@ module limber_analysis_function_watch
       !> Its stations as sections, and what acts there
       type(recovery_type) :: recovery
       type(effort_type) :: effort
-      !> Largest energies, of bending and of all; largest ones that are left out, of bending and of stretch, and when
-      real(wp) :: energy(2) = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
-      !> Largest mean slope and strain that are left out
-      real(wp) :: size(2) = 0.0_wp
+      !> Largest displacements of the axis in the frame [length]; largest ones that are left out, of bending and shear and of stretch,
+      !> and when
+      real(wp) :: moved = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
    end type beam_watch_type
 
    !> All exact beams
@@ -76,43 +77,76 @@ contains
       end do
    end subroutine observe_functions
 
-   !> What equilibrium asks for less what the functions make, eq. (X16).
+   !> What equilibrium asks for less what the functions make, as displacements of the axis, eqs. (X16), (X17).
    subroutine compare(beam, system, t, eta, rate)
       type(beam_watch_type), intent(inout) :: beam
       type(system_type), intent(in) :: system
       !> Time; coordinates and their rates (n)
       real(wp), intent(in) :: t, eta(:), rate(:)
-      real(wp) :: strained(size(eta)), energy(2), left_out(2), parts(2), own
-      integer :: k, kind
+      real(wp) :: strained(size(eta)), own
+      real(wp), dimension(size(beam%recovery%sections)) :: bend, turned
+      real(wp), dimension(size(beam%recovery%sections), 2) :: g, stretch, slide, place
+      integer :: k, a
       associate (body => system%model%bodies(beam%body), exact => system%model%bodies(beam%body)%reduced%exact)
+         a = exact%angles
          ! Damping makes moments, too
          strained = eta - exact%rest
          if (allocated(body%reduced%damping)) then
             if (size(body%reduced%damping, 1) == size(eta)) strained = strained &
             & + matmul(body%reduced%damping, rate)/body%reduced%omega2
          end if
-         energy = 0.0_wp
-         left_out = 0.0_wp
+         slide = 0.0_wp
          do k = 1, exact%stations
-            own = dot_product(exact%kappa(:, k), strained(:exact%angles))
-            parts(1) = beam%effort%exact(3, k)/exact%section(of_ei, k) - own
-            energy = energy + 0.5_wp*exact%weight(k)*exact%section(of_ei, k)*own**2
-            own = dot_product(exact%chi(1, :, k), strained(exact%angles + 1:))
-            parts(2) = beam%effort%exact(1, k)/exact%section(of_ea, k) - own
-            energy(2) = energy(2) + 0.5_wp*exact%weight(k)*exact%section(of_ea, k)*own**2
-            left_out = left_out + 0.5_wp*exact%weight(k)*[exact%section(of_ei, k), exact%section(of_ea, k)]*parts**2
+            own = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
+            associate (axis => [cos(own), sin(own)])
+               g(k, :) = along([1.0_wp, 0.0_wp] + matmul(exact%chi(:, :, k), eta(a + 1:)), axis)
+               bend(k) = beam%effort%exact(3, k)/exact%section(of_ei, k) - dot_product(exact%kappa(:, k), strained(:a))
+               stretch(k, :) = axis*(beam%effort%exact(1, k)/exact%section(of_ea, k) &
+                  & - dot_product(exact%chi(1, :, k), strained(a + 1:)))
+               if (exact%shears > 0) slide(k, :) = turn(axis)*(beam%effort%exact(2, k)/exact%section(of_ga, k) &
+                  & - dot_product(exact%chi(2, :, k), strained(a + 1:)))
+            end associate
          end do
-         energy = energy + [left_out(1), sum(left_out)]
-         beam%energy = max(beam%energy, energy)
-         do kind = 1, 2
-            if (left_out(kind) <= beam%left_out(kind)) cycle
-            beam%left_out(kind) = left_out(kind)
-            beam%when(kind) = t
-            beam%size(kind) = sqrt(2*left_out(kind)/merge(exact%section(of_ei, 1)/exact%total, &
-               & exact%section(of_ea, 1)*exact%total, kind == 1))
-         end do
+         turned = sum_along(exact, bend) - sum(exact%base*bend)
+         slide(:, 1) = slide(:, 1) - turned*g(:, 2)
+         slide(:, 2) = slide(:, 2) + turned*g(:, 1)
+         g(:, 1) = g(:, 1) - cos(exact%lean)
+         g(:, 2) = g(:, 2) - sin(exact%lean)
+         call displace(exact, body%choice%exact%support, g, place)
+         beam%moved = max(beam%moved, maxval(norm2(place, 2)))
+         call displace(exact, body%choice%exact%support, slide, place)
+         call note(1, maxval(norm2(place, 2)))
+         ! Beams stretch between their ends, too
+         call displace(exact, support_type(), stretch, place)
+         call note(2, maxval(norm2(place, 2)))
       end associate
+
+   contains
+
+      !> Keeps the largest.
+      subroutine note(kind, size_of)
+         integer, intent(in) :: kind
+         real(wp), intent(in) :: size_of
+         if (size_of <= beam%left_out(kind)) return
+         beam%left_out(kind) = size_of
+         beam%when(kind) = t
+      end subroutine note
+
    end subroutine compare
+
+   !> Displacements that changes of g make; from the chord where the end is held as well.
+   pure subroutine displace(exact, support, g, place)
+      type(exact_type), intent(in) :: exact
+      type(support_type), intent(in) :: support
+      !> (stations, 2)
+      real(wp), intent(in) :: g(:, :)
+      real(wp), intent(out) :: place(:, :)
+      integer :: i
+      do i = 1, 2
+         place(:, i) = sum_along(exact, g(:, i)) - sum(exact%base*g(:, i))
+         if (support%w_end) place(:, i) = place(:, i) + sum(exact%base*g(:, i)) - exact%s/exact%total*sum(exact%weight*g(:, i))
+      end do
+   end subroutine displace
 
    !> Joins what an analysis has seen to that of those before.
    subroutine join_functions(part, whole)
@@ -121,48 +155,62 @@ contains
       integer :: i, kind
       do i = 1, size(whole%beams)
          associate (beam => whole%beams(i), own => part%beams(i))
-            beam%energy = max(beam%energy, own%energy)
+            beam%moved = max(beam%moved, own%moved)
             do kind = 1, 2
                if (own%left_out(kind) <= beam%left_out(kind)) cycle
                beam%left_out(kind) = own%left_out(kind)
                beam%when(kind) = own%when(kind)
-               beam%size(kind) = own%size(kind)
             end do
          end associate
       end do
    end subroutine join_functions
 
-   !> A warning for each beam that has too few functions, of the angle and of the strain.
+   !> A warning for each beam that has too few functions, of the angle and of the strain. The pieces of a beam are told of as one,
+   !> with the largest of their parts: their displacements add up.
    function function_warnings(self, model, times) result(text)
       type(function_watch_type), intent(in) :: self
       type(model_type), intent(in) :: model
-      !> How many times beyond its limit the energy left out must be
+      !> How many times beyond its limit what is left out must be
       real(wp), intent(in) :: times
-      character(:), allocatable :: text
-      integer :: i
-      real(wp) :: part(2)
+      character(:), allocatable :: text, name
+      real(wp) :: part(2), moved, length
+      integer :: i, first, last, kind, worst
       text = ''
-      do i = 1, size(self%beams)
-         associate (beam => self%beams(i), body => model%bodies(self%beams(i)%body))
-            part = 0.0_wp
-            where (beam%energy > 0.0_wp) part = beam%left_out/max(beam%energy, tiny(part))
-            if (part(1) > times*allowed(1) .and. beam%size(1) > least(1)) call tell('angle', 1, 'FUNCTIONS=', &
-               & 2*body%choice%exact%angles)
-            if (part(2) > times*allowed(2) .and. beam%size(2) > least(2)) call tell('strain', 2, 'STRAIN FUNCTIONS=', &
-               & max(3, 2*body%choice%exact%strains))
+      i = 0
+      do
+         first = i + 1
+         if (first > size(self%beams)) exit
+         i = first
+         associate (body => model%bodies(self%beams(first)%body))
+            name = body%name
+            if (body%whole > 0) name = model%wholes(body%whole)%name
+            do while (body%whole > 0 .and. i < size(self%beams))
+               if (model%bodies(self%beams(i + 1)%body)%whole /= body%whole) exit
+               i = i + 1
+            end do
+            last = i
+            length = body%reduced%exact%total
+            moved = maxval(self%beams(first:last)%moved)*(last - first + 1)
+            if (.not. moved > 0.0_wp) cycle
+            do kind = 1, 2
+               worst = first - 1 + maxloc(self%beams(first:last)%left_out(kind), dim=1)
+               part(kind) = self%beams(worst)%left_out(kind)/moved
+               if (part(kind) <= times*allowed(kind) .or. self%beams(worst)%left_out(kind) <= least(kind)*length) cycle
+               if (kind == 1) call tell('angle', 'FUNCTIONS=', 2*body%choice%exact%angles)
+               if (kind == 2) call tell('strain', 'STRAIN FUNCTIONS=', max(3, 2*body%choice%exact%strains))
+            end do
          end associate
       end do
 
    contains
 
       !> One of them.
-      subroutine tell(field, kind, option, better)
+      subroutine tell(field, option, better)
          character(*), intent(in) :: field, option
-         integer, intent(in) :: kind, better
-         text = text//"warning: beam '"//model%bodies(self%beams(i)%body)%name//"' has too few functions of the "//field// &
-            & ': they leave out '//as_text(100*part(kind), 2)//' % of its elastic energy at t = '// &
-            & as_text(self%beams(i)%when(kind), 4)//', so that its deflection may err by up to about '// &
-            & as_text(50*sqrt(part(kind)), 2)//' %; use '//option//as_text(better)//new_line('a')
+         integer, intent(in) :: better
+         text = text//"warning: beam '"//name//"' has too few functions of the "//field//': they leave out about '// &
+            & as_text(100*part(kind), 2)//' % of its largest deflection at t = '//as_text(self%beams(worst)%when(kind), 4)// &
+            & '; use '//option//as_text(better)//new_line('a')
       end subroutine tell
 
    end function function_warnings
@@ -173,14 +221,11 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       integer :: i
       do i = 1, size(self%beams)
-         call snapshot%exchange('energy_1', self%beams(i)%energy(1))
-         call snapshot%exchange('energy_2', self%beams(i)%energy(2))
+         call snapshot%exchange('moved', self%beams(i)%moved)
          call snapshot%exchange('left_out_1', self%beams(i)%left_out(1))
          call snapshot%exchange('left_out_2', self%beams(i)%left_out(2))
          call snapshot%exchange('when_1', self%beams(i)%when(1))
          call snapshot%exchange('when_2', self%beams(i)%when(2))
-         call snapshot%exchange('size_1', self%beams(i)%size(1))
-         call snapshot%exchange('size_2', self%beams(i)%size(2))
       end do
    end subroutine exchange
 

@@ -191,10 +191,9 @@ contains
             last = i
             length = body%reduced%exact%total
             moved = maxval(self%beams(first:last)%moved)*(last - first + 1)
-            if (.not. moved > 0.0_wp) cycle
             do kind = 1, 2
                worst = first - 1 + maxloc(self%beams(first:last)%left_out(kind), dim=1)
-               part(kind) = self%beams(worst)%left_out(kind)/moved
+               part(kind) = self%beams(worst)%left_out(kind)/max(moved, self%beams(worst)%left_out(kind), tiny(moved))
                if (part(kind) <= times*allowed(kind) .or. self%beams(worst)%left_out(kind) <= least(kind)*length) cycle
                if (kind == 1) call tell('angle', 'FUNCTIONS=', 2*body%choice%exact%angles)
                if (kind == 2) call tell('strain', 'STRAIN FUNCTIONS=', max(3, 2*body%choice%exact%strains))

@@ -32,6 +32,7 @@ program test_exact
    call check_watch()
    call check_supports()
    call check_pieces()
+   call check_damping()
    call finish()
 
 contains
@@ -354,6 +355,33 @@ contains
       call check_close(last(reader, 'y')/(tip + 0.5e-3_wp*2.6_wp/0.8e6_wp), 1.0_wp, 1.0e-7_wp, 'shear of pieces')
       call reader%close()
    end subroutine check_pieces
+
+   !> Damping ratios of a cantilever and of a bar on pins: as given, alpha/(2 omega), beta omega/2.
+   subroutine check_damping()
+      real(wp), parameter :: free(2) = [1.8751040687120_wp, 4.6940911329742_wp]**2, pinned(2) = [pi, 2*pi]**2
+      call check_ratios(wall, 'RATIO=0.02', [0.02_wp, 0.02_wp])
+      call check_ratios(wall, 'RAYLEIGH ALPHA=0.3', 0.15_wp/free)
+      call check_ratios(wall, 'RAYLEIGH BETA=1e-3', 5.0e-4_wp*free)
+      call check_ratios(wall, 'RATIO=0'//nl//' 2, 0.05', [0.0_wp, 0.05_wp])
+      call check_ratios(pin//roller, 'RATIO=0.02', [0.02_wp, 0.02_wp])
+      call check_ratios(pin//roller, 'RAYLEIGH ALPHA=0.3', 0.15_wp/pinned)
+      call check_ratios(pin//roller, 'RAYLEIGH BETA=1e-3', 5.0e-4_wp*pinned)
+   end subroutine check_damping
+
+   !> First two damping ratios of the bar.
+   subroutine check_ratios(held, damping, ratios)
+      character(*), intent(in) :: held, damping
+      real(wp), intent(in) :: ratios(2)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: ratio(:)
+      call run_bar('X=0', held//'*DAMPING, BODY=bar, '//damping//nl//'*MODES, NAME=modes, NUMBER=2, DAMPED=YES'//nl, reader)
+      call reader%read_numbers('/modes/modes/damping_ratio', ratio, error)
+      call check_no_error(error, damping)
+      if (allocated(error)) return
+      call check(maxval(abs(ratio(:2) - ratios)) <= 1.0e-6_wp, 'damping ratios of '//damping)
+      call reader%close()
+   end subroutine check_ratios
 
    !> First three frequencies of the bar, L sqrt(omega sqrt(rho A/(E I))) of them being given.
    subroutine check_frequencies(scene, waves, what)

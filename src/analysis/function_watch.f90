@@ -20,7 +20,7 @@ module limber_analysis_function_watch
 
    !> Parts of the largest deflection that may be left out, by the functions of the angle and by those of the strain, and parts of
    !> the length that are too small to count
-   real(wp), parameter :: allowed(2) = [1.0e-3_wp, 1.0e-3_wp], least(2) = [1.0e-6_wp, 1.0e-4_wp]
+   real(wp), parameter :: allowed(2) = [2.0e-3_wp, 2.0e-3_wp], least(2) = [1.0e-6_wp, 1.0e-4_wp]
 
    !> What is left out of one beam
    type :: beam_watch_type

@@ -242,10 +242,14 @@ contains
       character(:), allocatable :: text
       !> Part of the largest acceleration that may be lost
       real(wp), parameter :: allowed = 1.0e-2_wp
-      real(wp) :: share, omega
+      !> Acceleration below which a body is at rest by ADAMS, in units of the scene crossed once in the time of the run
+      real(wp), parameter :: at_rest = 1.0e-4_wp
+      real(wp) :: share, omega, least
       integer :: body
       text = ''
-      call ringing%worst(system, dynamics%tolerance*system%model%length/(dynamics%end - dynamics%start)**2, body, share, omega)
+      least = dynamics%tolerance
+      if (is_adams) least = max(least, at_rest)
+      call ringing%worst(system, least*system%model%length/(dynamics%end - dynamics%start)**2, body, share, omega)
       if (share <= allowed) return
       if (is_adams) then
          text = "ADAMS keeps up a vibration of body '"//system%model%bodies(body)%name//"' (about "//as_text(omega, 2)// &

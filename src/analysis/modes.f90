@@ -138,7 +138,9 @@ contains
    pure real(wp) function largest_force(scene, balance) result(largest)
       type(scene_type), intent(in) :: scene
       type(equilibrium_type), intent(in) :: balance
-      integer :: i, first, side, row, n
+      !> Part of the length of the scene of which a millionth is round-off of places
+      real(wp), parameter :: places = 1.0e-6_wp
+      integer :: i, k, first, side, row, n
       largest = tiny(largest)
       associate (system => scene%system, work => scene%work, scale => balance%scale)
          do i = 1, size(work%bodies)
@@ -150,6 +152,11 @@ contains
             if (size(work%loads(i)%force) == 0) cycle
             associate (to => balance%tangent%loads(i)%unknowns)
                largest = max(largest, maxval(abs(work%loads(i)%force(:size(to))*scale(to))))
+               ! What round-off of the places makes of a stiff load that bears nothing
+               do k = 1, size(to)
+                  largest = max(largest, places*system%model%length*maxval(abs(balance%tangent%loads(i)%stiffness(:size(to), k) &
+                     & *scale(to))))
+               end do
             end associate
          end do
          do i = 1, size(system%constraints)

@@ -166,12 +166,25 @@ contains
       do while (first <= len(warnings))
          last = first + index(warnings(first:)//newline, newline) - 2
          if (warnings(first:min(last, first + 7)) == 'warning:' .or. index(warnings(first:last), ': warning:') > 0) then
-            plain = without_numbers(warnings(first + index(warnings(first:last), 'warning:') - 1:last))
+            plain = without_numbers(without_others(warnings(first + index(warnings(first:last), 'warning:') - 1:last)))
             if (index(kinds, newline//plain//newline) == 0) kinds = kinds//plain//newline
          end if
          first = last + 2
       end do
    end function kinds_of_warnings
+
+   !> A message without the number of other bodies of which the same is told.
+   pure function without_others(message) result(text)
+      character(*), intent(in) :: message
+      character(:), allocatable :: text
+      character(*), parameter :: before = ' (and ', behind = ' more)'
+      integer :: first, last
+      text = message
+      first = index(message, before)
+      if (first == 0) return
+      last = index(message(first:), behind)
+      if (last > 0) text = message(:first - 1)//message(first + last - 1 + len(behind):)
+   end function without_others
 
    !> The beginning of a message without names in quotes, numbers and what joins them.
    pure function without_numbers(message) result(plain)

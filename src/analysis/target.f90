@@ -334,23 +334,30 @@ contains
       type(truth_type), intent(in) :: truth
       type(reached_type), intent(inout) :: reached
       logical, intent(out) :: climbed
-      !> Part of the error that is left when more functions have not helped
-      real(wp), parameter :: stalled = 0.7_wp
+      !> Part of the error that is left when more functions have not helped, of few and of many functions
+      real(wp), parameter :: stalled = 0.7_wp, stalled_high = 0.5_wp
+      integer, parameter :: high = 7
       real(wp) :: aim
       integer :: i
       logical :: stalls
       climbed = .false.
-      stalls = reached%before > 0.0_wp .and. reached%of_model > stalled*reached%before
+      stalls = reached%before > 0.0_wp .and. reached%of_model > reached%before* &
+         & merge(stalled_high, stalled, any(reached%advice%rungs%step >= high))
       reached%before = 0.0_wp
       associate (advice => reached%advice)
          aim = part_time*target
          if (widening*reached%of_time > aim .and. advice%open_tolerance) &
             & call tighten(min(0.5_wp, max(0.02_wp, (0.7_wp*aim/reached%of_time)**1.25_wp)))
          if (.not. truth%known .and. climbed) return
+         ! Neither functions nor strain: the truth itself errs in time
+         if (stalls .and. .not. climbed .and. advice%open_tolerance .and. &
+            & .not. any(truth%rungs%stretches .and. .not. advice%rungs%stretches)) call tighten(0.1_wp)
+         if (stalls .and. climbed) return
          if (reached%of_model > 0.5_wp*target .or. .not. climbed) then
             do i = 1, size(advice%rungs)
                if (can_climb(advice%rungs(i))) &
-                  & call put(i, next_rung(advice%rungs(i), advice%probe%beams(i), stalls, reached%of_model, target))
+                  & call put(i, next_rung(advice%rungs(i), advice%probe%beams(i), stalls .and. truth%rungs(i)%stretches, &
+                  & reached%of_model, target))
             end do
          end if
          if (climbed) reached%before = reached%of_model

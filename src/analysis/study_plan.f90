@@ -346,13 +346,12 @@ contains
          exact = any(plan%deck%blocks(block)%lines(line)%text(1) == lists_of_exact)
          if (.not. (exact .or. any(plan%deck%blocks(block)%lines(line)%text(1) == lists_of_modes))) return
          do j = 1, size(plan%beams)
-            associate (model => plan%deck%blocks(plan%beams(j))%word('GEOMETRIC'))
-               if ((model == 'EXACT') .eqv. exact) cycle
-               call diagnostics%add(plan%deck%blocks(block)%lines(line)%origin_of(1), "beam '"// &
-                  & plan%deck%blocks(plan%beams(j))%name()//"' is "//model//" and has no '"// &
-                  & plan%deck%blocks(block)%lines(line)%text(1)//"'", "choose the beam by BEAM=, or its model by GEOMETRIC=")
-               return
-            end associate
+            if ((plan%deck%blocks(plan%beams(j))%word('GEOMETRIC') == 'EXACT') .eqv. exact) cycle
+            call diagnostics%add(plan%deck%blocks(block)%lines(line)%origin_of(1), "beam '"// &
+               & plan%deck%blocks(plan%beams(j))%name()//"' is "//plan%deck%blocks(plan%beams(j))%word('GEOMETRIC')// &
+               & " and has no '"//plan%deck%blocks(block)%lines(line)%text(1)//"'", &
+               & 'choose the beam by BEAM=, or its model by GEOMETRIC=')
+            return
          end do
       end subroutine check_model
 

@@ -43,7 +43,7 @@ contains
          end if
          do i = 1, merge(whole_only, size(features), is_exact)
             if (.not. block%given(trim(features(i)))) cycle
-            if (features(i) == 'SHEAR' .and. .not. block%yes('SHEAR')) cycle
+            if (is_off(block, trim(features(i)))) cycle
             call diagnostics%add(block%origin_of(trim(features(i))), &
                & "beam '"//block%name()//"': "//trim(features(i))//reason, remedy)
          end do
@@ -54,6 +54,17 @@ contains
          end do
       end associate
    end subroutine refuse_features
+
+   !> Whether a feature is written as having none of it, as an effective deck does.
+   pure logical function is_off(block, feature)
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: feature
+      select case (feature)
+      case ('END SECTION'); is_off = .false.
+      case ('SHEAR'); is_off = .not. block%yes(feature)
+      case default; is_off = .not. abs(block%real(feature)) > 0.0_wp
+      end select
+   end function is_off
 
    !> Reads all of it into the choice of an exact beam.
    subroutine read_features(deck, index, material, section, piece, body, diagnostics)

@@ -89,12 +89,12 @@ contains
    subroutine check_slider_crank(name, old, new)
       character(*), intent(in) :: name, old(:), new(:)
       character(*), parameter :: channels(3) = [character(22) :: 'deflection_over_length', 'slider_x', 'rod_angle']
-      character(24) :: from(4), to(4)
+      character(40) :: from(4), to(4)
       type(history_reader_type) :: few, all
       real(wp), allocatable :: a(:), b(:)
       integer :: k
-      from = [character(24) :: 'turns = 2', 'OUTPUTS=838', 'TOLERANCE=1e-8', old(1)]
-      to = [character(24) :: 'turns = 0.15', 'OUTPUTS=20', 'TOLERANCE=1e-11', new(1)]
+      from = [character(40) :: 'turns = 2', 'OUTPUTS=838', 'TOLERANCE=1e-8', old(1)]
+      to = [character(40) :: 'turns = 0.15', 'OUTPUTS=20', 'TOLERANCE=1e-11', new(1)]
       call run_changed('../input/slider_crank_prescribed.inp', trim(results), from, to, few)
       call run_changed('../input/slider_crank_three_bodies.inp', trim(results)//'.whole', from, to, all)
       do k = 1, size(channels)

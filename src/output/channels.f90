@@ -297,7 +297,8 @@ contains
       real(wp) :: start(2), chord(2)
       integer :: first
       associate (points => system%model%points, body => system%model%bodies(system%model%points(point)%body))
-         if (points(point)%exact .and. points(body%start_point)%exact .and. points(body%end_point)%exact) then
+         ! The ends of a beam in segments are points of other bodies
+         if (body%whole == 0 .and. points(point)%exact .and. points(body%start_point)%exact .and. points(body%end_point)%exact) then
             first = system%layout%q(points(point)%body) + 4
             deflection = find_deflection(body%reduced%exact, points(body%start_point)%reach, points(body%end_point)%reach, &
                & points(point)%reach, q(first:first + body%reduced%n - 1))

@@ -99,7 +99,8 @@ contains
          do k = 1, exact%stations
             own = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
             associate (axis => [cos(own), sin(own)])
-               g(k, :) = along([1.0_wp, 0.0_wp] + matmul(exact%chi(:, :, k), eta(a + 1:)), axis)
+               g(k, :) = along([1.0_wp + dot_product(exact%chi(1, :, k), eta(a + 1:)), &
+                  & dot_product(exact%chi(2, :, k), eta(a + 1:))], axis)
                bend(k) = beam%effort%exact(3, k)/exact%section(of_ei, k) - dot_product(exact%kappa(:, k), strained(:a))
                stretch(k, :) = axis*(beam%effort%exact(1, k)/exact%section(of_ea, k) &
                   & - dot_product(exact%chi(1, :, k), strained(a + 1:)))
@@ -113,12 +114,12 @@ contains
          g(:, 1) = g(:, 1) - cos(exact%lean)
          g(:, 2) = g(:, 2) - sin(exact%lean)
          call displace(exact, body%choice%exact%support, g, place)
-         beam%moved = max(beam%moved, maxval(norm2(place, 2)))
+         beam%moved = max(beam%moved, farthest(place))
          call displace(exact, body%choice%exact%support, slide, place)
-         call note(1, maxval(norm2(place, 2)))
+         call note(1, farthest(place))
          ! Beams stretch between their ends, too
          call displace(exact, support_type(), stretch, place)
-         call note(2, maxval(norm2(place, 2)))
+         call note(2, farthest(place))
       end associate
 
    contains
@@ -133,6 +134,16 @@ contains
       end subroutine note
 
    end subroutine compare
+
+   !> Largest of some displacements (stations, 2).
+   pure real(wp) function farthest(place)
+      real(wp), intent(in) :: place(:, :)
+      integer :: k
+      farthest = 0.0_wp
+      do k = 1, size(place, 1)
+         farthest = max(farthest, norm2(place(k, :)))
+      end do
+   end function farthest
 
    !> Displacements that changes of g make; from the chord where the end is held as well.
    pure subroutine displace(exact, support, g, place)

@@ -171,7 +171,8 @@ contains
       type(scene_type), intent(in) :: exact
       type(rung_type), intent(in) :: rung
       type(deck_type), intent(inout) :: deck
-      character(:), allocatable :: support
+      character(15) :: support
+      character(8) :: start
       integer :: i
       call drop_features(rung%block, deck)
       call deck%set_option(rung%block, 'GEOMETRIC', 'K_G', given=.true.)
@@ -183,19 +184,19 @@ contains
          associate (body => exact%system%model%bodies(i))
             if (body%name /= deck%blocks(rung%block)%name() .or. body%kind /= body_flexible) cycle
             associate (held => body%choice%exact%support)
-               support = 'FREE-'
-               if (held%w_start) support = 'PINNED-'
-               if (held%theta_start) support = 'CLAMPED-'
+               start = 'FREE-'
+               if (held%w_start) start = 'PINNED-'
+               if (held%theta_start) start = 'CLAMPED-'
                if (held%theta_end) then
-                  support = support//'CLAMPED'
+                  support = trim(start)//'CLAMPED'
                else if (held%w_end) then
-                  support = support//'ROLLER'
+                  support = trim(start)//'ROLLER'
                else
-                  support = support//'FREE'
+                  support = trim(start)//'FREE'
                end if
             end associate
             if (any(support == ['CLAMPED-FREE   ', 'PINNED-ROLLER  ', 'CLAMPED-ROLLER ', 'CLAMPED-CLAMPED', 'FREE-FREE      '])) &
-               & call deck%set_option(rung%block, 'SUPPORT', support, given=.true.)
+               & call deck%set_option(rung%block, 'SUPPORT', trim(support), given=.true.)
          end associate
       end do
    end subroutine probe_modally

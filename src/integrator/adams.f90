@@ -523,7 +523,8 @@ contains
    subroutine adams_interpolate(self, t, q, v, w)
       class(adams_type), intent(inout) :: self
       real(wp), intent(in) :: t
-      real(wp), intent(out) :: q(:), v(:), w
+      real(wp), contiguous, intent(out) :: q(:), v(:)
+      real(wp), intent(out) :: w
       real(wp) :: g(most + 1), back
       integer :: j, order, nq
       nq = self%nq

@@ -380,7 +380,8 @@ contains
    subroutine alpha_interpolate(self, t, q, v, w)
       class(alpha_type), intent(inout) :: self
       real(wp), intent(in) :: t
-      real(wp), intent(out) :: q(:), v(:), w
+      real(wp), contiguous, intent(out) :: q(:), v(:)
+      real(wp), intent(out) :: w
       real(wp) :: h, s
       h = self%t - self%t_before
       if (.not. h > 0.0_wp .or. t >= self%t) then

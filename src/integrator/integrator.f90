@@ -86,7 +86,8 @@ module limber_integrator_integrator
          class(integrator_type), intent(inout) :: self
          real(wp), intent(in) :: t
          !> Coordinates and velocities (nq), work put in
-         real(wp), intent(out) :: q(:), v(:), w
+         real(wp), contiguous, intent(out) :: q(:), v(:)
+         real(wp), intent(out) :: w
       end subroutine interpolate_interface
 
       !> Saves or restores its memory.

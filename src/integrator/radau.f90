@@ -488,7 +488,8 @@ contains
    subroutine radau_interpolate(self, t, q, v, w)
       class(radau_type), intent(inout) :: self
       real(wp), intent(in) :: t
-      real(wp), intent(out) :: q(:), v(:), w
+      real(wp), contiguous, intent(out) :: q(:), v(:)
+      real(wp), intent(out) :: w
       real(wp) :: h, s
       h = self%t - self%t_before
       if (.not. h > 0.0_wp) then

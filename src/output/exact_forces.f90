@@ -22,6 +22,8 @@ module limber_output_exact_forces
       real(wp), allocatable :: psi(:, :), lean(:)
       !> In the axes of the frame (2, sections)
       real(wp), allocatable :: place(:, :)
+      !> Scratch: a field (stations, 2), accelerations (points, 2)
+      real(wp), allocatable :: field(:, :), push(:, :)
    end type section_reach_type
 
 contains
@@ -44,6 +46,9 @@ contains
          end do
       end associate
       at%place = 0.0_wp
+      allocate (at%field(exact%stations, 2), at%push(exact%points, 2))
+      at%field = 0.0_wp
+      at%push = 0.0_wp
    end function new_section_reach
 
    !> What inertia and weight make at each section: force along the axes of the frame (2) and couple (3, sections). Places the
@@ -57,26 +62,26 @@ contains
       !> second derivatives of the coordinates (n)
       real(wp), intent(in) :: heavy(2), omega, alpha, eta_acceleration(:)
       real(wp), intent(out) :: forces(:, :)
-      real(wp) :: push(line%points, 2), part(line%stations), f(2), place(2), swing
+      real(wp) :: f(2), place(2), part, swing
       integer :: i, k
-      call line%accelerations(heavy, omega, alpha, eta_acceleration, push)
+      call line%accelerations(heavy, omega, alpha, eta_acceleration, sections%field, sections%push)
       do i = 1, size(recovery%sections)
          forces(:, i) = 0.0_wp
          place = place_of(line, sections%reach(:, i))
          sections%place(:, i) = place
-         part = line%weight - line%base - sections%reach(:, i)
          do k = 1, line%stations
-            f = -line%section(of_mass, k)*part(k)*push(k, :)
+            part = line%weight(k) - line%base(k) - sections%reach(k, i)
+            f = -line%section(of_mass, k)*part*sections%push(k, :)
             forces(1:2, i) = forces(1:2, i) + f
             forces(3, i) = forces(3, i) + cross(line%p(k, :) - place, f)
             if (.not. line%inertia(k) > 0.0_wp) cycle
             swing = alpha + dot_product(line%psi(:, k), eta_acceleration(:line%angles))
-            forces(3, i) = forces(3, i) - line%section(of_rotary, k)*part(k)*swing
+            forces(3, i) = forces(3, i) - line%section(of_rotary, k)*part*swing
          end do
          do k = line%stations + 1, line%points
             associate (at => line%lump_at(k - line%stations))
                if (.not. is_behind(line%exact_type, recovery%sections(i), at)) cycle
-               f = -line%mass(k)*push(k, :)
+               f = -line%mass(k)*sections%push(k, :)
                swing = alpha + dot_product(angles_at(line%exact_type, at), eta_acceleration(:line%angles))
                forces(1:2, i) = forces(1:2, i) + f
                forces(3, i) = forces(3, i) + cross(line%p(k, :) - place, f) - line%inertia(k)*swing

@@ -38,7 +38,7 @@ module limber_system_centreline
       real(wp), allocatable :: hx(:, :), hy(:, :), ax(:, :), ay(:, :), field(:, :), force(:, :), pull(:, :)
    contains
       procedure :: place, move, place_stations, move_stations, mass_matrix, eta_mass, forces, tangent, kinetic, moment, momenta
-      procedure :: spread_points, add_curvature, drift_of, accelerations, exchange => exchange_centreline
+      procedure :: spread_points, add_curvature, add_bend, drift_of, accelerations, exchange => exchange_centreline
    end type centreline_type
 
 contains
@@ -357,7 +357,7 @@ contains
       m = self%points
       heavy = along(acceleration - gravity, [u(1), -u(2)])
       call spread_points(self)
-      call self%accelerations(heavy, omega, alpha, eta_acceleration, self%force)
+      call self%accelerations(heavy, omega, alpha, eta_acceleration, self%pull, self%force)
       self%force(:, 1) = self%mass*self%force(:, 1)
       self%force(:, 2) = self%mass*self%force(:, 2)
       call change_accelerations(self, omega, alpha, eta_acceleration)
@@ -470,30 +470,61 @@ contains
       real(wp), intent(in) :: pull(:, :)
       !> (n, n)
       real(wp), intent(inout) :: k(:, :)
-      real(wp) :: bend(panel_stations), part(panel_stations), value
-      integer :: i, j, p, from, to
+      real(wp) :: x(panel_stations), y(panel_stations)
+      integer :: p, from, to
       do p = 1, size(self%panel)
          from = panel_stations*(p - 1) + 1
          to = panel_stations*p
-         bend = pull(from:to, 1)*self%g(from:to, 1) + pull(from:to, 2)*self%g(from:to, 2)
-         do j = 1, self%angles
-            part = bend*self%angle(from:to, j)
-            do i = j, self%angles
-               value = inner(panel_stations, part, self%angle(from:to, i))
-               k(i, j) = k(i, j) - value
-               if (i > j) k(j, i) = k(j, i) - value
-            end do
-         end do
-         do j = self%angles + 1, self%n
-            part = self%gx(from:to, j)*pull(from:to, 2) - self%gy(from:to, j)*pull(from:to, 1)
-            do i = 1, self%angles
-               value = inner(panel_stations, part, self%angle(from:to, i))
-               k(i, j) = k(i, j) + value
-               k(j, i) = k(j, i) + value
-            end do
-         end do
+         x = pull(from:to, 1)
+         y = pull(from:to, 2)
+         call add_panel_curvature(self, from, to, x, y, k)
       end do
    end subroutine add_curvature
+
+   !> The same of one force at a place with a reach.
+   pure subroutine add_bend(self, reach, force, k)
+      class(centreline_type), intent(in) :: self
+      !> What the stations give to the place (stations); along the axes of the frame (2)
+      real(wp), intent(in) :: reach(:), force(2)
+      !> (n, n)
+      real(wp), intent(inout) :: k(:, :)
+      real(wp) :: x(panel_stations), y(panel_stations)
+      integer :: p, from, to
+      do p = 1, size(self%panel)
+         from = panel_stations*(p - 1) + 1
+         to = panel_stations*p
+         x = reach(from:to)*force(1)
+         y = reach(from:to)*force(2)
+         call add_panel_curvature(self, from, to, x, y, k)
+      end do
+   end subroutine add_bend
+
+   !> The part of a panel, the stations `from` to `to`.
+   pure subroutine add_panel_curvature(self, from, to, x, y, k)
+      class(centreline_type), intent(in) :: self
+      integer, intent(in) :: from, to
+      real(wp), intent(in) :: x(panel_stations), y(panel_stations)
+      real(wp), intent(inout) :: k(:, :)
+      real(wp) :: bend(panel_stations), part(panel_stations), value
+      integer :: i, j
+      bend = x*self%g(from:to, 1) + y*self%g(from:to, 2)
+      do j = 1, self%angles
+         part = bend*self%angle(from:to, j)
+         do i = j, self%angles
+            value = inner(panel_stations, part, self%angle(from:to, i))
+            k(i, j) = k(i, j) - value
+            if (i > j) k(j, i) = k(j, i) - value
+         end do
+      end do
+      do j = self%angles + 1, self%n
+         part = self%gx(from:to, j)*y - self%gy(from:to, j)*x
+         do i = 1, self%angles
+            value = inner(panel_stations, part, self%angle(from:to, i))
+            k(i, j) = k(i, j) + value
+            k(j, i) = k(j, i) + value
+         end do
+      end do
+   end subroutine add_panel_curvature
 
    !> Rate, in the axes of the frame, of the derivative by a coordinate of a place with a reach.
    pure function drift_of(self, reach, j) result(rate)
@@ -515,13 +546,14 @@ contains
    end function drift_of
 
    !> Accelerations of the points, less that of gravity, in the axes of the frame (points, 2); stations are placed and moved.
-   pure subroutine accelerations(self, heavy, omega, alpha, eta_acceleration, push)
+   pure subroutine accelerations(self, heavy, omega, alpha, eta_acceleration, field, push)
       class(centreline_type), intent(in) :: self
       !> Acceleration of the frame's origin less that of gravity, in the axes of the frame (2), angular velocity and acceleration,
       !> second derivatives of the coordinates (n)
       real(wp), intent(in) :: heavy(2), omega, alpha, eta_acceleration(:)
-      real(wp), intent(inout) :: push(:, :)
-      real(wp) :: field(self%stations, 2)
+      !> Scratch (stations, 2)
+      real(wp), contiguous, intent(inout) :: field(:, :)
+      real(wp), contiguous, intent(inout) :: push(:, :)
       integer :: i
       field(:, 1) = self%bias(:, 1) - alpha*self%g(:, 2) - omega*(omega*self%g(:, 1) + 2*self%drift(:, 2))
       field(:, 2) = self%bias(:, 2) + alpha*self%g(:, 1) - omega*(omega*self%g(:, 2) - 2*self%drift(:, 1))

@@ -75,7 +75,7 @@ contains
       type(marker_type), intent(in) :: marker
       real(wp), intent(in) :: force(2)
       real(wp), intent(inout) :: k(:, :)
-      real(wp) :: pull(size(marker%reach), 2), within(2)
+      real(wp) :: within(2)
       integer :: i, j
       if (marker%direction) then
          ! shape = psi J d, so that the second derivative -psi psi d is the product of shapes along J d
@@ -89,9 +89,7 @@ contains
       end if
       if (.not. marker%reaching) return
       within = along(force, kinematics%frames(marker%body)%u*[1.0_wp, -1.0_wp])
-      pull(:, 1) = marker%reach*within(1)
-      pull(:, 2) = marker%reach*within(2)
-      call kinematics%lines(marker%line)%add_curvature(pull, k)
+      call kinematics%lines(marker%line)%add_bend(marker%reach, within, k)
    end subroutine bend_marker
 
    !> Derivative of a marker's position by one of its body's (r, rotation, eta); the same is that of its velocity by the rate.

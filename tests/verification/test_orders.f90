@@ -20,7 +20,7 @@ program test_orders
       real(wp), allocatable :: values(:)
    end type scene_type
 
-   type(scene_type) :: pendulum, squeezer, beam
+   type(scene_type) :: pendulum, squeezer, beam, plain
    character(256) :: results
 
    call get_command_argument(1, results)
@@ -30,8 +30,11 @@ program test_orders
    squeezer = scene_type('../input/andrews_squeezer.inp', 'TOLERANCE=1e-8', 'OUTPUTS=300', 'beta')
    allocate (squeezer%values(1))
    squeezer%values = 15.810771195153707_wp
-   beam = scene_type('verification/spin_up_stiff.inp', 'TOLERANCE=1e-8', 'OUTPUTS=1000', 'u2_tip')
+   beam = scene_type('../input/spin_up.inp', 'TOLERANCE=1e-8', 'OUTPUTS=1000', 'u2_tip')
    call converge(beam)
+   ! Without stretch, whose fast vibrations take some of the order at steps as long as these
+   plain = scene_type('verification/spin_up_plain.inp', 'TOLERANCE=1e-8', 'OUTPUTS=1000', 'u2_tip')
+   call converge(plain)
 
    call check_slope(pendulum, 'ADAMS')
    call check_slope(pendulum, 'RADAU')
@@ -48,13 +51,13 @@ program test_orders
    call check_order(beam, 'CONSERVING', [4.0e-2_wp, 2.0e-2_wp, 1.0e-2_wp], 1.9_wp, 2.1_wp)
    call check_order(pendulum, 'RADAU', [8.0e-2_wp, 4.0e-2_wp, 2.0e-2_wp], 4.8_wp, 5.2_wp)
    call check_order(squeezer, 'RADAU', [8.0e-5_wp, 5.6e-5_wp, 4.0e-5_wp], 4.7_wp, 5.3_wp)
-   call check_order(beam, 'RADAU', [4.0e-2_wp, 2.0e-2_wp, 1.0e-2_wp], 4.7_wp, 5.3_wp)
+   call check_order(plain, 'RADAU', [8.0e-2_wp, 4.0e-2_wp, 2.0e-2_wp], 4.7_wp, 5.3_wp)
 
    call check_drift('ADAMS')
    call check_drift('RADAU')
    call check_drift('ALPHA')
    call check_drift('CONSERVING')
-   deallocate (pendulum%values, squeezer%values, beam%values)
+   deallocate (pendulum%values, squeezer%values, beam%values, plain%values)
    call finish()
 
 contains
@@ -64,10 +67,10 @@ contains
       type(scene_type), intent(inout) :: scene
       real(wp), allocatable :: other(:)
       allocate (scene%values(1))
-      call solve(scene, 'ADAMS', '1e-11', '', other)
+      call solve(scene, 'RADAU', '1e-12', '', other)
       deallocate (scene%values)
-      call solve(scene, 'RADAU', '1e-12', '', scene%values)
-      call check_close(maxval(abs(other - scene%values)), 0.0_wp, 1.0e-11_wp, trim(scene%deck)//': two integrators agree')
+      call solve(scene, 'ADAMS', '1e-12', '', scene%values)
+      call check_close(maxval(abs(other - scene%values)), 0.0_wp, 1.0e-10_wp, trim(scene%deck)//': two integrators agree')
       deallocate (other)
    end subroutine converge
 

@@ -18,7 +18,7 @@ module limber_analysis_choice
    use limber_system_tangent_products, only: times_damping, times_stiffness
    implicit none
    private
-   public :: choose_integrator, choice_type, look_at_state, suits_adams, frame_rate
+   public :: choose_integrator, choice_type, look_at_state, suits_adams
 
    !> What is known of a scene at a state
    type :: choice_type

@@ -20,7 +20,7 @@ module limber_output_channels
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: recorder_type, new_recorder, channel_values, gather_balance, sample_width
+   public :: recorder_type, new_recorder, channel_values, sample_width
 
    !> What is remembered between samples: the angles of frames, accumulated over turns
    type :: recorder_type

@@ -29,6 +29,7 @@ deck cantilever_statics "s/INCREMENTS=4\$/INCREMENTS=300/; s/END=3, OUTPUTS=10/E
 deck slider_crank_exact 's/turns = 2/turns = 1/; s/^\*DYNAMICS.*/*DYNAMICS, END=turns*2*pi\/speed, TOLERANCE=1e-6, OUTPUTS=400\
 *DYNAMICS, END=2*turns*2*pi\/speed, TOLERANCE=1e-7, OUTPUTS=400/'
 deck portal_frame "s/TOLERANCE=1e-7/TOLERANCE=1e-9/"
+deck whipped_frame "s/TOLERANCE=1e-5/TOLERANCE=1e-8/"
 deck spin_up "s/STRAIN FUNCTIONS=2/STRAIN FUNCTIONS=0/; s/TOLERANCE=1e-8/TOLERANCE=1e-10/"
 deck flexible_four_bar 's/rise = 0.4/rise = 0.02/; s/TOLERANCE=1e-6/&\
 *ACCURACY, ESTIMATE=YES/; s/TOLERANCE=1e-6/TOLERANCE=1e-5/'

@@ -7,7 +7,7 @@ module runs
    use testing, only: check, check_no_error
    implicit none
    private
-   public :: run_changed, change_deck, channel, read_columns
+   public :: run_changed, change_deck, contents, channel, read_columns
 
 contains
 
@@ -70,6 +70,7 @@ contains
       close (unit)
    end subroutine read_columns
 
+   !> The text of a file, at most 2 GB.
    function contents(path) result(text)
       character(*), intent(in) :: path
       character(:), allocatable :: text

@@ -7,7 +7,7 @@ program test_frames
    use limber_base_text, only: as_text
    use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel
+   use runs, only: channel, contents
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    character(*), parameter :: nl = new_line('a')
@@ -94,13 +94,7 @@ contains
       real(wp), allocatable :: x(:), y(:), time(:), moment(:), u(:)
       character(:), allocatable :: warnings
       type(error_type), allocatable :: error
-      call run_scene('*MATERIAL, NAME=stuff, YOUNG=720, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=RECTANGLE, WIDTH=3, HEIGHT=2'// &
-         & nl//'*FRAME, NAME=lee, MATERIAL=stuff, SECTION=bar, LARGE=YES'//nl//' load, 2, 24'//nl//'*NODE'//nl// &
-         & ' 1, 0, 0, foot'//nl//' 2, 0, 120, corner'//nl//' 3, 120, 120, end'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//' 2, 2, 3'// &
-         & nl//'*GROUND'//nl//' far, 120, 120'//nl//'*JOINT, NAME=first, TYPE=REVOLUTE'//nl//' lee.foot, ground.origin'//nl// &
-         & '*JOINT, NAME=second, TYPE=REVOLUTE'//nl//' lee.end, ground.far'//nl//'*FORCE, NAME=down, POINT=lee.load'//nl// &
-         & ' 0, -2*t'//nl//'*STATICS, INCREMENTS=10'//nl//'*OUTPUT'//nl//' x = x(lee.load), y = y(lee.load)'//nl// &
-         & ' moment = bending_moment(lee.load), u = u1(lee.corner)'//nl, reader, warnings)
+      call run_scene(contents('../input/lee_frame.inp'), reader, warnings)
       allocate (x, source=channel(reader, 'x'))
       allocate (y, source=channel(reader, 'y'))
       allocate (u, source=channel(reader, 'u'))

@@ -2,19 +2,17 @@
 !> Floor: deck.
 module limber_deck_families
    use limber_deck_content, only: deck_type, block_type
+   use limber_deck_keywords, only: option_table
    implicit none
    private
    public :: is_void, settle_models
 
-   !> Of the models with modes, and of exact beams
-   character(*), parameter, public :: options_of_modes(10) = [character(18) :: 'MODES', 'BENDING MODES', 'AXIAL MODES', &
-      & 'FREQUENCY LIMIT', 'BASIS', 'CORRECTIONS', 'END SHAPES', 'GEOMETRIC ELEMENTS', 'GEOMETRIC INTEGRAL', 'AXIAL BASIS']
-   character(*), parameter, public :: options_of_exact(8) = [character(18) :: 'FUNCTIONS', 'STRAIN FUNCTIONS', 'SHEAR', &
-      & 'END SECTION', 'CURVATURE', 'THERMAL STRAIN', 'THERMAL CURVATURE', 'PRETENSION']
-
-   !> Of frames: those that mean nothing where each member is an exact beam
-   character(*), parameter, public :: options_of_frame_modes(6) = [character(18) :: 'MODES', 'FREQUENCY LIMIT', 'BASIS', &
-      & 'CORRECTIONS', 'DIVISIONS', 'GEOMETRIC']
+   !> Options of beams that mean something with modes only, and of exact beams only; of frames, with modes only
+   logical, parameter :: of_beams(*) = option_table%keyword == 'BEAM', of_frames(*) = option_table%keyword == 'FRAME'
+   logical, parameter :: with_modes(*) = option_table%models == 'MODES', with_exact(*) = option_table%models == 'EXACT'
+   character(20), parameter, public :: options_of_modes(*) = pack(option_table%name, of_beams .and. with_modes)
+   character(20), parameter, public :: options_of_exact(*) = pack(option_table%name, of_beams .and. with_exact)
+   character(20), parameter, public :: options_of_frame_modes(*) = pack(option_table%name, of_frames .and. with_modes)
 
 contains
 

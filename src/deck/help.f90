@@ -46,14 +46,36 @@ contains
       text = '*'//trim(keyword%name)//newline//'  '//trim(keyword%meaning)
       if (keyword%most == 1) text = text//'; at most once'
       allocate (specs, source=keyword_options(trim(keyword%name)))
-      if (size(specs) > 0) text = text//newline//newline//'Options:'
       do i = 1, size(specs)
+         if (begins_group(specs, i)) text = text//newline//newline//'Options'//group_title(keyword%name, specs(i)%models)//':'
          text = text//newline//'  '//specs(i)%name//'  '//wrapped(option_sentence(specs(i)), len(specs%name) + 4)
       end do
       if (keyword%form /= form_none) text = text//newline//newline//'Data lines ('//line_count(keyword)//'): ' &
          & //line_form(keyword, .false.)//listed_words(trim(keyword%name), .false.)
       text = text//newline//newline//'Example:'//newline//example_text(trim(keyword%name))
    end function keyword_help
+
+   !> Whether an option is the first of those for some models.
+   pure logical function begins_group(specs, i)
+      type(option_spec_type), intent(in) :: specs(:)
+      integer, intent(in) :: i
+      begins_group = i == 1
+      if (i > 1) begins_group = specs(i)%models /= specs(i - 1)%models
+   end function begins_group
+
+   !> Of which models a group of options is.
+   pure function group_title(keyword, models) result(title)
+      character(*), intent(in) :: keyword, models
+      character(:), allocatable :: title
+      select case (models)
+      case ('EXACT'); title = ' of exact beams, GEOMETRIC=EXACT (default)'
+      case ('LARGE'); title = ' of frames of exact beams, LARGE=YES'
+      case ('MODES')
+         title = ' of beams with modes, GEOMETRIC=LINEAR or K_G (default if one is given)'
+         if (keyword == 'FRAME') title = ' of frames with modes, LARGE=NO (default)'
+      case default; title = ''
+      end select
+   end function group_title
 
    !> Meaning, what may be written, default.
    function option_sentence(spec) result(text)
@@ -226,9 +248,11 @@ contains
          text = text//newline
          if (allocated(specs)) deallocate (specs)
          allocate (specs, source=keyword_options(trim(keyword_table(row)%name)))
-         if (size(specs) > 0) text = text//newline//'| Option | Value | Unit | Default | Meaning |'//newline &
-            & //'|---|---|---|---|---|'//newline
          do i = 1, size(specs)
+            if (begins_group(specs, i)) then
+               if (i > 1) text = text//newline//'Options'//group_title(keyword_table(row)%name, specs(i)%models)//':'//newline
+               text = text//newline//'| Option | Value | Unit | Default | Meaning |'//newline//'|---|---|---|---|---|'//newline
+            end if
             text = text//manual_row(specs(i))//newline
          end do
          if (keyword_table(row)%form /= form_none) text = text//newline//'Data lines ('//line_count(keyword_table(row)) &

@@ -149,48 +149,12 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'MATERIAL', kind_reference, 'MATERIAL', '', needed, 'its material'), &
       & option_spec_type('BEAM', 'SECTION', kind_reference, 'SECTION', '', needed, 'its cross-section'), &
       & option_spec_type('BEAM', 'LENGTH', kind_positive, '', 'm', needed, 'undeformed length'), &
-      & option_spec_type('BEAM', 'ELEMENTS', kind_counting, '', &
-      &    '', '10', 'finite elements that the modes are computed with', most=10000), &
-      & option_spec_type('BEAM', 'MODES', kind_count, '', &
-      &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000), &
-      & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
-      &    '', '', 'number of bending modes; given, it replaces MODES', most=1000), &
-      & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', &
-      &    '', '', 'number of axial modes; without BENDING MODES, MODES is the number of bending modes', most=1000), &
-      & option_spec_type('BEAM', 'FREQUENCY LIMIT', kind_positive, '', &
-      &    'rad/s', '', 'all modes below it, at most BENDING MODES and AXIAL MODES; given, it replaces MODES'), &
-      & option_spec_type('BEAM', 'BASIS', kind_word, bases, &
-      &    '', 'VIBRATION', basis_meaning), &
-      & option_spec_type('BEAM', 'CORRECTIONS', kind_yes, '', &
-      &    '', 'NO', correction_meaning), &
-      & option_spec_type('BEAM', 'SUPPORT', kind_word, supports, &
-      &    '', 'PINNED-ROLLER', 'how the ends are held in the floating frame: defines the modes'), &
-      & option_spec_type('BEAM', 'END SHAPES', kind_yes, '', &
-      &    '', '', 'YES: shapes of forces and moments at the ends beside the bending modes, for beams that are welded'), &
       & option_spec_type('BEAM', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G|EXACT', &
       &    '', 'EXACT', 'rigid; K_E alone; K_E and K_G (the paper; default if modes are asked for); or exact'), &
-      & option_spec_type('BEAM', 'FUNCTIONS', kind_counting, '', &
-      &    '', '7', 'functions of the section angle of an EXACT beam', most=200), &
-      & option_spec_type('BEAM', 'STRAIN FUNCTIONS', kind_count, '', &
-      &    '', '1', 'functions of the strain along the axis of an EXACT beam; 0: it does not stretch', most=100), &
-      & option_spec_type('BEAM', 'SHEAR', kind_yes, '', &
-      &    '', 'NO', 'EXACT: shear and rotary inertia (Timoshenko), with as many functions of the shear as of the angle'), &
-      & option_spec_type('BEAM', 'END SECTION', kind_reference, 'SECTION', &
-      &    '', '', 'EXACT: section at the end, or where *PROFILE begins; sizes change linearly up to it'), &
-      & option_spec_type('BEAM', 'CURVATURE', kind_real, '', &
-      &    '1/m', '0', 'EXACT: curvature of the undeformed axis, positive to the left'), &
-      & option_spec_type('BEAM', 'THERMAL STRAIN', kind_real, '', &
-      &    '', '0', 'EXACT: strain of the beam that nothing holds'), &
-      & option_spec_type('BEAM', 'THERMAL CURVATURE', kind_real, '', &
-      &    '1/m', '0', 'EXACT: curvature of the beam that nothing holds, beside CURVATURE'), &
-      & option_spec_type('BEAM', 'PRETENSION', kind_real, '', &
-      &    'N', '0', 'EXACT: tension of the undeformed beam'), &
-      & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
-      &    '', '2', 'elements for the geometric part, independent of ELEMENTS', most=1000), &
-      & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &
-      &    '', 'EXACT', 'slope in an element: from its two ends, or integrated; LINEAR: and tension not constant'), &
-      & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|STATIC', &
-      &    '', '', 'axial modes, or responses to forces along the beam and to rotation: default, unless modes are counted'), &
+      & option_spec_type('BEAM', 'ELEMENTS', kind_counting, '', &
+      &    '', '10', 'finite elements that the modes are computed with', most=10000), &
+      & option_spec_type('BEAM', 'SUPPORT', kind_word, supports, &
+      &    '', 'PINNED-ROLLER', 'how the ends are held in the floating frame: defines the modes'), &
       & option_spec_type('BEAM', 'SEGMENTS', kind_counting, '', &
       &    '', '1', 'EXACT: equal pieces, each with a frame and functions of its own, welded together: ropes', &
       &    most=500), &
@@ -202,29 +166,55 @@ module limber_deck_keywords
       & option_spec_type('BEAM', 'ANGLE', kind_real, '', 'rad', '0', 'angle of the floating frame at first'), &
       & option_spec_type('BEAM', 'VX', kind_real, '', 'm/s', '0', 'velocity along x at first'), &
       & option_spec_type('BEAM', 'VY', kind_real, '', 'm/s', '0', 'velocity along y at first'), &
-      & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity at first')]
+      & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity at first'), &
+      & option_spec_type('BEAM', 'FUNCTIONS', kind_counting, '', &
+      &    '', '7', 'functions of the section angle', most=200, models='EXACT'), &
+      & option_spec_type('BEAM', 'STRAIN FUNCTIONS', kind_count, '', &
+      &    '', '1', 'functions of the strain along the axis; 0: it does not stretch', most=100, models='EXACT'), &
+      & option_spec_type('BEAM', 'SHEAR', kind_yes, '', &
+      &    '', 'NO', 'shear and rotary inertia (Timoshenko), with as many functions of the shear as of the angle', &
+      &    models='EXACT'), &
+      & option_spec_type('BEAM', 'END SECTION', kind_reference, 'SECTION', &
+      &    '', '', 'section at the end, or where *PROFILE begins; sizes change linearly up to it', models='EXACT'), &
+      & option_spec_type('BEAM', 'CURVATURE', kind_real, '', &
+      &    '1/m', '0', 'curvature of the undeformed axis, positive to the left', models='EXACT'), &
+      & option_spec_type('BEAM', 'THERMAL STRAIN', kind_real, '', &
+      &    '', '0', 'strain of the beam that nothing holds', models='EXACT'), &
+      & option_spec_type('BEAM', 'THERMAL CURVATURE', kind_real, '', &
+      &    '1/m', '0', 'curvature of the beam that nothing holds, beside CURVATURE', models='EXACT'), &
+      & option_spec_type('BEAM', 'PRETENSION', kind_real, '', &
+      &    'N', '0', 'tension of the undeformed beam', models='EXACT'), &
+      & option_spec_type('BEAM', 'MODES', kind_count, '', &
+      &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000, models='MODES'), &
+      & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &
+      &    '', '', 'number of bending modes; given, it replaces MODES', most=1000, models='MODES'), &
+      & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', &
+      &    '', '', 'number of axial modes; without BENDING MODES, MODES is the number of bending modes', &
+      &    most=1000, models='MODES'), &
+      & option_spec_type('BEAM', 'FREQUENCY LIMIT', kind_positive, '', &
+      &    'rad/s', '', 'all modes below it, at most BENDING MODES and AXIAL MODES; given, it replaces MODES', models='MODES'), &
+      & option_spec_type('BEAM', 'BASIS', kind_word, bases, &
+      &    '', 'VIBRATION', basis_meaning, models='MODES'), &
+      & option_spec_type('BEAM', 'CORRECTIONS', kind_yes, '', &
+      &    '', 'NO', correction_meaning, models='MODES'), &
+      & option_spec_type('BEAM', 'END SHAPES', kind_yes, '', &
+      &    '', '', 'YES: shapes of forces and moments at the ends beside the bending modes, for beams that are welded', &
+      &    models='MODES'), &
+      & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
+      &    '', '2', 'elements for the geometric part, independent of ELEMENTS', most=1000, models='MODES'), &
+      & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &
+      &    '', 'EXACT', 'slope in an element: from its two ends, or integrated; LINEAR: and tension not constant', &
+      &    models='MODES'), &
+      & option_spec_type('BEAM', 'AXIAL BASIS', kind_word, 'MODES|STATIC', &
+      &    '', '', 'axial modes, or responses to forces along the beam and to rotation: default, unless modes are counted', &
+      &    models='MODES')]
    type(option_spec_type), parameter :: frame_options(*) = [ &
       & option_spec_type('FRAME', 'NAME', kind_name, 'bodies', '', needed, 'name of the frame'), &
       & option_spec_type('FRAME', 'MATERIAL', kind_reference, 'MATERIAL', '', '', 'material of members that are given no other'), &
       & option_spec_type('FRAME', 'SECTION', kind_reference, 'SECTION', &
       &    '', '', 'cross-section of members that are given no other'), &
-      & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member', most=1000), &
-      & option_spec_type('FRAME', 'MODES', kind_count, '', &
-      &    '', '', 'number of vibration modes; default 3 for each member, 6 at least, 24 at most', most=1000), &
-      & option_spec_type('FRAME', 'FREQUENCY LIMIT', kind_positive, '', &
-      &    'rad/s', '', 'all modes below it; given, it replaces MODES'), &
-      & option_spec_type('FRAME', 'BASIS', kind_word, bases, &
-      &    '', 'VIBRATION', basis_meaning), &
-      & option_spec_type('FRAME', 'CORRECTIONS', kind_yes, '', &
-      &    '', '', 'responses to what joints, drivers and loads exert on it, and to its accelerations; default YES with K_G'), &
-      & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G', &
-      &    '', 'K_G', 'fidelity: no deflection, K_E alone, or K_E and K_G; where members bend far, LARGE=YES'), &
       & option_spec_type('FRAME', 'LARGE', kind_yes, '', &
       &    '', 'NO', 'YES: each member an exact beam, welded to the others at their nodes, for members that bend far'), &
-      & option_spec_type('FRAME', 'FUNCTIONS', kind_counting, '', &
-      &    '', '', 'LARGE: functions of the angle of each member; default as *BEAM has', most=60), &
-      & option_spec_type('FRAME', 'STRAIN FUNCTIONS', kind_count, '', &
-      &    '', '', 'LARGE: functions of the strain of each member; default as *BEAM has', most=60), &
       & option_spec_type('FRAME', 'X', kind_real, '', &
       &    'm', '0', 'x of the floating frame at first, kept where the joints allow it'), &
       & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame at first'), &
@@ -232,6 +222,23 @@ module limber_deck_keywords
       & option_spec_type('FRAME', 'VX', kind_real, '', 'm/s', '0', 'velocity along x at first'), &
       & option_spec_type('FRAME', 'VY', kind_real, '', 'm/s', '0', 'velocity along y at first'), &
       & option_spec_type('FRAME', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity at first'), &
+      & option_spec_type('FRAME', 'GEOMETRIC', kind_word, 'RIGID|LINEAR|K_G', &
+      &    '', 'K_G', 'fidelity: no deflection, K_E alone, or K_E and K_G; where members bend far, LARGE=YES', models='MODES'), &
+      & option_spec_type('FRAME', 'MODES', kind_count, '', &
+      &    '', '', 'number of vibration modes; default 3 for each member, 6 at least, 24 at most', most=1000, models='MODES'), &
+      & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member', &
+      &    most=1000, models='MODES'), &
+      & option_spec_type('FRAME', 'FREQUENCY LIMIT', kind_positive, '', &
+      &    'rad/s', '', 'all modes below it; given, it replaces MODES', models='MODES'), &
+      & option_spec_type('FRAME', 'BASIS', kind_word, bases, &
+      &    '', 'VIBRATION', basis_meaning, models='MODES'), &
+      & option_spec_type('FRAME', 'CORRECTIONS', kind_yes, '', &
+      &    '', '', 'responses to what joints, drivers and loads exert on it, and to its accelerations; default YES with K_G', &
+      &    models='MODES'), &
+      & option_spec_type('FRAME', 'FUNCTIONS', kind_counting, '', &
+      &    '', '', 'functions of the angle of each member; default as *BEAM has', most=60, models='LARGE'), &
+      & option_spec_type('FRAME', 'STRAIN FUNCTIONS', kind_count, '', &
+      &    '', '', 'functions of the strain of each member; default as *BEAM has', most=60, models='LARGE'), &
       & option_spec_type('NODE', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &
       & option_spec_type('NODE', 'NSET', kind_text, '', '', '', 'set that these nodes join'), &
       & option_spec_type('ELEMENT', 'BODY', kind_reference, 'FRAME', '', '', of_frame), &

@@ -70,6 +70,9 @@ module limber_deck_schema
       character(110) :: meaning
       !> Of a whole number: the greatest
       integer :: most = many
+      !> Models of a body for which it means something; empty: all. EXACT: exact beams; MODES: beams and frames with modes; LARGE: frames
+      !> of exact beams
+      character(5) :: models = ''
    end type option_spec_type
 
    !> A field of the data lines of a keyword

@@ -32,9 +32,11 @@ module limber_integrator_conserving
    real(wp), parameter :: many_rates = 200.0_wp
    !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
    !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off, or that
-   !> in units of the round-off of places: what is stiff multiplies it
+   !> in units of the round-off of places: what is stiff multiplies it; and part of the tolerance that counts as round-off where so
+   !> many corrections in a row make no progress: what bends much for little force multiplies it more
    real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
-      & no_progress = 0.5_wp, stiff = 200.0_wp
+      & no_progress = 0.5_wp, stiff = 200.0_wp, part_of_tolerance = 0.01_wp
+   integer, parameter :: stalled = 4
 
    !> Memory of the method
    type, extends(integrator_type) :: conserving_type
@@ -49,6 +51,8 @@ module limber_integrator_conserving
       type(means_type) :: means
       !> Scratch
       real(wp), allocatable :: motion(:), phi(:), unknown(:), e(:), change(:)
+      !> Multipliers under which redundant constraints do not give way, and how far those of the step differ (nc)
+      real(wp), allocatable :: held(:), apart(:)
       type(step_type) :: trial
       type(tangent_type) :: tangent
       !> Where bodies on pins close no loop: takes the place of the tangent
@@ -89,7 +93,8 @@ contains
       if (.not. allocated(self%q)) then
          allocate (self%q(nq), self%v(nq), self%b(nw), self%y(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
             & self%increment(nw), self%w(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
-            & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc), self%new_w(nw), self%path_q(nq), self%path_v(nq))
+            & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc), self%new_w(nw), self%path_q(nq), self%path_v(nq), &
+            & self%held(nc), self%apart(nc))
          call new_means(nw, nc, self%means)
          call new_forest(system, self%forest)
          if (.not. self%forest%usable) call new_tangent(system, self%tangent)
@@ -151,11 +156,11 @@ contains
          end if
          call begin(self, system, h, merge(stop, self%t + (h - self%rounding), h >= stop - self%t))
          call predict(self%means, system%layout, self%t, h, self%q, .true., self%y, self%lambda)
-         call iterate(self, system, work, good)
+         call find_end(self, system, work, good)
          if (.not. good) then
             self%h_factors = 0.0_wp
             call predict(self%means, system%layout, self%t, h, self%q, .false., self%y, self%lambda)
-            call iterate(self, system, work, good)
+            call find_end(self, system, work, good)
          end if
          if (good) then
             err = 0.0_wp
@@ -231,14 +236,33 @@ contains
       if (way > 1.5_wp*wanted .and. abs(h - wanted) <= slack*wanted) h = wanted
    end function even_step
 
+   !> The end of the step. What redundant constraints give way is taken back: under the multipliers found they give way no more,
+   !> eq. (H1). Beside a fold little of it would be much of the reactions.
+   subroutine find_end(self, system, work, good)
+      class(conserving_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      logical, intent(out) :: good
+      integer, parameter :: rounds = 2
+      integer :: round
+      self%held = 0.0_wp
+      call iterate(self, system, work, good)
+      if (.not. system%redundant) return
+      do round = 1, rounds
+         if (.not. good) return
+         self%held = self%lambda
+         call iterate(self, system, work, good)
+      end do
+   end subroutine find_end
+
    !> Newton iteration, down to round-off. The factors at hand serve as long as it is quick.
    subroutine iterate(self, system, work, converged)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       logical, intent(out) :: converged
-      real(wp) :: size_now, size_last, ratio, noise
-      integer :: round, nw
+      real(wp) :: size_now, size_last, ratio, noise, least
+      integer :: round, nw, idle
       logical :: fresh
       nw = system%layout%nw
       converged = .false.
@@ -248,6 +272,8 @@ contains
       noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*max(self%scales%speed, self%scales%driven))) &
          & *max(1.0_wp, nw/many_rates)
       size_last = 0.0_wp
+      least = huge(least)
+      idle = 0
       do round = 1, most_iterations
          call find_residual(self, system, work)
          if (converged) return
@@ -256,7 +282,10 @@ contains
             fresh = .true.
             if (.not. self%h_factors > 0.0_wp) return
          end if
-         if (system%redundant) call give_way(self%tangent, self%lambda, self%phi)
+         if (system%redundant) then
+            self%apart = self%lambda - self%held
+            call give_way(self%tangent, self%apart, self%phi)
+         end if
          self%unknown(:nw) = -self%motion
          self%unknown(nw + 1:) = -self%phi
          call solve(self)
@@ -272,7 +301,10 @@ contains
                converged = fresh .and. ratio > no_progress .and. size_now <= max(small_correction, stiff*noise)
                self%h_factors = 0.0_wp
             end if
+            idle = merge(idle + 1, 0, fresh .and. size_now > no_progress*least)
+            if (idle >= stalled .and. size_now <= part_of_tolerance*self%tolerance) converged = .true.
          end if
+         least = min(least, size_now)
          size_last = size_now
       end do
       converged = .false.

@@ -23,6 +23,7 @@ program test_exact_conserving
    call check_order()
    call check_crank()
    call check_sliding()
+   call check_start()
    call finish()
 
 contains
@@ -157,5 +158,19 @@ contains
       call check_energy(reader, 1.0e-10_wp, 'bead on a cantilever')
       call reader%close()
    end subroutine check_sliding
+
+   !> A light bar that begins to fall: what is round-off of its first steps is no reason to give up.
+   subroutine check_start()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call run_deck('verification/exact_start.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, 'a light bar on a slope')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call check_no_error(error, 'results of the bar on a slope')
+      call check_energy(reader, 1.0e-9_wp, 'a light bar on a slope')
+      call reader%close()
+   end subroutine check_start
 
 end program test_exact_conserving

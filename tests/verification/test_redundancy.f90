@@ -1,6 +1,6 @@
 !> Redundant constraints and folds against solutions with one degree of freedom: the parallelogram with five cranks, which moves
 !> like one pendulum, its joint forces against those of a free body; and the slider-crank of equal lengths, which passes
-!> a position where branches meet at every half turn. Usage, in tests/: test_redundancy RESULT_FILE
+!> a position where branches meet at every half turn; three cranks that are driven through folds. Usage, in tests/: test_redundancy RESULT_FILE
 program test_redundancy
    use limber_base_kinds, only: wp
    use limber_output_history_reader, only: history_reader_type
@@ -19,6 +19,7 @@ program test_redundancy
    call check_equal('ALPHA', '1e-5', 1.0_wp)
    ! Not every tolerance: where an evaluation falls on the fold itself ADAMS warns, which is luck
    call check_gravity('ADAMS', '3e-11')
+   call check_driven()
    call finish()
 
 contains
@@ -122,5 +123,30 @@ contains
       call check_close(crank(3), -3.700578611873318_wp, 1.0e-8_wp, 'gravity: two seconds')
       call check_close(crank(6), 0.7759381447715665_wp, 1.0e-8_wp, 'gravity: five seconds')
    end subroutine check_gravity
+
+   !> A parallelogram with one crank more than needed, which CONSERVING drives past folds: its coupler does not turn, the torque is
+   !> that of all inertia, and reactions are those of ADAMS.
+   subroutine check_driven()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: spin(:), torque(:), force(:)
+      real(wp), parameter :: inertia = 0.004_wp + 0.5_wp*0.0068_wp + 0.05_wp + 2.8_wp*0.005_wp + 0.02_wp + 1.2_wp*0.0125_wp &
+         & + 1.2_wp*0.09_wp
+      integer :: i
+      call run_changed('verification/driven_fold.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (spin, source=channel(reader, 'spin_coupler'))
+      allocate (torque, source=channel(reader, 'torque_motor'))
+      allocate (force, source=channel(reader, 'force_x_pin'))
+      call reader%close()
+      print '(a,2es10.2)', 'CONSERVING driven folds: spin, torque', maxval(abs(spin)), &
+         & maxval(abs(torque - inertia*23*cos(4.3_wp*[(0.03_wp*i, i=0, 20)])))
+      call check_close(maxval(abs(spin)), 0.0_wp, 1.0e-10_wp, 'the coupler of driven cranks does not turn')
+      do i = 0, 20
+         call check_close(torque(i + 1), inertia*23*cos(4.3_wp*0.03_wp*i), 1.0e-7_wp, 'torque of driven cranks')
+      end do
+      call run_changed('verification/driven_fold.inp', trim(results), [character(40) :: 'INTEGRATOR=CONSERVING', '1e-5'], &
+         & [character(40) :: 'INTEGRATOR=ADAMS', '1e-9'], reader)
+      call check_close(maxval(abs(channel(reader, 'force_x_pin') - force)), 0.0_wp, 1.0e-3_wp, 'reactions beside a fold')
+      call reader%close()
+   end subroutine check_driven
 
 end program test_redundancy

@@ -66,6 +66,8 @@ module limber_analysis_crossings
       !> Formula of each law behind the last crossing of it that was found (laws)
       integer(long), allocatable :: entered(:)
       integer :: looks = 0, rest = 0, next_rest = 1
+      !> Whether the integrator starts anew with the next step
+      logical :: anew = .true.
       !> The last jumps: law, time, time before it that counts as long, and how often it has gone to and fro; steps in a row that
       !> are next to nothing
       integer :: law = 0, returns = 0, crawls = 0
@@ -127,6 +129,7 @@ contains
       self%q = q
       self%v = v
       self%w = w
+      self%anew = .true.
       call read_state(self, system, work, t, q, v, self%quarters(0))
    end subroutine begin_crossings
 
@@ -149,6 +152,7 @@ contains
       self%q = q
       self%v = v
       self%w = w
+      self%anew = .false.
       self%quarters(0) = self%quarters(4)
    end subroutine go_on
 
@@ -484,6 +488,9 @@ contains
       self%found = found_bend
       if (abs(b%force(law) - a%force(law)) > jump*self%largest(law)) then
          self%found = found_jump
+      else if (self%anew .and. b%t - self%quarters(0)%t <= just_met*(self%quarters(4)%t - self%quarters(0)%t)) then
+         ! A start at the bend: one right behind it would be as near to it
+         self%found = found_nothing
       else if (self%steps(law) < integrator%steps_to_start .and. &
          & max(self%width(law), self%excess(law, 0)) <= slight*self%largest(law)) then
          ! Bends that come with every few steps and matter little are left to the error of these
@@ -557,6 +564,7 @@ contains
          call snapshot%exchange('crossing_steps', self%steps(i))
          call snapshot%exchange('crossing_entered', self%entered(i))
       end do
+      call snapshot%exchange('crossing_anew', self%anew)
       call snapshot%exchange('crossing_rest', self%rest)
       call snapshot%exchange('crossing_next_rest', self%next_rest)
       call snapshot%exchange('crossing_law', self%law)

@@ -31,6 +31,7 @@ program test_crossings
    end do
    call check_peak()
    call check_round_off()
+   call check_drag()
    call check_layer('INTEGRATOR=ADAMS', '1e-4', 40.0e-4_wp)
    call check_layer('INTEGRATOR=ADAMS', '1e-6', 40.0e-6_wp)
    call check_layer('INTEGRATOR=ADAMS', '1e-8', 40.0e-8_wp)
@@ -238,5 +239,20 @@ contains
       call check(index(error%message, "the law of 'brake' on body 'disc' jumps to and fro at t = 2") > 0 .and. &
          & index(error%message, 'tanh(v/eps)') > 0, 'law, body, time and remedy in: '//error%message)
    end subroutine check_sticking
+
+   !> A law that bends at the very start, in two components, where all is at rest: it is no reason to start again and again.
+   subroutine check_drag()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: sun(:), arm(:)
+      call run_changed('verification/slanted_drag.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      allocate (sun, source=channel(reader, 'sun'))
+      allocate (arm, source=channel(reader, 'arm'))
+      call reader%close()
+      call run_changed('verification/slanted_drag.inp', trim(results), [character(24) :: 'TOLERANCE=1e-6', 'INTEGRATOR=ADAMS'], &
+         & [character(24) :: 'TOLERANCE=1e-9', 'INTEGRATOR=RADAU'], reader)
+      call check_close(maxval(abs(sun - channel(reader, 'sun'))), 0.0_wp, 1.0e-4_wp, 'a gear that is braked: sun')
+      call check_close(maxval(abs(arm - channel(reader, 'arm'))), 0.0_wp, 1.0e-4_wp, 'a gear that is braked: arm')
+      call reader%close()
+   end subroutine check_drag
 
 end program test_crossings

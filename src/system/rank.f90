@@ -1,5 +1,5 @@
 !> Rank of the constraints at the first position: what is redundant in every position, what is so there only, and what stands
-!> still although its equations let it move. Floor: system. Source: doc/theory, eqs. (70)-(72).
+!> still although its equations let it move. Floor: system. Source: doc/theory, eqs. (70)-(72), (H2).
 module limber_system_rank
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -105,8 +105,8 @@ contains
       integer, intent(out) :: stuck
       type(redundancy_type), intent(out) :: aside
       !> How far: rotations [rad] and ways relative to the scene
-      real(wp), parameter :: far = 0.02_wp
-      real(wp), allocatable :: direction(:), step(:), other(:), change(:)
+      real(wp), parameter :: far = 0.02_wp, near = 0.25_wp*far
+      real(wp), allocatable :: direction(:), step(:), other(:), change(:), way(:), nearer(:)
       integer :: k, owner(system%nc)
       logical :: done
       do k = 1, size(here%group)
@@ -126,42 +126,76 @@ contains
       direction = direction - step(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)
       moved = maxval(abs(direction)) > 1.0e-4_wp
       if (.not. moved) return
-      direction = direction*(far/maxval(abs(direction)))
-      step = 0.0_wp
-      step(matrix%place(:matrix%columns)) = direction*matrix%scale(:matrix%columns)
-      allocate (other, source=q)
-      call move(system, step, other)
-      call close_positions(system, work, matrix, t, other, done)
+      direction = direction/maxval(abs(direction))
+      allocate (other(size(q)), way(matrix%columns), nearer(matrix%columns))
+      call go_aside(far, way, done)
       call fill(system, work, matrix)
       call find_redundancy(system, matrix, aside)
       if (.not. done) aside%count = here%count
-      call change_between(system, q, other, change)
-      stuck = stuck_group(change(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns))
+      stuck = stuck_group(abs(way), 0.3_wp)
+      if (stuck == 0 .and. aside%count == here%count) then
+         call go_aside(near, nearer, done)
+         stuck = bound_group(abs(direction - way/far), abs(direction - nearer/near))
+      end if
       call place_frames(system%model, system%layout, t, q, work%kinematics)
       call update_jacobians(system, work)
       call fill(system, work, matrix)
 
    contains
 
+      !> Moves the scene aside, onto the constraints.
+      subroutine go_aside(distance, made, done)
+         !> How far, and the way that was made, scaled (columns)
+         real(wp), intent(in) :: distance
+         real(wp), intent(out) :: made(:)
+         logical, intent(out) :: done
+         step = 0.0_wp
+         step(matrix%place(:matrix%columns)) = distance*direction*matrix%scale(:matrix%columns)
+         other = q
+         call move(system, step, other)
+         call close_positions(system, work, matrix, t, other, done)
+         call change_between(system, q, other, change)
+         made = change(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)
+      end subroutine go_aside
+
       !> The first group that was to move and has not.
-      integer function stuck_group(way)
-         !> Way that was made, scaled (columns)
-         real(wp), intent(in) :: way(:)
-         real(wp) :: wanted(size(here%excess)), made(size(here%excess))
-         wanted = 0.0_wp
-         made = 0.0_wp
-         do k = 1, size(matrix%row)
-            associate (group => here%group(owner(matrix%row(k))), column => matrix%column(k))
-               if (group == 0) cycle
-               wanted(group) = max(wanted(group), abs(direction(column)))
-               made(group) = max(made(group), abs(way(column)))
-            end associate
-         end do
+      integer function stuck_group(made, part)
+         !> Way that was made (columns), and the part of the one wanted below which that is nothing
+         real(wp), intent(in) :: made(:), part
+         real(wp) :: wanted(size(here%excess)), moved_by(size(here%excess))
+         wanted = largest_of_groups(abs(direction))
+         moved_by = largest_of_groups(made)
          do stuck_group = 1, size(wanted)
-            if (wanted(stuck_group) > 0.1_wp*far .and. made(stuck_group) < 0.3_wp*wanted(stuck_group)) return
+            if (wanted(stuck_group) > 0.1_wp .and. moved_by(stuck_group) < part*far*wanted(stuck_group)) return
          end do
          stuck_group = 0
       end function stuck_group
+
+      !> The first group some of whose motion is not made, however small it is, eq. (H2).
+      integer function bound_group(missing, missing_nearby)
+         !> What is missing, relative to the distance, far and near (columns)
+         real(wp), intent(in) :: missing(:), missing_nearby(:)
+         real(wp), parameter :: least = 0.1_wp, as_much = 0.5_wp
+         real(wp) :: left(size(here%excess)), left_nearby(size(here%excess))
+         left = largest_of_groups(missing)
+         left_nearby = largest_of_groups(missing_nearby)
+         do bound_group = 1, size(left)
+            if (left_nearby(bound_group) > least .and. left_nearby(bound_group) > as_much*left(bound_group)) return
+         end do
+         bound_group = 0
+      end function bound_group
+
+      !> The largest value in the columns of each group.
+      function largest_of_groups(values) result(largest)
+         real(wp), intent(in) :: values(:)
+         real(wp) :: largest(size(here%excess))
+         largest = 0.0_wp
+         do k = 1, size(matrix%row)
+            associate (group => here%group(owner(matrix%row(k))), column => matrix%column(k))
+               if (group > 0) largest(group) = max(largest(group), values(column))
+            end associate
+         end do
+      end function largest_of_groups
 
    end subroutine look_aside
 

@@ -32,10 +32,11 @@ module limber_integrator_conserving
    real(wp), parameter :: many_rates = 200.0_wp
    !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
    !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off, or that
-   !> in units of the round-off of places: what is stiff multiplies it; and part of the tolerance that counts as round-off where so
-   !> many corrections in a row make no progress: what bends much for little force multiplies it more
+   !> in units of the round-off of places: what is stiff multiplies it; part of the tolerance that counts as round-off where so
+   !> many corrections in a row make no progress, and at most: what bends much for little force multiplies it more
    real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
-      & no_progress = 0.5_wp, stiff = 200.0_wp, part_of_tolerance = 0.01_wp
+      & no_progress = 0.5_wp, stiff = 200.0_wp, part_of_tolerance = 0.01_wp, &
+      & most_noise = 1.0e-7_wp
    integer, parameter :: stalled = 4
 
    !> Memory of the method
@@ -302,7 +303,7 @@ contains
                self%h_factors = 0.0_wp
             end if
             idle = merge(idle + 1, 0, fresh .and. size_now > no_progress*least)
-            if (idle >= stalled .and. size_now <= part_of_tolerance*self%tolerance) converged = .true.
+            if (idle >= stalled .and. size_now <= min(part_of_tolerance*self%tolerance, most_noise)) converged = .true.
          end if
          least = min(least, size_now)
          size_last = size_now

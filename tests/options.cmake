@@ -3,6 +3,8 @@
 # ask a block for an option, or set one, must be an option of the table; where the keyword stands in the same call, one of that keyword.
 cmake_minimum_required(VERSION 3.25)
 file(READ "${SOURCE}/deck/keywords.f90" table)
+file(READ "${SOURCE}/deck/body_options.f90" bodies)
+string(APPEND table "${bodies}")
 string(REGEX REPLACE "&[ \t]*\n[ \t]*&" "" table "${table}")
 string(REGEX MATCHALL "[^_]keyword_type\\('[A-Z ]+'" rows "${table}")
 set(keywords "")

@@ -81,13 +81,7 @@ contains
       character(:), allocatable :: text
       character(40) :: buffer
       real(wp) :: back
-      integer :: count, first, last
-      first = 1
-      last = 17
-      if (present(digits)) then
-         first = min(max(digits, 1), 17)
-         last = first
-      end if
+      integer :: count
       if (ieee_is_nan(value)) then
          text = 'nan'
          return
@@ -96,21 +90,19 @@ contains
          text = trim(text)
          return
       end if
-      ! Rounded to fewer digits the largest numbers would be beyond all
-      if (abs(value) > 1.79e308_wp) last = 17
-      if (abs(value) > 1.79e308_wp) first = 17
-      ! More digits are nearer: the least that read back to the same bits are found by bisection
-      do while (first < last)
-         count = (first + last)/2
-         buffer = rounded(value, count)
-         read (buffer, *) back
-         if (abs(back - value) > 0.0_wp) then
-            first = count + 1
-         else
-            last = count
-         end if
-      end do
-      text = plain_form(trim(adjustl(rounded(value, first))))
+      if (present(digits)) then
+         ! Rounded to fewer digits the largest numbers would be beyond all
+         buffer = rounded(value, merge(17, min(max(digits, 1), 17), abs(value) > 1.79e308_wp))
+      else
+         ! The least that read back to the same bits: a number of at most 15 digits is itself when rounded to 15, with zeros behind
+         do count = merge(17, 15, abs(value) > 1.79e308_wp), 17
+            buffer = rounded(value, count)
+            if (count == 17) exit
+            read (buffer, *) back
+            if (.not. abs(back - value) > 0.0_wp) exit
+         end do
+      end if
+      text = plain_form(trim(adjustl(buffer)))
    end function real_as_text
 
    !> A number with so many significant digits, as 'd.dddE+eee'.

@@ -11,8 +11,12 @@ module limber_flex_exact_functions
    private
    public :: exact_choice_type, candidate_moments, legendre, sorted
 
-   !> Most functions of the angle that are polynomials, beside the modes
-   integer, parameter :: most_polynomials = 4
+   !> Polynomials up to this degree are taken by turns with the modes
+   integer, parameter :: early_degree = 3
+   !> Conditions at both ends: no bending moment, no shear force
+   integer, parameter :: conditions = 4
+   !> What is left of conditions that are met
+   real(wp), parameter :: met = 1.0e-9_wp
 
    !> What the user, or the program for him, chooses of an exact beam
    type :: exact_choice_type
@@ -21,8 +25,8 @@ module limber_flex_exact_functions
       logical :: shear = .false.
       !> Support of the modes
       type(support_type) :: support
-      !> Whether more than the support acts at the ends: polynomials beside the modes
-      logical :: mixed = .true.
+      !> Whether something acts at the start and at the end that makes a bending moment, or a shear force, there
+      logical :: moment(2) = .true., shear_force(2) = .true.
       !> Coordinate of the frame's origin [length]
       real(wp) :: origin = 0.0_wp
       !> Places within the beam where forces and couples act: the curvature has a kink, or a step, there
@@ -33,6 +37,15 @@ module limber_flex_exact_functions
       !> of the undeformed beam [force]
       real(wp) :: arc = 0.0_wp, hot_curvature = 0.0_wp, hot_strain = 0.0_wp, pretension = 0.0_wp
    end type exact_choice_type
+
+   !> The conditions at the ends where nothing acts, and polynomials that correct what does not meet them
+   type :: natural_type
+      !> Whether the moment and the shear force at the start, and those at the end, are to be zero
+      logical :: wanted(conditions) = .false.
+      !> The polynomials (stations, count), what they have at the ends (conditions, count), and the condition of each
+      real(wp), allocatable :: moment(:, :), ends(:, :)
+      integer, allocatable :: row(:)
+   end type natural_type
 
 contains
 
@@ -53,8 +66,8 @@ contains
    end function sorted
 
    !> Bending moments at the stations, in the order of their use: of what acts within the beam, then of the modes of the finite
-   !> elements of a uniform beam, by turns with polynomials if the support is not all that holds the beam, then polynomials
-   !> (stations, candidates).
+   !> elements of a uniform beam by turns with polynomials, then polynomials (stations, candidates). All meet the conditions at
+   !> ends where nothing acts; the modes do so but for errors of the elements. Eq. (X3).
    subroutine candidate_moments(beam, choice, s, candidates, error)
       type(beam_type), intent(in) :: beam
       type(exact_choice_type), intent(in) :: choice
@@ -62,52 +75,136 @@ contains
       real(wp), intent(in) :: s(:)
       real(wp), allocatable, intent(inout) :: candidates(:, :)
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: modes(:, :), kinks(:), steps(:)
-      integer :: i, k, count, polynomials
-      allocate (modes(0, 0))
-      call mode_curvatures(beam, choice, s, modes, error)
+      real(wp), allocatable :: modes(:, :), ends(:, :), smooth(:, :)
+      type(natural_type) :: natural
+      integer, allocatable :: degree(:)
+      integer :: i, k, count
+      allocate (modes(0, 0), ends(0, 0))
+      call mode_curvatures(beam, choice, s, modes, ends, error)
       if (allocated(error)) return
-      allocate (kinks, source=sorted(choice%kinks, beam%length))
-      allocate (steps, source=sorted(choice%steps, beam%length))
-      count = size(kinks) + size(steps)
-      polynomials = choice%angles + most_polynomials
+      allocate (smooth(size(s), 0), degree(0))
+      natural%wanted = [.not. choice%moment(1), .not. choice%shear_force(1), .not. choice%moment(2), .not. choice%shear_force(2)]
+      call natural_polynomials(natural, choice%angles + early_degree + conditions, 2*s/beam%length - 1, smooth, degree)
       deallocate (candidates)
-      allocate (candidates(size(s), count + size(modes, 2) + polynomials))
-      do i = 1, size(steps)
-         candidates(:, i) = merge(1.0_wp, 0.0_wp, s > steps(i))
-      end do
-      do i = 1, size(kinks)
-         candidates(:, size(steps) + i) = max(s - kinks(i), 0.0_wp)/beam%length
-      end do
+      allocate (candidates(size(s), 0))
+      call of_places(beam%length, choice, s, natural, candidates)
+      ! The motion of an end against the other one comes before vibrations between them
       k = 0
+      if (choice%support%w_start .and. choice%support%w_end) k = count_up_to(1)
+      candidates = reshape([candidates, smooth(:, :k)], [size(s), size(candidates, 2) + k])
+      count = size(candidates, 2)
+      candidates = reshape([candidates, modes, smooth(:, k + 1:)], [size(s), count + size(modes, 2) + size(smooth, 2) - k])
       do i = 1, size(modes, 2)
+         call meet(natural, ends(:, i), modes(:, i))
+         candidates(:, count + 1) = modes(:, i)
          count = count + 1
-         candidates(:, count) = modes(:, i)
-         if (k < merge(most_polynomials, 0, choice%mixed)) call add_polynomial()
+         if (k >= count_up_to(early_degree)) cycle
+         k = k + 1
+         count = count + 1
+         candidates(:, count) = smooth(:, k)
       end do
-      do while (k < polynomials)
-         call add_polynomial()
+      candidates(:, count + 1:) = smooth(:, k + 1:)
+
+   contains
+
+      !> Polynomials of at most a degree.
+      pure integer function count_up_to(most)
+         integer, intent(in) :: most
+         count_up_to = size(pack(degree, degree <= most))
+      end function count_up_to
+
+   end subroutine candidate_moments
+
+   !> Bending moments of couples, then of forces, within the beam (stations, candidates).
+   subroutine of_places(length, choice, s, natural, candidates)
+      !> Of the beam; coordinates of the stations [length]
+      real(wp), intent(in) :: length, s(:)
+      type(exact_choice_type), intent(in) :: choice
+      type(natural_type), intent(in) :: natural
+      real(wp), allocatable, intent(inout) :: candidates(:, :)
+      real(wp), allocatable :: places(:)
+      real(wp) :: moment(size(s)), ends(conditions)
+      integer :: i
+      allocate (places, source=sorted(choice%steps, length))
+      do i = 1, size(places)
+         moment = merge(1.0_wp, 0.0_wp, s > places(i))
+         ends = [0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp]
+         call append()
+      end do
+      deallocate (places)
+      allocate (places, source=sorted(choice%kinks, length))
+      do i = 1, size(places)
+         moment = max(s - places(i), 0.0_wp)/length
+         ends = [0.0_wp, 0.0_wp, 1 - places(i)/length, 0.5_wp]
+         call append()
       end do
 
    contains
 
-      !> The next polynomial.
-      subroutine add_polynomial()
-         k = k + 1
-         count = count + 1
-         candidates(:, count) = legendre(k - 1, 2*s/beam%length - 1)
-      end subroutine add_polynomial
+      !> One more, with polynomials that make it meet the conditions.
+      subroutine append()
+         call meet(natural, ends, moment)
+         candidates = reshape([candidates, moment], [size(s), size(candidates, 2) + 1])
+      end subroutine append
 
-   end subroutine candidate_moments
+   end subroutine of_places
+
+   !> Polynomials that meet the conditions, by ascending degree, and what others need to meet them: of Legendre's polynomials each
+   !> is added that lower ones cannot correct.
+   subroutine natural_polynomials(natural, most, x, polynomials, degree)
+      !> With its wanted conditions
+      type(natural_type), intent(inout) :: natural
+      !> Degree of the last one
+      integer, intent(in) :: most
+      !> Stations (-1..1)
+      real(wp), intent(in) :: x(:)
+      !> (stations, count) and their degrees (count)
+      real(wp), allocatable, intent(inout) :: polynomials(:, :)
+      integer, allocatable, intent(inout) :: degree(:)
+      real(wp) :: ends(conditions), moment(size(x))
+      integer :: k
+      allocate (natural%moment(size(x), 0), natural%ends(conditions, 0), natural%row(0))
+      do k = 0, most
+         moment = legendre(k, x)
+         ends = [(-1.0_wp)**k, (-1.0_wp)**(k + 1)*0.5_wp*k*(k + 1), 1.0_wp, 0.5_wp*k*(k + 1)]
+         where (.not. natural%wanted) ends = 0.0_wp
+         call meet(natural, ends, moment)
+         if (maxval(abs(ends)) > met) then
+            natural%row = [natural%row, maxloc(abs(ends), dim=1)]
+            natural%moment = reshape([natural%moment, moment], [size(x), size(natural%row)])
+            natural%ends = reshape([natural%ends, ends], [conditions, size(natural%row)])
+         else
+            polynomials = reshape([polynomials, moment], [size(x), size(degree) + 1])
+            degree = [degree, k]
+         end if
+      end do
+   end subroutine natural_polynomials
+
+   !> Takes from a moment what the polynomials of the conditions can.
+   pure subroutine meet(natural, ends, moment)
+      type(natural_type), intent(in) :: natural
+      !> Moment, and slope over the half length, at the start and at the end
+      real(wp), intent(inout) :: ends(conditions), moment(:)
+      real(wp) :: part
+      integer :: i
+      where (.not. natural%wanted) ends = 0.0_wp
+      do i = 1, size(natural%row)
+         part = ends(natural%row(i))/natural%ends(natural%row(i), i)
+         ends = ends - part*natural%ends(:, i)
+         moment = moment - part*natural%moment(:, i)
+      end do
+   end subroutine meet
 
    !> Curvatures of the modes of the finite elements, smoothed: splines through the means of neighbouring elements.
-   subroutine mode_curvatures(beam, choice, s, modes, error)
+   subroutine mode_curvatures(beam, choice, s, modes, ends, error)
       type(beam_type), intent(in) :: beam
       type(exact_choice_type), intent(in) :: choice
       !> Coordinates of the stations [length]
       real(wp), intent(in) :: s(:)
       !> (stations, modes)
       real(wp), allocatable, intent(inout) :: modes(:, :)
+      !> What they have at the ends (conditions, modes)
+      real(wp), allocatable, intent(inout) :: ends(:, :)
       type(error_type), allocatable, intent(out) :: error
       type(field_type) :: field
       type(spline_type) :: spline
@@ -115,7 +212,7 @@ contains
       !> Elements for each function, so that its mode is resolved
       integer, parameter :: of_a_function = 8
       type(beam_type) :: mesh
-      real(wp) :: value(0:2), tiny_part
+      real(wp) :: value(0:2), tiny_part, curved(2)
       integer :: count, i, j
       mesh = beam
       ! Masses within the beam have nodes of their own
@@ -126,20 +223,34 @@ contains
       call bending_modes(mesh, choice%support, count, field, error)
       if (allocated(error)) return
       allocate (left(0:mesh%elements, count), right(0:mesh%elements, count))
-      deallocate (modes)
-      allocate (modes(size(s), count))
+      deallocate (modes, ends)
+      allocate (modes(size(s), count), ends(conditions, count))
       do i = 0, mesh%elements
          tiny_part = 1.0e-9_wp*beam%length/mesh%elements
          left(i, :) = slope_at(field, max(field%s(i) - tiny_part, 0.0_wp), bending_curvature)
          right(i, :) = slope_at(field, min(field%s(i) + tiny_part, beam%length), bending_curvature)
       end do
       do j = 1, count
-         spline = new_spline(field%s, 0.5_wp*(left(:, j) + right(:, j)), spline_natural)
+         curved = field%omega2_bending(j)*mesh%rho_a/mesh%ei*field%w([0, mesh%elements], j)
+         spline = new_spline(field%s, 0.5_wp*(left(:, j) + right(:, j)) - bow(field%s), spline_natural)
          do i = 1, size(s)
             value = spline%evaluate(s(i))
-            modes(i, j) = value(0)
+            modes(i, j) = value(0) + bow(s(i))
          end do
+         value = spline%evaluate(0.0_wp)
+         ends(1:2, j) = [value(0), 0.5_wp*beam%length*value(1)]
+         value = spline%evaluate(beam%length)
+         ends(3:4, j) = [value(0) + bow(beam%length), 0.5_wp*beam%length*(value(1) + 0.5_wp*beam%length*sum(curved))]
       end do
+
+   contains
+
+      !> The cubic with the second derivatives that inertia gives the curvature at the ends.
+      pure elemental real(wp) function bow(x)
+         real(wp), intent(in) :: x
+         bow = x**2*(0.5_wp*curved(1) + (curved(2) - curved(1))*x/(6*beam%length))
+      end function bow
+
    end subroutine mode_curvatures
 
    !> Legendre's polynomial of a degree.

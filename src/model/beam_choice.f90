@@ -247,8 +247,7 @@ contains
    end subroutine find_acting
 
    !> The functions of an exact beam: how many, the support of its modes, which follows from the joints that hold it if the deck does
-   !> not say, and the places within it where something acts. Where more than pins at both ends acts, polynomials serve what the
-   !> support has not: what loads, springs and bodies at the ends ask for.
+   !> not say, the places within it where something acts, and whether moments and shear forces act at its ends.
    subroutine choose_exact(deck, index, piece, pieces, body)
       type(deck_type), intent(in) :: deck
       !> Block of the beam; which piece, of how many
@@ -286,36 +285,36 @@ contains
             x = [x, body%choice%origin]
          end if
          support = end_support(0.0_wp)//'-'//end_support(length)
-         choice%mixed = support /= 'PINNED-PINNED' .or. any(is_inner(choice%kinks)) .or. any(choice%steps >= 0.0_wp)
-         if (support == 'FREE-FREE' .and. size(points) > 0) support = 'CLAMPED-FREE'
          ! Pieces are welded to each other
          if (pieces > 1) support = 'CLAMPED-FREE'
          if (pieces > 1 .or. .not. block%given('SUPPORT')) choice%support = new_support(support)
-         choice%mixed = choice%mixed .or. pieces > 1
-         choice%mixed = choice%mixed .or. .not. is_alike(choice%support, new_support(support))
+         choice%moment = [acts(0.0_wp, points%couple .or. points%clamped), acts(length, points%couple .or. points%clamped)] &
+            & .or. [choice%support%theta_start, choice%support%theta_end] .or. pieces > 1
+         choice%shear_force = [acts(0.0_wp, points%force .or. points%held), acts(length, points%force .or. points%held)] &
+            & .or. [choice%support%w_start, choice%support%w_end] .or. pieces > 1 .or. block%yes('SHEAR')
+         if (allocated(body%beam%mass)) then
+            i = body%beam%elements
+            choice%moment = choice%moment .or. body%beam%inertia([0, i]) > 0.0_wp
+            choice%shear_force = choice%shear_force .or. body%beam%mass([0, i]) + body%beam%inertia([0, i]) > 0.0_wp
+         end if
       end associate
 
    contains
 
-      !> Whether two supports hold a beam across its axis alike.
-      pure logical function is_alike(a, b)
-         type(support_type), intent(in) :: a, b
-         is_alike = (a%w_start .eqv. b%w_start) .and. (a%theta_start .eqv. b%theta_start) .and. (a%w_end .eqv. b%w_end) &
-            & .and. (a%theta_end .eqv. b%theta_end)
-      end function is_alike
-
-      pure elemental logical function is_inner(place)
-         real(wp), intent(in) :: place
-         is_inner = place > 1.0e-6_wp*length .and. place < (1 - 1.0e-6_wp)*length
-      end function is_inner
+      !> Whether any of the points where it may act is at an end.
+      pure logical function acts(end, where)
+         real(wp), intent(in) :: end
+         logical, intent(in) :: where(:)
+         acts = any(where .and. abs(x - end) < 1.0e-6_wp*length)
+      end function acts
 
       !> What holds an end.
       pure function end_support(end) result(word)
          real(wp), intent(in) :: end
          character(:), allocatable :: word
          word = 'FREE'
-         if (any(abs(x - end) < 1.0e-6_wp*length .and. points%held)) word = 'PINNED'
-         if (any(abs(x - end) < 1.0e-6_wp*length .and. points%clamped)) word = 'CLAMPED'
+         if (acts(end, points%held)) word = 'PINNED'
+         if (acts(end, points%clamped)) word = 'CLAMPED'
       end function end_support
 
    end subroutine choose_exact

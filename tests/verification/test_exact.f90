@@ -143,7 +143,7 @@ contains
    !> A follower force across the tip, P L^2/(E I) = 30: from E I theta'' = -P cos(theta - theta(L)), by quadrature to 1e-12.
    subroutine check_follower()
       type(history_reader_type) :: reader
-      call run_bar('FUNCTIONS=10, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl// &
+      call run_bar('FUNCTIONS=12, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl// &
          & ' 0, 30*t'//nl//'*STATICS, INCREMENTS=30'//nl, reader)
       call check_close(last(reader, 'x'), 0.47614123713_wp, 2.0e-5_wp, 'x under a follower force')
       call check_close(last(reader, 'y'), -0.20169084011_wp, 2.0e-5_wp, 'y under a follower force')
@@ -176,7 +176,7 @@ contains
       type(history_reader_type) :: reader
       real(wp), allocatable :: time(:)
       type(error_type), allocatable :: error
-      call run_bar('FUNCTIONS=6, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl// &
+      call run_bar('FUNCTIONS=8, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl// &
          & ' -21*t, 0'//nl//'*STATICS, INCREMENTS=10, INSTABILITY=STOP'//nl, reader)
       call reader%read_time(time, error)
       call check_close(21*time(size(time))/20.05095_wp, 1.0_wp, 5.0e-5_wp, "Beck's column")

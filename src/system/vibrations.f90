@@ -149,6 +149,8 @@ contains
       type(vibrations_type), intent(out) :: vibrations
       !> No convergence
       type(error_type), allocatable, intent(out) :: error
+      !> Part of the largest that is the round-off of rigid motions
+      real(wp), parameter :: nothing = 1.0e-11_wp
       real(wp), allocatable :: value(:), motion(:, :), product(:)
       real(wp) :: shift
       logical :: done
@@ -165,6 +167,7 @@ contains
          call raise(error, 'the eigenvalues of the scene are not found (ARPACK)')
          return
       end if
+      where (abs(value) <= nothing*maxval(abs(value))) value = 0.0_wp
       allocate (vibrations%frequency(count), vibrations%growth(count), vibrations%shape(system%layout%nw, count))
       vibrations%frequency = sqrt(max(value, 0.0_wp))
       vibrations%growth = sqrt(max(-value, 0.0_wp))
@@ -214,41 +217,93 @@ contains
       integer, intent(in) :: wanted
       !> s = sqrt(-omega^2) (modes), shapes (n, modes)
       complex(wp), allocatable, intent(out) :: value(:), vector(:, :)
-      real(wp), allocatable :: a(:, :), b(:, :), theta(:), scratch(:)
-      real(wp) :: omega2
-      logical :: is_inverse
-      integer :: n, info, count, j, from
-      n = size(mass, 1)
-      allocate (a(n, n), b(n, n), theta(n), scratch(64*n + 64))
+      !> Part of the shift below which omega^2 is the round-off of a rigid motion
+      real(wp), parameter :: nothing = 1.0e-12_wp
+      real(wp) :: omega2(size(mass, 1)), shape(size(mass, 1), size(mass, 1)), shift
+      logical :: done
+      integer :: count, j
       ! The lowest frequencies are the largest eigenvalues of M against K: they are not lost in the rounding of the highest
-      a = 0.5_wp*(mass + transpose(mass))
-      b = 0.5_wp*(stiffness + transpose(stiffness))
-      is_inverse = .true.
-      call dsygv(1, 'V', 'L', n, a, n, b, n, theta, scratch, size(scratch), info)
-      if (info /= 0) then
-         is_inverse = .false.
-         a = 0.5_wp*(stiffness + transpose(stiffness))
-         b = 0.5_wp*(mass + transpose(mass))
-         call dsygv(1, 'V', 'L', n, a, n, b, n, theta, scratch, size(scratch), info)
-         if (info /= 0) return
+      shift = 0.0_wp
+      call inverse_modes(mass, stiffness, shift, count, omega2, shape, done)
+      if (.not. done) then
+         call direct_modes(mass, stiffness, omega2, shape, done)
+         if (.not. done) return
+         count = size(omega2)
+         if (any(omega2 > 0.0_wp)) then
+            shift = least_stiff(omega2)
+            call inverse_modes(mass, stiffness, shift, count, omega2, shape, done)
+            if (.not. done) call direct_modes(mass, stiffness, omega2, shape, done)
+            if (count < size(omega2)) call direct_modes(mass, stiffness, omega2, shape, done)
+            count = size(omega2)
+         end if
       end if
-      count = 0
-      do j = 1, n
-         from = merge(n + 1 - j, j, is_inverse)
-         if (is_inverse .and. theta(from) <= 1.0e-14_wp*theta(n)) exit
-         count = count + 1
-      end do
       count = min(count, wanted)
-      allocate (value(count), vector(n, count))
+      allocate (value(count), vector(size(mass, 1), count))
       do j = 1, count
-         from = merge(n + 1 - j, j, is_inverse)
-         omega2 = theta(from)
-         if (is_inverse) omega2 = 1/theta(from)
-         value(j) = cmplx(0.0_wp, sqrt(abs(omega2)), wp)
-         if (omega2 < 0.0_wp) value(j) = cmplx(sqrt(-omega2), 0.0_wp, wp)
-         vector(:, j) = a(:, from)
+         if (abs(omega2(j)) <= nothing*shift) omega2(j) = 0.0_wp
+         value(j) = cmplx(0.0_wp, sqrt(abs(omega2(j))), wp)
+         if (omega2(j) < 0.0_wp) value(j) = cmplx(sqrt(-omega2(j)), 0.0_wp, wp)
+         vector(:, j) = shape(:, j)
       end do
    end subroutine symmetric_modes
+
+   !> The least omega^2 of an elastic motion, beside which those of rigid motions are the rounding of the largest.
+   pure real(wp) function least_stiff(omega2)
+      !> Some of them positive
+      real(wp), intent(in) :: omega2(:)
+      real(wp), parameter :: rounding = 1.0e-11_wp
+      least_stiff = minval(omega2, mask=omega2 > rounding*maxval(omega2))
+   end function least_stiff
+
+   !> By the eigenvalues 1/(omega^2 + shift) of M against K + shift M, the lowest omega^2 first.
+   subroutine inverse_modes(mass, stiffness, shift, count, omega2, shape, done)
+      !> (n, n), and the shift
+      real(wp), intent(in) :: mass(:, :), stiffness(:, :), shift
+      !> Motions with mass
+      integer, intent(out) :: count
+      !> (n), (n, n): the first `count` of them
+      real(wp), intent(out) :: omega2(:), shape(:, :)
+      !> False if K + shift M is not definite beyond round-off
+      logical, intent(out) :: done
+      !> Parts that are round-off: of the largest eigenvalue; a pivot beside its diagonal entry
+      real(wp), parameter :: no_mass = 1.0e-14_wp, no_pivot = 100*epsilon(1.0_wp)
+      real(wp) :: a(size(mass, 1), size(mass, 1)), b(size(mass, 1), size(mass, 1)), theta(size(mass, 1)), &
+         & scratch(64*size(mass, 1) + 64), diagonal(size(mass, 1))
+      integer :: n, info, j
+      n = size(mass, 1)
+      a = 0.5_wp*(mass + transpose(mass))
+      b = 0.5_wp*(stiffness + transpose(stiffness)) + shift*a
+      diagonal = [(b(j, j), j=1, n)]
+      omega2 = 0.0_wp
+      shape = 0.0_wp
+      count = 0
+      call dsygv(1, 'V', 'L', n, a, n, b, n, theta, scratch, size(scratch), info)
+      done = info == 0
+      if (.not. done) return
+      done = all([(b(j, j)**2 > no_pivot*diagonal(j), j=1, n)])
+      if (.not. done) return
+      do j = n, 1, -1
+         if (theta(j) <= no_mass*theta(n)) exit
+         count = count + 1
+         omega2(count) = 1/theta(j) - shift
+         shape(:, count) = a(:, j)
+      end do
+   end subroutine inverse_modes
+
+   !> By those of K against M.
+   subroutine direct_modes(mass, stiffness, omega2, shape, done)
+      real(wp), intent(in) :: mass(:, :), stiffness(:, :)
+      real(wp), intent(out) :: omega2(:), shape(:, :)
+      !> False if M is not definite
+      logical, intent(out) :: done
+      real(wp) :: b(size(mass, 1), size(mass, 1)), scratch(64*size(mass, 1) + 64)
+      integer :: n, info
+      n = size(mass, 1)
+      shape = 0.5_wp*(stiffness + transpose(stiffness))
+      b = 0.5_wp*(mass + transpose(mass))
+      call dsygv(1, 'V', 'L', n, shape, n, b, n, omega2, scratch, size(scratch), info)
+      done = info == 0
+   end subroutine direct_modes
 
    !> Modes of (s^2 M + s D + K) phi = 0 by the eigenvalues 1/(s - sigma) of a matrix of twice the size, with a shift sigma where K
    !> is singular. Of a conjugate pair the one with positive frequency. Nothing is allocated if LAPACK fails.
@@ -261,6 +316,8 @@ contains
       real(wp), allocatable :: pencil(:, :), factors(:, :), right(:, :), re(:), im(:), left(:, :), basis(:, :), scratch(:)
       complex(wp), allocatable :: all_values(:)
       integer, allocatable :: pivot(:), order(:)
+      !> Part of the shift below which an eigenvalue is that of a rigid motion
+      real(wp), parameter :: rigid = 1.0e-5_wp
       real(wp) :: shift, largest
       integer :: n, info, i, j, k, count
       n = size(mass, 1)
@@ -307,6 +364,8 @@ contains
       do j = 1, count
          k = order(j)
          value(j) = all_values(k)
+         ! A rigid motion is a double eigenvalue, which round-off parts by its root
+         if (abs(value(j)) <= rigid*shift) value(j) = 0.0_wp
          vector(:, j) = basis(:n, k)
          ! Of a pair the vectors stand as real and imaginary part of the first, which has the positive imaginary part
          if (im(k) < 0.0_wp) vector(:, j) = cmplx(basis(:n, k - 1), -basis(:n, k), wp)

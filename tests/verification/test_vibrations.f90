@@ -1,4 +1,5 @@
-!> Modal analysis against theory: rotating cantilever at many speeds, a damped oscillator, a free bar, a loaded column.
+!> Modal analysis against theory: rotating cantilever at many speeds, a damped oscillator, a free bar, a loaded column, shafts that
+!> turn freely.
 !> Usage, in tests/: test_vibrations RESULT_FILE
 program test_vibrations
    use limber_base_kinds, only: wp
@@ -21,6 +22,7 @@ program test_vibrations
    call check_oscillator()
    call check_column()
    call check_long()
+   call check_free()
    call finish()
 
 contains
@@ -61,6 +63,42 @@ contains
       end do
       call reader%close()
    end subroutine campbell
+
+   !> Shafts that turn freely: the motion as a whole is a mode of frequency zero, no divergence, and takes none of the others away.
+   !> Rotors in a row: 2 sqrt(k/J) sin(i pi/(2 n)), by LAPACK and, where there are many, by ARPACK.
+   subroutine check_free()
+      real(wp), parameter :: pi = acos(-1.0_wp), unit = 2*sqrt(500/0.01_wp)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:), growth(:)
+      integer, parameter :: counts(2) = [5, 190]
+      integer :: i, k
+      do i = 1, size(counts)
+         call run_changed('verification/free_rotors.inp', trim(results), [character(8) :: 'n = 5'], &
+            & [character(8) :: 'n = '//as_text(counts(i))], reader)
+         call reader%read_numbers('/modes/plain/frequency', frequency, error)
+         call reader%read_numbers('/modes/plain/growth', growth, error)
+         call check_no_error(error, 'free rotors')
+         call check(size(frequency) == 5, as_text(counts(i))//' rotors: five modes')
+         call check(all(abs(growth) <= 0.0_wp), as_text(counts(i))//' rotors: none grows')
+         call check_close(frequency(1), 0.0_wp, 0.0_wp, 'rotors: as a whole')
+         do k = 2, size(frequency)
+            call check_close(frequency(k), unit*sin((k - 1)*pi/(2*counts(i))), 1.0e-7_wp*unit, 'rotors: frequency '//as_text(k))
+         end do
+         call reader%read_numbers('/modes/damped/frequency', frequency, error)
+         call reader%read_numbers('/modes/damped/growth', growth, error)
+         call check(size(frequency) == 6 .and. all(abs(frequency(:2)) <= 0.0_wp), 'damped rotors: a double zero')
+         call check(all(growth <= 0.0_wp), 'damped rotors: none grows')
+         call check_close(frequency(3), unit*sin(pi/(2*counts(i))), 1.0e-5_wp*unit, 'damped rotors: frequency 3')
+         call reader%close()
+      end do
+      call run_changed('verification/free_gears.inp', trim(results), [character(1) ::], [character(1) ::], reader)
+      call reader%read_numbers('/modes/modes/frequency', frequency, error)
+      call check(size(frequency) == 3, 'gears: three modes')
+      call check_close(frequency(2), 211.95522373_wp, 1.0e-6_wp, 'gears: second frequency')
+      call check_close(frequency(3), 615.14901972_wp, 1.0e-6_wp, 'gears: third frequency')
+      call reader%close()
+   end subroutine check_free
 
    !> Mass, spring and damper: s = -zeta omega + i omega sqrt(1 - zeta^2).
    subroutine check_oscillator()

@@ -244,18 +244,23 @@ contains
       real(wp), parameter :: allowed = 1.0e-2_wp
       !> Acceleration below which a body is at rest by ADAMS, in units of the scene crossed once in the time of the run
       real(wp), parameter :: at_rest = 1.0e-4_wp
-      real(wp) :: share, omega, least
+      real(wp) :: share, lost, omega, least
+      character(:), allocatable :: accelerations
       integer :: body
       text = ''
       least = dynamics%tolerance
       if (is_adams) least = max(least, at_rest)
-      call ringing%worst(system, least*system%model%length/(dynamics%end - dynamics%start)**2, body, share, omega)
+      call ringing%worst(system, least*system%model%length/(dynamics%end - dynamics%start)**2, body, share, lost, &
+         & omega)
       if (share <= allowed) return
+      accelerations = ', accelerations by about '//as_text(lost, 2)//' '//system%model%units%length//'/'// &
+         & system%model%units%time//'^2'
       if (is_adams) then
          text = "ADAMS keeps up a vibration of body '"//system%model%bodies(body)%name//"' (about "//as_text(omega, 2)// &
             & ' rad/'//system%model%units%time//') at the limit of its steps, whose deflection is below the tolerance, but not'// &
             & ' its acceleration: accelerations, reactions and section forces there may err by '//as_text(100*share, 2)// &
-            & ' % of the largest acceleration that loads and inertia make; use INTEGRATOR=RADAU, or a smaller TOLERANCE'
+            & ' % of the largest acceleration that loads and inertia make'//accelerations// &
+            & '; use INTEGRATOR=RADAU, or a smaller TOLERANCE'
          return
       end if
       text = dynamics%integrator
@@ -263,7 +268,7 @@ contains
       text = text//" does not follow a vibration of body '"//system%model%bodies(body)%name//"' (about "// &
          & as_text(omega, 2)//' rad/'//system%model%units%time//'), whose deflection is below the tolerance, but not its'// &
          & ' acceleration: accelerations, reactions and section forces there may err by '//as_text(100*share, 2)// &
-         & ' % of the largest acceleration; use INTEGRATOR=ADAMS, or a smaller TOLERANCE'
+         & ' % of the largest acceleration'//accelerations//'; use INTEGRATOR=ADAMS, or a smaller TOLERANCE'
    end function ringing_warning
 
    !> Text about a jump, if constraints have lost their grip there.

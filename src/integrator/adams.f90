@@ -64,6 +64,9 @@ module limber_integrator_adams
       integer :: k = 1, k_last = 0, ns = 0
       !> Steps in a row of order 4 or less: many are a sign of stiffness
       integer :: low_orders = 0
+      !> Steps of high order in a row, and whether it has gone at the limit of its stability since the last many of these
+      integer :: high_orders = 0
+      logical :: limited = .false.
       !> True while order and step are raised in every step
       logical :: starting = .true.
       !> Coefficients
@@ -282,6 +285,8 @@ contains
       self%k_last = self%k
       self%h_last = self%h
       self%low_orders = merge(self%low_orders + 1, 0, self%k <= 4)
+      self%high_orders = merge(self%high_orders + 1, 0, self%k > 8)
+      self%limited = self%low_orders >= many_low .or. (self%limited .and. self%high_orders < many_low)
       call finish_differences(self%ny, self%k, self%yp, self%phi)
       call self%count_step(self%h_last, self%k_last)
       if (self%ringing%watched) call note_vibrations(self, system)
@@ -297,14 +302,15 @@ contains
       if (raised .or. self%input%asked) call keep_scales(self, system)
    end subroutine adams_step
 
-   !> Has the vibrations noted that are kept up at the limit of stability, where steps of low order in a row say that it is there.
+   !> Has the vibrations noted that are kept up at the limit of stability: steps of low order in a row say that it is there, and until
+   !> those of high order do so vibrations that grow to some tolerances may raise it again and again.
    subroutine note_vibrations(self, system)
       class(adams_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       !> Steps after which the size of what moves is noted elsewhere
       integer, parameter :: seldom = 16
       integer :: i
-      if (self%low_orders < many_low) then
+      if (.not. self%limited) then
          call self%ringing%forget()
          if (mod(self%statistics%steps, int(seldom, long)) > 0) return
       end if
@@ -317,7 +323,7 @@ contains
          self%change(self%kept(i)) = self%bound*self%scale(self%nq + i)
       end do
       call rates_of(system%layout, self%q, self%a, self%rates)
-      call self%ringing%note_limit(system, self%low_orders >= many_low, self%h_last, self%q, self%rates, self%change)
+      call self%ringing%note_limit(system, self%limited, self%h_last, self%q, self%rates, self%change)
    end subroutine note_vibrations
 
    !> Local error allowed in a step: errors of the speed of what turns add up turn by turn, and those of its angle with the square
@@ -583,6 +589,8 @@ contains
       call snapshot%exchange('k_last', self%k_last)
       call snapshot%exchange('ns', self%ns)
       call snapshot%exchange('low_orders', self%low_orders)
+      call snapshot%exchange('high_orders', self%high_orders)
+      call snapshot%exchange('limited', self%limited)
       call snapshot%exchange('starting', self%starting)
       call snapshot%exchange('psi', self%psi)
       call snapshot%exchange('alpha', self%alpha)

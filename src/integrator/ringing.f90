@@ -110,21 +110,22 @@ contains
    end subroutine note_limit
 
    !> The body whose accelerations have lost most.
-   pure subroutine worst(self, system, least, body, share, omega)
+   pure subroutine worst(self, system, least, body, share, size_of, omega)
       class(ringing_type), intent(in) :: self
       type(system_type), intent(in) :: system
       !> Acceleration below which a body counts as at rest [length/time^2]
       real(wp), intent(in) :: least
       !> Its index; 0: none
       integer, intent(out) :: body
-      !> Part of its largest acceleration; frequency of the vibration [rad/time]
-      real(wp), intent(out) :: share, omega
+      !> Part of its largest acceleration, the acceleration lost [length/time^2]; frequency of the vibration [rad/time]
+      real(wp), intent(out) :: share, size_of, omega
       !> Part of the body's acceleration that one of its coordinates counts as at least
       real(wp), parameter :: little = 0.1_wp
-      real(wp) :: part, scale
+      real(wp) :: lost, scale
       integer :: i, k, at
       body = 0
       share = 0.0_wp
+      size_of = 0.0_wp
       omega = 0.0_wp
       if (.not. self%watched) return
       do i = 1, size(self%scale)
@@ -132,10 +133,12 @@ contains
             at = system%layout%w(i) + 2 + k
             scale = self%scale(i)
             if (self%own(at) > 0.0_wp) scale = max(system%model%bodies(i)%largest_shape*self%own(at), little*scale)
-            part = min(self%lost(at), 2*self%top(at))*system%model%bodies(i)%largest_shape/max(scale, least, tiny(part))
-            if (.not. part > share) cycle
+            lost = min(self%lost(at), 2*self%top(at))*system%model%bodies(i)%largest_shape
+            scale = max(scale, least, tiny(lost))
+            if (.not. lost > share*scale) cycle
             body = i
-            share = part
+            share = lost/scale
+            size_of = lost
             omega = sqrt(system%model%bodies(i)%reduced%omega2(k))
          end do
       end do

@@ -21,8 +21,8 @@ contains
       integer, intent(out) :: body
       !> 'ANGLE=0.5 becomes 0.411'
       character(:), allocatable, intent(out) :: text
-      !> Change that is no more than a rounded number in the deck
-      real(wp), parameter :: little = 1.0e-3_wp
+      !> Change that is no more than a rounded number in the deck; part of the largest that is worth a word
+      real(wp), parameter :: little = 1.0e-3_wp, share = 0.3_wp
       real(wp) :: old(3), new(3), change(3), most
       integer :: i, k, first
       body = 0
@@ -37,12 +37,13 @@ contains
             if (system%layout%framed(i)) new(3) = nearest_angle(old(3), atan2(q(first + 3), q(first + 2)))
             change = merge(abs(new - old), 0.0_wp, given)
             change(:2) = change(:2)/system%model%length
-            if (maxval(change) <= most) cycle
-            most = maxval(change)
+            if (size_of(change) <= most) cycle
+            most = size_of(change)
             body = i
             text = ''
             do k = 1, 3
-               if (change(k) > little) text = text//', '//trim(names(k))//'='//as_text(old(k), 5)//' becomes '//as_text(new(k), 5)
+               if (change(k) > share*most) text = text//', '//trim(names(k))//'='//as_text(old(k), 5)//' becomes '// &
+                  & as_text(new(k), 5)
             end do
             text = text(3:)
          end associate
@@ -58,8 +59,8 @@ contains
       !> Relative change
       real(wp), intent(out) :: off
       character(:), allocatable, intent(out) :: text
-      !> Change without a word, and part of the fastest velocity that counts as little
-      real(wp), parameter :: little = 1.0e-2_wp, slow = 1.0e-2_wp
+      !> Change without a word, part of the fastest velocity that counts as little, part of the largest change that is worth a word
+      real(wp), parameter :: little = 1.0e-2_wp, slow = 1.0e-2_wp, share = 0.3_wp
       real(wp) :: old(3), new(3), change(3), least(2), speed
       integer :: i, k, first
       body = 0
@@ -83,18 +84,25 @@ contains
             if (speed > 0.0_wp) change(:2) = change(:2)/speed
             speed = max(least(2), abs(old(3)))
             if (speed > 0.0_wp) change(3) = change(3)/speed
-            if (maxval(change) <= off) cycle
-            off = maxval(change)
+            if (size_of(change) <= off) cycle
+            off = size_of(change)
             body = i
             text = ''
             do k = 1, 3
-               if (change(k) > little) text = text//', '//trim(names(3 + k))//'='//as_text(old(k), 5)//' becomes '// &
+               if (change(k) > share*off) text = text//', '//trim(names(3 + k))//'='//as_text(old(k), 5)//' becomes '// &
                   & as_text(new(k), 5)
             end do
             text = text(3:)
          end associate
       end do
    end subroutine changed_velocity
+
+   !> Size of a change of place and angle, the same whatever the directions of the axes.
+   pure real(wp) function size_of(change)
+      !> Along x and y, of the angle; each relative to its scale
+      real(wp), intent(in) :: change(3)
+      size_of = max(norm2(change(:2)), change(3))
+   end function size_of
 
    !> The angle that differs from another one by whole turns and is nearest to a third.
    pure real(wp) function nearest_angle(goal, angle) result(near)

@@ -1,6 +1,6 @@
 !> Solutions of the multiplier system with the factors of `limber_system_multiplier`: accelerations, projections onto the
 !> constraints, and the multipliers of what hangs, is driven or held, which are no unknowns. Floor: system.
-!> Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (14), (15), (32), (33a)-(33c), (74), (154), (155).
+!> Source: Han and Lee 1993, eq. (28); doc/theory, eqs. (14), (15), (32), (33a)-(33c), (74), (H3), (154), (155).
 module limber_system_solution
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground
@@ -81,25 +81,32 @@ contains
       call set_bias(system, work, gamma)
       call set_right_side(system, work, gamma, still)
       call work%matrix%solve(work%solution)
-      if (system%redundant) call refine(system, work)
+      if (system%redundant) call refine(system, work, still)
       call expand(system, work, a)
    end subroutine solve_multiplier_system
 
-   !> Takes out of the accelerations what constraints that give way have let pass, eq. (74).
-   subroutine refine(system, work)
+   !> Takes out of the accelerations what constraints that give way have let pass, eq. (74), and out of the multipliers what
+   !> balances nothing, eq. (H3).
+   subroutine refine(system, work, still)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
+      !> Whether all forces are zero: then multipliers are not asked for
+      logical, intent(in) :: still
       integer, parameter :: rounds = 2
       integer :: round, i
       work%correction(system%tree%free + 1:) = work%solution(system%tree%free + 1:)
-      do round = 1, rounds
+      do round = 1, merge(rounds, rounds + 1, still)
          work%correction(:system%tree%free) = 0.0_wp
          do i = 1, system%nc
             work%correction(system%tree%free + i) = -system%slack(i)*work%correction(system%tree%free + i)
          end do
          call work%matrix%solve(work%correction)
-         work%solution = work%solution + work%correction
+         if (round <= rounds) work%solution = work%solution + work%correction
       end do
+      if (still) return
+      ! The last correction, and all before it, have this part of the first solution
+      work%solution(system%tree%free + 1:) = work%solution(system%tree%free + 1:) - (rounds + 1)*work%correction(system%tree%free &
+         & + 1:)
    end subroutine refine
 
    !> The same without forces, and with all frames that hang in their places: only the other constraints have a right-hand side.

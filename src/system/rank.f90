@@ -107,6 +107,12 @@ contains
       !> How far: rotations [rad] and ways relative to the scene
       real(wp), parameter :: far = 0.02_wp, near = 0.25_wp*far
       real(wp), allocatable :: direction(:), step(:), other(:), change(:), way(:), nearer(:)
+      !> Strength that constraints have there at least if they have any, relative to how far
+      real(wp), parameter :: regained = 0.01_wp
+      !> Parts of the way that are missing where some, and where nothing of it can be made
+      real(wp), parameter :: some = 0.02_wp, most = 0.5_wp
+      type(redundancy_type) :: weak
+      real(wp) :: nothing
       integer :: k, owner(system%nc)
       logical :: done
       do k = 1, size(here%group)
@@ -122,8 +128,7 @@ contains
          if (here%group(owner(matrix%row(k))) == 0) cycle
          direction(matrix%column(k)) = modulo(0.618034_wp*matrix%column(k), 1.0_wp) - 0.5_wp
       end do
-      call least_step(matrix, times(matrix, direction)*matrix%row_scale, step)
-      direction = direction - step(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)
+      call keep_free()
       moved = maxval(abs(direction)) > 1.0e-4_wp
       if (.not. moved) return
       direction = direction/maxval(abs(direction))
@@ -133,15 +138,39 @@ contains
       call find_redundancy(system, matrix, aside)
       if (.not. done) aside%count = here%count
       stuck = stuck_group(abs(way), 0.3_wp)
-      if (stuck == 0 .and. aside%count == here%count) then
+      nothing = matrix%nothing
+      matrix%nothing = max(nothing, regained*far)
+      call find_redundancy(system, matrix, weak)
+      matrix%nothing = nothing
+      if (stuck == 0 .and. max(aside%count, weak%count) >= here%count) then
          call go_aside(near, nearer, done)
-         stuck = bound_group(abs(direction - way/far), abs(direction - nearer/near))
+         if (bound_group(abs(direction - way/far), abs(direction - nearer/near), some) > 0) then
+            ! Along what is missing nothing is made, if that is bound
+            direction = direction - nearer/near
+            call go_back()
+            call keep_free()
+            direction = direction/max(maxval(abs(direction)), tiny(1.0_wp))
+            call go_aside(far, way, done)
+            call go_aside(near, nearer, done)
+            stuck = bound_group(abs(direction - way/far), abs(direction - nearer/near), most)
+         end if
       end if
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
-      call fill(system, work, matrix)
+      call go_back()
 
    contains
+
+      !> Leaves kinematics and matrix at the position itself.
+      subroutine go_back()
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         call update_jacobians(system, work)
+         call fill(system, work, matrix)
+      end subroutine go_back
+
+      !> What of the direction the equations leave free.
+      subroutine keep_free()
+         call least_step(matrix, times(matrix, direction)*matrix%row_scale, step)
+         direction = direction - step(matrix%place(:matrix%columns))/matrix%scale(:matrix%columns)
+      end subroutine keep_free
 
       !> Moves the scene aside, onto the constraints.
       subroutine go_aside(distance, made, done)
@@ -172,10 +201,10 @@ contains
       end function stuck_group
 
       !> The first group some of whose motion is not made, however small it is, eq. (H2).
-      integer function bound_group(missing, missing_nearby)
-         !> What is missing, relative to the distance, far and near (columns)
-         real(wp), intent(in) :: missing(:), missing_nearby(:)
-         real(wp), parameter :: least = 0.1_wp, as_much = 0.5_wp
+      integer function bound_group(missing, missing_nearby, least)
+         !> What is missing, relative to the distance, far and near (columns); the least of it that counts
+         real(wp), intent(in) :: missing(:), missing_nearby(:), least
+         real(wp), parameter :: as_much = 0.5_wp
          real(wp) :: left(size(here%excess)), left_nearby(size(here%excess))
          left = largest_of_groups(missing)
          left_nearby = largest_of_groups(missing_nearby)

@@ -263,8 +263,10 @@ contains
    !> Part of critical damping.
    elemental real(wp) function damping_ratio(frequency, growth) result(ratio)
       real(wp), intent(in) :: frequency, growth
+      !> Part of |s| that is round-off
+      real(wp), parameter :: nothing = 1.0e-15_wp
       ratio = 0.0_wp
-      if (abs(growth) > 0.0_wp) ratio = -growth/sqrt(frequency**2 + growth**2)
+      if (abs(growth) > nothing*abs(frequency)) ratio = -growth/sqrt(frequency**2 + growth**2)
    end function damping_ratio
 
    !> Displacements of all named points of bodies in the shapes.

@@ -314,12 +314,12 @@ contains
       !> s (modes), shapes (n, modes)
       complex(wp), allocatable, intent(out) :: value(:), vector(:, :)
       real(wp), allocatable :: pencil(:, :), factors(:, :), right(:, :), re(:), im(:), left(:, :), basis(:, :), scratch(:)
-      complex(wp), allocatable :: all_values(:)
+      complex(wp), allocatable :: all_values(:), found(:), shape(:, :)
       integer, allocatable :: pivot(:), order(:)
       !> Part of the shift below which an eigenvalue is that of a rigid motion
       real(wp), parameter :: rigid = 1.0e-5_wp
       real(wp) :: shift, largest
-      integer :: n, info, i, j, k, count
+      integer :: n, info, i, j, k, count, kept
       n = size(mass, 1)
       allocate (pencil(2*n, 2*n), factors(n, n), right(n, 2*n), pivot(n), re(2*n), im(2*n), left(1, 2*n), basis(2*n, 2*n))
       allocate (scratch(128*n + 64), all_values(2*n), order(2*n))
@@ -359,17 +359,51 @@ contains
          count = count + 1
       end do
       call sort(abs(all_values), order)
-      count = min(count, wanted)
-      allocate (value(count), vector(n, count))
+      allocate (found(count), shape(n, count))
+      kept = 0
       do j = 1, count
          k = order(j)
-         value(j) = all_values(k)
-         ! A rigid motion is a double eigenvalue, which round-off parts by its root
-         if (abs(value(j)) <= rigid*shift) value(j) = 0.0_wp
-         vector(:, j) = basis(:n, k)
+         found(kept + 1) = all_values(k)
+         shape(:, kept + 1) = basis(:n, k)
          ! Of a pair the vectors stand as real and imaginary part of the first, which has the positive imaginary part
-         if (im(k) < 0.0_wp) vector(:, j) = cmplx(basis(:n, k - 1), -basis(:n, k), wp)
+         if (im(k) < 0.0_wp) shape(:, kept + 1) = cmplx(basis(:n, k - 1), -basis(:n, k), wp)
+         ! A rigid motion is a double eigenvalue, which round-off parts by its root
+         if (abs(found(kept + 1)) <= rigid*shift) then
+            found(kept + 1) = 0.0_wp
+            if (is_among(shape(:, kept + 1), shape(:, :kept))) cycle
+         end if
+         kept = kept + 1
+         if (kept == wanted) exit
       end do
+      allocate (value, source=found(:kept))
+      allocate (vector, source=shape(:, :kept))
    end subroutine quadratic_modes
+
+   !> Whether a shape is made of others.
+   pure logical function is_among(shape, others)
+      !> (n), (n, others)
+      complex(wp), intent(in) :: shape(:), others(:, :)
+      !> Part of a shape that is round-off of a double eigenvalue
+      real(wp), parameter :: none = 1.0e-4_wp
+      complex(wp) :: basis(size(shape), size(others, 2) + 1)
+      integer :: j, k, round
+      basis(:, :size(others, 2)) = others
+      basis(:, size(others, 2) + 1) = shape
+      do j = 1, size(basis, 2)
+         is_among = .true.
+         basis(:, j) = basis(:, j)/max(sqrt(real(dot_product(basis(:, j), basis(:, j)), wp)), tiny(1.0_wp))
+         do round = 1, 2
+            do k = 1, j - 1
+               basis(:, j) = basis(:, j) - dot_product(basis(:, k), basis(:, j))*basis(:, k)
+            end do
+         end do
+         is_among = real(dot_product(basis(:, j), basis(:, j)), wp) <= none**2
+         if (is_among) then
+            basis(:, j) = 0.0_wp
+         else
+            basis(:, j) = basis(:, j)/sqrt(real(dot_product(basis(:, j), basis(:, j)), wp))
+         end if
+      end do
+   end function is_among
 
 end module limber_system_vibrations

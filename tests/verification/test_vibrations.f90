@@ -87,9 +87,9 @@ contains
          end do
          call reader%read_numbers('/modes/damped/frequency', frequency, error)
          call reader%read_numbers('/modes/damped/growth', growth, error)
-         call check(size(frequency) == 6 .and. all(abs(frequency(:2)) <= 0.0_wp), 'damped rotors: a double zero')
+         call check(size(frequency) == min(counts(i), 6) .and. abs(frequency(1)) <= 0.0_wp, 'damped rotors: a zero')
          call check(all(growth <= 0.0_wp), 'damped rotors: none grows')
-         call check_close(frequency(3), unit*sin(pi/(2*counts(i))), 1.0e-5_wp*unit, 'damped rotors: frequency 3')
+         call check_close(frequency(2), unit*sin(pi/(2*counts(i))), 1.0e-5_wp*unit, 'damped rotors: frequency 2')
          call reader%close()
       end do
       call run_changed('verification/free_gears.inp', trim(results), [character(1) ::], [character(1) ::], reader)

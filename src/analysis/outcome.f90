@@ -21,7 +21,8 @@ module limber_analysis_outcome
       real(wp) :: wall = 0.0_wp, cpu = 0.0_wp
       !> Largest constraint residuals at a sample: position [length or 1], velocity [the same per time]
       real(wp) :: position_residual = 0.0_wp, velocity_residual = 0.0_wp
-      !> Distance of the centres of each joint of wheels at the first sample, -1 behind a warning (joints)
+      !> Of each joint -1 behind a warning of what it takes for granted; of wheels, the distance of their centres at the first
+      !> sample (joints)
       real(wp), allocatable :: centres(:)
       !> Of each constraint the largest velocity residual at a sample, its time, and the largest speed that a side of it makes, or its
       !> law [length/time or 1/time] (constraints); not allocated without any

@@ -4,7 +4,7 @@ module limber_analysis_sampling
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_analysis_centres, only: check_centres
+   use limber_analysis_joint_watch, only: check_joints
    use limber_analysis_outcome, only: outcome_type, warn, allowed_imbalance
    use limber_analysis_scene, only: scene_type
    use limber_integrator_integrator, only: integrator_type
@@ -97,7 +97,7 @@ contains
          if (allocated(error)) return
          call check_residuals(system, work, t, recorder%needs_velocities, sample%v, outcome)
          if (residual > may_stay(integrator%tolerance)) call check_place(system, work, t, residual, outcome)
-         call check_centres(system, t, sample%q, outcome)
+         call check_joints(system, t, sample%q, outcome)
          if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
       end associate
       call show(scene, t, recorder, sample, outcome, error)

@@ -26,6 +26,7 @@ program test_alarms
    call test_loss()
    call test_corrections()
    call test_wheels()
+   call test_ends()
    call finish()
 
 contains
@@ -109,6 +110,31 @@ contains
       call judge('a pinion that is held', rack//held//run, 10.0_wp, 1.0e-4_wp, '')
       call judge('a pinion that is not held', rack//run, 0.0_wp, 100.0_wp, loose)
    end subroutine test_wheels
+
+   !> A mass that slides along a beam, with nothing that bends it: told of once it is behind the end, not before; of both ends, of
+   !> exact beams and of those with modes.
+   subroutine test_ends()
+      character(*), parameter :: told = 'slides past the end of beam'
+      call slide('', '1', '0.75', 0.95_wp, '')
+      call slide('', '1', '2', 2.2_wp, told)
+      call slide('', '-1', '1', -0.8_wp, told)
+      call slide(', MODES=4', '1', '0.75', 0.95_wp, '')
+      call slide(', MODES=4', '1', '2', 2.2_wp, told)
+      call slide(', MODES=4', '-1', '1', -0.8_wp, told)
+   end subroutine test_ends
+
+   !> From 0.2 with a speed up to an end of the time.
+   subroutine slide(model, speed, end, truth, told)
+      !> Option of the beam; speed and time; what is told
+      character(*), intent(in) :: model, speed, end, told
+      real(wp), intent(in) :: truth
+      call judge('slide'//model//' to '//end//' at '//speed, '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//newline// &
+         & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-4'//newline//'*BEAM, NAME=beam, MATERIAL=stuff, SECTION=bar, '// &
+         & 'LENGTH=1'//model//newline//'*JOINT, NAME=wall, TYPE=WELD'//newline//' beam.start, ground.origin'//newline// &
+         & '*POINT MASS, NAME=mass, MASS=0.1, X=0.2, VX='//speed//newline//'*JOINT, NAME=along, TYPE=SLIDING'//newline// &
+         & ' mass, beam.start'//newline//'*DYNAMICS, END='//end//', OUTPUTS=20'//newline//'*OUTPUT'//newline//' x(mass)', truth, &
+         & 1.0e-6_wp, told)
+   end subroutine slide
 
    !> Runs a deck, compares the last sample of its channel with the truth, and looks for a warning.
    subroutine judge(name, deck, truth, error, warning)

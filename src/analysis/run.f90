@@ -16,7 +16,7 @@ module limber_analysis_run
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_ranges, only: range_warnings
    use limber_analysis_record, only: open_history, record_outcome, record_steps
-   use limber_analysis_scalars, only: scalar_values, scalar_lines
+   use limber_analysis_scalars, only: scalar_values, scalar_lines, scalar_warnings
    use limber_analysis_scene, only: scene_type, build_scene, seconds_since
    use limber_analysis_steps, only: run_steps, passed_type
    use limber_analysis_target_run, only: run_to_target
@@ -218,7 +218,8 @@ contains
       if (allocated(guard%snapshot%missing)) history%failed = .true.
       if (.not. quiet) call progress%finish()
       if (allocated(outcome%warnings)) scene%warnings = scene%warnings//outcome%warnings
-      scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)//energy_warning(outcome)
+      scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)//energy_warning(outcome) &
+         & //scalar_warnings(scene%system%model, history)
       table = ''
       if (.not. allocated(error)) call add_estimate(scene, integrator, outcome, quiet, history, batch%error, table, error)
       if (allocated(error)) then
@@ -261,6 +262,7 @@ contains
       ! Of a checkpoint that does not fit nothing is kept
       if (allocated(guard%snapshot%missing)) history%failed = .true.
       if (allocated(outcome%indicators)) scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)
+      scene%warnings = scene%warnings//scalar_warnings(scene%system%model, history)
       call record_steps(scene, passed, history%history_type, write_error)
       report = scene%warnings//guard%note_line(path)//path//': '//scene%system%model%heading//lines//newline//'   '// &
          & as_text(outcome%cpu, 3)//' s CPU; '//as_text(scene%reading + scene%building + scene%assembling, 3)//' s before it'// &

@@ -7,7 +7,7 @@ module limber_analysis_scalars
    use limber_output_sink, only: sink_type
    implicit none
    private
-   public :: scalar_values, scalar_lines
+   public :: scalar_values, scalar_lines, scalar_warnings
 
 contains
 
@@ -46,6 +46,22 @@ contains
       case (summary_rms); value = sqrt(sink%squares(channel)/max(1, sink%taken))
       end select
    end function summary
+
+   !> A warning for each scalar that has no value, though its channels have theirs.
+   function scalar_warnings(model, sink) result(text)
+      type(model_type), intent(in) :: model
+      class(sink_type), intent(in) :: sink
+      character(:), allocatable :: text
+      real(wp), allocatable :: values(:)
+      integer :: i
+      text = ''
+      allocate (values, source=scalar_values(model, sink))
+      do i = 1, size(values)
+         if (abs(values(i)) <= huge(1.0_wp)) cycle
+         text = text//"warning: scalar '"//model%scalars(i)%name//"' has no value ("//as_text(values(i))// &
+            & '): a logarithm, root or quotient in it is not defined'//newline
+      end do
+   end function scalar_warnings
 
    !> Lines of the report, each behind a line feed.
    function scalar_lines(model, sink) result(text)

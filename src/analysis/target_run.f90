@@ -14,7 +14,7 @@ module limber_analysis_target_run
    use limber_analysis_ranges, only: range_warnings
    use limber_analysis_reached, only: reached_type
    use limber_analysis_record, only: open_history, record_outcome
-   use limber_analysis_scalars, only: scalar_lines
+   use limber_analysis_scalars, only: scalar_lines, scalar_warnings
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_analysis_target, only: reach_target
    use limber_deck_diagnostics, only: diagnostics_type
@@ -94,6 +94,7 @@ contains
             & history%history_type, write_error), status_interrupted)
          return
       end if
+      scene%warnings = scene%warnings//scalar_warnings(scene%system%model, history)
       call record_outcome(scene, reached%outcome, reached%statistics, '', history%history_type, error)
       table = estimate_table(reached%estimate, scene%system%model%channels, reached%samples)
       report = scene%warnings//closing_report(path, scene, reached%outcome, integrator, results)// &

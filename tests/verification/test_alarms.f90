@@ -27,6 +27,8 @@ program test_alarms
    call test_corrections()
    call test_wheels()
    call test_ends()
+   call judge('a scalar without value', oscillator//newline//ends//'*DYNAMICS, END=1'//newline//'*OUTPUT'//newline// &
+      & ' x = x(mass)'//newline//'*SCALAR'//newline//' bad = sqrt(-last(x))', 1.0_wp, 1.0e-9_wp, "scalar 'bad' has no value")
    call finish()
 
 contains

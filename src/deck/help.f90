@@ -13,6 +13,8 @@ module limber_deck_help
    private
    public :: help_text, manual_text
 
+   !> What expressions are made with
+   character(*), parameter :: operators = '+ - * / and ** (power), parentheses'
    !> Columns of help that a terminal shows
    integer, parameter :: width = 100
 
@@ -32,8 +34,8 @@ contains
          do row = 1, size(keyword_table)
             text = text//newline//'  *'//keyword_table(row)%name//'  '//trim(keyword_table(row)%meaning)
          end do
-         text = text//newline//newline//wrapped('Functions of expressions: '//listed_functions()//' ('//function_meanings &
-            & //'); pi; the time t; 90 deg is an angle in degrees', 0)
+         text = text//newline//newline//wrapped('Expressions: '//operators//'. Functions: '//listed_functions() &
+            & //' ('//function_meanings//'); pi; the time t; 90 deg is an angle in degrees', 0)
       end if
    end function help_text
 
@@ -240,7 +242,7 @@ contains
       character(:), allocatable :: text
       type(option_spec_type), allocatable :: specs(:)
       integer :: row, i
-      text = '# Keywords of a deck'//newline//newline//'Functions of expressions: '//listed_functions()//' (' &
+      text = '# Keywords of a deck'//newline//newline//'Expressions: '//operators//'. Functions: '//listed_functions()//' (' &
          & //function_meanings//'). `pi` is the number, `t` the time; `90 deg` is an angle in degrees.'//newline
       do row = 1, size(keyword_table)
          text = text//newline//'## *'//trim(keyword_table(row)%name)//newline//newline//trim(keyword_table(row)%meaning)//'.'

@@ -18,8 +18,10 @@ module comparisons
    !> What a channel of each group counts as at least
    real(wp), parameter :: floors(14) = [1.0e-3_wp, 1.0e-3_wp, 1.0e-2_wp, 1.0e-2_wp, 1.0e-3_wp, 1.0e-4_wp, 1.0e-3_wp, 1.0e-2_wp, &
       & 1.0e-6_wp, 3.0e-4_wp, 1.0e3_wp, 1.0e-3_wp, 1.0e-3_wp, 1.0e-3_wp]
-   !> The same of accelerations and forces where bodies vibrate
-   real(wp), parameter :: elastic_acceleration = 10.0_wp, elastic_force = 1.0_wp, elastic_moment = 0.1_wp, elastic_stress = 1.0e4_wp
+   !> The same of accelerations and forces where bodies vibrate, and of accelerations at rest: what the weight makes of the shapes
+   !> of bodies, two or three times its own at a free end, is what limber compares vibrations with there
+   real(wp), parameter :: elastic_acceleration = 10.0_wp, resting_acceleration = 30.0_wp
+   real(wp), parameter :: elastic_force = 1.0_wp, elastic_moment = 0.1_wp, elastic_stress = 1.0e4_wp
    !> The same where what stands still is run: limber's own scales, a thousandth of a body's length for deflections and the scene
    !> crossed once in the time of the run for speeds
    integer, parameter :: resting(7) = [speeds, spins, deflections, rotations, powers, others, others + 1]
@@ -82,6 +84,7 @@ contains
       if (draft%elastic) lowest(moments) = elastic_moment
       if (draft%elastic) lowest(stresses) = elastic_stress
       if (draft%timeless) lowest(resting) = of_rest
+      if (draft%timeless .and. draft%elastic) lowest(accelerations) = resting_acceleration
       answers = changed%status == 0 .and. all(shape(changed%values) == shape(reference%values))
       scales%envelope = max(reference%envelope, [10*elastic_force, elastic_force, elastic_moment], &
          & part_of_group*largest([forces, forces, moments]))

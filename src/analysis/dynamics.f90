@@ -88,6 +88,7 @@ contains
          call start_indicators(outcome%indicators, scene%system)
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
+         scene%followed = scene%work%kinematics%angles
          integrator%input%asked = recorder%needs_work
          if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)
          outcome%reached = dynamics%start

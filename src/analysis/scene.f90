@@ -27,6 +27,7 @@ module limber_analysis_scene
    use limber_system_point_motion, only: point_position
    use limber_system_massless, only: find_massless
    use limber_system_modal_damping, only: any_modal, find_damping
+   use limber_system_kinematics, only: angle_type
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
@@ -56,6 +57,8 @@ module limber_analysis_scene
       !> What the last analysis has left; and the accumulated angles that the present one starts from, if it is not the first
       type(carried_type) :: last
       real(wp), allocatable :: angle(:)
+      !> Angles that laws, joints and loads follow, as the last motion has begun with them: one that is run again begins so too
+      type(angle_type), allocatable :: followed(:)
       !> Rendered warnings, one after another; empty if there are none
       character(:), allocatable :: warnings
       !> Wall seconds for reading the deck, for building model and modes, and for the assembly

@@ -22,9 +22,30 @@ program test_turns
    end do
    call check_alone()
    call check_refusal()
+   do i = 1, size(integrator)
+      call check_estimate('INTEGRATOR='//integrator(i))
+   end do
    call finish()
 
 contains
+
+   !> A wheel that winds a spring by more than three turns, angle 20 sin t: the runs for the estimate of its error begin where the run
+   !> itself has begun, not three turns further on.
+   subroutine check_estimate(new)
+      character(*), intent(in) :: new
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: angle(:), estimated(:)
+      real(wp) :: largest
+      integer :: k
+      call run_changed('verification/wound_spring.inp', trim(results), [character(16) :: 'INTEGRATOR=ADAMS'], [trim(new)], reader)
+      allocate (angle, source=channel(reader, 'angle_wheel'))
+      allocate (estimated, source=channel(reader, reader%estimates(1)%name))
+      call reader%close()
+      largest = maxval(abs(angle - [(20*sin(0.1_wp*k), k=0, 15)]))
+      print '(2a,2es10.2)', trim(new), ' wound spring: error, estimate', largest, maxval(estimated)
+      call check_close(largest, 0.0_wp, 0.02_wp, trim(new)//': a wheel on a spring')
+      call check(maxval(estimated) < 10*largest, trim(new)//': the estimate counts no turns')
+   end subroutine check_estimate
 
    !> All that turns, and what it draws along.
    subroutine check_turns(old, new)

@@ -29,8 +29,8 @@ program test_turns
 
 contains
 
-   !> A wheel that winds a spring by more than three turns, angle 20 sin t: the runs for the estimate of its error begin where the run
-   !> itself has begun, not three turns further on.
+   !> A wheel that winds a spring by more than three turns, angle 20 sin t: the runs for the estimate of its error begin where the
+   !> run itself has begun, not three turns further on.
    subroutine check_estimate(new)
       character(*), intent(in) :: new
       type(history_reader_type) :: reader

@@ -20,6 +20,7 @@ module limber_analysis_scene
    use limber_system_assembly, only: first_guess, assemble
    use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_rank, only: assembly_type
+   use limber_system_drivers, only: driven_angle_type
    use limber_system_redundancy, only: group_names, constraint_names
    use limber_system_relaxation, only: balance_start
    use limber_system_softening, only: soften_constraints
@@ -173,6 +174,7 @@ contains
          return
       end if
       call warn_of_redundancy(scene, diagnostics)
+      call refuse_turns_apart(scene, diagnostics)
       call warn_of_turn(scene, diagnostics)
       call warn_of_changes(scene, diagnostics)
       call warn_of_springs(scene, diagnostics)
@@ -183,6 +185,31 @@ contains
       end if
       if (scene%system%model%assembly%static_deflections) call settle_deflections(scene, diagnostics)
    end subroutine assemble_scene
+
+   !> Drivers that turn one body to angles a turn apart: its direction is the same, its angle is not.
+   subroutine refuse_turns_apart(scene, diagnostics)
+      type(scene_type), intent(in) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), parameter :: turn = 2*acos(-1.0_wp)
+      integer :: i, k, first(size(scene%work%bodies))
+      real(wp) :: apart
+      first = 0
+      do i = 1, size(scene%system%constraints)
+         select type (item => scene%system%constraints(i)%item)
+         type is (driven_angle_type)
+            associate (drives => scene%work%kinematics%drives, body => item%bodies(1))
+               k = first(body)
+               if (k == 0) first(body) = item%drive
+               if (k == 0) cycle
+               apart = drives(item%drive)%value - drives(k)%value
+               if (nint(apart/turn) == 0) cycle
+               call diagnostics%add(place_of(scene, i), item%label//" turns body '"//scene%system%model%bodies(body)%name// &
+                  & "' to an angle that is "//as_text(nint(apart/turn))//" turn(s) from that of driver '"// &
+                  & scene%system%model%drivers(k)%name//"' at the start", 'give both the same angle')
+            end associate
+         end select
+      end do
+   end subroutine refuse_turns_apart
 
    !> Damping ratios are those of the modes of a body as the scene holds it, which is known from here on.
    subroutine damp_modes(scene, diagnostics)

@@ -170,7 +170,9 @@ contains
    pure logical function matters(advice, i)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
-      matters = advice%expected(i) >= no_matter*advice%target
+      !> The same of a rigid beam, whose expected error nothing else shows
+      real(wp), parameter :: of_rigid = 1.0e-3_wp
+      matters = advice%expected(i) >= merge(no_matter, of_rigid, advice%rungs(i)%step > 0)*advice%target
       if (advice%rungs(i)%step > 0) matters = matters .or. &
          & advice%probe%beams(i)%effect + advice%probe%beams(i)%stretch > no_effect*advice%target
    end function matters
@@ -192,8 +194,13 @@ contains
       type(advice_type), intent(in) :: advice
       real(wp), parameter :: largest = 1.0e-2_wp, smallest = 1.0e-12_wp
       !> Error of the deflections by that of a step, relative to their scale; the same of rigid scenes
-      real(wp), parameter :: of_deflections = 3.0e-3_wp, of_motion = 10.0_wp
+      real(wp), parameter :: of_deflections = 3.0e-3_wp, of_motion = 10.0_wp, begin = 1.0_wp
       integer :: i
+      if (advice%probe%blind) then
+         ! A smaller one costs less once it is known to be needed
+         tolerance = largest
+         return
+      end if
       tolerance = part_time*advice%target/of_motion
       if (any(advice%rungs%step > 0)) tolerance = 5*part_time*advice%target
       do i = 1, size(advice%rungs)
@@ -203,6 +210,8 @@ contains
                & *beam%deflection/(of_deflections*beam%effect))
          end associate
       end do
+      ! A smaller one costs little more once it is known to be needed
+      if (any(advice%rungs%step > 0)) tolerance = begin*tolerance
       tolerance = max(smallest, min(largest, tolerance))
    end function wanted_tolerance
 

@@ -5,9 +5,10 @@ module limber_analysis_descent
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: expected_error, cost_of, deck_of
+   use limber_analysis_pool, only: pool_type
    use limber_analysis_reached, only: reached_type, names_of
    use limber_analysis_rungs, only: rung_type, poorer
-   use limber_analysis_trial, only: trial_type, run_trial, take_trial, least_patience
+   use limber_analysis_trial, only: trial_type, take_trial, least_patience
    use limber_analysis_truth, only: truth_type, error_against
    use limber_deck_content, only: deck_type
    implicit none
@@ -25,11 +26,12 @@ module limber_analysis_descent
 contains
 
    !> Descends as long as something can be left out. What has been too little once is not tried again.
-   subroutine descend(deck, target, quiet, truth, reached, best, error)
+   subroutine descend(deck, target, quiet, pool, truth, reached, best, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
       !> Whether the progress is not shown
       logical, intent(in) :: quiet
+      type(pool_type), intent(inout) :: pool
       type(truth_type), intent(in) :: truth
       !> With the setting that keeps the target, on return the cheapest
       type(reached_type), intent(inout) :: reached
@@ -104,11 +106,10 @@ contains
          integer :: k
          failed = .true.
          dear = .false.
-         if (tries < least_tries .or. reached%work < (most_effort - 1)*best%work) then
+         if (tries < least_tries .or. pool%work < (most_effort - 1)*best%work) then
             tries = tries + 1
             call run_less(deck_of(reached%advice, deck), tolerance, trial)
             if (allocated(error)) return
-            call reached%count_run(trial)
             failed = trial%reason /= '' .or. trial%work > (1 - saved)*best%work &
                & .or. size(truth%values, 2) /= trial%samples%samples
             dear = failed .and. .not. trial%leaves
@@ -129,7 +130,6 @@ contains
                advice%expected(k) = expected_error(rungs(k), advice%probe%beams(k))
             end do
          end associate
-         reached%cpu = reached%cpu + best%outcome%cpu - trial%outcome%cpu
          call take_trial(trial, best)
          reached%path = reached%path//newline//'   it keeps the target with less as well: '
          if (size(rungs) > 0) reached%path = reached%path//names_of(rungs)//', '
@@ -141,7 +141,7 @@ contains
          type(deck_type), intent(in) :: deck
          real(wp), intent(in) :: tolerance
          type(trial_type), intent(inout) :: trial
-         call run_trial(deck, rungs, tolerance, 1.0_wp, min(least_patience, 2*best%work), .false., quiet, &
+         call pool%run(deck, rungs, tolerance, 1.0_wp, min(least_patience, 2*best%work), .false., quiet, &
             & 'less: '//names_of(rungs), trial, error, truth%values, target*truth%scale - truth%rest, (1 - saved)*best%work)
       end subroutine run_less
 

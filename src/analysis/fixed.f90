@@ -5,9 +5,10 @@ module limber_analysis_fixed
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, first_line, newline
+   use limber_analysis_pool, only: pool_type
    use limber_analysis_reached, only: reached_type
    use limber_analysis_rungs, only: rung_type, given_rung, richer, verifying, level_exact
-   use limber_analysis_trial, only: trial_type, run_check
+   use limber_analysis_trial, only: trial_type
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_families, only: options_of_modes
@@ -127,10 +128,11 @@ contains
 
    !> Runs the scene aside with all free that the deck fixes, higher, and counts the difference: eq. (183). That run is the truth from
    !> then on.
-   subroutine verify_fixed(deck, target, quiet, candidate, reached, truth, error)
+   subroutine verify_fixed(deck, target, quiet, pool, candidate, reached, truth, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
       logical, intent(in) :: quiet
+      type(pool_type), intent(inout) :: pool
       type(trial_type), intent(in) :: candidate
       !> With a target that is kept but for what the deck fixes; on return it may not be
       type(reached_type), intent(inout) :: reached
@@ -151,14 +153,13 @@ contains
       if (freed%blocks(freed%find('DYNAMICS'))%word('INTEGRATOR') == 'ADAMS') &
          & call freed%set_option(freed%find('DYNAMICS'), 'INTEGRATOR', 'AUTO')
       call free_rungs(deck, truth%rungs, rungs, aside)
-      call run_check(freed, [rungs, aside], reached%advice%tolerance, truth%tolerance/reached%advice%tolerance, &
-         & 60*candidate%work, .false., quiet, 'run aside, with all free that the deck fixes', check, error)
+      call pool%check(freed, [rungs, aside], reached%advice%tolerance, truth%tolerance/reached%advice%tolerance, &
+         & 60*candidate%work, .false., quiet, 'run aside, with all free that the deck fixes', check, error, fresh=.true.)
       if (allocated(error)) then
          if (error%status == status_interrupted) return
          failure = first_line(error%message)
          deallocate (error)
       else
-         call reached%count_run(check)
          failure = check%reason
       end if
       if (failure /= '') then

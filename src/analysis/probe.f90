@@ -11,12 +11,15 @@ module limber_analysis_probe
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_families, only: options_of_exact
+   use limber_flex_exact_functions, only: sorted
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: break_times
    use limber_model_quantities, only: is_internal_force, quantity_u1, quantity_u2, quantity_rotation
    use limber_model_scene, only: body_flexible
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_turns, only: follow_places
+   use limber_system_closure, only: close_positions
+   use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
    use limber_system_dynamics, only: linearise, accelerations, accelerate
    use limber_system_layout, only: rates_of
    use limber_system_motion, only: motion_residual
@@ -116,6 +119,8 @@ contains
          if (.not. allocated(error)) call build(rigid, error)
          if (.not. allocated(error)) then
             if (rigid%system%nc /= flexible%system%nc) call raise(error, 'the rigid scene has other constraints')
+            if (rigid%system%redundant .and. .not. allocated(error)) &
+               & call raise(error, 'the forces in the rigid scene depend on how its beams bend')
          end if
          if (.not. allocated(error)) call move_rigidly(rigid, flexible, track, probe%steps, error)
          if (allocated(error)) then
@@ -162,8 +167,30 @@ contains
          if (.not. allocated(error)) exit
          if (.not. any(rungs%open_strains)) return
       end do
-      if (least == 1 .and. .not. allocated(error)) where (rungs%open_strains) rungs%least = 1
+      if (allocated(error)) return
+      if (least == 1) where (rungs%open_strains) rungs%least = 1
+      do i = 1, size(rungs)
+         rungs(i)%enough = enough_functions(scene, deck%blocks(rungs(i)%block)%name())
+      end do
    end subroutine build_exact
+
+   !> Functions of the angle from which on a beam can be trusted to show what fewer lack: those of what acts within it, which serve
+   !> beside linear moments only, and two modes with as many polynomials.
+   integer function enough_functions(scene, name) result(enough)
+      type(scene_type), intent(in) :: scene
+      !> Of the beam
+      character(*), intent(in) :: name
+      integer, parameter :: beside = 5
+      integer :: i
+      enough = beside
+      do i = 1, size(scene%system%model%bodies)
+         associate (body => scene%system%model%bodies(i))
+            if (body%name /= name .or. body%kind /= body_flexible) cycle
+            if (allocated(body%choice%exact%kinks)) enough = enough + size(sorted(body%choice%exact%kinks, body%beam%length))
+            if (allocated(body%choice%exact%steps)) enough = enough + size(sorted(body%choice%exact%steps, body%beam%length))
+         end associate
+      end do
+   end function enough_functions
 
    !> A beam of a deck with vibration modes, for its probe, under the support that its joints make.
    subroutine probe_modally(exact, rung, deck)
@@ -489,12 +516,14 @@ contains
       type(probe_type), intent(inout) :: probe
       type(recorder_type) :: recorder
       real(wp), allocatable :: values(:), moved(:), largest(:), slope(:, :), amplitude(:)
+      type(constraint_matrix_type) :: frames
       integer :: i, k, j, channels
       logical :: looked
       associate (system => scene%system, n => size(eta, 1))
          channels = size(system%model%channels)
          allocate (values(sample_width(system)), moved(sample_width(system)), largest(channels), slope(channels, n), amplitude(n))
          recorder = new_recorder(system, track%q(:, 1))
+         call new_constraint_matrix(system, .false., frames)
          largest = 0.0_wp
          slope = 0.0_wp
          amplitude = maxval(abs(eta), 2)
@@ -525,8 +554,10 @@ contains
          integer, intent(in) :: coordinate
          real(wp), intent(inout) :: values(:)
          real(wp) :: q(size(track%q, 1)), v(size(track%q, 1)), a(size(track%q, 1)), scratch(size(track%q, 1)), residual
+         real(wp) :: before(size(track%q, 1))
          type(error_type), allocatable :: error
          integer :: b, first
+         logical :: done
          q = track%q(:, k)
          v = track%v(:, k)
          if (coordinate > 0) then
@@ -536,6 +567,10 @@ contains
                first = first + scene%system%layout%n(b)
             end do
             q(scene%system%layout%q(b) + 3 + coordinate - first) = amplitude(coordinate)
+            ! Frames follow, and no other deflection: in the mass norm a light beam would give way to what it carries
+            before = q
+            call close_positions(scene%system, scene%work, frames, track%times(k), q, done)
+            if (.not. done) q = before
          end if
          a = 0.0_wp
          call settle(scene%system, scene%work, track%times(k), q, v, scratch, recorder%needs_accelerations, residual, error)

@@ -41,30 +41,23 @@ module limber_analysis_reached
       !> What the deck fixes of beams, and the error of that, relative; models that nothing verifies. Empty: there are none
       character(:), allocatable :: fixed, unverified
       real(wp) :: of_fixed = 0.0_wp
-      !> Number of runs, of climbs, and CPU seconds of all but the last
+      !> Number of runs, of climbs, CPU seconds of all runs and their counted work
       integer :: runs = 0, climbs = 0
-      real(wp) :: cpu = 0.0_wp
-      !> Work of all, counted
-      real(wp) :: work = 0.0_wp
+      real(wp) :: cpu = 0.0_wp, work = 0.0_wp
+      !> Whether a run was given up as the search had cost all that it may
+      logical :: spent = .false.
+      !> Whether a tolerance was too large; the tolerance and the error of the integration before it was made smaller; whether that was
+      !> of no use, as only a model that lacks what a channel shows leaves round-off there
+      logical :: tightened = .false., useless = .false.
+      real(wp) :: tolerance_before = 0.0_wp, of_time_before = 0.0_wp
       !> What was climbed, a line for each
       character(:), allocatable :: path
-   contains
-      procedure :: count_run
    end type reached_type
 
    !> Neighbours on each side that the envelope takes in
    integer, parameter :: reach = 2
 
 contains
-
-   !> Counts a run that is not the one that is verified.
-   pure subroutine count_run(self, trial)
-      class(reached_type), intent(inout) :: self
-      type(trial_type), intent(in) :: trial
-      self%runs = self%runs + 1
-      self%cpu = self%cpu + trial%outcome%cpu
-      self%work = self%work + trial%work
-   end subroutine count_run
 
    !> Rungs for people: 'EXACT 5 + 2; RIGID'.
    function names_of(rungs) result(text)
@@ -99,7 +92,7 @@ contains
          estimate%tolerance = reached%advice%tolerance
          estimate%companion = truth%tolerance
          estimate%cpu = reached%cpu
-         estimate%factor = reached%cpu/max(candidate%outcome%cpu, tiny(1.0_wp))
+         estimate%factor = reached%work/max(candidate%work, tiny(1.0_wp))
       end associate
    end subroutine record_errors
 
@@ -107,7 +100,13 @@ contains
    subroutine say_why(target, reached)
       real(wp), intent(in) :: target
       type(reached_type), intent(inout) :: reached
-      if (reached%reason == '' .and. is_of_time(target, reached)) then
+      if (reached%spent) then
+         reached%reason = 'the search for TARGET='//as_text(target, 2)//' was given up after '//as_text(reached%runs)//' runs: '// &
+            & 'what it needs costs too much to be verified'
+         if (reached%error > 0.0_wp .and. reached%error < 1.0e3_wp) reached%reason = reached%reason// &
+            & '; the last setting that was verified errs by '//as_text(reached%error, 2)
+         reached%reason = reached%reason//'. Ask for less, for a shorter time, or give FUNCTIONS, TOLERANCE and INTEGRATOR'
+      else if (reached%reason == '' .and. is_of_time(target, reached)) then
          reached%reason = time_words(target, reached)
       else if (reached%reason == '') then
          reached%reason = 'no rung keeps TARGET='//as_text(target, 2)//': '

@@ -10,7 +10,7 @@ module limber_analysis_rungs
    implicit none
    private
    public :: rung_type, find_rungs, given_rung, bare_deck, apply_rung, richer, poorer, verifying, can_climb, rung_name
-   public :: functions_of, strains_of
+   public :: functions_of, strains_of, same_rungs
 
    !> Models of a beam that bends
    integer, parameter, public :: level_linear = 1, level_kg = 2, level_exact = 3
@@ -42,8 +42,8 @@ module limber_analysis_rungs
       integer :: functions = -1, strains = -1
       !> Lowest and highest place in the ladder
       integer :: lowest = 0, highest = size(ladder, 2)
-      !> Most functions of both
-      integer :: most = huge(1)
+      !> Most functions of both; least functions of the angle of a run that verifies others: fewer may all lack the same shape
+      integer :: most = huge(1), enough = 0
    end type rung_type
 
 contains
@@ -181,6 +181,9 @@ contains
       type(rung_type), intent(in) :: rung
       logical, intent(in) :: stretches
       verifying = richer(rung, merge(1, 2, rung%step >= close_steps), stretches)
+      do while (verifying%open_functions .and. verifying%step < rung%highest .and. functions_of(verifying) < rung%enough)
+         verifying%step = verifying%step + 1
+      end do
    end function verifying
 
    !> The rung below; the same if there is none.
@@ -196,6 +199,14 @@ contains
       type(rung_type), intent(in) :: rung
       can_climb = rung%open_functions .and. rung%step < rung%highest - 1 .or. rung%open_strains .and. .not. rung%stretches
    end function can_climb
+
+   !> Whether two scenes have the same functions of all their beams.
+   pure logical function same_rungs(a, b)
+      type(rung_type), intent(in) :: a(:), b(:)
+      same_rungs = size(a) == size(b)
+      if (same_rungs) same_rungs = all(a%block == b%block .and. a%level == b%level .and. (a%step > 0 .eqv. b%step > 0) .and. &
+         & functions_of(a) == functions_of(b) .and. strains_of(a) == strains_of(b))
+   end function same_rungs
 
    !> Leaves out the damping of modes that a rung does not have.
    subroutine keep_damping(rung, deck)

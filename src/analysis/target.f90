@@ -8,11 +8,11 @@ module limber_analysis_target
       & part_time
    use limber_analysis_descent, only: descend
    use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
+   use limber_analysis_pool, only: pool_type
    use limber_analysis_reached, only: reached_type, record_errors, say_why, names_of
    use limber_analysis_probe, only: prospect_type
    use limber_analysis_rungs, only: rung_type, richer, can_climb
-   use limber_analysis_trial, only: trial_type, run_trial, run_check, take_trial, take_samples, take_outcome, least_patience, &
-      & least_verified
+   use limber_analysis_trial, only: trial_type, take_trial, take_samples, take_outcome, least_patience, least_verified
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type
    implicit none
@@ -22,6 +22,8 @@ module limber_analysis_target
    !> Part of the target that the error of a truth may be that is good enough for another setting; that it is taken to err at least
    !> where there are beams
    real(wp), parameter :: sure = 0.35_wp, doubt = 0.07_wp
+   !> Part of the target that the integration of a truth may err by
+   real(wp), parameter :: of_truth = 0.1_wp
    !> Most rounds, and work in units of the last run's after which no more are begun
    integer, parameter :: most_rounds = 12
    real(wp), parameter :: patience = 100.0_wp
@@ -30,6 +32,10 @@ module limber_analysis_target
    real(wp), parameter :: ladder = 0.1_wp, rest_of_time = 0.25_wp, falling = 0.6_wp
    !> What differences are multiplied by where the integration is judged
    real(wp), parameter :: widening = 1.25_wp
+   !> Part of the target from which on the integration is mended first
+   real(wp), parameter :: time_first = 0.6_wp
+   !> Part of the error of the integration that is left where a smaller tolerance has been of use
+   real(wp), parameter :: helped = 0.5_wp
 
    !> The run that misses the target by the least, and what it was compared with
    type :: best_type
@@ -53,7 +59,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(trial_type) :: candidate
       type(truth_type) :: truth
-      call search(deck, target, quiet, reached, candidate, truth, error)
+      type(pool_type) :: pool
+      call search(deck, target, quiet, pool, reached, candidate, truth, error)
+      reached%runs = pool%runs
+      reached%cpu = pool%cpu
+      reached%work = pool%work
+      reached%spent = pool%spent
       if (allocated(error)) then
          if (error%status /= status_interrupted) return
          call move_alloc(error%message, reached%interruption)
@@ -68,10 +79,12 @@ contains
    end subroutine reach_target
 
    !> The search itself.
-   subroutine search(deck, target, quiet, reached, candidate, truth, error)
+   subroutine search(deck, target, quiet, pool, reached, candidate, truth, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
       logical, intent(in) :: quiet
+      !> All runs
+      type(pool_type), intent(inout) :: pool
       type(reached_type), intent(inout) :: reached
       !> The run that was verified, and the finest
       type(trial_type), intent(inout) :: candidate
@@ -81,7 +94,7 @@ contains
       type(best_type) :: best
       real(wp) :: limit
       integer :: round
-      logical :: climbed, on
+      logical :: climbed, on, looser
       reached%reason = ''
       reached%path = ''
       call find_fixed(deck, reached%fixed)
@@ -92,15 +105,16 @@ contains
       do round = 1, most_rounds
          climbed = .false.
          reached%reason = ''
-         call run_trial(deck_of(reached%advice, deck), reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., &
-            & quiet, 'run', candidate, error)
-         if (.not. allocated(error) .and. round == 1) call choose_integrator(deck, target, quiet, candidate, reached, error)
+         if (round == 1) then
+            call begin(deck, quiet, pool, candidate, reached, error)
+         else
+            call pool%run(deck_of(reached%advice, deck), reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., &
+               & quiet, 'run', candidate, error)
+         end if
          if (allocated(error)) return
          limit = least_patience + patience*candidate%work
-         reached%runs = reached%runs + 1
-         reached%work = reached%work + candidate%work
          ! Up only if what is there can be run as well
-         on = round < most_rounds .and. (reached%work < patience*candidate%work .or. round < 3)
+         on = round < most_rounds .and. (pool%work < patience*candidate%work .or. round < 3) .and. .not. pool%spent
          if (candidate%reason /= '') then
             reached%reason = candidate%reason
             if (on) call climb_all(reached, climbed)
@@ -109,25 +123,25 @@ contains
                reached%error = error_against(truth, candidate%samples%values)
                reached%of_model = reached%error
             else
-               call verify(deck_of(reached%advice, deck), target, quiet, on, candidate, reached, truth, error)
+               call verify(deck_of(reached%advice, deck), target, quiet, on, pool, candidate, reached, truth, looser, error)
                if (allocated(error)) return
+               if (looser) cycle
             end if
             reached%done = reached%reason == '' .and. truth%known .and. reached%error <= target
             if (reached%done .and. on) call look_back(target, truth, reached, climbed)
             if (reached%done) then
-               call verify_fixed(deck, target, quiet, candidate, reached, truth, error)
+               call verify_fixed(deck, target, quiet, pool, candidate, reached, truth, error)
                if (allocated(error) .or. .not. reached%done) exit
-               call descend(deck, target, quiet, truth, reached, candidate, error)
+               call descend(deck, target, quiet, pool, truth, reached, candidate, error)
                exit
             end if
             if (.not. climbed .and. reached%reason == '' .and. truth%known) call keep_best()
             if (on .and. .not. climbed) call climb(target, truth, reached, climbed)
          end if
          if (.not. climbed) exit
-         reached%cpu = reached%cpu + candidate%outcome%cpu
          reached%climbs = reached%climbs + 1
       end do
-      if (.not. (reached%done .or. allocated(error)) .and. reached%reason == '' .and. best%known) call give_back()
+      if (.not. (reached%done .or. allocated(error)) .and. (reached%reason == '' .or. pool%spent) .and. best%known) call give_back()
 
    contains
 
@@ -155,48 +169,51 @@ contains
 
    end subroutine search
 
-   !> The integrator of a scene with beams, which all runs keep: where AUTO chooses ADAMS, that at the tolerance of rigid bodies, which
-   !> it needs, or RADAU, unless that costs much more.
-   subroutine choose_integrator(deck, target, quiet, candidate, reached, error)
+   !> The first run. Scenes with beams take RADAU, and try what AUTO takes: ADAMS at the tolerance of rigid bodies, which it needs, stays
+   !> if it costs much less, for higher rungs have vibrations that bind it.
+   subroutine begin(deck, quiet, pool, candidate, reached, error)
       type(deck_type), intent(in) :: deck
-      real(wp), intent(in) :: target
+      !> Whether the progress is not shown
       logical, intent(in) :: quiet
-      !> The first run; on return the chosen one
+      type(pool_type), intent(inout) :: pool
       type(trial_type), intent(inout) :: candidate
       type(reached_type), intent(inout) :: reached
+      !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
-      !> Tolerance of ADAMS in units of the target, and how much more work RADAU may take: higher rungs have vibrations that bind ADAMS
-      real(wp), parameter :: of_adams = 0.03_wp, dearer = 3.0_wp
-      type(trial_type) :: adams, radau
+      !> Tolerance of ADAMS in units of the target, and the part of RADAU's work that it may take
+      real(wp), parameter :: of_adams = 0.03_wp, cheaper = 1.0_wp/3
+      type(trial_type) :: adams
+      type(rung_type) :: higher(size(reached%advice%rungs))
+      real(wp) :: tolerance, limit
+      integer :: i
+      logical :: both
       associate (advice => reached%advice)
-         if (.not. any(advice%rungs%step > 0)) return
-         ! At a smaller tolerance AUTO may choose another one
-         if (candidate%integrator == 'RADAU' .and. advice%open_integrator) advice%integrator = 'RADAU'
-         if (candidate%integrator /= 'ADAMS' .or. .not. advice%open_tolerance) return
-         adams%reason = ''
-         if (advice%tolerance > of_adams*target) then
-            call reached%count_run(candidate)
-            call run_trial(deck, advice%rungs, of_adams*target, 1.0_wp, huge(1.0_wp), .false., quiet, &
-               & 'run with ADAMS', adams, error)
-            if (allocated(error)) return
-            call take_trial(adams, candidate)
+         both = any(advice%rungs%step > 0) .and. advice%open_integrator .and. advice%open_tolerance
+         if (both) advice%integrator = 'RADAU'
+         call pool%run(deck_of(advice, deck), advice%rungs, advice%tolerance, 1.0_wp, huge(limit), .false., quiet, 'run', &
+            & candidate, error)
+         if (allocated(error) .or. .not. any(advice%rungs%step > 0) .or. .not. advice%open_tolerance) return
+         tolerance = min(advice%tolerance, of_adams*advice%target)
+         if (.not. (both .or. candidate%integrator == 'ADAMS' .and. tolerance < advice%tolerance)) return
+         limit = huge(limit)
+         if (both .and. candidate%reason == '') then
+            limit = cheaper*candidate%work
+            ! What verifies it must be for ADAMS as well
+            do i = 1, size(higher)
+               higher(i) = check_rung(advice, i)
+            end do
+            call pool%run(deck, higher, tolerance, 1.0_wp, 0.0_wp, .false., quiet, 'choice of AUTO', adams, error, only='ADAMS')
+            if (allocated(error) .or. adams%integrator /= 'ADAMS') return
          end if
-         if (advice%open_integrator) then
-            advice%integrator = 'RADAU'
-            call run_trial(deck_of(advice, deck), advice%rungs, advice%tolerance, 1.0_wp, huge(1.0_wp), .false., quiet, &
-               & 'run with RADAU', radau, error)
-            if (allocated(error)) return
-            if (radau%reason == '' .and. (radau%work < dearer*candidate%work .or. candidate%reason /= '')) then
-               call reached%count_run(candidate)
-               call take_trial(radau, candidate)
-               return
-            end if
-            advice%integrator = ''
-            call reached%count_run(radau)
-         end if
-         advice%tolerance = min(advice%tolerance, of_adams*target)
+         call pool%run(deck, advice%rungs, tolerance, 1.0_wp, limit, .false., quiet, 'run with ADAMS', adams, error, &
+            & only='ADAMS')
+         if (allocated(error)) return
+         if (adams%integrator /= 'ADAMS' .or. (both .and. adams%reason /= '')) return
+         advice%integrator = ''
+         advice%tolerance = tolerance
+         call take_trial(adams, candidate)
       end associate
-   end subroutine choose_integrator
+   end subroutine begin
 
    !> Whether a finer run that is there already does for the present setting, so that none has to be made.
    pure logical function does_for(truth, rungs, tolerance, target)
@@ -212,20 +229,24 @@ contains
    !> Runs the checks of a run and estimates its error from the differences, eqs. (180), (181): with a smaller tolerance, and then with
    !> all beams that matter higher, which is the truth. Where the integration alone errs by too much, and there is another round, the
    !> beams wait.
-   subroutine verify(deck, target, quiet, on, candidate, reached, truth, error)
+   subroutine verify(deck, target, quiet, on, pool, candidate, reached, truth, looser, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target
       !> Whether the progress is not shown; whether there is another round if this one fails
       logical, intent(in) :: quiet, on
+      type(pool_type), intent(inout) :: pool
       type(trial_type), intent(in) :: candidate
       type(reached_type), intent(inout) :: reached
       type(truth_type), intent(inout) :: truth
+      !> Whether the integration errs by so little that the next run is to have a larger tolerance, before anything else is looked at
+      logical, intent(out) :: looser
       type(error_type), allocatable, intent(out) :: error
       type(trial_type) :: finer, check
       type(rung_type) :: rungs(size(reached%advice%rungs))
       real(wp), allocatable :: of_time(:), rest(:)
       real(wp) :: step, part, beyond
       integer :: i, n
+      looser = .false.
       n = candidate%samples%samples
       reached%of_model = 0.0_wp
       truth%known = .false.
@@ -235,16 +256,18 @@ contains
          estimate%companion = step*advice%tolerance
          estimate%reason = ''
          estimate%of_model = .true.
-         call run_check(deck, advice%rungs, advice%tolerance, step, 60*candidate%work, .true., quiet, 'check of the integration', &
-            & finer, error)
+         call pool%check(deck, advice%rungs, advice%tolerance, step, 60*candidate%work, .not. allocated(truth%scale), quiet, &
+            & 'check of the integration', finer, error)
          if (allocated(error)) return
-         call reached%count_run(finer)
          if (finer%reason /= '') then
             reached%reason = 'the check at TOLERANCE='//as_text(estimate%companion, 2)//' failed: '//finer%reason
             estimate%reason = reached%reason
             return
          end if
-         if (.not. allocated(truth%scale)) allocate (truth%scale, source=finer%scale)
+         if (.not. allocated(truth%scale)) then
+            allocate (truth%scale, source=finer%scale)
+            allocate (truth%of_terms, source=finer%of_terms)
+         end if
          associate (channels => size(truth%scale))
             allocate (of_time, source=largest_difference(finer%samples%values(:channels, :n), &
                & candidate%samples%values(:channels, :n)))
@@ -259,10 +282,18 @@ contains
                call truth%take(advice%rungs, advice%tolerance, candidate%samples%values(:channels, :n), candidate%work, &
                   & rest_of_time*of_time)
             end if
+            if (on) call loosen(reached, target, looser)
+            if (looser) then
+               truth%known = .false.
+               return
+            end if
             do i = 1, size(rungs)
                rungs(i) = check_rung(advice, i)
             end do
-            if (on .and. advice%open_tolerance .and. size(rungs) > 0 .and. widening*reached%of_time > target) then
+            reached%useless = reached%of_time_before > 0.0_wp .and. any(can_climb(advice%rungs)) .and. &
+               & reached%of_time > max(target, helped*reached%of_time_before)
+            if (on .and. advice%open_tolerance .and. size(rungs) > 0 .and. widening*reached%of_time > time_first*target .and. &
+               & .not. reached%useless) then
                reached%error = widening*reached%of_time
                truth%known = .false.
                return
@@ -270,8 +301,11 @@ contains
             if (any(rungs%step > advice%rungs%step .or. (rungs%stretches .neqv. advice%rungs%stretches))) then
                ! No smaller than it takes for the integration to err by less than half of the doubt
                part = 1.0_wp
-               if (reached%of_time > 0.5_wp*doubt*target) part = max(ladder, (0.5_wp*doubt*target/reached%of_time)**(1/falling))
-               call run_higher(deck, rungs, advice%tolerance, part, candidate%work, quiet, reached, check, error)
+               ! With strain for the first time a tolerance costs little, and the run may be one that just keeps the target
+               beyond = merge(0.5_wp*doubt, of_truth, any(rungs%stretches .and. .not. advice%rungs%stretches))
+               if (reached%of_time > beyond*target) part = max(ladder, (beyond*target/reached%of_time)**(1/falling))
+               if (part < 1.5_wp*ladder) part = ladder
+               call run_higher(deck, rungs, advice%tolerance, part, candidate%work, quiet, pool, reached, check, error)
                if (allocated(error)) return
                if (check%reason /= '') then
                   reached%of_model = huge(1.0_wp)
@@ -297,31 +331,46 @@ contains
       end associate
    end subroutine verify
 
-   !> The run with higher rungs. A loose tolerance may excite vibrations that cost very much: then a smaller one is tried, and
-   !> patience at last.
-   subroutine run_higher(deck, rungs, tolerance, part, work, quiet, reached, check, error)
+   !> Takes a larger tolerance for a scene of beams whose integration errs by very little; the run that was made verifies it then.
+   pure subroutine loosen(reached, target, loosens)
+      type(reached_type), intent(inout) :: reached
+      real(wp), intent(in) :: target
+      logical, intent(out) :: loosens
+      !> Part of the target that the error is below, the factor, and the largest tolerance
+      real(wp), parameter :: little = 0.03_wp, factor = 10.0_wp, loosest = 1.0e-2_wp
+      associate (advice => reached%advice)
+         loosens = advice%open_tolerance .and. advice%integrator == 'RADAU' .and. .not. reached%tightened .and. &
+            & reached%of_time < little*target .and. advice%tolerance < 0.5_wp*loosest
+         if (loosens) advice%tolerance = min(loosest, factor*advice%tolerance)
+      end associate
+   end subroutine loosen
+
+   !> The run with higher rungs. A small tolerance may follow vibrations that cost very much, and a loose one excite them: then another
+   !> one is tried, and patience at last.
+   subroutine run_higher(deck, rungs, tolerance, part, work, quiet, pool, reached, check, error)
       type(deck_type), intent(in) :: deck
       type(rung_type), intent(in) :: rungs(:)
       !> That of the run to be verified; its own in units of that, on return what it was; counted work of that run
       real(wp), intent(in) :: tolerance, work
       real(wp), intent(inout) :: part
       logical, intent(in) :: quiet
-      type(reached_type), intent(inout) :: reached
+      type(pool_type), intent(inout) :: pool
+      type(reached_type), intent(in) :: reached
       type(trial_type), intent(inout) :: check
       type(error_type), allocatable, intent(out) :: error
-      real(wp), parameter :: factor(3) = [1.0_wp, 0.1_wp, 1.0_wp], most(3) = [8.0_wp, 16.0_wp, 200.0_wp]
+      real(wp), parameter :: most(3) = [16.0_wp, 24.0_wp, 200.0_wp]
       integer :: i
-      real(wp) :: asked, limit
+      real(wp) :: factor(3), asked, limit
       asked = part
+      factor = [1.0_wp, merge(1/part, 0.1_wp, part < 0.99_wp), 1.0_wp]
       do i = 1, size(factor)
          part = factor(i)*asked
          if (part*tolerance < 0.1_wp*least_verified) cycle
          ! Strain has fast vibrations
          limit = most(i)*merge(5.0_wp, 1.0_wp, any(rungs%stretches .and. .not. reached%advice%rungs%stretches))*work
          if (i < size(factor)) limit = limit - least_patience
-         call run_check(deck, rungs, tolerance, part, limit, .false., quiet, 'check of '//names_of(rungs), check, error)
+         call pool%check(deck, rungs, tolerance, part, limit, .false., quiet, 'check of '//names_of(rungs), check, error)
          if (allocated(error)) return
-         call reached%count_run(check)
          if (check%reason == '') return
       end do
    end subroutine run_higher
@@ -337,6 +386,7 @@ contains
       !> Part of the error that is left when more functions have not helped, of few and of many functions
       real(wp), parameter :: stalled = 0.7_wp, stalled_high = 0.5_wp
       integer, parameter :: high = 7
+      type(rung_type) :: higher
       real(wp) :: aim
       integer :: i
       logical :: stalls
@@ -346,18 +396,31 @@ contains
       reached%before = 0.0_wp
       associate (advice => reached%advice)
          aim = part_time*target
-         if (widening*reached%of_time > aim .and. advice%open_tolerance) &
-            & call tighten(min(0.5_wp, max(0.02_wp, (0.7_wp*aim/reached%of_time)**1.25_wp)))
+         if (stalls .and. does_for(truth, advice%rungs, advice%tolerance, target) .and. &
+            & .not. any(truth%rungs%stretches .and. .not. advice%rungs%stretches)) then
+            ! Few functions may all lack the same shape, and the truth has it
+            do i = 1, size(advice%rungs)
+               call put(i, richer(advice%rungs(i), max(1, truth%rungs(i)%step - 1 - advice%rungs(i)%step), .false.))
+            end do
+            if (climbed) return
+         end if
+         if (reached%useless) advice%tolerance = reached%tolerance_before
+         if (widening*reached%of_time > time_first*target .and. advice%open_tolerance .and. .not. reached%useless) &
+            & call tighten(near_ladder(min(0.5_wp, max(0.02_wp, (0.7_wp*aim/reached%of_time)**1.25_wp))))
+         if (.not. climbed) reached%of_time_before = 0.0_wp
          if (.not. truth%known .and. climbed) return
          ! Neither functions nor strain: the truth itself errs in time
-         if (stalls .and. .not. climbed .and. advice%open_tolerance .and. &
+         if (stalls .and. .not. climbed .and. advice%open_tolerance .and. reached%of_time > 2*of_truth*target .and. &
             & .not. any(truth%rungs%stretches .and. .not. advice%rungs%stretches)) call tighten(0.1_wp)
          if (stalls .and. climbed) return
          if (reached%of_model > 0.5_wp*target .or. .not. climbed) then
             do i = 1, size(advice%rungs)
-               if (can_climb(advice%rungs(i))) &
-                  & call put(i, next_rung(advice%rungs(i), advice%probe%beams(i), stalls .and. truth%rungs(i)%stretches, &
-                  & reached%of_model, target))
+               if (.not. can_climb(advice%rungs(i))) cycle
+               higher = next_rung(advice%rungs(i), advice%probe%beams(i), stalls .and. truth%rungs(i)%stretches, &
+                  & reached%of_model, target)
+               ! Which of the two it is that the truth has more of, nothing tells then; less is tried later
+               if (advice%probe%blind .and. truth%rungs(i)%stretches) higher = richer(higher, 0, .true.)
+               call put(i, higher)
             end do
          end if
          if (climbed) reached%before = reached%of_model
@@ -369,11 +432,21 @@ contains
       subroutine tighten(factor)
          real(wp), intent(in) :: factor
          if (reached%advice%tolerance <= least_verified) return
+         reached%tightened = .true.
+         reached%tolerance_before = reached%advice%tolerance
+         reached%of_time_before = reached%of_time
          reached%advice%tolerance = max(least_verified, factor*reached%advice%tolerance)
          reached%path = reached%path//newline//'   the integration had an error of '//as_text(reached%of_time, 2)// &
             & ': TOLERANCE='//as_text(reached%advice%tolerance, 2)
          climbed = .true.
       end subroutine tighten
+
+      !> A factor of the tolerance, or that of the check, whose run is there already.
+      pure real(wp) function near_ladder(factor)
+         real(wp), intent(in) :: factor
+         near_ladder = factor
+         if (abs(log(factor/ladder)) < log(1.7_wp)) near_ladder = ladder
+      end function near_ladder
 
       subroutine put(i, higher)
          integer, intent(in) :: i
@@ -409,16 +482,20 @@ contains
       logical, intent(in) :: stalls
       !> That it has shown, and what is asked for, relative
       real(wp), intent(in) :: error, target
-      !> Part of the error from which on the stretch, or the bending, is one of its causes; error in units of the target for two rungs
-      real(wp), parameter :: cause = 0.3_wp, far = 4.0_wp
+      !> Part of the error from which on the stretch, or the bending, is one of its causes; what a rung divides the error by
+      real(wp), parameter :: cause = 0.3_wp, each = 4.0_wp, unknown = 1.0e3_wp
+      integer, parameter :: most_steps = 3
       real(wp) :: aim, stretch
+      integer :: steps
       logical :: by_stretch
+      steps = 1
+      if (error > target .and. error < unknown) steps = min(most_steps, 1 + int(log(error/target)/log(each)))
       aim = cause*min(1.0_wp, error)
       stretch = expected_stretch(rung, beam)
       by_stretch = rung%open_strains .and. .not. rung%stretches .and. (stalls .or. stretch > max(aim, 0.9_wp*target))
       higher = richer(rung, 0, by_stretch)
       if (.not. by_stretch .or. .not. stalls .and. expected_error(rung, beam) - stretch > aim) &
-         & higher = richer(higher, merge(2, 1, error > far*target), .false.)
+         & higher = richer(higher, steps, .false.)
       if (higher%step > rung%highest - 1) higher%step = max(rung%highest - 1, rung%step)
       if (higher%step == rung%step) higher = richer(higher, 0, .true.)
    end function next_rung

@@ -21,12 +21,12 @@ module limber_analysis_trial
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: trial_type, run_trial, run_check, take_samples, take_outcome, take_trial
+   public :: trial_type, run_trial, take_samples, take_outcome, take_trial
 
    !> Counted work, eq. (184), that every run of a search may take: a second or two, as runs may be short and what verifies them not
    real(wp), parameter, public :: least_patience = 5.0e5_wp
    !> Least tolerance, and the least of a run that a smaller one can verify
-   real(wp), parameter :: least_tolerance = 1.0e-13_wp
+   real(wp), parameter, public :: least_tolerance = 1.0e-13_wp
    real(wp), parameter, public :: least_verified = 1.0e-12_wp
 
    !> Samples in memory of a run that is given up when they leave those of another by too much
@@ -50,14 +50,15 @@ module limber_analysis_trial
       !> Counted work of its time loop, eq. (184); the same on every machine
       real(wp) :: work = 0.0_wp
       character(10) :: integrator = ''
-      !> Magnitude that each channel's errors are relative to (channels)
+      !> Magnitude that each channel's errors are relative to (channels), and whether it is that of its terms
       real(wp), allocatable :: scale(:)
+      logical, allocatable :: of_terms(:)
    end type trial_type
 
 contains
 
    !> Runs a setting into memory.
-   subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error, truth, allowed, most)
+   subroutine run_trial(deck, rungs, tolerance, part, limit, wide, quiet, label, trial, error, truth, allowed, most, only)
       type(deck_type), intent(in) :: deck
       type(rung_type), intent(in) :: rungs(:)
       !> Tolerance, and what part it is of that of the run: steps that the deck gives are shortened as those of order two would be;
@@ -72,6 +73,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Samples that it may leave only by so much, in each channel, or it is given up; and after so much work
       real(wp), intent(in), optional :: truth(:, :), allowed(:), most
+      !> The integrator that AUTO must choose, or nothing is run
+      character(*), intent(in), optional :: only
       type(scene_type) :: scene
       type(diagnostics_type) :: diagnostics
       type(progress_type) :: progress
@@ -87,6 +90,11 @@ contains
       call scene%deck%set_number(deck%find('DYNAMICS'), 'TOLERANCE', tolerance)
       call build_scene(scene, diagnostics, error)
       if (allocated(error)) return
+      trial%integrator = scene%system%model%dynamics%integrator
+      if (present(only)) then
+         if (trial%integrator /= only) trial%reason = 'AUTO chooses another integrator'
+         if (trial%reason /= '') return
+      end if
       associate (model => scene%system%model)
          width = size(model%channels)
          if (wide) then
@@ -141,23 +149,6 @@ contains
 
    end subroutine run_trial
 
-   !> Runs a check of a run at a smaller tolerance.
-   subroutine run_check(deck, rungs, tolerance, part, limit, wide, quiet, label, check, error)
-      type(deck_type), intent(in) :: deck
-      type(rung_type), intent(in) :: rungs(:)
-      !> Tolerance of the run that it verifies, and its own in units of that
-      real(wp), intent(in) :: tolerance, part
-      !> Counted work beyond `least_patience` after which it is given up
-      real(wp), intent(in) :: limit
-      !> Whether the scales of the channels are found
-      logical, intent(in) :: wide, quiet
-      character(*), intent(in) :: label
-      type(trial_type), intent(inout) :: check
-      type(error_type), allocatable, intent(out) :: error
-      call run_trial(deck, rungs, max(least_tolerance, part*tolerance), part, least_patience + limit, wide, quiet, label, check, &
-         & error)
-   end subroutine run_check
-
    !> What an evaluation costs with so many rates, its part of the factorisation of the Newton matrix included, eq. (184).
    pure real(wp) function work_of(rates) result(work)
       integer, intent(in) :: rates
@@ -193,6 +184,7 @@ contains
       call take_outcome(from%outcome, to%outcome)
       call move_alloc(from%reason, to%reason)
       call move_alloc(from%scale, to%scale)
+      call move_alloc(from%of_terms, to%of_terms)
    end subroutine take_trial
 
    !> Moves samples.
@@ -237,7 +229,7 @@ contains
       integer :: i, j, first, n
       n = trial%samples%samples
       first = size(channels)
-      allocate (trial%scale(size(channels)), floors(n), sizes(n))
+      allocate (trial%scale(size(channels)), trial%of_terms(size(channels)), floors(n), sizes(n))
       do i = 1, size(channels)
          associate (asked => channels(i)%quantities)
             call round_off(channels(i), trial%samples%values(first + 1:first + size(asked), :n), [(0.0_wp, j=1, size(asked))], &
@@ -245,7 +237,8 @@ contains
             first = first + size(asked)
             largest = magnitude(trial%samples%values(i, :n))
             trial%scale(i) = largest
-            if (size(asked) > 1 .and. largest < small*maxval(sizes)) trial%scale(i) = maxval(sizes)
+            trial%of_terms(i) = size(asked) > 1 .and. largest < small*maxval(sizes)
+            if (trial%of_terms(i)) trial%scale(i) = maxval(sizes)
          end associate
       end do
    end subroutine find_scales

@@ -2,6 +2,7 @@
 !> Equations: doc/theory.md, accuracy on request.
 module limber_analysis_truth
    use limber_base_kinds, only: wp
+   use limber_analysis_errors, only: magnitude
    use limber_analysis_rungs, only: rung_type
    use limber_deck_content, only: deck_type
    implicit none
@@ -16,8 +17,9 @@ module limber_analysis_truth
       real(wp) :: tolerance = 0.0_wp, work = 0.0_wp
       !> Its channels (channels, samples)
       real(wp), allocatable :: values(:, :)
-      !> What errors of the channels are relative to (channels)
+      !> What errors of the channels are relative to (channels): the largest values of the truth, or those of its terms
       real(wp), allocatable :: scale(:)
+      logical, allocatable :: of_terms(:)
       !> Its own error, estimated (channels)
       real(wp), allocatable :: rest(:)
       !> The deck with all free that it fixes of the fidelity, and the beams that are open in it alone; allocated if the truth is a
@@ -91,6 +93,7 @@ contains
       real(wp), intent(in) :: tolerance
       !> Samples of the run (channels, samples); its counted work; its own error, estimated (channels)
       real(wp), intent(in) :: values(:, :), work, rest(:)
+      integer :: c
       if (allocated(self%rungs)) deallocate (self%rungs, self%values, self%rest)
       if (allocated(self%freed)) deallocate (self%freed)
       if (allocated(self%aside)) deallocate (self%aside)
@@ -98,6 +101,9 @@ contains
       allocate (self%rungs, source=rungs)
       allocate (self%values, source=values)
       allocate (self%rest, source=rest)
+      do c = 1, size(self%scale)
+         if (.not. self%of_terms(c)) self%scale(c) = magnitude(values(c, :))
+      end do
       self%tolerance = tolerance
       self%work = work
       self%known = .true.

@@ -1,6 +1,6 @@
 !> Where laws of the motion change their formula, or come and go, within a step. After a step the watched laws are looked at along
 !> its dense output, by bounds that miss nothing between looks; where one has changed, the step is cut. So scalars of the motion
-!> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E7).
+!> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E7), (H4).
 module limber_analysis_crossings
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
@@ -10,7 +10,7 @@ module limber_analysis_crossings
    use limber_integrator_integrator, only: integrator_type
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_moments, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, &
-      & law_effect, law_turn, describe_law
+      & law_effect, law_turn, law_bend, describe_law
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -63,8 +63,9 @@ module limber_analysis_crossings
       logical, allocatable :: idle(:)
       !> Steps since the last bend of each law; looks in this step; steps to rest, and the next number of these
       integer, allocatable :: steps(:)
-      !> Formula of each law behind the last crossing of it that was found (laws)
+      !> Formula of each law behind its last crossing, and the time of that (laws)
       integer(long), allocatable :: entered(:)
+      real(wp), allocatable :: crossed(:)
       integer :: looks = 0, rest = 0, next_rest = 1
       !> Whether the integrator starts anew with the next step
       logical :: anew = .true.
@@ -116,6 +117,7 @@ contains
       allocate (self%effect, source=[(law_effect(system, self%loads(i)), i=1, n)])
       self%steps = huge(n)
       allocate (self%entered(n), source=-1_long)
+      allocate (self%crossed(n), source=start)
       self%smooth = .true.
    end subroutine new_crossings
 
@@ -139,9 +141,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
-      self%trial_q = self%q
-      self%trial_v = self%v
-      call read_state(self, system, work, t, self%trial_q, self%trial_v, self%quarters(0))
+      call read_state(self, system, work, t, self%q, self%v, self%quarters(0))
    end subroutine resume_crossings
 
    !> Takes the end of the last step for the start of the next one.
@@ -422,7 +422,7 @@ contains
          opens = opens .or. stubborn(i) .or. .not. range%whole
       end do
       if (changed > 0 .and. b%t - a%t <= max(8*spacing(b%t), fine*h)) then
-         call take_crossing(self, integrator, a, b, changed)
+         call take_crossing(self, system, integrator, a, b, changed)
          if (self%found /= found_nothing .and. b%t < self%quarters(4)%t - last*h) self%again = is_unseen(self, system, a)
          return
       end if
@@ -462,21 +462,21 @@ contains
       end do
    end function is_unseen
 
-   !> Whether a change of formula up to a moment is the crossing that the step begins at: by round-off the state at its start is
-   !> still before it.
+   !> Whether a change of formula up to a moment is a crossing that has just been met: by round-off the state at the start of the
+   !> step is still before it. Laws with the same argument, as components of a force, cross at the same time, one after another.
    pure logical function is_met(self, moment, law) result(met)
       type(crossings_type), intent(in) :: self
       type(moment_type), intent(in) :: moment
       integer, intent(in) :: law
       associate (start => self%quarters(0)%t, end => self%quarters(4)%t)
-         met = self%steps(law) <= 1 .and. moment%branches(law) == self%entered(law) .and. &
-            & moment%t - start <= just_met*(end - start)
+         met = moment%branches(law) == self%entered(law) .and. moment%t - self%crossed(law) <= just_met*(end - start)
       end associate
    end function is_met
 
    !> Takes a change of formula between two moments that are next to each other. It jumps if the law does.
-   subroutine take_crossing(self, integrator, a, b, law)
+   subroutine take_crossing(self, system, integrator, a, b, law)
       type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
       class(integrator_type), intent(in) :: integrator
       type(moment_type), intent(in) :: a, b
       integer, intent(in) :: law
@@ -484,10 +484,13 @@ contains
       real(wp), parameter :: jump = 1.0e-6_wp
       self%which = law
       self%entered(law) = b%branches(law)
+      self%crossed(law) = b%t
       self%t = b%t
       self%found = found_bend
       if (abs(b%force(law) - a%force(law)) > jump*self%largest(law)) then
          self%found = found_jump
+      else if (is_none(self, system, a, b, law)) then
+         self%found = found_nothing
       else if (self%anew .and. b%t - self%quarters(0)%t <= just_met*(self%quarters(4)%t - self%quarters(0)%t)) then
          ! A start at the bend: one right behind it would be as near to it
          self%found = found_nothing
@@ -498,6 +501,27 @@ contains
          self%looks = most_looks
       end if
    end subroutine take_crossing
+
+   !> Whether a law does not bend where its formula changes early in a step, and is plain behind: inside max(0, ...) where that is
+   !> 0, or v abs(v) at rest. Places that begin to move are known to round-off only, and change such formulas at random.
+   logical function is_none(self, system, a, b, law) result(none)
+      type(crossings_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(moment_type), intent(in) :: a, b
+      integer, intent(in) :: law
+      !> Part of a step that is early, and of the change of the law that its bounds may lie beyond: they do so for a cubic, too
+      real(wp), parameter :: early = 0.01_wp, unseen = 0.5_wp
+      type(range_type) :: range
+      real(wp) :: left
+      associate (start => self%quarters(0), end => self%quarters(4))
+         none = b%t - start%t <= early*(end%t - start%t)
+         if (.not. none) return
+         left = no_matter(self, system, law)
+         range = law_between(system, self%loads, law, b, end)
+         none = law_bend(system, self%loads, law, a, b, start, end)*(end%t - b%t) <= left .and. &
+            & excess_of(range, b%force(law), end%force(law)) <= left + unseen*abs(end%force(law) - b%force(law))
+      end associate
+   end function is_none
 
    !> The quartic through the quarters of a step.
    pure real(wp) function quartic(self, law, t) result(value)
@@ -560,6 +584,7 @@ contains
       call snapshot%exchange('crossing_hold', self%hold)
       call snapshot%exchange('crossing_held', self%held)
       call snapshot%keep('crossing_largest', self%largest)
+      call snapshot%keep('crossing_crossed', self%crossed)
       do i = 1, size(self%steps)
          call snapshot%exchange('crossing_steps', self%steps(i))
          call snapshot%exchange('crossing_entered', self%entered(i))

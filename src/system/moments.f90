@@ -14,7 +14,7 @@ module limber_system_moments
    implicit none
    private
    public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, law_turn, &
-      & describe_law
+      & law_bend, describe_law
 
    !> Watched laws at a moment
    type :: moment_type
@@ -80,6 +80,32 @@ contains
          end select
       end do
    end subroutine read_moment
+
+   !> How much the slope of a watched law in time differs between two moments next to each other, before and behind a change of its
+   !> formula [force/time].
+   pure real(wp) function law_bend(system, loads, law, a, b, from, to) result(bend)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: loads(:), law
+      type(moment_type), intent(in) :: a, b
+      !> Moments around them, which tell how rates change
+      type(moment_type), intent(in) :: from, to
+      type(jet_type) :: line(max_slots), before, behind
+      integer :: k
+      bend = 0.0_wp
+      select type (load => system%loads(loads(law))%item)
+      type is (effort_load_type)
+         do k = 1, size(load%slots)
+            line(k) = jet_type(a%place(k, law), a%rate(k, law), 0.0_wp)
+            if (load%by_rate(k)) line(k) = jet_type(a%rate(k, law), (to%rate(k, law) - from%rate(k, law))/(to%t - from%t), 0.0_wp)
+         end do
+         before = load%law%evaluate_along(line(:size(load%slots)))
+         do k = 1, size(load%slots)
+            line(k)%value = merge(b%rate(k, law), b%place(k, law), load%by_rate(k))
+         end do
+         behind = load%law%evaluate_along(line(:size(load%slots)))
+         bend = abs(load%factor)*abs(behind%first - before%first)
+      end select
+   end function law_bend
 
    !> Bounds of a watched law times its factor between two moments, while its slots move as cubics, eq. (E3).
    function law_between(system, loads, law, a, b) result(range)

@@ -148,15 +148,15 @@ contains
          type(trial_type) :: moved
          type(view_type) :: view
          integer :: sign
-         more = missing_line(other, base)
-         fewer = missing_line(base, other)
+         more = missing_line(draft, other, base)
+         fewer = missing_line(draft, base, other)
          if (more == '' .and. fewer == '') return
          do sign = -1, 1, 2
             view = plan%base
             view%change = sign*large_change
             call run_view(draft, view, moved)
-            if (more /= '' .and. missing_line(other, moved) == '') return
-            if (fewer /= '' .and. missing_line(moved, other) == '') return
+            if (more /= '' .and. missing_line(draft, other, moved) == '') return
+            if (fewer /= '' .and. missing_line(draft, moved, other) == '') return
          end do
          if (more /= '') call disagree('warnings', name, 'more: '//more)
          if (more == '') call disagree('warnings', name, 'fewer: '//fewer)
@@ -192,11 +192,12 @@ contains
    end function first_words
 
    !> The first kind of warning that a run has, plainly, not near its threshold, and another one not at all; empty if there is none.
-   function missing_line(run, other) result(line)
+   function missing_line(draft, run, other) result(line)
+      type(draft_type), intent(in) :: draft
       type(trial_type), intent(in) :: run, other
       character(:), allocatable :: line, kinds, others
       integer :: first, last
-      kinds = kinds_of_warnings(without_near_ones(run%plain_warnings))
+      kinds = kinds_of_warnings(without_near_ones(run%plain_warnings, draft%timeless))
       others = kinds_of_warnings(other%warnings)
       line = ''
       first = 2

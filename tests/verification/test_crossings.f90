@@ -244,6 +244,7 @@ contains
    subroutine check_drag()
       type(history_reader_type) :: reader
       real(wp), allocatable :: sun(:), arm(:)
+      integer :: i
       call run_changed('verification/slanted_drag.inp', trim(results), [character(1) ::], [character(1) ::], reader)
       allocate (sun, source=channel(reader, 'sun'))
       allocate (arm, source=channel(reader, 'arm'))
@@ -253,6 +254,13 @@ contains
       call check_close(maxval(abs(sun - channel(reader, 'sun'))), 0.0_wp, 1.0e-4_wp, 'a gear that is braked: sun')
       call check_close(maxval(abs(arm - channel(reader, 'arm'))), 0.0_wp, 1.0e-4_wp, 'a gear that is braked: arm')
       call reader%close()
+      do i = 1, size(integrators)
+         call run_changed('verification/rest_start.inp', trim(results), [character(24) :: 'INTEGRATOR=CONSERVING'], &
+            & [trim(integrators(i))], reader)
+         arm = channel(reader, 'angle_crank')
+         call reader%close()
+         call check_close(arm(size(arm)), -2.538_wp + 0.5_wp*11.4_wp*0.262_wp, 1.0e-9_wp, 'a crank with stops, set in motion')
+      end do
    end subroutine check_drag
 
 end program test_crossings

@@ -90,6 +90,7 @@ contains
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
          scene%followed = scene%work%kinematics%angles
          integrator%input%asked = recorder%needs_work
+         integrator%speeds_asked = recorder%needs_velocities
          if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)
          outcome%reached = dynamics%start
          call integrator%start(scene%system, scene%work, dynamics%start, &
@@ -416,6 +417,7 @@ contains
       other%statistics = integrator%statistics
       other%work_at_start = sample%w
       other%input%asked = integrator%input%asked
+      other%speeds_asked = integrator%speeds_asked
       other%ringing = integrator%ringing
       other%input%throughput = integrator%input%throughput
       call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)

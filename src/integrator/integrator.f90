@@ -38,6 +38,8 @@ module limber_integrator_integrator
       type(work_type) :: input
       !> What it loses of vibrations that it does not follow
       type(ringing_type) :: ringing
+      !> True if channels ask for speeds or what follows from them: errors of rates count as they are then
+      logical :: speeds_asked = .false.
       !> True if what it promises holds at the ends of its steps only: samples are then taken there, their velocities as they are
       logical :: ends_on_samples = .false.
       !> Steps that it takes behind a start until they are as long as before

@@ -8,6 +8,7 @@ module limber_integrator_radau
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_implicit, only: implicit_type
+   use limber_integrator_lasting, only: lasting_type, motion_time
    use limber_integrator_integrator, only: constraint_limit
    use limber_integrator_quintic, only: quintic_state
    use limber_integrator_scales, only: energy_scale
@@ -37,6 +38,8 @@ module limber_integrator_radau
       !> Stages: increments of rates and coordinates (nw,3), multipliers (nc,3), power of what puts work in (3)
       real(wp), allocatable :: z(:, :), x(:, :), multipliers(:, :)
       real(wp) :: stage_power(3) = 0.0_wp
+      !> What lasts of errors of the rates
+      type(lasting_type) :: lasting
       !> Scratch
       real(wp), allocatable :: motion(:, :), rate(:, :), stage_q(:), stage_v(:), stage_a(:), real_part(:), e(:), q_stage_end(:)
       complex(wp), allocatable :: complex_part(:)
@@ -68,7 +71,9 @@ contains
                & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc))
          end associate
          call self%use_sparse(system)
+         call self%lasting%prepare(self%tangent)
       end if
+      call self%lasting%forget()
       call self%begin(system, work, t, duration, q, v, error)
       if (allocated(error)) return
       self%h_accepted = 0.0_wp
@@ -101,6 +106,7 @@ contains
          end if
          if (.not. self%fresh) then
             call self%refresh(system, work)
+            call self%lasting%forget()
             self%current = .true.
          end if
          if (abs(self%h - self%h_factors) > 0.0_wp) call factor_both(self, converged)
@@ -373,6 +379,7 @@ contains
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(wp), intent(out) :: err
+      real(wp) :: of_rates
       integer :: i, nw
       nw = system%layout%nw
       ! real_part: what the stages and the beginning leave of x' (then of M w')
@@ -387,9 +394,29 @@ contains
       call times_stiffness(system, self%tangent, -self%h/gamma, self%stage_a, self%real_part(:nw))
       call self%tangent%matrix%solve(self%real_part)
       self%e = self%h/gamma*(self%stage_a + self%real_part(:nw))
-      err = sqrt(sum((self%e/self%scale_x)**2) + sum((self%real_part(:nw)/self%scale_w)**2))
+      err = sum((self%e/self%scale_x)**2)
+      of_rates = sum((self%real_part(:nw)/self%scale_w)**2)
+      if (of_rates > err .and. .not. self%speeds_asked) call weigh_rates(self, system, of_rates)
+      err = sqrt(err + of_rates)
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error
+
+   !> Takes from the error of the rates what does not last, where the step is short beside what the motion would need, eq. (P3).
+   subroutine weigh_rates(self, system, of_rates)
+      class(radau_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Its square in units of the scales
+      real(wp), intent(inout) :: of_rates
+      real(wp), parameter :: short = 3.0_wp, needless = 1.0e-2_wp
+      real(wp) :: tau
+      logical :: found
+      integer :: nw
+      nw = system%layout%nw
+      tau = motion_time(system, self%scales)
+      if (of_rates <= (needless*bound(self))**2 .or. self%h > short*tau*bound(self)**0.25_wp) return
+      call self%lasting%find(system, self%tangent, tau, self%real_part(:nw), found)
+      if (found) of_rates = min(of_rates, sum((self%lasting%part(:nw)/self%scale_w)**2))
+   end subroutine weigh_rates
 
    !> Factor for the next step from the error and, after an accepted step, from how the error has changed.
    real(wp) function next_factor(self, err, careful) result(factor)
@@ -510,6 +537,7 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       type(system_type), intent(in) :: system
       call self%exchange_implicit(snapshot, system, .true.)
+      call self%lasting%exchange(snapshot)
       call snapshot%keep('a_before', self%a_before)
       call snapshot%keep('a_end', self%a_end)
       call snapshot%keep('z', self%z)

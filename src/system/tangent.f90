@@ -14,7 +14,7 @@ module limber_system_tangent
    use limber_system_system, only: system_type, mark_block, block_place
    implicit none
    private
-   public :: tangent_type, body_tangent_type, new_tangent, gather, combine, solve_refined, static_softness, give_way
+   public :: tangent_type, body_tangent_type, new_tangent, gather, combine, combine_values, solve_refined, static_softness, give_way
 
    !> Derivatives of one body's equations (3 + n, 3 + n), and where they stand in the matrix
    type :: body_tangent_type
@@ -254,20 +254,28 @@ contains
       complex(wp), intent(in) :: mass, damping, stiffness, drift
       !> Which values are filled
       logical, intent(in) :: is_complex
-      if (is_complex) then
-         call combine_complex(size(tangent%parts, 1), mass, damping, stiffness, drift, tangent%parts, tangent%matrix%complex_values)
-      else
-         call combine_real(size(tangent%parts, 1), real(mass, wp), real(damping, wp), real(stiffness, wp), real(drift, wp), &
-            & tangent%parts, tangent%matrix%values)
+      if (.not. is_complex) then
+         call combine_values(tangent, real(mass, wp), real(damping, wp), real(stiffness, wp), real(drift, wp), tangent%softness, &
+            & tangent%matrix%values)
+         return
       end if
+      call combine_complex(size(tangent%parts, 1), mass, damping, stiffness, drift, tangent%parts, tangent%matrix%complex_values)
       if (size(tangent%slack) == 0) return
-      if (is_complex) then
-         tangent%matrix%complex_values(tangent%slack_place) = tangent%matrix%complex_values(tangent%slack_place) &
-            & - tangent%softness*tangent%slack
-      else
-         tangent%matrix%values(tangent%slack_place) = tangent%matrix%values(tangent%slack_place) - tangent%softness*tangent%slack
-      end if
+      tangent%matrix%complex_values(tangent%slack_place) = tangent%matrix%complex_values(tangent%slack_place) &
+         & - tangent%softness*tangent%slack
    end subroutine combine
+
+   !> The values of the matrix with real factors, in a place of their own; `gather` comes first.
+   pure subroutine combine_values(tangent, mass, damping, stiffness, drift, softness, values)
+      type(tangent_type), intent(in) :: tangent
+      !> Factors of M, D, K and of the drift of G; softness of redundant constraints
+      real(wp), intent(in) :: mass, damping, stiffness, drift, softness
+      !> (entries)
+      real(wp), contiguous, intent(inout) :: values(:)
+      call combine_real(size(tangent%parts, 1), mass, damping, stiffness, drift, tangent%parts, values)
+      if (size(tangent%slack) == 0) return
+      values(tangent%slack_place) = values(tangent%slack_place) - softness*tangent%slack
+   end subroutine combine_values
 
    !> The sum of the parts with real factors.
    pure subroutine combine_real(entries, mass, damping, stiffness, drift, parts, values)

@@ -45,6 +45,8 @@ module limber_integrator_radau
       complex(wp), allocatable :: complex_part(:)
       !> Error and step of the last accepted step, for the prediction
       real(wp) :: error_last = 0.0_wp, h_accepted = 0.0_wp
+      !> Step at which Newton's method has failed, longer with each step since then; zero: there is none
+      real(wp) :: h_failed = 0.0_wp
       !> Contraction of the last Newton iteration, and whether the derivatives are those of the present state
       real(wp) :: contraction = 1.0_wp
       logical :: current = .false.
@@ -77,6 +79,7 @@ contains
       call self%begin(system, work, t, duration, q, v, error)
       if (allocated(error)) return
       self%h_accepted = 0.0_wp
+      self%h_failed = 0.0_wp
       self%contraction = 1.0_wp
       self%a_before = self%a
       self%a_end = self%a
@@ -122,6 +125,7 @@ contains
          end if
          if (.not. converged) then
             self%statistics%rejected = self%statistics%rejected + 1
+            self%h_failed = self%h
             call self%heed_failure(failures)
             call cross_fold(self, system, work, stop, accepted)
             repeated = .true.
@@ -149,6 +153,7 @@ contains
       end do
       self%error_last = max(err, 1.0e-2_wp*bound(self))
       self%h_accepted = self%h
+      self%h_failed = 1.2_wp*self%h_failed
       self%h_last = self%h
       ! The function of stability of the method is exp(z) to z^6/7200
       call self%ringing%note(system, self%h, self%a, 1/7200.0_wp, 6)
@@ -396,16 +401,17 @@ contains
       self%e = self%h/gamma*(self%stage_a + self%real_part(:nw))
       err = sum((self%e/self%scale_x)**2)
       of_rates = sum((self%real_part(:nw)/self%scale_w)**2)
-      if (of_rates > err .and. .not. self%speeds_asked) call weigh_rates(self, system, of_rates)
+      if (of_rates > err .and. .not. self%speeds_asked) call weigh_rates(self, system, err + of_rates, of_rates)
       err = sqrt(err + of_rates)
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error
 
    !> Takes from the error of the rates what does not last, where the step is short beside what the motion would need, eq. (P3).
-   subroutine weigh_rates(self, system, of_rates)
+   subroutine weigh_rates(self, system, whole, of_rates)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      !> Its square in units of the scales
+      !> Squares, in units of the scales, of the whole error and of that of the rates
+      real(wp), intent(in) :: whole
       real(wp), intent(inout) :: of_rates
       real(wp), parameter :: short = 3.0_wp, needless = 1.0e-2_wp
       real(wp) :: tau
@@ -413,9 +419,12 @@ contains
       integer :: nw
       nw = system%layout%nw
       tau = motion_time(system, self%scales)
-      if (of_rates <= (needless*bound(self))**2 .or. self%h > short*tau*bound(self)**0.25_wp) return
+      if (whole <= bound(self)**2) then
+         if (whole <= (needless*bound(self))**2 .or. self%h > short*tau*bound(self)**0.25_wp) return
+      end if
       call self%lasting%find(system, self%tangent, tau, self%real_part(:nw), found)
-      if (found) of_rates = min(of_rates, sum((self%lasting%part(:nw)/self%scale_w)**2))
+      if (found) of_rates = min(of_rates, sum((self%lasting%part(:nw)/self%scale_w)**2) &
+         & + tau**2*abs(sum(self%real_part(:nw)*self%lasting%part(:nw)/self%scale_x**2)))
    end subroutine weigh_rates
 
    !> Factor for the next step from the error and, after an accepted step, from how the error has changed.
@@ -429,9 +438,19 @@ contains
       factor = safety*ratio**(-0.25_wp)
       if (err <= bound(self) .and. self%h_accepted > 0.0_wp) factor = min(factor, &
          & safety*self%h/self%h_accepted*(self%error_last/bound(self)/ratio**2)**0.25_wp)
-      factor = max(0.2_wp, min(8.0_wp, factor))
+      factor = max(0.2_wp, min(8.0_wp, newton_factor(self), factor))
       if (careful) factor = min(factor, 1.0_wp)
    end function next_factor
+
+   !> Growth of the step that Newton's method can follow: its contraction grows with the step, and where it has failed it fails
+   !> again soon after, eq. (P4).
+   pure real(wp) function newton_factor(self) result(factor)
+      class(radau_type), intent(in) :: self
+      real(wp), parameter :: slow = 0.2_wp, part = 0.6_wp
+      factor = huge(factor)
+      if (self%iterations > 2) factor = max(1.0_wp, (slow/max(self%contraction, tiny(factor)))**(1.0_wp/3))
+      if (self%h_failed > 0.0_wp) factor = min(factor, max(1.0_wp, part*self%h_failed/self%h))
+   end function newton_factor
 
    !> Takes the last stage as the new state, restores the constraints, evaluates there.
    subroutine accept(self, system, work, stop, accepted, error)
@@ -555,6 +574,7 @@ contains
       call snapshot%exchange('complex_part', self%complex_part)
       call snapshot%exchange('error_last', self%error_last)
       call snapshot%exchange('h_accepted', self%h_accepted)
+      call snapshot%exchange('h_failed', self%h_failed)
       call snapshot%exchange('contraction', self%contraction)
       call snapshot%exchange('current', self%current)
    end subroutine exchange_radau

@@ -1,0 +1,108 @@
+!> Steps of RADAU are bound to what moves: they go over vibrations that are hardly excited, and follow those that are.
+!> References: ADAMS, which shares nothing with it but the equations; a mass on a spring. Usage, in tests/: test_steps RESULT_FILE
+program test_steps
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: channel
+   use testing, only: check, check_no_error, finish
+   implicit none
+   character(*), parameter :: nl = new_line('a')
+   !> The default beam of steel on a hinge, let go from level: its fastest vibrations, at some thousand rad/s, move it by less than a
+   !> millionth of its length
+   character(*), parameter :: arm = '*MATERIAL, NAME=steel, YOUNG=200e9, DENSITY=7870'//nl// &
+      & '*SECTION, NAME=round, SHAPE=CIRCLE, DIAMETER=0.1'//nl//'*BEAM, NAME=arm, MATERIAL=steel, SECTION=round, LENGTH=10'//nl// &
+      & '*JOINT, NAME=hinge, TYPE=REVOLUTE'//nl//' arm.start, ground.origin'//nl//'*GRAVITY'//nl
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_arm()
+   call check_speeds()
+   call check_spring()
+   call finish()
+
+contains
+
+   !> A tenth of the steps that its fastest vibration would ask for (39,752 once), and an error of the size of the tolerance.
+   subroutine check_arm()
+      character(*), parameter :: output = '*OUTPUT'//nl//' x = x(arm.end), w = deflection(arm.middle)'//nl
+      real(wp), allocatable :: x(:, :), w(:, :)
+      real(wp) :: steps
+      call run_scene('arm', arm//'*DYNAMICS, END=1, OUTPUTS=50, TOLERANCE=1e-9, INTEGRATOR=ADAMS'//nl//output)
+      call take(1, x, w)
+      call run_scene('arm', arm//'*DYNAMICS, END=1, OUTPUTS=50, TOLERANCE=1e-6, INTEGRATOR=RADAU'//nl//output, steps)
+      call take(2, x, w)
+      print '(a, f8.0, 2es10.2)', 'arm: steps, errors', steps, maxval(abs(x(:, 2) - x(:, 1)))/10, &
+         & maxval(abs(w(:, 2) - w(:, 1)))/maxval(abs(w(:, 1)))
+      call check(steps < 4000, 'a vibration that is hardly excited does not bind the steps')
+      call check(maxval(abs(x(:, 2) - x(:, 1))) <= 1.0e-6_wp, 'the arm moves as with ADAMS')
+      call check(maxval(abs(w(:, 2) - w(:, 1))) <= 1.0e-5_wp*maxval(abs(w(:, 1))), 'the arm bends as with ADAMS')
+   end subroutine check_arm
+
+   !> Where a channel is a speed, the rates of fast vibrations count: the error is still one of the size of the tolerance.
+   subroutine check_speeds()
+      character(*), parameter :: output = '*OUTPUT'//nl//' x = vx(arm.end), w = spin(arm)'//nl
+      real(wp), allocatable :: x(:, :), w(:, :)
+      call run_scene('speeds', arm//'*DYNAMICS, END=0.2, OUTPUTS=50, TOLERANCE=1e-9, INTEGRATOR=ADAMS'//nl//output)
+      call take(1, x, w)
+      call run_scene('speeds', arm//'*DYNAMICS, END=0.2, OUTPUTS=50, TOLERANCE=1e-5, INTEGRATOR=RADAU'//nl//output)
+      call take(2, x, w)
+      print '(a, 2es10.2)', 'speeds: errors', maxval(abs(x(:, 2) - x(:, 1)))/maxval(abs(x(:, 1))), &
+         & maxval(abs(w(:, 2) - w(:, 1)))/maxval(abs(w(:, 1)))
+      call check(maxval(abs(x(:, 2) - x(:, 1))) <= 1.0e-5_wp*maxval(abs(x(:, 1))), 'the speed of the tip')
+      call check(maxval(abs(w(:, 2) - w(:, 1))) <= 1.0e-4_wp*maxval(abs(w(:, 1))), 'the spin of the section at the hinge')
+   end subroutine check_speeds
+
+   !> A mass on a stiff spring that is struck: x = 1 + sin(1000 t)/100 over 16 periods.
+   subroutine check_spring()
+      real(wp), allocatable :: x(:, :), w(:, :)
+      real(wp) :: off
+      integer :: i
+      call run_scene('spring', '*POINT MASS, NAME=bob, MASS=1, X=1, VX=10'//nl// &
+         & '*SPRING, NAME=spring, STIFFNESS=1e6, LENGTH=1'//nl//' ground.origin, bob'//nl// &
+         & '*DYNAMICS, END=0.1, OUTPUTS=50, TOLERANCE=1e-6, INTEGRATOR=RADAU'//nl//'*OUTPUT'//nl//' x = x(bob), w = y(bob)'//nl)
+      call take(1, x, w)
+      off = maxval(abs(x(:, 1) - [(1 + 0.01_wp*sin(2.0_wp*i), i=0, 50)]))
+      print '(a, es10.2)', 'spring: error', off
+      call check(off <= 2.0e-5_wp, 'a vibration that is excited is followed')
+   end subroutine check_spring
+
+   !> The channels x and w of the last run into a column of two tables.
+   subroutine take(column, x, w)
+      integer, intent(in) :: column
+      !> (51, 2)
+      real(wp), allocatable, intent(inout) :: x(:, :), w(:, :)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      if (.not. allocated(x)) allocate (x(51, 2), w(51, 2))
+      call reader%open(trim(results), error)
+      call check_no_error(error, 'results')
+      x(:, column) = channel(reader, 'x')
+      w(:, column) = channel(reader, 'w')
+      call reader%close()
+   end subroutine take
+
+   !> Runs a scene; its number of steps.
+   subroutine run_scene(name, text, steps)
+      character(*), intent(in) :: name, text
+      real(wp), intent(out), optional :: steps
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      integer :: unit
+      open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
+      write (unit) text
+      close (unit)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, name)
+      if (allocated(error)) error stop 1
+      if (.not. present(steps)) return
+      call reader%open(trim(results), error)
+      call check_no_error(error, name)
+      call reader%read_statistic('steps', steps, error)
+      call check_no_error(error, name//': steps')
+      call reader%close()
+   end subroutine run_scene
+
+end program test_steps

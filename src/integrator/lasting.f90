@@ -7,7 +7,9 @@ module limber_integrator_lasting
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_integrator_scales, only: scales_type
+   use limber_system_efforts, only: effort_load_type
    use limber_system_sparse, only: sparse_type
+   use limber_system_springs, only: point_spring_type
    use limber_system_system, only: system_type
    use limber_system_tangent, only: tangent_type, combine_values
    use limber_system_tangent_products, only: times_mass
@@ -17,6 +19,8 @@ module limber_integrator_lasting
 
    !> Factors for the time of the motion
    type :: lasting_type
+      !> Whether what is stiff stays so: behind a stop that lets go a rate lasts that was fast in it
+      logical :: usable = .false.
       type(sparse_type), private :: matrix
       !> The time of the factors; zero: there are none of the present derivatives
       real(wp), private :: tau = 0.0_wp
@@ -29,12 +33,32 @@ module limber_integrator_lasting
 contains
 
    !> Room; behind `new_tangent`, before the first factors.
-   subroutine prepare(self, tangent)
+   subroutine prepare(self, system, tangent)
       class(lasting_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
       type(tangent_type), intent(in) :: tangent
+      self%usable = stays_stiff(system)
       self%matrix = tangent%matrix
       allocate (self%part(tangent%matrix%n), source=0.0_wp)
    end subroutine prepare
+
+   !> Whether something is stiff, and no law of places or speeds among the loads.
+   pure logical function stays_stiff(system)
+      type(system_type), intent(in) :: system
+      integer :: i
+      stays_stiff = any(system%layout%n > 0)
+      do i = 1, size(system%loads)
+         select type (item => system%loads(i)%item)
+         type is (point_spring_type)
+            stays_stiff = .true.
+         type is (effort_load_type)
+            if (.not. item%driven) cycle
+            if (.not. any(item%slots > 0)) cycle
+            stays_stiff = .false.
+            return
+         end select
+      end do
+   end function stays_stiff
 
    !> The derivatives are others.
    pure subroutine forget(self)

@@ -73,7 +73,7 @@ contains
                & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc))
          end associate
          call self%use_sparse(system)
-         call self%lasting%prepare(self%tangent)
+         call self%lasting%prepare(system, self%tangent)
       end if
       call self%lasting%forget()
       call self%begin(system, work, t, duration, q, v, error)
@@ -125,7 +125,6 @@ contains
          end if
          if (.not. converged) then
             self%statistics%rejected = self%statistics%rejected + 1
-            self%h_failed = self%h
             call self%heed_failure(failures)
             call cross_fold(self, system, work, stop, accepted)
             repeated = .true.
@@ -153,7 +152,7 @@ contains
       end do
       self%error_last = max(err, 1.0e-2_wp*bound(self))
       self%h_accepted = self%h
-      self%h_failed = 1.2_wp*self%h_failed
+      self%h_failed = 1.05_wp*self%h_failed
       self%h_last = self%h
       ! The function of stability of the method is exp(z) to z^6/7200
       call self%ringing%note(system, self%h, self%a, 1/7200.0_wp, 6)
@@ -212,7 +211,8 @@ contains
       end do
    end subroutine guess_stages
 
-   !> Simplified Newton iteration for the stages.
+   !> Simplified Newton iteration for the stages. Whether it will converge is judged by the mean contraction of two rounds: where a
+   !> correction of one coordinate leaves a residual in a stiff one, each second round contracts by nothing.
    subroutine iterate(self, system, work, converged)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -220,7 +220,7 @@ contains
       logical, intent(out) :: converged
       !> Correction, in units of the scales, that is round-off if it no longer shrinks
       real(wp), parameter :: noise = 1.0e-12_wp
-      real(wp) :: size_now, size_last, goal
+      real(wp) :: size_now, size_last, goal, contraction_last, mean
       integer :: round, i
       converged = .false.
       goal = max(1.0e-14_wp, self%strictness*bound(self)*min(0.03_wp, sqrt(bound(self))))
@@ -234,14 +234,15 @@ contains
          call newton_change(self, system, size_now)
          if (.not. size_now <= huge(size_now)) return
          if (round > 1) then
+            contraction_last = merge(self%contraction, 1.0_wp, round > 2)
             self%contraction = size_now/max(size_last, tiny(size_last))
-            if (round > 2 .and. self%contraction >= 0.99_wp) converged = size_now <= noise
-            if (round > 2 .and. self%contraction >= 0.99_wp .and. size_now > goal) return
-            if (self%contraction < 1.0_wp) then
-               if (round > 2) converged = size_now/(1 - self%contraction) <= noise
-               if (round > 2 .and. size_now*self%contraction**(most_iterations - round)/(1 - self%contraction) > goal) return
-               converged = size_now*self%contraction/(1 - self%contraction) <= goal
+            mean = sqrt(self%contraction*contraction_last)
+            if (round > 2 .and. mean >= 0.99_wp) converged = size_now <= noise
+            if (round > 2 .and. mean >= 0.99_wp .and. size_now > goal) return
+            if (round > 2 .and. mean < 1.0_wp) then
+               if (size_now*mean**(most_iterations - round)/(1 - mean) > goal) return
             end if
+            if (self%contraction < 1.0_wp) converged = converged .or. size_now*self%contraction/(1 - self%contraction) <= goal
          end if
          converged = converged .or. size_now <= 1.0e-2_wp*goal
          if (converged) exit
@@ -401,7 +402,8 @@ contains
       self%e = self%h/gamma*(self%stage_a + self%real_part(:nw))
       err = sum((self%e/self%scale_x)**2)
       of_rates = sum((self%real_part(:nw)/self%scale_w)**2)
-      if (of_rates > err .and. .not. self%speeds_asked) call weigh_rates(self, system, err + of_rates, of_rates)
+      if (of_rates > err .and. self%lasting%usable .and. .not. self%speeds_asked) &
+         & call weigh_rates(self, system, err + of_rates, of_rates)
       err = sqrt(err + of_rates)
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error
@@ -413,8 +415,8 @@ contains
       !> Squares, in units of the scales, of the whole error and of that of the rates
       real(wp), intent(in) :: whole
       real(wp), intent(inout) :: of_rates
-      real(wp), parameter :: short = 3.0_wp, needless = 1.0e-2_wp
-      real(wp) :: tau
+      real(wp), parameter :: short = 3.0_wp, needless = 1.0e-2_wp, much = 0.1_wp
+      real(wp) :: tau, weighed
       logical :: found
       integer :: nw
       nw = system%layout%nw
@@ -423,8 +425,10 @@ contains
          if (whole <= (needless*bound(self))**2 .or. self%h > short*tau*bound(self)**0.25_wp) return
       end if
       call self%lasting%find(system, self%tangent, tau, self%real_part(:nw), found)
-      if (found) of_rates = min(of_rates, sum((self%lasting%part(:nw)/self%scale_w)**2) &
-         & + tau**2*abs(sum(self%real_part(:nw)*self%lasting%part(:nw)/self%scale_x**2)))
+      if (.not. found) return
+      weighed = sum((self%lasting%part(:nw)/self%scale_w)**2) &
+         & + tau**2*abs(sum(self%real_part(:nw)*self%lasting%part(:nw)/self%scale_x**2))
+      if (weighed < much*of_rates) of_rates = weighed
    end subroutine weigh_rates
 
    !> Factor for the next step from the error and, after an accepted step, from how the error has changed.
@@ -442,14 +446,15 @@ contains
       if (careful) factor = min(factor, 1.0_wp)
    end function next_factor
 
-   !> Growth of the step that Newton's method can follow: its contraction grows with the step, and where it has failed it fails
-   !> again soon after, eq. (P4).
+   !> Growth of the step that Newton's method can follow after it has failed: its contraction grows with the step, and where it has
+   !> failed it fails again soon after, eq. (P4).
    pure real(wp) function newton_factor(self) result(factor)
       class(radau_type), intent(in) :: self
       real(wp), parameter :: slow = 0.2_wp, part = 0.6_wp
       factor = huge(factor)
-      if (self%iterations > 2) factor = max(1.0_wp, (slow/max(self%contraction, tiny(factor)))**(1.0_wp/3))
-      if (self%h_failed > 0.0_wp) factor = min(factor, max(1.0_wp, part*self%h_failed/self%h))
+      if (.not. self%h_failed > 0.0_wp) return
+      factor = max(1.0_wp, part*self%h_failed/self%h)
+      if (self%iterations > 2) factor = min(factor, max(1.0_wp, (slow/max(self%contraction, tiny(factor)))**(1.0_wp/3)))
    end function newton_factor
 
    !> Takes the last stage as the new state, restores the constraints, evaluates there.
@@ -508,6 +513,7 @@ contains
       else if (away > 0.0_wp) then
          self%h = min(0.5_wp*self%h, 0.4_wp*away)
       else
+         self%h_failed = self%h
          self%h = 0.5_wp*self%h
       end if
    end subroutine cross_fold

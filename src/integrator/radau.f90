@@ -211,8 +211,8 @@ contains
       end do
    end subroutine guess_stages
 
-   !> Simplified Newton iteration for the stages. Whether it will converge is judged by the mean contraction of two rounds: where a
-   !> correction of one coordinate leaves a residual in a stiff one, each second round contracts by nothing.
+   !> Simplified Newton iteration for the stages. Whether it will converge is judged by the mean contraction of two rounds, if that
+   !> is less: where a correction of one coordinate leaves a residual in a stiff one, each second round contracts by nothing.
    subroutine iterate(self, system, work, converged)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -236,12 +236,10 @@ contains
          if (round > 1) then
             contraction_last = merge(self%contraction, 1.0_wp, round > 2)
             self%contraction = size_now/max(size_last, tiny(size_last))
-            mean = sqrt(self%contraction*contraction_last)
+            mean = min(self%contraction, sqrt(self%contraction*contraction_last))
             if (round > 2 .and. mean >= 0.99_wp) converged = size_now <= noise
             if (round > 2 .and. mean >= 0.99_wp .and. size_now > goal) return
-            if (round > 2 .and. mean < 1.0_wp) then
-               if (size_now*mean**(most_iterations - round)/(1 - mean) > goal) return
-            end if
+            if (round > 2 .and. mean < 0.99_wp .and. size_now*mean**(most_iterations - round)/(1 - mean) > goal) return
             if (self%contraction < 1.0_wp) converged = converged .or. size_now*self%contraction/(1 - self%contraction) <= goal
          end if
          converged = converged .or. size_now <= 1.0e-2_wp*goal

@@ -145,34 +145,56 @@ contains
       probe%cpu = clock(2) - clock(1)
    end subroutine make_probe
 
-   !> The scene with one function of each beam, and none of its strain; where joints hold both ends, so that it cannot bend then, with
-   !> one of that as well, which every rung has from then on.
+   !> The scene with the functions of the third rung, and none of strain. Where joints hold beams so that they cannot bend then, with
+   !> one of that as well, which every rung has from then on; the lowest rung is the first that the joints let bend.
    subroutine build_exact(deck, rungs, scene, error)
       type(deck_type), intent(in) :: deck
       type(rung_type), intent(inout) :: rungs(:)
       type(scene_type), intent(out) :: scene
       type(error_type), allocatable, intent(out) :: error
-      type(rung_type) :: rung
-      integer :: i, least
+      integer, parameter :: third = 3
+      integer :: i, least, step
       do least = 0, 1
-         scene%deck = deck
-         if (allocated(error)) deallocate (error)
-         do i = 1, size(rungs)
-            rung = rungs(i)
-            rung%step = max(1, rung%step)
-            if (rung%open_strains) rung%least = least
-            call apply_rung(rung, scene%deck)
-         end do
-         call build(scene, error)
+         call build_rungs(deck, rungs, third, least, scene, error)
          if (.not. allocated(error)) exit
          if (.not. any(rungs%open_strains)) return
       end do
       if (allocated(error)) return
-      if (least == 1) where (rungs%open_strains) rungs%least = 1
+      if (least == 1) then
+         where (rungs%open_strains) rungs%least = 1
+         do step = 1, third
+            call build_rungs(deck, rungs, step, least, scene, error)
+            if (.not. allocated(error)) exit
+         end do
+         where (rungs%open_functions) rungs%lowest = max(rungs%lowest, step)
+         where (rungs%open_functions) rungs%step = max(rungs%step, step)
+      end if
       do i = 1, size(rungs)
          rungs(i)%enough = enough_functions(scene, deck%blocks(rungs(i)%block)%name())
       end do
    end subroutine build_exact
+
+   !> The scene with all beams on a rung, as far as the deck leaves them open.
+   subroutine build_rungs(deck, rungs, step, least, scene, error)
+      type(deck_type), intent(in) :: deck
+      type(rung_type), intent(in) :: rungs(:)
+      !> Place in the ladder; least functions of the strain
+      integer, intent(in) :: step, least
+      type(scene_type), intent(out) :: scene
+      !> It cannot be built so
+      type(error_type), allocatable, intent(out) :: error
+      type(rung_type) :: rung
+      integer :: i
+      scene%deck = deck
+      do i = 1, size(rungs)
+         rung = rungs(i)
+         if (rung%open_functions) rung%step = max(rung%lowest, step)
+         rung%step = max(1, rung%step)
+         if (rung%open_strains) rung%least = least
+         call apply_rung(rung, scene%deck)
+      end do
+      call build(scene, error)
+   end subroutine build_rungs
 
    !> Functions of the angle from which on a beam can be trusted to show what fewer lack: those of what acts within it, which serve
    !> beside linear moments only, and two modes with as many polynomials.

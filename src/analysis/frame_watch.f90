@@ -5,7 +5,7 @@ module limber_analysis_frame_watch
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
-      & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness
+      & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer
    use limber_analysis_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_flex_elastic, only: elastic_force
    use limber_flex_reduced, only: reduced_type
@@ -120,6 +120,7 @@ contains
       integer :: i, k, m, info
       m = size(own%survey%chosen)
       call axial_work(own%survey, own%amplitude, self%slope_work)
+      call raise_peak(self, peak_layer, short_bending(own)/self%layer, t)
       elastic = 0.0_wp
       do k = 1, m
          do i = 1, m
@@ -166,6 +167,25 @@ contains
       call raise_peak(self, peak_axial_grown, lack, t)
       call raise_peak(self, peak_left_out, left_out, t)
    end subroutine observe_frame
+
+   !> Length of a member over that on which its bending dies out, sqrt(E I/N), of the member that is pulled most, eq. (R16).
+   pure real(wp) function short_bending(own) result(most)
+      type(body_survey_type), intent(in) :: own
+      real(wp) :: pull
+      integer :: m, e, i
+      most = 0.0_wp
+      associate (mesh => own%survey%mesh)
+         do m = 1, size(mesh%first) - 1
+            do e = mesh%first(m), mesh%first(m + 1) - 1
+               pull = 0.0_wp
+               do i = 1, size(own%amplitude)
+                  pull = pull + own%amplitude(i)*own%survey%pull(e, i)
+               end do
+               if (pull > 0.0_wp) most = max(most, sum(mesh%length(mesh%first(m):mesh%first(m + 1) - 1))*sqrt(pull/mesh%ei(e)))
+            end do
+         end do
+      end associate
+   end function short_bending
 
    !> Work of the axial forces on the motions that strain the frame.
    pure subroutine load_motions(self)

@@ -5,6 +5,7 @@ module limber_analysis_indicator_start
    use limber_base_error, only: error_type
    use limber_analysis_function_watch, only: start_functions
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, set_type
+   use limber_analysis_false_damping, only: start_false_damping
    use limber_analysis_phase, only: start_phase
    use limber_analysis_surveys, only: start_surveys, is_base
    use limber_flex_quasistatic, only: new_quasistatic
@@ -13,7 +14,7 @@ module limber_analysis_indicator_start
    use limber_model_scene, only: ground, body_rigid, body_type, joint_point_on_line, joint_translational, joint_curve, &
       & joint_sliding, joint_revolute, joint_weld
    use limber_model_quantities, only: quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
-      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation
+      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation, quantity_moment
    use limber_system_system, only: system_type
    implicit none
    private
@@ -88,6 +89,8 @@ contains
          do i = 1, size(model%channels)
             do j = 1, size(model%channels(i)%quantities)
                associate (quantity => model%channels(i)%quantities(j))
+                  if (quantity%kind == quantity_moment .and. .not. (quantity%of_load .or. quantity%of_coupler)) &
+                     & call show_reaction(quantity%of)
                   if (.not. any(quantity%kind == [quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
                      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation])) cycle
                   if (model%points(quantity%of)%body == ground) cycle
@@ -107,6 +110,21 @@ contains
             self%bodies(self%of(i))%phase%shown = .true.
          end do
       end associate
+
+   contains
+
+      !> The bodies of a joint.
+      subroutine show_reaction(joint)
+         integer, intent(in) :: joint
+         integer :: side, held
+         do side = 1, 2
+            if (system%model%joints(joint)%points(side) == 0) cycle
+            held = system%model%points(system%model%joints(joint)%points(side))%body
+            if (held == ground) cycle
+            if (self%of(held) > 0) self%bodies(self%of(held))%shows_reaction = .true.
+         end do
+      end subroutine show_reaction
+
    end subroutine find_shown
 
    !> Whether a body is a straight beam that is taken for rigid.
@@ -178,6 +196,7 @@ contains
          body%modal_time = 0.0_wp
          allocate (body%moving, source=body%modal)
          call start_phase(body%phase, system, index)
+         call start_false_damping(body%false_damping, flexible%reduced)
          if (flexible%is_frame) call start_frame(self, index, flexible%reduced, body)
          if (.not. body%is_beam) return
          call find_places(self, system, index, contacts, place, jointed, clamped, held)
@@ -205,7 +224,7 @@ contains
       integer, intent(in) :: index
       type(reduced_type), intent(in) :: reduced
       type(body_indicators_type), intent(inout) :: body
-      integer :: m
+      integer :: m, k
       if (self%surveys%of(index) == 0) return
       associate (survey => self%surveys%bodies(self%surveys%of(index))%survey)
          m = size(survey%chosen)
@@ -213,6 +232,8 @@ contains
             & body%s(size(reduced%cubic, 1)), body%lumping(reduced%n))
          body%lumping = 0.0_wp
          body%lumping(survey%chosen) = survey%lumping
+         body%layer = max(1, count([(survey%bending(k, k) > 0.5_wp*survey%omega2(k), k=1, m)]))/ &
+            & real(size(survey%mesh%first) - 1, wp)
       end associate
    end subroutine start_frame
 

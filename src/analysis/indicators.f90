@@ -11,6 +11,7 @@
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
+   use limber_analysis_false_damping, only: false_damping_type, join_false_damping, lost_amplitude
    use limber_analysis_function_watch, only: function_watch_type, join_functions
    use limber_analysis_phase, only: phase_type, join_phases, phase_error
    use limber_analysis_surveys, only: surveys_type
@@ -26,12 +27,12 @@ module limber_analysis_indicators
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
-      & indicator_phase = 19, indicator_count = 19
+      & indicator_phase = 19, indicator_false_damping = 20, indicator_count = 20
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
-      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase']
+      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -51,7 +52,8 @@ module limber_analysis_indicators
       & 'work on the bending of the inertia that the shortening has and the model lacks / energy of bending', &
       & 'relative change of the stiffness under compression by functions that do not fit how joints hold the beam', &
       & 'error of the internal forces that channels ask for, by bending near ends that tension makes too short', &
-      & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses']
+      & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses', &
+      & 'amplitude that vibrations lose or gain in rotation, by what the model lacks of the shortening / largest deflection']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -61,7 +63,7 @@ module limber_analysis_indicators
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
       & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peak_stretch = 16, &
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
-      & peak_coarse_grown = 20, peaks = 20
+      & peak_coarse_grown = 20, peak_layer = 21, peaks = 21
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
    !> squared coordinates of bending
@@ -86,9 +88,10 @@ module limber_analysis_indicators
       integer :: set = 0, elements = 0
       logical :: held = .false.
       !> By how much its functions take Euler's load too large, relative; L sqrt(P/E I) of the tension P of Euler's load, by the
-      !> number of its bending coordinates; whether channels ask for its shear force, and for its bending moment or stresses
+      !> number of its bending coordinates; of a frame the number that each of its members has; whether channels ask for its shear
+      !> force, for its bending moment or stresses, and for the moment of a joint that holds it
       real(wp) :: misfit = 0.0_wp, layer = 0.0_wp
-      logical :: shows_shear = .false., shows_moment = .false.
+      logical :: shows_shear = .false., shows_moment = .false., shows_reaction = .false.
       !> First frequency, and length or size
       real(wp) :: first_frequency = 1.0_wp, length = 1.0_wp
       !> Maxima and their times; largest elastic energy of each bending coordinate, its time, and the largest kinetic energy
@@ -102,8 +105,9 @@ module limber_analysis_indicators
       integer :: anchor = 0
       !> Relative error of each bending frequency by the lumped masses (bending)
       real(wp), allocatable :: lumping(:)
-      !> Vibrations and swings that lumped masses delay
+      !> Vibrations and swings that lumped masses delay; vibrations that the model damps in rotation
       type(phase_type) :: phase
+      type(false_damping_type) :: false_damping
       !> Of a frame: motions that strain it as the joints with the ground hold it, u.K u = 1: rotation, coordinates that are
       !> watched (0:chosen, motions); made when it is first observed
       real(wp), allocatable :: strained(:, :)
@@ -193,6 +197,7 @@ contains
             whole%bodies(i)%modal_time(k) = part%bodies(i)%modal_time(k)
          end do
          call join_phases(part%bodies(i)%phase, whole%bodies(i)%phase)
+         call join_false_damping(part%bodies(i)%false_damping, whole%bodies(i)%false_damping)
          whole%bodies(i)%moving = max(whole%bodies(i)%moving, part%bodies(i)%moving)
       end do
       call join_functions(part%functions, whole%functions)
@@ -227,6 +232,7 @@ contains
          case (indicator_buckling); value = self%misfit*peak(peak_compression)/max(0.01_wp, abs(1 - peak(peak_compression)))
          case (indicator_layer); value = layer_error(self)
          case (indicator_phase); value = phase_error(self%phase, peak(peak_bent), peak(peak_deflection)*self%length)
+         case (indicator_false_damping); value = lost_amplitude(self%false_damping, self%first_frequency)
          case default; value = peak(kind)
          end select
       end associate
@@ -237,8 +243,16 @@ contains
    pure real(wp) function layer_error(self) result(value)
       type(body_indicators_type), intent(in) :: self
       real(wp) :: share
-      share = self%layer*sqrt(max(0.0_wp, self%peak(peak_tension)))
       value = 0.0_wp
+      if (allocated(self%slope_work)) then
+         ! A frame
+         share = self%peak(peak_layer)
+         if (self%shows_shear) value = 0.3_wp*share/(1 + 0.3_wp*share)
+         if (self%shows_moment) value = max(value, 0.07_wp*share**2/(1 + 0.07_wp*share**2))
+         if (self%shows_reaction) value = max(value, min(1.0_wp, 0.0015_wp*share**3))
+         return
+      end if
+      share = self%layer*sqrt(max(0.0_wp, self%peak(peak_tension)))
       if (self%shows_shear) value = min(1.0_wp, 0.3_wp*share)
       if (self%shows_moment) value = max(value, min(1.0_wp, 0.05_wp*share**2))
    end function layer_error
@@ -284,8 +298,9 @@ contains
       case (indicator_recoil); t = self%time(peak_recoil)
       case (indicator_elongation); t = self%time(peak_unstretched)
       case (indicator_buckling); t = self%time(peak_compression)
-      case (indicator_layer); t = self%time(peak_tension)
+      case (indicator_layer); t = self%time(merge(peak_layer, peak_tension, allocated(self%slope_work)))
       case (indicator_phase); t = max(0.0_wp, self%phase%span(2))
+      case (indicator_false_damping); t = max(0.0_wp, self%false_damping%span(2))
       case default; t = self%time(kind)
       end select
    end function indicator_time
@@ -319,6 +334,7 @@ contains
          call snapshot%keep('modal_time', self%bodies(i)%modal_time)
          call snapshot%keep('moving', self%bodies(i)%moving)
          call self%bodies(i)%phase%exchange(snapshot)
+         call self%bodies(i)%false_damping%exchange(snapshot)
       end do
       call self%functions%exchange(snapshot)
       call snapshot%exchange('observations', self%observations)

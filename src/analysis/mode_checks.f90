@@ -1,11 +1,13 @@
 !> Whether the frequencies of a modal analysis are right: mode by mode and body by body, against what the mesh of each flexible
 !> body does under the axial forces that act, with its mass where it is, and in ways that the chosen coordinates cannot.
-!> Floor: analysis. Source: doc/theory, section 43, eqs. (R5)-(R8).
+!> Floor: analysis. Source: doc/theory, section 43, eqs. (R5)-(R8), (F1).
 module limber_analysis_mode_checks
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
    use limber_analysis_surveys, only: surveys_type, body_survey_type, start_surveys, take_amplitudes
+   use limber_flex_elastic, only: coriolis_power
    use limber_flex_survey, only: axial_work, find_response, mass_error
+   use limber_flex_reduced, only: reduced_type
    use limber_model_scene, only: body_type
    use limber_system_algebra, only: along
    use limber_system_system, only: system_type, workspace_type
@@ -14,10 +16,11 @@ module limber_analysis_mode_checks
    private
    public :: mode_warnings
 
-   !> Kinds of errors of a frequency: axial forces that a model lacks, functions that it lacks, masses in the nodes
-   integer, parameter :: by_tension = 1, by_basis = 2, by_lumping = 3, kinds = 3
-   !> Largest relative error of a frequency that is not told
-   real(wp), parameter :: little = 0.02_wp
+   !> Kinds of errors of a frequency: axial forces that a model lacks, functions that it lacks, masses in the nodes; and of a damping
+   !> ratio: the Coriolis force of the shortening
+   integer, parameter :: by_tension = 1, by_basis = 2, by_lumping = 3, by_shortening = 4, kinds = 4
+   !> Largest relative errors of a frequency, and the largest error of a damping ratio, that are not told
+   real(wp), parameter :: little = 0.02_wp, limit(kinds) = [little, little, little, 2.0e-4_wp]
    !> Relative error of a frequency above which its estimate is only a bound
    real(wp), parameter :: beyond = 0.5_wp
 
@@ -29,7 +32,8 @@ module limber_analysis_mode_checks
 
 contains
 
-   !> Warnings, one for each kind of error, of the mode and the body that are worst; empty if all frequencies are within 2 %.
+   !> Warnings, one for each kind of error, of the mode and the body that are worst; empty if all frequencies are within 2 %, and all
+   !> damping ratios are those of the scene.
    function mode_warnings(system, work, q, v, a, rotation, vibrations, name) result(text)
       type(system_type), intent(in) :: system
       !> Kinematics and Jacobians of the state, with its multipliers
@@ -58,7 +62,7 @@ contains
             if (abs(omega2) <= 1.0e-10_wp*largest) cycle
             call judge(system, q, surveys%bodies(i), vibrations%shape(:, j), omega2, rotation, errors)
             do k = 1, kinds
-               if (.not. errors(k) > little) cycle
+               if (.not. errors(k) > limit(k)) cycle
                if (worst(k)%body > 0) worst(k)%others = worst(k)%others + 1
                if (.not. errors(k) > worst(k)%error) cycle
                worst(k)%error = errors(k)
@@ -72,7 +76,7 @@ contains
       end do
    end function mode_warnings
 
-   !> Relative errors of the frequency of a mode by one body, of each kind.
+   !> Relative errors of the frequency of a mode by one body, of each kind, and of its damping ratio.
    subroutine judge(system, q, own, shape, omega2, rotation, errors)
       type(system_type), intent(in) :: system
       !> Coordinates (nq)
@@ -84,7 +88,7 @@ contains
       real(wp), intent(in) :: omega2, rotation
       real(wp), intent(out) :: errors(kinds)
       real(wp), allocatable :: u(:, :)
-      real(wp) :: lack, base, lower, part, more, w(3 + system%layout%n(own%body))
+      real(wp) :: lack, base, lower, part, more, lost, w(3 + system%layout%n(own%body))
       integer :: at, first, n, k
       at = system%layout%w(own%body)
       first = system%layout%q(own%body)
@@ -92,12 +96,14 @@ contains
       lack = 0.0_wp
       lower = 0.0_wp
       more = 0.0_wp
+      lost = 0.0_wp
       allocate (u(3, size(own%survey%mesh%place, 2)))
       do k = 1, 2
          if (k == 1) w = real(shape(at:at + 2 + n), wp)
          if (k == 2) w = aimag(shape(at:at + 2 + n))
          if (.not. maxval(abs(w)) > 0.0_wp) cycle
          call compare_work(system%model%bodies(own%body), own, q(first + 4:first + 3 + n), w(4:), lack)
+         call add_lost(system%model%bodies(own%body)%reduced, rotation, q(first + 4:first + 3 + n), w(4:), lost)
          call displace(own, q(first + 2:first + 3), w, u)
          more = more + mass_error(own%survey%mesh, u)
       end do
@@ -113,9 +119,23 @@ contains
       errors(by_tension) = 0.0_wp
       if (abs(lack) > 0.0_wp) errors(by_tension) = abs(sqrt(abs(omega2)/max(abs(omega2 + lack), 1.0e-4_wp*abs(omega2))) - 1)
       errors(by_lumping) = 0.5_wp*abs(more)
+      errors(by_shortening) = 0.5_wp*abs(lost)/sqrt(abs(omega2))
       errors(by_basis) = 0.0_wp
       if (omega2 > 0.0_wp .and. base > 0.0_wp) errors(by_basis) = sqrt(base/max(base - lower, 1.0e-4_wp*base)) - 1
    end subroutine judge
+
+   !> Power that a shape loses by what the model lacks of the shortening, eq. (F1), of unit velocity.
+   subroutine add_lost(reduced, rotation, eta, w, lost)
+      type(reduced_type), intent(in) :: reduced
+      !> Speed of the steady rotation; coordinates of the state and of the shape (n)
+      real(wp), intent(in) :: rotation, eta(:), w(:)
+      !> Sum of it
+      real(wp), intent(inout) :: lost
+      real(wp) :: room(reduced%n), s(size(reduced%cubic, 1)), power
+      if (.not. reduced%geometric) return
+      call coriolis_power(reduced, rotation, eta, w, room, s, power)
+      lost = lost + power
+   end subroutine add_lost
 
    !> Work on a shape of the axial forces that act, less that of those which the model has, eq. (R8).
    subroutine compare_work(body, own, eta, w, lack)
@@ -178,6 +198,13 @@ contains
       if (body%reduced%geometric) fidelity = 'K_G'
       text = "warning: mode "//as_text(worst%mode)//" of *MODES '"//name//"'"
       if (worst%others > 0) text = text//' (and '//as_text(worst%others)//' more)'
+      if (kind == by_shortening) then
+         text = text//' has a damping ratio that errs by about '//as_text(worst%error, 2)//': '// &
+            & trim(merge('frame', 'beam ', body%is_frame))//" '"//body%name//"' rotates while it is bent, and K_G leaves out"// &
+            & ' the Coriolis force of its shortening, which damps or feeds its vibrations; use '// &
+            & trim(merge('LARGE=YES      ', 'GEOMETRIC=EXACT', body%is_frame))//newline
+         return
+      end if
       text = text//' errs in its frequency by '
       if (worst%error > beyond) text = text//'more than '
       text = text//'about '//as_text(100*min(worst%error, beyond), 2)//' %: '// &

@@ -10,6 +10,7 @@ module limber_analysis_observation
       & sum_bent, &
       & sum_acceleration
    use limber_flex_stations, only: stations_type
+   use limber_analysis_false_damping, only: observe_false_damping
    use limber_analysis_function_watch, only: observe_functions
    use limber_analysis_phase, only: observe_phase, observe_swings
    use limber_analysis_frame_watch, only: observe_frames
@@ -44,6 +45,8 @@ contains
             call observe_motion(self%bodies(i), system%model%bodies(self%bodies(i)%body), t, &
                & cross(u, v(first + 2:first + 3)), eta, rate)
             if (self%bodies(i)%is_rigid) self%bodies(i)%pressed = 0.0_wp
+            call observe_false_damping(self%bodies(i)%false_damping, system%model%bodies(self%bodies(i)%body)%reduced, t, &
+               & cross(u, v(first + 2:first + 3)), eta, rate)
             call observe_phase(self%bodies(i)%phase, system, work, self%bodies(i)%body, t, q, v, a)
             if (.not. self%bodies(i)%is_beam) cycle
             associate (stations => self%sets(self%bodies(i)%set)%stations)

@@ -11,7 +11,7 @@ module limber_analysis_ranges
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
-      & indicator_buckling, indicator_layer, indicator_phase
+      & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -68,7 +68,7 @@ contains
          limit = 0.03_wp
       case (indicator_drift)
          limit = 0.015_wp
-      case (indicator_phase)
+      case (indicator_phase, indicator_false_damping)
          limit = 0.03_wp
       case (indicator_elongation, indicator_recoil)
          limit = 0.05_wp
@@ -217,6 +217,9 @@ contains
          percent = 'about '//percent
          if (indicator_value(indicators, kind) > beyond) percent = 'more than '//as_text(100*beyond, 2)//' %'
          text = 'has too few elements: with the mass in the nodes its vibrations are late by '//percent//' of their amplitude'//when
+      case (indicator_false_damping)
+         text = 'vibrates in rotation while it is bent'//when//': K_G leaves out the Coriolis force of its shortening, which'// &
+            & ' damps or feeds the vibrations by about '//percent//' of the largest deflection'
       case (indicator_drift)
          text = 'vibrates long enough for the inertia of its shortening, which '// &
             & fidelity(body)//' leaves out, to shift the vibrations by about '//percent//' of the largest deflection'//when
@@ -230,8 +233,9 @@ contains
             & ' joints hold it'
       case (indicator_layer)
          text = 'is pulled so much that it bends near ends and loads over less length than its functions can follow'//when// &
-            & ': '//trim(merge('shear forces                ', 'bending moments and stresses', indicators%shows_shear))// &
-            & ' there err by about '//percent
+            & ': '//lost_forces(indicators)//' there err by '
+         if (indicator_value(indicators, kind) > beyond) text = text//'more than '//as_text(100*beyond, 2)//' %'
+         if (.not. indicator_value(indicators, kind) > beyond) text = text//'about '//percent
       case (indicator_elongation)
          text = 'is longer or shorter under its axial forces than its axial functions can follow, by '//percent// &
             & ' of the largest elongation or deflection'//when
@@ -242,6 +246,15 @@ contains
             & percent//' of the energy of bending'
       end select
    end function what_is_wrong
+
+   !> Forces that channels ask for, of those that tension makes wrong.
+   pure function lost_forces(indicators) result(text)
+      type(body_indicators_type), intent(in) :: indicators
+      character(:), allocatable :: text
+      text = 'moments of joints'
+      if (indicators%shows_moment) text = 'bending moments and stresses'
+      if (indicators%shows_shear) text = 'shear forces'
+   end function lost_forces
 
    !> What to use instead.
    function what_to_do(indicators, body, kind, over) result(text)
@@ -282,6 +295,7 @@ contains
       integer :: divisions
       divisions = maxval(body%mesh%first(2:) - body%mesh%first(:size(body%mesh%first) - 1))
       select case (kind)
+      case (indicator_layer); text = 'use LARGE=YES, or more MODES and DIVISIONS'
       case (indicator_axial)
          text = 'use CORRECTIONS=YES'
          if (body%frame_choice%accelerations) text = 'use more MODES, or LARGE=YES'

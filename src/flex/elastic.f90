@@ -5,7 +5,7 @@ module limber_flex_elastic
    use limber_flex_reduced, only: reduced_type
    implicit none
    private
-   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power, find_tension, tension_power
+   public :: elastic_force, elastic_tangent, elastic_energy, geometric_power, find_tension, tension_power, coriolis_power
 
 contains
 
@@ -150,6 +150,26 @@ contains
       if (.not. body%geometric) return
       power = pair_power(body%bending, eta, rate, s)
    end function tension_power
+
+   !> Power that the tension of the Coriolis forces, as at rest, takes out of the bending in the model k_g, eq. (F1): what would give
+   !> it back, the Coriolis force of the shortening, is not in the model. Zero in the others.
+   pure subroutine coriolis_power(body, omega, eta, rate, room, s, power)
+      type(reduced_type), intent(in) :: body
+      !> Angular velocity of the frame; coordinates, and the rates or the shape of a vibration (n)
+      real(wp), intent(in) :: omega
+      real(wp), contiguous, intent(in) :: eta(:), rate(:)
+      !> Scratch (n), (pairs)
+      real(wp), contiguous, intent(inout) :: room(:), s(:)
+      real(wp), intent(out) :: power
+      integer :: k
+      power = 0.0_wp
+      if (.not. body%geometric .or. body%is_exact) return
+      do k = 1, body%n
+         room(k) = -2*omega*dot_product(body%skew(:, k), rate)/body%omega2(k)
+      end do
+      call pair_tension(body, room, s)
+      power = pair_power(body%bending, eta, rate, s)
+   end subroutine coriolis_power
 
    !> Power of the tension s on the bending.
    pure real(wp) function pair_power(n, eta, rate, s) result(power)

@@ -24,6 +24,8 @@ program test_model_watch
    call check_defaults()
    call check_follower()
    call check_damping()
+   call check_rotating()
+   call check_pulled()
    call finish()
 
 contains
@@ -378,6 +380,90 @@ contains
       end do
       call run_changed(deck, trim(results), old(:count), new(:count), reader)
    end subroutine run_words
+
+   !> A cantilever that rotates while a load bends it, without damping: where the model damps its vibrations, that is told, of modes
+   !> and of motion; without the load, and of exact beams, nothing is.
+   subroutine check_rotating()
+      character(*), parameter :: cause = 'leaves out the Coriolis force of its shortening', &
+         & fine = 'SECTION=bar > SECTION=bar, DIVISIONS=20'
+      call judge_ratio('K_G', fine, cause)
+      call judge_ratio('K_G without the load', fine//'; 0, 0.1 > 0, 0', '')
+      call judge_ratio('LARGE=YES', 'SECTION=bar > SECTION=bar, LARGE=YES', '')
+      call judge_decay('K_G', '', cause)
+      call judge_decay('K_G without the load', '0, 0.1 > 0, 0.1*max(0, 1 - t/0.1)', '')
+      call judge_decay('exact beam', '*FRAME, NAME=f > *BEAM, LENGTH=1, NAME=f; SPIN=6, DIVISIONS=8 > SPIN=6; '// &
+         & '*NODE@ 1, 0, 0, a@ 2, 1, 0, e@*ELEMENT@ 1, 1, 2@*BOUNDARY@ 1, 1, 6@ > ** none@; f.a, > f.start,; '// &
+         & 'f.e, FOLLOWER > f.end, FOLLOWER; u2(f.e) > u2(f.end)', '')
+   end subroutine check_rotating
+
+   !> The damping ratio of the first mode is zero, or wrong and warned of.
+   subroutine judge_ratio(name, words, warning)
+      character(*), intent(in) :: name, words, warning
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: growth(:), frequency(:)
+      real(wp) :: ratio
+      call run_words('verification/watch_rotating.inp', words, reader)
+      call reader%read_numbers('/modes/small/growth', growth, error)
+      call check_no_error(error, 'growth')
+      call reader%read_numbers('/modes/small/frequency', frequency, error)
+      call check_no_error(error, 'frequency')
+      ratio = abs(growth(1)/frequency(1))
+      print '(2a,es12.3)', name, ': ratio', ratio
+      if (warning /= '') call check(ratio > 0.01_wp, 'rotating, '//name//': wrong')
+      if (warning == '') call check(ratio < 1.0e-6_wp, 'rotating, '//name//': right')
+      call check_warning(reader, warning, 'rotating, '//name)
+      call reader%close()
+   end subroutine judge_ratio
+
+   !> The amplitude in the end is that at first, or not and warned of.
+   subroutine judge_decay(name, words, warning)
+      character(*), intent(in) :: name, words, warning
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: u(:)
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text
+      real(wp) :: lost
+      call run_words('verification/watch_decay.inp', words, reader)
+      allocate (u, source=channel(reader, 'u'))
+      lost = 1 - (maxval(u(351:)) - minval(u(351:)))/(maxval(u(21:171)) - minval(u(21:171)))
+      print '(2a,es12.3)', name, ': lost', lost
+      if (warning /= '') call check(lost > 0.1_wp, 'decay, '//name//': wrong')
+      if (warning == '') call check(abs(lost) < 0.05_wp, 'decay, '//name//': right')
+      call reader%read_text('/run/warnings', text, error)
+      call check_no_error(error, name//': warnings')
+      call check((index(text, 'Coriolis') > 0) .eqv. (warning /= ''), 'decay, '//name//': '//text)
+      call reader%close()
+   end subroutine judge_decay
+
+   !> Moments at the clamp of a member that is pulled, in closed form, or wrong and warned of.
+   subroutine check_pulled()
+      character(*), parameter :: cause = 'bends near ends and loads over less length'
+      integer :: i
+      real(wp) :: pull
+      do i = 1, 4
+         pull = 100.0_wp*10.0_wp**(i - 2)
+         call judge_pulled(pull, '', trim(merge(cause, repeat(' ', len(cause)), i > 1)))
+         call judge_pulled(pull, 'm = bending_moment(f.a) > m = 0-moment(w)', trim(merge(cause, repeat(' ', len(cause)), i > 2)))
+         if (i < 3) call judge_pulled(pull, 'SECTION=bar > SECTION=bar, LARGE=YES', '')
+      end do
+   end subroutine check_pulled
+
+   subroutine judge_pulled(pull, words, warning)
+      real(wp), intent(in) :: pull
+      character(*), intent(in) :: words, warning
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: m(:)
+      real(wp) :: off, k
+      call run_words('verification/watch_pulled.inp', 'pull = 100 > pull = '//as_text(pull, 6)//'; '//words, reader)
+      allocate (m, source=channel(reader, 'm'))
+      k = sqrt(pull)
+      off = abs(m(size(m))*k/tanh(k) - 1)
+      print '(a,f10.0,3a,es12.3)', 'pull', pull, ', ', words, ': error', off
+      if (warning == '') call check(off < 0.05_wp, 'pulled, '//words//': right')
+      call check_warning(reader, warning, 'pulled by '//as_text(pull, 6)//', '//words)
+      call reader%close()
+   end subroutine judge_pulled
 
    !> Checks that a run has a warning with a text, or none.
    subroutine check_warning(reader, warning, name)

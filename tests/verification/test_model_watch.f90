@@ -429,7 +429,7 @@ contains
       lost = 1 - (maxval(u(351:)) - minval(u(351:)))/(maxval(u(21:171)) - minval(u(21:171)))
       print '(2a,es12.3)', name, ': lost', lost
       if (warning /= '') call check(lost > 0.1_wp, 'decay, '//name//': wrong')
-      if (warning == '') call check(abs(lost) < 0.05_wp, 'decay, '//name//': right')
+      if (warning == '') call check(abs(lost) < 0.1_wp, 'decay, '//name//': right')
       call reader%read_text('/run/warnings', text, error)
       call check_no_error(error, name//': warnings')
       call check((index(text, 'Coriolis') > 0) .eqv. (warning /= ''), 'decay, '//name//': '//text)

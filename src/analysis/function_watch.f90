@@ -16,7 +16,7 @@ module limber_analysis_function_watch
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: function_watch_type, start_functions, observe_functions, join_functions, function_warnings
+   public :: function_watch_type, start_functions, observe_functions, join_functions, function_warnings, lacking_strains
 
    !> Parts of the largest deflection that may be left out, by the functions of the angle and by those of the strain, and parts of
    !> the length that are too small to count
@@ -77,15 +77,37 @@ contains
       end do
    end subroutine observe_functions
 
-   !> What equilibrium asks for less what the functions make, as displacements of the axis, eqs. (X16), (X17).
-   subroutine compare(beam, system, t, eta, rate)
-      type(beam_watch_type), intent(inout) :: beam
+   !> Strains that equilibrium asks for less those that the functions make: curvature, stretch, shear (3, stations), eq. (X16).
+   !> Kinematics, Jacobians, multipliers as for `observe_functions`.
+   subroutine lacking_strains(self, system, work, beam, q, v, a, lack)
+      type(function_watch_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      !> Time; coordinates and their rates (n)
-      real(wp), intent(in) :: t, eta(:), rate(:)
-      real(wp) :: strained(size(eta)), own
-      real(wp), dimension(size(beam%recovery%sections)) :: bend, turned
-      real(wp), dimension(size(beam%recovery%sections), 2) :: g, stretch, slide, place
+      type(workspace_type), intent(in) :: work
+      !> Which of the beams of the watch
+      integer, intent(in) :: beam
+      !> Coordinates, velocities, accelerations (nq)
+      real(wp), intent(in) :: q(:), v(:), a(:)
+      real(wp), allocatable, intent(inout) :: lack(:, :)
+      integer :: first, last
+      associate (own => self%beams(beam))
+         call gather_exact(own%effort, system, work, own%body, own%recovery, q, v, a)
+         first = system%layout%q(own%body) + 4
+         last = first - 1 + system%layout%n(own%body)
+         if (allocated(lack)) deallocate (lack)
+         allocate (lack(3, size(own%recovery%sections)))
+         call find_lack(own, system, q(first:last), v(first:last), lack)
+      end associate
+   end subroutine lacking_strains
+
+   !> The same from the section forces of the beam.
+   subroutine find_lack(beam, system, eta, rate, lack)
+      type(beam_watch_type), intent(in) :: beam
+      type(system_type), intent(in) :: system
+      !> Coordinates and their rates (n)
+      real(wp), intent(in) :: eta(:), rate(:)
+      !> (3, stations)
+      real(wp), intent(out) :: lack(:, :)
+      real(wp) :: strained(size(eta))
       integer :: k, a
       associate (body => system%model%bodies(beam%body), exact => system%model%bodies(beam%body)%reduced%exact)
          a = exact%angles
@@ -95,17 +117,37 @@ contains
             if (size(body%reduced%damping, 1) == size(eta)) strained = strained &
             & + matmul(body%reduced%damping, rate)/body%reduced%omega2
          end if
-         slide = 0.0_wp
+         lack(3, :) = 0.0_wp
+         do k = 1, exact%stations
+            lack(1, k) = beam%effort%exact(3, k)/exact%section(of_ei, k) - dot_product(exact%kappa(:, k), strained(:a))
+            lack(2, k) = beam%effort%exact(1, k)/exact%section(of_ea, k) - dot_product(exact%chi(1, :, k), strained(a + 1:))
+            if (exact%shears > 0) lack(3, k) = beam%effort%exact(2, k)/exact%section(of_ga, k) &
+               & - dot_product(exact%chi(2, :, k), strained(a + 1:))
+         end do
+      end associate
+   end subroutine find_lack
+
+   !> What equilibrium asks for less what the functions make, as displacements of the axis, eqs. (X16), (X17).
+   subroutine compare(beam, system, t, eta, rate)
+      type(beam_watch_type), intent(inout) :: beam
+      type(system_type), intent(in) :: system
+      !> Time; coordinates and their rates (n)
+      real(wp), intent(in) :: t, eta(:), rate(:)
+      real(wp) :: own, lack(3, size(beam%recovery%sections))
+      real(wp), dimension(size(beam%recovery%sections)) :: bend, turned
+      real(wp), dimension(size(beam%recovery%sections), 2) :: g, stretch, slide, place
+      integer :: k, a
+      associate (body => system%model%bodies(beam%body), exact => system%model%bodies(beam%body)%reduced%exact)
+         a = exact%angles
+         call find_lack(beam, system, eta, rate, lack)
+         bend = lack(1, :)
          do k = 1, exact%stations
             own = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
             associate (axis => [cos(own), sin(own)])
                g(k, :) = along([1.0_wp + dot_product(exact%chi(1, :, k), eta(a + 1:)), &
                   & dot_product(exact%chi(2, :, k), eta(a + 1:))], axis)
-               bend(k) = beam%effort%exact(3, k)/exact%section(of_ei, k) - dot_product(exact%kappa(:, k), strained(:a))
-               stretch(k, :) = axis*(beam%effort%exact(1, k)/exact%section(of_ea, k) &
-                  & - dot_product(exact%chi(1, :, k), strained(a + 1:)))
-               if (exact%shears > 0) slide(k, :) = turn(axis)*(beam%effort%exact(2, k)/exact%section(of_ga, k) &
-                  & - dot_product(exact%chi(2, :, k), strained(a + 1:)))
+               stretch(k, :) = axis*lack(2, k)
+               slide(k, :) = turn(axis)*lack(3, k)
             end associate
          end do
          turned = sum_along(exact, bend) - sum(exact%base*bend)

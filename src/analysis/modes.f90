@@ -5,6 +5,7 @@ module limber_analysis_modes
    use limber_base_error, only: error_type, raise
    use limber_base_signals, only: let_signals_end
    use limber_base_text, only: as_text, newline
+   use limber_analysis_function_checks, only: function_mode_warnings
    use limber_analysis_kinks, only: kink_warnings
    use limber_analysis_mode_checks, only: mode_warnings
    use limber_analysis_outcome, only: outcome_type, warn
@@ -206,14 +207,18 @@ contains
    subroutine check_frequencies(scene, step, balance, vibrations, outcome)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
-      type(equilibrium_type), intent(in) :: balance
+      type(equilibrium_type), intent(inout) :: balance
       type(vibrations_type), intent(in) :: vibrations
       type(outcome_type), intent(inout) :: outcome
+      real(wp), allocatable :: lambda(:)
       call update_jacobians(scene%system, scene%work)
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
          & balance%rotation, vibrations, step%name)//kink_warnings(scene%system, balance%tangent, scene%work%kinematics, &
          & step%dynamics%start, scene%q, balance%v, step%damped, vibrations, step%name)
+      allocate (lambda, source=scene%work%lambda)
+      outcome%warnings = outcome%warnings//function_mode_warnings(scene%system, scene%work, balance, step%dynamics%start, &
+         & scene%q, lambda, vibrations, step%name)
    end subroutine check_frequencies
 
    !> Writes frequencies, damping ratios and shapes.

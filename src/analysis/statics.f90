@@ -7,6 +7,7 @@ module limber_analysis_statics
    use limber_base_text, only: as_text
    use limber_analysis_branch, only: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, &
       & find_critical, loads_drive, tell, tell_of_leaving
+   use limber_analysis_function_checks, only: function_load_warning, function_state_warning
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
    use limber_analysis_outcome, only: outcome_type
@@ -54,6 +55,7 @@ contains
       call start_indicators(outcome%indicators, scene%system)
       call start(scene, statics)
       call pass_increments(scene, step, statics, history, progress, outcome, error)
+      if (.not. allocated(error) .and. statics%stable .and. statics%report == '') call check_state(scene, step, statics, outcome)
       call load_scene(scene, step, 1.0_wp, statics)
       scene%system%model%gravity = statics%gravity
       call scale_loads(scene, .false., 1.0_wp)
@@ -218,6 +220,7 @@ contains
          end if
          call tell(statics, 'equilibrium '//trim(merge('turns unstable', 'ends          ', statics%stable))//' at '// &
             & place_text(step, statics)//' ('//kind//'): '//motion_text(scene%system, motion))
+         if (found) call check_load(scene, step, statics, motion, outcome)
          if (takes_time) call sample(scene, step, statics, history, outcome, error)
          if (allocated(error)) return
          statics%stable = .false.
@@ -267,6 +270,34 @@ contains
       call accept(scene, statics, goal)
       if (statics%stopped .and. takes_time) call sample(scene, step, statics, history, outcome, error)
    end subroutine pass_instability
+
+   !> Warns where exact beams buckle too late.
+   subroutine check_load(scene, step, statics, motion, outcome)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      !> Of buckling, in the layout of the rates (nw)
+      real(wp), intent(in) :: motion(:)
+      type(outcome_type), intent(inout) :: outcome
+      real(wp) :: t
+      t = time_of(step, statics%part)
+      call load_scene(scene, step, statics%part, statics)
+      if (.not. allocated(outcome%warnings)) outcome%warnings = ''
+      outcome%warnings = outcome%warnings//function_load_warning(scene%system, scene%work, statics%balance, t, statics%q, &
+         & statics%lambda, motion)
+   end subroutine check_load
+
+   !> Warns where exact beams are too stiff under the last loads.
+   subroutine check_state(scene, step, statics, outcome)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      type(outcome_type), intent(inout) :: outcome
+      call load_scene(scene, step, statics%part, statics)
+      if (.not. allocated(outcome%warnings)) outcome%warnings = ''
+      outcome%warnings = outcome%warnings//function_state_warning(scene%system, scene%work, statics%balance, &
+         & time_of(step, statics%part), statics%q, statics%lambda)
+   end subroutine check_state
 
    !> Goes on along an equilibrium about which vibrations grow, at the present state: there is no other one to go to.
    subroutine stay_in_flutter(scene, step, statics)

@@ -31,6 +31,8 @@ module limber_flex_exact_functions
       real(wp) :: origin = 0.0_wp
       !> Places within the beam where forces and couples act: the curvature has a kink, or a step, there
       real(wp), allocatable :: kinks(:), steps(:)
+      !> Places within the beam where a spread load begins or ends: the slope of the curvature has a kink there
+      real(wp), allocatable :: corners(:)
       !> Sections; with unallocated values: the beam is uniform
       type(profile_type) :: profile
       !> Curvature of the undeformed axis, curvature and strain that heat makes in a beam that nothing holds [1/length], -; tension
@@ -99,6 +101,8 @@ contains
          candidates(:, count + 1) = modes(:, i)
          count = count + 1
          if (k >= count_up_to(early_degree)) cycle
+         ! Two modes first: a parabola is almost the first one
+         if (i == 1 .and. degree(k + 1) > 1) cycle
          k = k + 1
          count = count + 1
          candidates(:, count) = smooth(:, k)
@@ -115,7 +119,7 @@ contains
 
    end subroutine candidate_moments
 
-   !> Bending moments of couples, then of forces, within the beam (stations, candidates).
+   !> Bending moments of couples, then of forces, then of ends of spread loads, within the beam (stations, candidates).
    subroutine of_places(length, choice, s, natural, candidates)
       !> Of the beam; coordinates of the stations [length]
       real(wp), intent(in) :: length, s(:)
@@ -136,6 +140,13 @@ contains
       do i = 1, size(places)
          moment = max(s - places(i), 0.0_wp)/length
          ends = [0.0_wp, 0.0_wp, 1 - places(i)/length, 0.5_wp]
+         call append()
+      end do
+      deallocate (places)
+      allocate (places, source=sorted(choice%corners, length))
+      do i = 1, size(places)
+         moment = 0.5_wp*(max(s - places(i), 0.0_wp)/length)**2
+         ends = [0.0_wp, 0.0_wp, 0.5_wp*(1 - places(i)/length)**2, 0.5_wp*(1 - places(i)/length)]
          call append()
       end do
 

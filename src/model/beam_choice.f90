@@ -276,6 +276,7 @@ contains
          end do
          choice%kinks = pack(x, points%force)
          choice%steps = pack(x, points%couple)
+         choice%corners = ends_of_spreads(deck, block, piece, pieces, length)
          if (allocated(body%beam%mass)) then
             choice%kinks = [choice%kinks, pack(body%beam%place, body%beam%mass > 0.0_wp)]
             choice%steps = [choice%steps, pack(body%beam%place, body%beam%inertia > 0.0_wp)]
@@ -318,6 +319,28 @@ contains
       end function end_support
 
    end subroutine choose_exact
+
+   !> Where spread loads begin and end within a beam, or a piece of it.
+   function ends_of_spreads(deck, block, piece, pieces, length) result(places)
+      type(deck_type), intent(in) :: deck
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: piece, pieces
+      !> Of the piece [length]
+      real(wp), intent(in) :: length
+      real(wp), allocatable :: places(:), ends(:)
+      integer :: i, k
+      allocate (places(0), ends(2))
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'DISTRIBUTED LOAD') cycle
+         if (deck%blocks(i)%name('BODY') /= block%name()) cycle
+         ends = [deck%blocks(i)%real('START'), pieces*length]
+         if (deck%blocks(i)%has('END')) ends(2) = deck%blocks(i)%real('END')
+         do k = 1, 2
+            if (piece_at(ends(k), length, pieces) == piece) places = [places, ends(k) - (piece - 1)*length]
+         end do
+      end do
+   end function ends_of_spreads
 
    !> Whether a driver or a torque turns the frame of a body.
    pure logical function turns_frame(deck, body)

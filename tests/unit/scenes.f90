@@ -153,7 +153,7 @@ contains
          body%choice%exact%angles = choice%bending
          body%choice%exact%support = choice%support
          body%choice%exact%origin = choice%origin
-         allocate (body%choice%exact%kinks(0), body%choice%exact%steps(0))
+         allocate (body%choice%exact%kinks(0), body%choice%exact%steps(0), body%choice%exact%corners(0))
       end if
       call reduce_beam(beam, body%choice, body%reduced, body%field, error)
       body%largest_shape = max(maxval(abs(body%field%w)), maxval(abs(body%field%u)))

@@ -60,7 +60,8 @@ contains
       call check_no_error(error, 'rod')
       choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, geometric_elements=3, &
          & fidelity=merge(fidelity_exact, fidelity_kg, exact), origin=0.3_wp)
-      choice%exact = exact_choice_type(angles=3, strains=2, support=choice%support, origin=0.3_wp, kinks=[0.8_wp], steps=[0.5_wp])
+      choice%exact = exact_choice_type(angles=3, strains=2, support=choice%support, origin=0.3_wp, kinks=[0.8_wp], steps=[0.5_wp], &
+         & corners=[real(wp) ::])
       ! Heavy, so that a unit of its coordinates is no more than a stencil can follow
       if (exact) beam%rho_a = 5000.0_wp
       if (exact) call concentrate(beam, 0.8_wp, 200.0_wp, 50.0_wp)

@@ -23,6 +23,8 @@ module limber_integrator_adams
 
    !> Steps of low order in a row from which on the step counts as one at the limit of stability
    integer, parameter :: many_low = 20
+   !> Step in radians of the fastest vibration from which methods of middle orders are at the limit of their stability
+   real(wp), parameter :: near_limit = 0.4_wp
    !> Least number of bodies whose accelerations are found by recursion
    integer, parameter :: many = 10
    !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
@@ -64,8 +66,9 @@ module limber_integrator_adams
       integer :: k = 1, k_last = 0, ns = 0
       !> Steps in a row of order 4 or less: many are a sign of stiffness
       integer :: low_orders = 0
-      !> Steps of high order in a row, and whether it has gone at the limit of its stability since the last many of these
-      integer :: high_orders = 0
+      !> Steps of low order, or near the limit of stability, beyond others, steps of high order in a row, and whether it has gone at
+      !> that limit since the last many of these
+      integer :: more_low = 0, high_orders = 0
       logical :: limited = .false.
       !> True while order and step are raised in every step
       logical :: starting = .true.
@@ -285,8 +288,10 @@ contains
       self%k_last = self%k
       self%h_last = self%h
       self%low_orders = merge(self%low_orders + 1, 0, self%k <= 4)
+      self%more_low = max(0, min(many_low, self%more_low + merge(1, -1, self%k <= 4 .or. (self%k <= 8 .and. &
+         & self%h_last*self%ringing%fastest > near_limit))))
       self%high_orders = merge(self%high_orders + 1, 0, self%k > 8)
-      self%limited = self%low_orders >= many_low .or. (self%limited .and. self%high_orders < many_low)
+      self%limited = self%more_low >= many_low .or. (self%limited .and. self%high_orders < many_low)
       call finish_differences(self%ny, self%k, self%yp, self%phi)
       call self%count_step(self%h_last, self%k_last)
       if (self%ringing%watched) call note_vibrations(self, system)
@@ -302,8 +307,8 @@ contains
       if (raised .or. self%input%asked) call keep_scales(self, system)
    end subroutine adams_step
 
-   !> Has the vibrations noted that are kept up at the limit of stability: steps of low order in a row say that it is there, and until
-   !> those of high order do so vibrations that grow to some tolerances may raise it again and again.
+   !> Has the vibrations noted that are kept up at the limit of stability, until steps of high order say that it is left: those that
+   !> grow to some tolerances raise the order again and again.
    subroutine note_vibrations(self, system)
       class(adams_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -589,6 +594,7 @@ contains
       call snapshot%exchange('k_last', self%k_last)
       call snapshot%exchange('ns', self%ns)
       call snapshot%exchange('low_orders', self%low_orders)
+      call snapshot%exchange('more_low', self%more_low)
       call snapshot%exchange('high_orders', self%high_orders)
       call snapshot%exchange('limited', self%limited)
       call snapshot%exchange('starting', self%starting)

@@ -21,6 +21,8 @@ module limber_integrator_ringing
       real(wp), allocatable :: lost(:), top(:), scale(:)
       !> Where an explicit integrator keeps vibrations up: largest acceleration of each, or what its deflection stands for (nw)
       real(wp), allocatable :: own(:)
+      !> Frequency of the fastest elastic coordinate [rad/time]
+      real(wp) :: fastest = 0.0_wp
    contains
       procedure :: watch, forget, note, note_limit, worst, exchange => exchange_ringing
    end type ringing_type
@@ -31,6 +33,11 @@ contains
    subroutine watch(self, system)
       class(ringing_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      integer :: i
+      do i = 1, size(system%layout%q)
+         if (system%layout%n(i) > 0) self%fastest = max(self%fastest, sqrt(max(0.0_wp, &
+            & maxval(system%model%bodies(i)%reduced%omega2))))
+      end do
       associate (nw => system%layout%nw)
          allocate (self%last(nw), self%before(nw), self%lost(nw), self%top(nw), self%own(nw), &
             & self%scale(size(system%layout%q)), source=0.0_wp)

@@ -30,6 +30,8 @@ module limber_integrator_radau
    !> Contraction of Newton's method below which the derivatives serve the next step, too; growth of the step that is not worth new
    !> factors then
    real(wp), parameter :: lazy = 1.0e-3_wp, alike = 1.2_wp
+   !> Steps that a step may have failed at for that to count
+   real(wp), parameter :: forgotten = 10.0_wp
 
    !> Memory of the method
    type, extends(implicit_type) :: radau_type
@@ -153,6 +155,7 @@ contains
       self%error_last = max(err, 1.0e-2_wp*bound(self))
       self%h_accepted = self%h
       self%h_failed = 1.05_wp*self%h_failed
+      if (self%h_failed > forgotten*self%h) self%h_failed = 0.0_wp
       self%h_last = self%h
       ! The function of stability of the method is exp(z) to z^6/7200
       call self%ringing%note(system, self%h, self%a, 1/7200.0_wp, 6)

@@ -9,6 +9,7 @@ module limber_analysis_function_watch
    use limber_flex_exact_profile, only: of_ei, of_ea, of_ga
    use limber_flex_mesh, only: support_type
    use limber_flex_recovery, only: recovery_type
+   use limber_model_quantities, only: quantity_u1
    use limber_model_scene, only: model_type
    use limber_model_stresses, only: recover_stations
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
@@ -21,6 +22,8 @@ module limber_analysis_function_watch
    !> Parts of the largest deflection that may be left out, by the functions of the angle and by those of the strain, and parts of
    !> the length that are too small to count
    real(wp), parameter :: allowed(2) = [2.0e-3_wp, 2.0e-3_wp], least(2) = [1.0e-6_wp, 1.0e-4_wp]
+   !> The latter for stretch of a beam whose displacements along it are asked for: against these then
+   real(wp), parameter :: least_along = 1.0e-10_wp
 
    !> What is left out of one beam
    type :: beam_watch_type
@@ -29,9 +32,9 @@ module limber_analysis_function_watch
       !> Its stations as sections, and what acts there
       type(recovery_type) :: recovery
       type(effort_type) :: effort
-      !> Largest displacements of the axis in the frame [length]; largest ones that are left out, of bending and shear and of stretch,
-      !> and when
-      real(wp) :: moved = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
+      !> Largest displacements of the axis in the frame, and along it [length]; largest ones that are left out, of bending and shear
+      !> and of stretch, and when
+      real(wp) :: moved = 0.0_wp, moved_along = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
    end type beam_watch_type
 
    !> All exact beams
@@ -157,6 +160,7 @@ contains
          g(:, 2) = g(:, 2) - sin(exact%lean)
          call displace(exact, body%choice%exact%support, g, place)
          beam%moved = max(beam%moved, farthest(place))
+         beam%moved_along = max(beam%moved_along, maxval(abs(place(:, 1))))
          call displace(exact, body%choice%exact%support, slide, place)
          call note(1, farthest(place))
          ! Beams stretch between their ends, too
@@ -209,6 +213,7 @@ contains
       do i = 1, size(whole%beams)
          associate (beam => whole%beams(i), own => part%beams(i))
             beam%moved = max(beam%moved, own%moved)
+            beam%moved_along = max(beam%moved_along, own%moved_along)
             do kind = 1, 2
                if (own%left_out(kind) <= beam%left_out(kind)) cycle
                beam%left_out(kind) = own%left_out(kind)
@@ -226,7 +231,8 @@ contains
       !> How many times beyond its limit what is left out must be
       real(wp), intent(in) :: times
       character(:), allocatable :: text, name
-      real(wp) :: part(2), moved, length
+      character(27) :: beside
+      real(wp) :: part(2), moved, floor_of
       integer :: i, first, last, kind, worst
       text = ''
       i = 0
@@ -242,12 +248,18 @@ contains
                i = i + 1
             end do
             last = i
-            length = body%reduced%exact%total
-            moved = maxval(self%beams(first:last)%moved)*(last - first + 1)
             do kind = 1, 2
+               moved = maxval(self%beams(first:last)%moved)*(last - first + 1)
+               floor_of = least(kind)*body%reduced%exact%total
+               beside = 'deflection'
+               if (kind == 2 .and. asks_along(model, self%beams(first:last)%body)) then
+                  moved = maxval(self%beams(first:last)%moved_along)*(last - first + 1)
+                  floor_of = least_along*body%reduced%exact%total
+                  beside = 'displacement along its axis'
+               end if
                worst = first - 1 + maxloc(self%beams(first:last)%left_out(kind), dim=1)
                part(kind) = self%beams(worst)%left_out(kind)/max(moved, self%beams(worst)%left_out(kind), tiny(moved))
-               if (part(kind) <= times*allowed(kind) .or. self%beams(worst)%left_out(kind) <= least(kind)*length) cycle
+               if (part(kind) <= times*allowed(kind) .or. self%beams(worst)%left_out(kind) <= floor_of) cycle
                if (kind == 1) call tell('angle', 'FUNCTIONS=', 2*body%choice%exact%angles)
                if (kind == 2) call tell('strain', 'STRAIN FUNCTIONS=', max(3, 2*body%choice%exact%strains))
             end do
@@ -261,11 +273,27 @@ contains
          character(*), intent(in) :: field, option
          integer, intent(in) :: better
          text = text//"warning: beam '"//name//"' has too few functions of the "//field//': they leave out about '// &
-            & as_text(100*part(kind), 2)//' % of its largest deflection at t = '//as_text(self%beams(worst)%when(kind), 4)// &
-            & '; use '//option//as_text(better)//new_line('a')
+            & as_text(100*part(kind), 2)//' % of its largest '//trim(beside)//' at t = '// &
+            & as_text(self%beams(worst)%when(kind), 4)//'; use '//option//as_text(better)//new_line('a')
       end subroutine tell
 
    end function function_warnings
+
+   !> Whether a channel asks for displacements along one of some bodies.
+   pure logical function asks_along(model, bodies)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: bodies(:)
+      integer :: i, k
+      asks_along = .false.
+      do i = 1, size(model%channels)
+         associate (quantities => model%channels(i)%quantities)
+            do k = 1, size(quantities)
+               if (quantities(k)%kind /= quantity_u1) cycle
+               asks_along = asks_along .or. any(model%points(quantities(k)%of)%body == bodies)
+            end do
+         end associate
+      end do
+   end function asks_along
 
    !> Saves or restores it.
    subroutine exchange(self, snapshot)
@@ -274,6 +302,7 @@ contains
       integer :: i
       do i = 1, size(self%beams)
          call snapshot%exchange('moved', self%beams(i)%moved)
+         call snapshot%exchange('moved_along', self%beams(i)%moved_along)
          call snapshot%exchange('left_out_1', self%beams(i)%left_out(1))
          call snapshot%exchange('left_out_2', self%beams(i)%left_out(2))
          call snapshot%exchange('when_1', self%beams(i)%when(1))

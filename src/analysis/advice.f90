@@ -154,14 +154,14 @@ contains
    pure type(rung_type) function check_rung(advice, i) result(check)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
-      !> Part of the target that the stretch must be expected to make
+      !> Part of the beam's share of the target that the stretch must be expected to make
       real(wp), parameter :: of_stretch = 0.1_wp
       !> Axial force in units of Euler's load from which on its vibrations matter to the bending
       real(wp), parameter :: forced = 0.3_wp
       associate (rung => advice%rungs(i), beam => advice%probe%beams(i))
          check = rung
          if (.not. matters(advice, i)) return
-         check = verifying(rung, whole_stretch(beam) > of_stretch*advice%target .or. &
+         check = verifying(rung, whole_stretch(beam) > of_stretch*advice%share/part_model .or. &
             & beam%force > forced .or. advice%probe%blind)
       end associate
    end function check_rung

@@ -33,7 +33,7 @@ module limber_analysis_target
    !> What differences are multiplied by where the integration is judged
    real(wp), parameter :: widening = 1.25_wp
    !> Part of the target from which on the integration is mended first
-   real(wp), parameter :: time_first = 0.6_wp
+   real(wp), parameter :: time_first = 0.75_wp
    !> Part of the error of the integration that is left where a smaller tolerance has been of use
    real(wp), parameter :: helped = 0.5_wp
 
@@ -358,14 +358,16 @@ contains
       type(reached_type), intent(in) :: reached
       type(trial_type), intent(inout) :: check
       type(error_type), allocatable, intent(out) :: error
-      real(wp), parameter :: most(3) = [16.0_wp, 24.0_wp, 200.0_wp]
+      real(wp), parameter :: most(4) = [16.0_wp, 24.0_wp, 32.0_wp, 200.0_wp], looser = 0.7_wp
       integer :: i
-      real(wp) :: factor(3), asked, limit
+      real(wp) :: factor(4), asked, limit
       asked = part
-      factor = [1.0_wp, merge(1/part, 0.1_wp, part < 0.99_wp), 1.0_wp]
+      factor = [1.0_wp, 0.1_wp, 1/part, 1.0_wp]
+      if (part < looser) factor(2:3) = factor(3:2:-1)
       do i = 1, size(factor)
          part = factor(i)*asked
          if (part*tolerance < 0.1_wp*least_verified) cycle
+         if (i == 3 .and. .not. asked < 1.0_wp) cycle
          ! Strain has fast vibrations
          limit = most(i)*merge(5.0_wp, 1.0_wp, any(rungs%stretches .and. .not. reached%advice%rungs%stretches))*work
          if (i < size(factor)) limit = limit - least_patience
@@ -444,8 +446,9 @@ contains
       !> A factor of the tolerance, or that of the check, whose run is there already.
       pure real(wp) function near_ladder(factor)
          real(wp), intent(in) :: factor
+         real(wp), parameter :: few = 2.5_wp
          near_ladder = factor
-         if (abs(log(factor/ladder)) < log(1.7_wp)) near_ladder = ladder
+         if (factor < few*ladder) near_ladder = ladder
       end function near_ladder
 
       subroutine put(i, higher)

@@ -9,7 +9,8 @@ module limber_analysis_advice
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: advice_type, make_advice, apply_advice, expected_error, expected_stretch, cost_of, check_rung, rest_beyond, deck_of
+   public :: advice_type, make_advice, apply_advice, expected_error, expected_stretch, cost_of, check_rung, vibrates, rest_beyond, &
+      & deck_of
 
    !> What is advised
    type :: advice_type
@@ -156,15 +157,21 @@ contains
       integer, intent(in) :: i
       !> Part of the beam's share of the target that the stretch must be expected to make
       real(wp), parameter :: of_stretch = 0.1_wp
-      !> Axial force in units of Euler's load from which on its vibrations matter to the bending
-      real(wp), parameter :: forced = 0.3_wp
       associate (rung => advice%rungs(i), beam => advice%probe%beams(i))
          check = rung
          if (.not. matters(advice, i)) return
-         check = verifying(rung, whole_stretch(beam) > of_stretch*advice%share/part_model .or. &
-            & beam%force > forced .or. advice%probe%blind)
+         check = verifying(rung, whole_stretch(beam) > of_stretch*advice%share/part_model .or. vibrates(advice, i))
       end associate
    end function check_rung
+
+   !> Whether axial vibrations of a beam matter to its bending, or nothing is known of them.
+   pure logical function vibrates(advice, i)
+      type(advice_type), intent(in) :: advice
+      integer, intent(in) :: i
+      !> Axial force in units of Euler's load from which on they do
+      real(wp), parameter :: forced = 0.3_wp
+      vibrates = advice%probe%blind .or. advice%probe%beams(i)%force > forced
+   end function vibrates
 
    !> Whether a beam is to be verified: if an error is expected, or if it bends so much that the expectation may be wrong.
    pure logical function matters(advice, i)

@@ -114,10 +114,14 @@ contains
       if (leaves_out(estimate)) text = '   errors without that of the model of '//estimate%without// &
          & ', from finer runs, at TOLERANCE='//as_text(estimate%companion, 3)
       if (estimate%check > 0.0_wp) text = text//' and '//as_text(estimate%check, 3)
-      text = text//', '//as_text(estimate%cpu, 3)//' s CPU'//trim(merge(',  ', ' or', estimate%of_model))//' '//as_text(estimate%factor, 2)// &
-         & ' times the '
-      if (estimate%of_model) text = text//'counted work of the '
-      text = text//'run itself:'//newline//'      '//left('channel', first)//right('largest')//right('at the end')//right('error')//right('relative')
+      text = text//', '//as_text(estimate%cpu, 3)//' s CPU'
+      if (estimate%of_model) then
+         text = text//', '//as_text(estimate%factor, 2)//' times the counted work of the run itself:'
+      else
+         text = text//' or '//as_text(estimate%factor, 2)//' times the run itself:'
+      end if
+      text = text//newline//'      '//left('channel', first)//right('largest')//right('at the end')//right('error')// &
+         & right('relative')
       do i = 1, size(channels)
          largest = maxval(abs(samples%values(i, :samples%samples)))
          worst = maxval(estimate%values(i, :))

@@ -4,7 +4,7 @@ module limber_analysis_target
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: make_advice, expected_error, expected_stretch, check_rung, rest_beyond, deck_of, &
+   use limber_analysis_advice, only: make_advice, expected_error, expected_stretch, check_rung, vibrates, rest_beyond, deck_of, &
       & part_time
    use limber_analysis_descent, only: descend
    use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
@@ -243,8 +243,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(trial_type) :: finer, check
       type(rung_type) :: rungs(size(reached%advice%rungs))
-      real(wp), allocatable :: of_time(:), rest(:)
+      real(wp), allocatable :: of_time(:), rest(:), unresolved(:)
       real(wp) :: step, part, beyond
+      !> Tolerance from which on RADAU may step over vibrations of the strain
+      real(wp), parameter :: loose = 2.0e-4_wp
       integer :: i, n
       looser = .false.
       n = candidate%samples%samples
@@ -313,6 +315,14 @@ contains
                   truth%known = .false.
                   return
                end if
+               allocate (unresolved(channels))
+               unresolved = 0.0_wp
+               if (any([(vibrates(advice, i), i=1, size(rungs))] .and. rungs%stretches .and. &
+                  & (part*advice%tolerance > loose .or. .not. advice%rungs%stretches))) then
+                  call resolve(deck, rungs, advice%tolerance, target, candidate%work, truth%scale, quiet, pool, part, check, &
+                     & unresolved, error)
+                  if (allocated(error)) return
+               end if
                beyond = 0.0_wp
                do i = 1, size(rungs)
                   beyond = max(beyond, rest_beyond(advice%rungs(i), rungs(i), advice%probe%beams(i)))
@@ -321,7 +331,7 @@ contains
                rest = min(largest_difference(check%samples%values(:channels, :n), truth%values), &
                   & largest_difference(check%samples%values(:channels, :n), candidate%samples%values(:channels, :n)))
                reached%of_model = maxval(rest/truth%scale)
-               rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale)
+               rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale) + unresolved
                call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
             else if (size(rungs) > 0) then
                truth%rest = max(truth%rest, doubt*target*truth%scale)
@@ -376,6 +386,44 @@ contains
          if (check%reason == '') return
       end do
    end subroutine run_higher
+
+   !> The same with smaller tolerances, until they make little difference: where vibrations of the strain matter, and it is there for the
+   !> first time or the tolerance lets RADAU step over them, the run to be verified tells nothing of how they are followed.
+   subroutine resolve(deck, rungs, tolerance, target, work, scale, quiet, pool, part, check, unresolved, error)
+      type(deck_type), intent(in) :: deck
+      type(rung_type), intent(in) :: rungs(:)
+      !> Of the run to be verified, the relative error that is aimed at, the counted work of that run, what errors are relative to
+      real(wp), intent(in) :: tolerance, target, work, scale(:)
+      logical, intent(in) :: quiet
+      type(pool_type), intent(inout) :: pool
+      !> Tolerance of the truth in units of that of the run, and the truth; on return finer
+      real(wp), intent(inout) :: part
+      type(trial_type), intent(inout) :: check
+      !> Error of its integration that its own runs show (channels)
+      real(wp), intent(inout) :: unresolved(:)
+      type(error_type), allocatable, intent(out) :: error
+      !> Most runs, part of the target that they may differ by, part of the difference that is left, most work in units of the run's
+      integer, parameter :: most = 2
+      real(wp), parameter :: little = 0.3_wp, left = 0.5_wp, effort = 400.0_wp
+      type(trial_type) :: finer
+      integer :: i, n, channels
+      n = check%samples%samples
+      channels = size(scale)
+      do i = 1, most
+         call pool%check(deck, rungs, tolerance, ladder*part, effort*work, .false., quiet, 'check of '//names_of(rungs), finer, &
+            & error)
+         if (allocated(error)) return
+         if (finer%reason /= '') then
+            ! Nothing is known of it then
+            if (i == 1) unresolved = target*scale
+            return
+         end if
+         unresolved = left*largest_difference(finer%samples%values(:channels, :n), check%samples%values(:channels, :n))
+         call take_trial(finer, check)
+         part = ladder*part
+         if (all(unresolved <= left*little*target*scale)) return
+      end do
+   end subroutine resolve
 
    !> Up where the verification shows too large a part: a smaller tolerance, and the beams one rung or two, or with strain where the
    !> stretch is what was expected.

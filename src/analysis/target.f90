@@ -317,8 +317,7 @@ contains
                end if
                allocate (unresolved(channels))
                unresolved = 0.0_wp
-               if (any([(vibrates(advice, i), i=1, size(rungs))] .and. rungs%stretches .and. &
-                  & (part*advice%tolerance > loose .or. .not. advice%rungs%stretches))) then
+               if (part*advice%tolerance > loose .and. any([(vibrates(advice, i), i=1, size(rungs))] .and. rungs%stretches)) then
                   call resolve(deck, rungs, advice%tolerance, target, candidate%work, truth%scale, quiet, pool, part, check, &
                      & unresolved, error)
                   if (allocated(error)) return
@@ -387,8 +386,8 @@ contains
       end do
    end subroutine run_higher
 
-   !> The same with smaller tolerances, until they make little difference: where vibrations of the strain matter, and it is there for the
-   !> first time or the tolerance lets RADAU step over them, the run to be verified tells nothing of how they are followed.
+   !> The same with smaller tolerances, until they make little difference: where vibrations of the strain matter, and the tolerance lets
+   !> RADAU step over them, the run to be verified tells nothing of how they are followed.
    subroutine resolve(deck, rungs, tolerance, target, work, scale, quiet, pool, part, check, unresolved, error)
       type(deck_type), intent(in) :: deck
       type(rung_type), intent(in) :: rungs(:)

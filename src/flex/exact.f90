@@ -123,7 +123,8 @@ contains
       real(wp), allocatable :: ends(:), inner(:)
       real(wp) :: from
       integer :: wanted, i, j, k, count, p
-      allocate (inner, source=sorted([choice%kinks, choice%steps, choice%corners, profile%at], beam%length))
+      allocate (inner, source=sorted([choice%kinks, choice%steps, choice%corners, profile%at, &
+         & choice%layer*[3.0_wp, 9.0_wp]], beam%length))
       allocate (ends(size(inner) + 2))
       ends(:) = [0.0_wp, inner, beam%length]
       wanted = max(1, ceiling(stations_per_function*max(choice%angles, choice%strains)/panel_stations))
@@ -155,7 +156,7 @@ contains
       real(wp), allocatable :: forces(:, :)
       integer :: wanted
       wanted = choice%angles + size(sorted(choice%kinks, exact%total)) + size(sorted(choice%steps, exact%total)) &
-         & + size(sorted(choice%corners, exact%total))
+         & + size(sorted(choice%corners, exact%total)) + merge(1, 0, choice%layer > 0.0_wp)
       allocate (exact%kappa(wanted, exact%stations))
       allocate (forces(exact%stations, 1 + size(candidates, 2)))
       ! What heat makes of a beam that nothing holds

@@ -33,6 +33,8 @@ module limber_flex_exact_functions
       real(wp), allocatable :: kinks(:), steps(:)
       !> Places within the beam where a spread load begins or ends: the slope of the curvature has a kink there
       real(wp), allocatable :: corners(:)
+      !> Length in which the bending at the start dies away where a large tension keeps the beam straight; 0: no function for it
+      real(wp) :: layer = 0.0_wp
       !> Sections; with unallocated values: the beam is uniform
       type(profile_type) :: profile
       !> Curvature of the undeformed axis, curvature and strain that heat makes in a beam that nothing holds [1/length], -; tension
@@ -119,7 +121,8 @@ contains
 
    end subroutine candidate_moments
 
-   !> Bending moments of couples, then of forces, then of ends of spread loads, within the beam (stations, candidates).
+   !> Bending moments of couples, then of forces, then of ends of spread loads within the beam, then of a layer at its start, eq. (Y6)
+   !> (stations, candidates).
    subroutine of_places(length, choice, s, natural, candidates)
       !> Of the beam; coordinates of the stations [length]
       real(wp), intent(in) :: length, s(:)
@@ -149,6 +152,13 @@ contains
          ends = [0.0_wp, 0.0_wp, 0.5_wp*(1 - places(i)/length)**2, 0.5_wp*(1 - places(i)/length)]
          call append()
       end do
+
+      if (.not. choice%layer > 0.0_wp) return
+      moment = exp(-s/choice%layer)
+      associate (decayed => exp(-length/choice%layer), slope => 0.5_wp*length/choice%layer)
+         ends = [1.0_wp, -slope, decayed, -slope*decayed]
+      end associate
+      call append()
 
    contains
 

@@ -293,6 +293,8 @@ contains
             & .or. [choice%support%theta_start, choice%support%theta_end] .or. pieces > 1
          choice%shear_force = [acts(0.0_wp, points%force .or. points%held), acts(length, points%force .or. points%held)] &
             & .or. [choice%support%w_start, choice%support%w_end] .or. pieces > 1 .or. block%yes('SHEAR')
+         if (choice%support%theta_start .and. .not. any(choice%shear_force(2:)) .and. pieces == 1) &
+            & choice%layer = layer_of(deck, block, body)
          if (allocated(body%beam%mass)) then
             i = body%beam%elements
             choice%moment = choice%moment .or. body%beam%inertia([0, i]) > 0.0_wp
@@ -341,6 +343,30 @@ contains
          end do
       end do
    end function ends_of_spreads
+
+   !> Length in which a beam that rotates fast is bent behind its clamp: the root of its stiffness over the tension there, of the
+   !> fastest *STATICS with ROTATION; 0 where it is no small part of the length.
+   pure real(wp) function layer_of(deck, block, body) result(layer)
+      type(deck_type), intent(in) :: deck
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      type(body_type), intent(in) :: body
+      !> Tension from which on that counts, in units of E I/L^2
+      real(wp), parameter :: large = 500.0_wp
+      real(wp) :: radius, tension
+      integer :: i
+      layer = 0.0_wp
+      tension = 0.0_wp
+      associate (length => body%beam%length, axis => [cos(block%real('ANGLE')), sin(block%real('ANGLE'))])
+         do i = 1, size(deck%blocks)
+            if (deck%blocks(i)%keyword /= 'STATICS') cycle
+            radius = dot_product(axis, [block%real('X') - deck%blocks(i)%real('CENTRE X'), &
+               & block%real('Y') - deck%blocks(i)%real('CENTRE Y')])
+            tension = max(tension, body%beam%rho_a*deck%blocks(i)%real('ROTATION')**2*length*(radius + 0.5_wp*length))
+         end do
+         if (tension*length**2 > large*body%beam%ei .and. body%beam%ei > 0.0_wp) layer = sqrt(body%beam%ei/tension)
+      end associate
+   end function layer_of
 
    !> Whether a driver or a torque turns the frame of a body.
    pure logical function turns_frame(deck, body)

@@ -195,11 +195,12 @@ contains
    subroutine check_rotation()
       type(history_reader_type) :: reader
       real(wp), parameter :: speed(3) = [1.0_wp, 4.0_wp, 12.0_wp], flap(3) = [3.6816468140_wp, 5.5850014209_wp, 13.1701504875_wp]
-      integer, parameter :: radius(7) = [0, 1, 1, 1, 5, 5, 5]
-      character(11), parameter :: fast(7) = [character(11) :: '38.67616795', '4', '12', '38.67616795', '1', '4', '12']
-      real(wp), parameter :: across(7) = [39.7623648885_wp, 7.4750477889_wp, 19.7215419341_wp, 61.5481171700_wp, &
-         & 4.6241726521_wp, 12.3819027400_wp, 35.2082045573_wp]
-      real(wp), parameter :: omega(7) = [38.67616795_wp, 4.0_wp, 12.0_wp, 38.67616795_wp, 1.0_wp, 4.0_wp, 12.0_wp]
+      integer, parameter :: radius(8) = [0, 1, 1, 1, 5, 5, 5, 5]
+      character(11), parameter :: fast(8) = [character(11) :: '38.67616795', '4', '12', '38.67616795', '1', '4', '12', &
+         & '38.67616795']
+      real(wp), parameter :: across(8) = [39.7623648885_wp, 7.4750477889_wp, 19.7215419341_wp, 61.5481171700_wp, &
+         & 4.6241726521_wp, 12.3819027400_wp, 35.2082045573_wp, 111.8371186555_wp]
+      real(wp), parameter :: omega(8) = [38.67616795_wp, 4.0_wp, 12.0_wp, 38.67616795_wp, 1.0_wp, 4.0_wp, 12.0_wp, 38.67616795_wp]
       real(wp), parameter :: tolerance(3) = [1.0e-6_wp, 1.0e-5_wp, 1.0e-3_wp]
       character(2), parameter :: text(3) = ['1 ', '4 ', '12']
       real(wp), allocatable :: frequency(:)

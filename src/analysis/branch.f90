@@ -5,6 +5,7 @@ module limber_analysis_branch
    use limber_base_signals, only: signal_came
    use limber_base_text, only: as_text, newline
    use limber_analysis_scene, only: scene_type
+   use limber_analysis_skipped, only: skips_law
    use limber_model_scene, only: step_type, leave_unstable
    use limber_output_channels, only: recorder_type
    use limber_output_turns, only: follow_places
@@ -176,6 +177,12 @@ contains
                & extent(balance, balance%change) <= softer*statics%pace*(part - statics%part)
             call load_scene(scene, step, part, statics)
             if (.not. done) return
+            if (part - statics%part > kink_part*part) then
+               if (skips_law(system, work, time_of(step, statics%part), time_of(step, part), statics%q, statics%trial)) then
+                  done = .false.
+                  return
+               end if
+            end if
             call linearise_balance(system, work, balance, time_of(step, part), statics%trial, statics%trial_lambda)
          end if
          call judge(system, work, balance, statics%trial_lambda)

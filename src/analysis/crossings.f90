@@ -10,7 +10,7 @@ module limber_analysis_crossings
    use limber_integrator_integrator, only: integrator_type
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_moments, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, &
-      & law_effect, law_turn, law_bend, describe_law
+      & law_effect, law_turn, law_bend, law_excess, law_is_steep, quartic, describe_law
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -39,6 +39,8 @@ module limber_analysis_crossings
 
    !> Part of a step right behind a crossing in which the same crossing, found again, is round-off
    real(wp), parameter :: just_met = 1.0e-8_wp
+   !> Change of velocity in a step that is felt, in units of the tolerance
+   real(wp), parameter :: left_out = 3.0_wp
    !> Part of the tolerance below which a change of velocity within a step does not matter
    real(wp), parameter :: matters = 0.1_wp
 
@@ -53,6 +55,11 @@ module limber_analysis_crossings
       real(wp) :: w = 0.0_wp
       !> Largest value of each law, and how much it may differ from the quartic through the quarters (laws)
       real(wp), allocatable :: largest(:), allowed(:)
+      !> Largest speed of what each law depends on; whether the step leaves out what it falls or rises by at an end of it (laws)
+      real(wp), allocatable :: fastest(:)
+      logical, allocatable :: steep(:)
+      !> Force that changes velocities within the step by what the tolerance allows, eq. (E8) (laws)
+      real(wp), allocatable :: felt(:)
       !> How much each law varies at the quarters (laws)
       real(wp), allocatable :: width(:)
       !> Excess of the bounds in the interval that is halved (laws, depths), and whether a law is smooth at the quarters
@@ -112,8 +119,9 @@ contains
       associate (nq => system%layout%nq)
          allocate (self%q(nq), self%v(nq), self%trial_q(nq), self%trial_v(nq))
       end associate
-      allocate (self%largest(n), self%allowed(n), self%width(n), self%excess(n, 0:deepest), source=0.0_wp)
-      allocate (self%smooth(n), self%steps(n), self%idle(n), self%nothing(n))
+      allocate (self%largest(n), self%fastest(n), self%felt(n), self%allowed(n), self%width(n), source=0.0_wp)
+      allocate (self%excess(n, 0:deepest), source=0.0_wp)
+      allocate (self%smooth(n), self%steep(n), self%steps(n), self%idle(n), self%nothing(n))
       allocate (self%effect, source=[(law_effect(system, self%loads(i)), i=1, n)])
       self%steps = huge(n)
       allocate (self%entered(n), source=-1_long)
@@ -168,6 +176,7 @@ contains
       call move_frames(system%model, system%layout, q, v, work%kinematics)
       call read_moment(system, self%loads, work%kinematics, moment)
       self%largest = max(self%largest, abs(moment%force))
+      self%fastest = max(self%fastest, moment%speed)
    end subroutine read_state
 
    !> Reads the laws at a time of the dense output.
@@ -244,13 +253,18 @@ contains
       real(wp) :: change
       integer :: i
       plain = .true.
+      self%felt = huge(change)
+      where (self%effect > 0.0_wp) self%felt = left_out*self%tolerance*max(self%fastest, system%model%length/self%duration)/ &
+         & ((self%quarters(4)%t - self%quarters(0)%t)*self%effect)
       do i = 1, size(self%loads)
          associate (a => self%quarters(0), b => self%quarters(4))
             range = law_between(system, self%loads, i, a, b)
             change = abs(b%force(i) - a%force(i))
-            self%excess(i, 0) = excess_of(range, a%force(i), b%force(i))
-            self%allowed(i) = little*largest_of(self, i, range) + part*change
-            self%idle(i) = self%excess(i, 0) <= self%allowed(i) .and. range%whole .and. a%branches(i) == b%branches(i)
+            self%excess(i, 0) = law_excess(range, a%force(i), b%force(i))
+            self%allowed(i) = min(little*largest_of(self, i, range), self%felt(i)) + part*change
+            self%steep(i) = .not. means .and. law_is_steep(a, b, i, self%felt(i))
+            self%idle(i) = self%excess(i, 0) <= self%allowed(i) .and. range%whole .and. a%branches(i) == b%branches(i) .and. &
+               & .not. self%steep(i)
             if (means .and. change > little*self%largest(i)) self%idle(i) = .false.
             if (self%idle(i)) cycle
             self%nothing(i) = no_matter(self, system, i)
@@ -297,14 +311,6 @@ contains
          & /(self%duration*h*self%effect(law)))
    end function no_matter
 
-   !> By how much bounds lie beyond two values.
-   pure real(wp) function excess_of(range, first, second) result(excess)
-      type(range_type), intent(in) :: range
-      real(wp), intent(in) :: first, second
-      excess = huge(excess)
-      if (range%defined) excess = max(0.0_wp, min(first, second) - range%low, range%high - max(first, second))
-   end function excess_of
-
    !> Largest value of a law, bounds included.
    pure real(wp) function largest_of(self, law, range) result(largest)
       type(crossings_type), intent(in) :: self
@@ -328,7 +334,7 @@ contains
          end do
          width = maxval(f) - minval(f)
          self%width(i) = width
-         self%allowed(i) = little*max(self%largest(i), level*maxval(self%largest)) + part*width
+         self%allowed(i) = min(little*max(self%largest(i), level*maxval(self%largest)), self%felt(i)) + part*width
          if (self%crawls > 0 .or. self%idle(i)) self%allowed(i) = huge(width)
          if (.not. self%idle(i)) self%allowed(i) = max(self%allowed(i), self%nothing(i))
          difference = abs(f(0) - 4*f(1) + 6*f(2) - 4*f(3) + f(4))
@@ -338,12 +344,12 @@ contains
             self%allowed(i) = huge(width)
             self%smooth(i) = .true.
          else if (width > self%allowed(i) .and. difference > rough*width) then
-            self%smooth(i) = .not. means .and. (all(f(1:) >= f(:3)) .or. all(f(1:) <= f(:3)))
+            self%smooth(i) = .not. (means .or. self%steep(i)) .and. (all(f(1:) >= f(:3)) .or. all(f(1:) <= f(:3)))
          end if
       end do
    end subroutine judge_quarters
 
-   !> The first quarter in which a law that is not smooth there begins to change.
+   !> Where a law that is not smooth at the quarters begins to change.
    subroutine find_rise(self, system, work, integrator)
       type(crossings_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -355,35 +361,43 @@ contains
       end do
       i = min(i, 4)
       self%which = findloc(self%smooth, .false., dim=1)
-      call find_start(self, system, work, integrator, self%quarters(i - 1)%t, self%quarters(i)%t, &
-         & self%quarters(0)%force(self%which))
+      call find_start(self, system, work, integrator, self%quarters(0), self%quarters(i)%t)
    end subroutine find_rise
 
-   !> The last time between two at which a law is what it was before, to what is allowed; there the step is cut, or done again if
-   !> that is near its start.
-   subroutine find_start(self, system, work, integrator, from, to, before)
+   !> The last time between two up to which a law is what it was before, as its bounds tell, to what is felt; there the step is cut,
+   !> or done again if that is near its start.
+   subroutine find_start(self, system, work, integrator, from, to)
       type(crossings_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       class(integrator_type), intent(inout) :: integrator
-      real(wp), intent(in) :: from, to, before
-      integer, parameter :: rounds = 12
+      type(moment_type), intent(in) :: from
+      real(wp), intent(in) :: to
+      integer, parameter :: rounds = 16
       real(wp), parameter :: near = 0.05_wp
-      real(wp) :: ends(2), middle
+      real(wp) :: before, end, seen
       integer :: round
-      ends = [from, to]
-      do round = 1, rounds
-         middle = 0.5_wp*sum(ends)
-         call look(self, system, work, integrator, middle, self%halves(deepest))
-         if (abs(self%halves(deepest)%force(self%which) - before) > self%allowed(self%which)) then
-            ends(2) = middle
-         else
-            ends(1) = middle
-         end if
-      end do
+      logical :: same
+      ! What is left out of the motion up to there must be nothing, however high the law is behind it
+      seen = min(self%allowed(self%which), self%nothing(self%which))
+      before = from%force(self%which)
+      end = to
+      associate (start => self%halves(deepest - 1), middle => self%halves(deepest), law => self%which)
+         start = from
+         do round = 1, rounds
+            call look(self, system, work, integrator, 0.5_wp*(start%t + end), middle)
+            same = abs(middle%force(law) - before) <= seen
+            if (same) same = law_excess(law_between(system, self%loads, law, start, middle), before, before) <= seen
+            if (same) then
+               start = middle
+            else
+               end = middle%t
+            end if
+         end do
+         self%t = start%t
+      end associate
+      self%found = found_pulse
       associate (start => self%quarters(0)%t, h => integrator%t - self%quarters(0)%t)
-         self%found = found_pulse
-         self%t = ends(1)
          if (self%t > start + near*h) return
          self%again = .true.
          self%t = start + 0.125_wp*h
@@ -416,8 +430,9 @@ contains
             cycle
          end if
          range = law_between(system, self%loads, i, a, b)
-         self%excess(i, depth) = excess_of(range, a%force(i), b%force(i))
-         stubborn(i) = self%excess(i, depth) > max(self%allowed(i), little*largest_of(self, i, range)) .and. &
+         self%excess(i, depth) = law_excess(range, a%force(i), b%force(i))
+         stubborn(i) = self%excess(i, depth) > max(self%allowed(i), min(little*largest_of(self, i, range), self%felt(i))) &
+            & .and. &
             & self%excess(i, depth) > merge(quartered, halved, depth == 1)*self%excess(i, depth - 1)
          opens = opens .or. stubborn(i) .or. .not. range%whole
       end do
@@ -431,9 +446,9 @@ contains
       call look(self, system, work, integrator, a%t + 0.5_wp*(b%t - a%t), self%halves(depth))
       do i = 1, size(self%loads)
          if (.not. stubborn(i)) cycle
-         if (abs(self%halves(depth)%force(i) - quartic(self, i, self%halves(depth)%t)) <= self%allowed(i)) cycle
+         if (abs(self%halves(depth)%force(i) - quartic(self%quarters, i, self%halves(depth)%t)) <= self%allowed(i)) cycle
          self%which = i
-         call find_start(self, system, work, integrator, a%t, self%halves(depth)%t, a%force(i))
+         call find_start(self, system, work, integrator, a, self%halves(depth)%t)
          return
       end do
       call search(self, system, work, integrator, a, self%halves(depth), depth + 1)
@@ -457,7 +472,7 @@ contains
          ends = [self%quarters(0)%force(i), self%quarters(4)%force(i)]
          most = little*largest_of(self, i, range) + part*abs(moment%force(i) - ends(1))
          most = max(most, no_matter(self, system, i))
-         unseen = unseen .or. excess_of(range, ends(1), moment%force(i)) > most .or. &
+         unseen = unseen .or. law_excess(range, ends(1), moment%force(i)) > most .or. &
             & max(minval(ends) - moment%force(i), moment%force(i) - maxval(ends)) > most
       end do
    end function is_unseen
@@ -519,27 +534,9 @@ contains
          left = no_matter(self, system, law)
          range = law_between(system, self%loads, law, b, end)
          none = law_bend(system, self%loads, law, a, b, start, end)*(end%t - b%t) <= left .and. &
-            & excess_of(range, b%force(law), end%force(law)) <= left + unseen*abs(end%force(law) - b%force(law))
+            & law_excess(range, b%force(law), end%force(law)) <= left + unseen*abs(end%force(law) - b%force(law))
       end associate
    end function is_none
-
-   !> The quartic through the quarters of a step.
-   pure real(wp) function quartic(self, law, t) result(value)
-      type(crossings_type), intent(in) :: self
-      integer, intent(in) :: law
-      real(wp), intent(in) :: t
-      real(wp) :: s, weight
-      integer :: i, k
-      s = 4*(t - self%quarters(0)%t)/(self%quarters(4)%t - self%quarters(0)%t)
-      value = 0.0_wp
-      do i = 0, 4
-         weight = 1.0_wp
-         do k = 0, 4
-            if (k /= i) weight = weight*(s - k)/(i - k)
-         end do
-         value = value + weight*self%quarters(i)%force(law)
-      end do
-   end function quartic
 
    !> Counts a crossing that has been met. An error if a law jumps to and fro ever faster: what it drives sticks.
    subroutine count_crossing(self, system, error)
@@ -585,6 +582,7 @@ contains
       call snapshot%exchange('crossing_held', self%held)
       call snapshot%keep('crossing_largest', self%largest)
       call snapshot%keep('crossing_crossed', self%crossed)
+      call snapshot%keep('crossing_fastest', self%fastest)
       do i = 1, size(self%steps)
          call snapshot%exchange('crossing_steps', self%steps(i))
          call snapshot%exchange('crossing_entered', self%entered(i))

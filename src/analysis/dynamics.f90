@@ -287,9 +287,14 @@ contains
       !> and needs no start at a bend.
       subroutine meet_crossing()
          ! By round-off of its length a step may end next to where it is held
-         if (t >= crossings%hold - near .and. crossings%found == found_nothing) crossings%found = crossings%held
+         if (t >= crossings%hold - near .and. crossings%found == found_nothing) then
+            crossings%found = crossings%held
+            crossings%t = t
+         end if
          if (t >= crossings%hold - near) crossings%hold = huge(t)
          cut = crossings%found /= found_nothing .and. .not. integrator%ends_on_samples
+         ! Where a step is cut before its end was to be held, nothing is known of what follows
+         if (cut) crossings%hold = huge(t)
          if (cut) t = crossings%t
          if (.not. integrator%ends_on_samples) return
          cut = crossings%found == found_jump

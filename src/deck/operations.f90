@@ -41,6 +41,9 @@ module limber_deck_operations
       real(wp) :: value = 0.0_wp, first = 0.0_wp, second = 0.0_wp
    end type jet_type
 
+   !> Numbers beyond which the inverse is nothing and derivatives may overflow
+   real(wp), parameter :: endless = 1.0e280_wp
+
 contains
 
    !> f(u).
@@ -132,6 +135,8 @@ contains
       end if
       f%value = unary_value(code, u%value)
       call unary_derivatives(code, u%value, f%value, f_u, f_uu)
+      ! Where it is flat to the last digit, what it depends on may have overflowed
+      if (.not. abs(f_u) > 0.0_wp .and. any(code == [op_exp, op_tanh, op_atan])) return
       f%first = f_u*u%first
       f%second = f_uu*u%first**2 + f_u*u%second
    end function unary_jet
@@ -191,6 +196,8 @@ contains
          f%first = u%first*v%value + u%value*v%first
          f%second = u%second*v%value + 2.0_wp*u%first*v%first + u%value*v%second
       case (op_divide)
+         ! Nothing over what has overflowed, or will in a derivative
+         if (abs(v%value) > endless .and. abs(u%value) < sqrt(endless)) return
          f%first = (u%first - f%value*v%first)/v%value
          f%second = (u%second - 2.0_wp*f%first*v%first - f%value*v%second)/v%value
       case (op_power)
@@ -247,6 +254,7 @@ contains
       real(wp) :: c, f_u, f_uu
       c = v%value
       f%value = power(u%value, c)
+      if (abs(u%value) > endless .and. abs(f%value) < 1/sqrt(endless)) return
       if (abs(v%first) > 0.0_wp .or. abs(v%second) > 0.0_wp) then
          logarithm = unary_jet(op_log, u)
          f_u = v%first*logarithm%value + c*logarithm%first

@@ -1,6 +1,7 @@
 !> What an expression can be while its slots are within intervals: bounds of its values by interval arithmetic, whether one formula
 !> holds throughout, and whether it is defined throughout. Samples miss what comes and goes between them, bounds do not. They can
-!> be too wide where a slot occurs several times, and get exact as the interval shrinks. Floor: deck.
+!> be too wide where a slot occurs several times, and get exact as the interval shrinks. What overflows on the way is infinite, so
+!> that its inverse is zero; what is no number then may be any. Floor: deck.
 !> Source: Moore, Interval Analysis, 1966; doc/theory, eq. (190).
 module limber_deck_range
    use limber_base_kinds, only: wp
@@ -62,11 +63,11 @@ contains
          else
             stack(top) = unary_range(law%codes(i), stack(top))
          end if
-         if (.not. (stack(top)%low >= -unbounded .and. stack(top)%high <= unbounded)) stack(top) = nowhere(stack(top)%whole)
          whole = whole .and. stack(top)%whole
          defined = defined .and. stack(top)%defined
       end do
       range = range_type(stack(1)%low, stack(1)%high, whole, defined)
+      if (.not. (range%low >= -unbounded .and. range%high <= unbounded)) range = nowhere(whole)
    end function law_range_over
 
    !> All numbers: a value is not defined or not bounded somewhere.
@@ -74,6 +75,13 @@ contains
       logical, intent(in) :: whole
       nowhere = range_type(-unbounded, unbounded, whole, .false.)
    end function nowhere
+
+   !> The interval that holds some numbers; all, if one of these is none.
+   pure type(range_type) function hull(numbers)
+      real(wp), intent(in) :: numbers(:)
+      hull = nowhere(.true.)
+      if (all(abs(numbers) >= 0.0_wp)) hull = range_type(minval(numbers), maxval(numbers))
+   end function hull
 
    !> f(u).
    pure function unary_range(code, u) result(f)
@@ -90,8 +98,8 @@ contains
       end select
       if (.not. f%defined) return
       ends = [unary_value(code, u%low), unary_value(code, u%high)]
-      f%low = minval(ends)
-      f%high = maxval(ends)
+      f = hull(ends)
+      if (.not. f%defined) return
       select case (code)
       case (op_sin, op_cos)
          if (holds(u, merge(0.5_wp*pi, 0.0_wp, code == op_sin), 2*pi)) f%high = 1.0_wp
@@ -123,8 +131,8 @@ contains
       real(wp) :: corners(4)
       f = range_type()
       select case (code)
-      case (op_add); f = range_type(u%low + v%low, u%high + v%high)
-      case (op_subtract); f = range_type(u%low - v%high, u%high - v%low)
+      case (op_add); f = hull([u%low + v%low, u%high + v%high])
+      case (op_subtract); f = hull([u%low - v%high, u%high - v%low])
       case (op_multiply, op_divide)
          if (code == op_divide .and. v%low <= 0.0_wp .and. v%high >= 0.0_wp) then
             f = nowhere(.true.)
@@ -132,7 +140,7 @@ contains
          end if
          corners = [binary_value(code, u%low, v%low), binary_value(code, u%low, v%high), binary_value(code, u%high, v%low), &
             & binary_value(code, u%high, v%high)]
-         f = range_type(minval(corners), maxval(corners))
+         f = hull(corners)
       case (op_power); f = power_range(u, v)
       case (op_min); f = range_type(min(u%low, v%low), min(u%high, v%high), u%high <= v%low .or. v%high <= u%low)
       case (op_max); f = range_type(max(u%low, v%low), max(u%high, v%high), u%high <= v%low .or. v%high <= u%low)
@@ -143,7 +151,7 @@ contains
             return
          end if
          corners = [atan2(u%low, v%low), atan2(u%low, v%high), atan2(u%high, v%low), atan2(u%high, v%high)]
-         f = range_type(minval(corners), maxval(corners))
+         f = hull(corners)
       end select
    end function binary_range
 
@@ -163,8 +171,8 @@ contains
       end if
       corners = [binary_value(op_power, u%low, v%low), binary_value(op_power, u%low, v%high), &
          & binary_value(op_power, u%high, v%low), binary_value(op_power, u%high, v%high)]
-      f = range_type(minval(corners), maxval(corners))
-      if (constant .and. u%low < 0.0_wp .and. u%high > 0.0_wp) f%low = min(f%low, 0.0_wp)
+      f = hull(corners)
+      if (f%defined .and. constant .and. u%low < 0.0_wp .and. u%high > 0.0_wp) f%low = min(f%low, 0.0_wp)
    end function power_range
 
    pure logical function is_whole(x)

@@ -14,15 +14,17 @@ module limber_system_moments
    implicit none
    private
    public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, law_turn, &
-      & law_bend, describe_law
+      & law_bend, law_within, law_excess, law_is_steep, quartic, describe_law
 
    !> Watched laws at a moment
    type :: moment_type
       real(wp) :: t = 0.0_wp
       !> Slots, or the gauges of slots that are rates, and their rates (slots, laws)
       real(wp), allocatable :: place(:, :), rate(:, :)
-      !> Value of each law times its factor (laws)
-      real(wp), allocatable :: force(:)
+      !> Value of each law times its factor, and its rate along the motion (laws)
+      real(wp), allocatable :: force(:), slope(:)
+      !> Largest speed of the slots of each law that are places [length/time], angles times the length of the scene (laws)
+      real(wp), allocatable :: speed(:)
       !> Numbers of the formulas that hold (laws)
       integer(long), allocatable :: branches(:)
    end type moment_type
@@ -52,7 +54,7 @@ contains
       integer, intent(in) :: laws
       type(moment_type), intent(out) :: moment
       allocate (moment%place(max_slots, laws), moment%rate(max_slots, laws), source=0.0_wp)
-      allocate (moment%force(laws), source=0.0_wp)
+      allocate (moment%force(laws), moment%slope(laws), moment%speed(laws), source=0.0_wp)
       allocate (moment%branches(laws), source=0_long)
    end subroutine new_moment
 
@@ -70,12 +72,16 @@ contains
          select type (load => system%loads(loads(i))%item)
          type is (effort_load_type)
             call load%read_motion(kinematics, moment%place(:, i), moment%rate(:, i))
+            moment%speed(i) = 0.0_wp
             do k = 1, size(load%slots)
+               if (load%slots(k) > 0) moment%speed(i) = max(moment%speed(i), abs(moment%rate(k, i))* &
+                  & merge(system%model%length, 1.0_wp, load%gauges(max(1, load%slots(k)))%kind == gauge_angle))
                line(k) = jet_type(moment%place(k, i), moment%rate(k, i), 0.0_wp)
                if (load%by_rate(k)) line(k) = jet_type(moment%rate(k, i), 0.0_wp, 0.0_wp)
             end do
             jet = load%law%evaluate_along(line(:size(load%slots)))
             moment%force(i) = load%factor*jet%value
+            moment%slope(i) = load%factor*jet%first
             moment%branches(i) = load%law%branches_along(line(:size(load%slots)))
          end select
       end do
@@ -146,6 +152,17 @@ contains
       end if
       call ieee_set_status(status)
    end function range_within
+
+   !> Bounds of the law of a load, without its factor, while its slots are between two places.
+   function law_within(load, first, second) result(range)
+      type(effort_load_type), intent(in) :: load
+      !> Slots there
+      real(wp), intent(in) :: first(:), second(:)
+      type(range_type) :: range
+      range = range_within(load, min(first, second), max(first, second))
+      if (range%defined) range = range_type(min(range%low/load%factor, range%high/load%factor), max(range%low/load%factor, &
+         & range%high/load%factor), range%whole)
+   end function law_within
 
    !> What a watched law changes by, times its factor, for what its slots are not known to: a small part of the tolerance, and
    !> round-off.
@@ -238,6 +255,50 @@ contains
          turn = h/12*min(turn, change*(h*effect/system%model%length))
       end select
    end function law_turn
+
+   !> By how much bounds lie beyond two values.
+   pure real(wp) function law_excess(range, first, second) result(excess)
+      type(range_type), intent(in) :: range
+      real(wp), intent(in) :: first, second
+      excess = huge(excess)
+      if (range%defined) excess = max(0.0_wp, min(first, second) - range%low, range%high - max(first, second))
+   end function law_excess
+
+   !> Whether a law is at one of two moments on its way up or down, in a small part of the time between, by more than is felt,
+   !> eq. (E9). An error estimate that damps what is stiff, or has no stage near there, does not see that.
+   pure logical function law_is_steep(a, b, law, felt) result(steep)
+      type(moment_type), intent(in) :: a, b
+      integer, intent(in) :: law
+      !> Force that is felt if it acts all the time between
+      real(wp), intent(in) :: felt
+      !> How many times as steep as its change such a law is
+      real(wp), parameter :: steeply = 8.0_wp
+      real(wp) :: change, slope, h
+      h = b%t - a%t
+      change = abs(b%force(law) - a%force(law))
+      slope = max(abs(a%slope(law)), abs(b%slope(law)))
+      steep = slope*h > steeply*change
+      if (steep) steep = change*(change/slope) > felt*h
+   end function law_is_steep
+
+   !> Value at a time of the quartic through five moments.
+   pure real(wp) function quartic(quarters, law, t) result(value)
+      !> At equal distances
+      type(moment_type), intent(in) :: quarters(0:4)
+      integer, intent(in) :: law
+      real(wp), intent(in) :: t
+      real(wp) :: s, weight
+      integer :: i, k
+      s = 4*(t - quarters(0)%t)/(quarters(4)%t - quarters(0)%t)
+      value = 0.0_wp
+      do i = 0, 4
+         weight = 1.0_wp
+         do k = 0, 4
+            if (k /= i) weight = weight*(s - k)/(i - k)
+         end do
+         value = value + weight*quarters(i)%force(law)
+      end do
+   end function quartic
 
    !> Bounds of a slot by the control points of the cubic through both ends.
    pure subroutine bound_slot(h, place_a, rate_a, place_b, rate_b, by_rate, low, high)

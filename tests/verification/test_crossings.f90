@@ -1,8 +1,10 @@
 !> Laws of the motion that steps could jump over: a quarter car over a bump far away, whose numbers an integrator with events has
 !> made (Dormand and Prince, order 8, the breaks met); a narrow pulse in place, in closed form; pulses of a road, and
-!> friction whose law nearly jumps (the same integrator); a ball on a hard floor, in closed form; and what sticks where a law jumps.
+!> friction whose law nearly jumps (the same integrator); a ball on a hard floor, in closed form; what sticks where a law jumps; and
+!> hills of place, steep or on the move, by their energies.
 !> Usage, in tests/: test_crossings RESULT_FILE
 program test_crossings
+   use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_halting_mode, ieee_set_halting_mode
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_analysis_run, only: run_deck
@@ -42,6 +44,19 @@ program test_crossings
    call check_floor('INTEGRATOR=CONSERVING', '1e-4', 40.0e-4_wp)
    call check_floor('INTEGRATOR=CONSERVING', '1e-6', 40.0e-6_wp)
    call check_floor('INTEGRATOR=RADAU', '1e-6', 200.0e-6_wp)
+   do i = 1, 3
+      call check_moving_hill(integrators(i), '1e-6', 3.0e-5_wp)
+   end do
+   call check_moving_hill('INTEGRATOR=ADAMS', '1e-9', 1.0e-6_wp)
+   do i = 1, 2
+      call check_steep_hills(integrators(i), '1e-4', 2.0e-2_wp)
+      call check_steep_hills(integrators(i), '1e-6', 5.0e-4_wp)
+      call check_steep_hills(integrators(i), '1e-8', 1.0e-5_wp)
+      call check_steep_hills(integrators(i), '1e-10', 1.0e-6_wp)
+   end do
+   call check_barrier('INCREMENTS=1')
+   call check_barrier('INCREMENTS=3')
+   call check_barrier('INCREMENTS=5')
    call check_bump('INTEGRATOR=RADAU', '1e-10', 1.0e-6_wp)
    call check_bump('INTEGRATOR=ADAMS', '1e-10', 1.0e-6_wp)
    call finish()
@@ -122,6 +137,73 @@ contains
       call check_close(speed(size(speed)), 0.025_wp, 1.0e-4_wp, trim(integrator)//': spike of a table in place')
       call reader%close()
    end subroutine check_spike
+
+   !> A step that was done again up to a time was cut before it, and again at that time, to where it had been cut: a hill that moves
+   !> was passed twice. The end of its rise was taken for nothing, which is 2e-4 of the speed.
+   subroutine check_moving_hill(integrator, tolerance, most)
+      character(*), intent(in) :: integrator, tolerance
+      !> Relative error
+      real(wp), intent(in) :: most
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: speed(:)
+      real(wp) :: exact
+      exact = 3 + sqrt(7.0_wp**2 + 20)
+      call run_changed('verification/moving_hill.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6'], &
+         & pair(integrator, 'tol = '//tolerance), reader)
+      allocate (speed, source=channel(reader, 'vx_bob'))
+      call check_close(speed(size(speed)), exact, most*exact, trim(integrator)//' '//tolerance//': a hill that moves')
+      call reader%close()
+   end subroutine check_moving_hill
+
+   !> Energies of what bounces off steep hills, and the speed of what does: a step that left a hill, or passed it, had not seen it;
+   !> up to 34 times the energy came out of it. With cosh, which overflows away from the hill, it was not there.
+   subroutine check_steep_hills(integrator, tolerance, most)
+      character(*), intent(in) :: integrator, tolerance
+      !> Relative error
+      real(wp), intent(in) :: most
+      character(*), parameter :: laws(2) = [character(30) :: '20*exp(-(x(bob)/w)**2)/w', '20/cosh(x(bob)/w)**2/w']
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: bob(:), disc(:), left(:)
+      character(30) :: new(3)
+      logical :: halting(5)
+      integer :: k
+      ! cosh overflows here on purpose
+      call ieee_get_halting_mode(ieee_all, halting)
+      call ieee_set_halting_mode(ieee_all, .false.)
+      new(1) = integrator
+      new(2) = 'tol = '//tolerance
+      do k = 1, size(laws)
+         new(3) = laws(k)
+         call run_changed('verification/steep_hill.inp', trim(results), [character(30) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6', &
+            & laws(1)], new, reader)
+         if (allocated(bob)) deallocate (bob, disc, left)
+         allocate (bob, source=channel(reader, 'bob'))
+         allocate (disc, source=channel(reader, 'disc'))
+         allocate (left, source=channel(reader, 'left'))
+         call check_close(bob(size(bob)), 1.0_wp, most, trim(integrator)//' '//tolerance//': energy behind '//laws(k))
+         call check_close(disc(size(disc)), 0.545_wp, most, trim(integrator)//' '//tolerance//': energy of a disc')
+         call check_close(left(size(left)), -1.0_wp, most, trim(integrator)//' '//tolerance//': masses that meet')
+         call reader%close()
+      end do
+      call ieee_set_halting_mode(ieee_all, halting)
+   end subroutine check_steep_hills
+
+   !> A place before the barrier, x = 2 - 3 exp(-((x - 1)/w)**2), that increments jumped over.
+   subroutine check_barrier(increments)
+      character(*), intent(in) :: increments
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: x(:)
+      real(wp) :: exact
+      integer :: k
+      exact = 1.0_wp
+      do k = 1, 20
+         exact = 1 - 0.001_wp*sqrt(log(3/(2 - exact)))
+      end do
+      call run_changed('verification/barrier.inp', trim(results), ['INCREMENTS=5'], [increments], reader)
+      allocate (x, source=channel(reader, 'x_bob'))
+      call check_close(x(size(x)), exact, 1.0e-8_wp, increments//': before a barrier')
+      call reader%close()
+   end subroutine check_barrier
 
    !> Two texts of one length: gfortran 12 makes too short a constructor of them.
    pure function pair(first, second) result(texts)

@@ -1,0 +1,103 @@
+!> Laws of loads that do something between two equilibria that neither of them shows, as a barrier of place that an increment jumps
+!> over. Their bounds are halved along the straight way from one to the other. Floor: analysis. Source: doc/theory, eqs. (190), (E10).
+module limber_analysis_skipped
+   use limber_base_kinds, only: wp
+   use limber_deck_operations, only: jet_type
+   use limber_deck_range, only: range_type
+   use limber_system_efforts, only: effort_load_type
+   use limber_system_kinematics, only: place_frames, move_frames
+   use limber_system_moments, only: moment_type, new_moment, read_moment, watched_loads, law_excess, law_within
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: skips_law
+
+   !> A law along the way
+   type :: way_type
+      !> Slots at both ends (slots)
+      real(wp), allocatable :: from(:), to(:)
+      !> Values at both ends, and rates along the way
+      type(jet_type) :: first, last
+      !> Looks that are left
+      integer :: looks = 0
+   end type way_type
+
+contains
+
+   !> Whether a law is something between two states that its values and slopes there do not show. Kinematics are left at the second.
+   logical function skips_law(system, work, before, after, from, to) result(skips)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Times of both states; coordinates (nq)
+      real(wp), intent(in) :: before, after, from(:), to(:)
+      integer, parameter :: most_looks = 500
+      type(moment_type) :: ends(2)
+      type(way_type) :: way
+      real(wp) :: rest(size(from))
+      integer :: i
+      skips = .false.
+      associate (loads => watched_loads(system))
+         if (size(loads) == 0) return
+         rest = 0.0_wp
+         call new_moment(size(loads), ends(1))
+         call new_moment(size(loads), ends(2))
+         call place_frames(system%model, system%layout, before, from, work%kinematics)
+         call move_frames(system%model, system%layout, from, rest, work%kinematics)
+         call read_moment(system, loads, work%kinematics, ends(1))
+         call place_frames(system%model, system%layout, after, to, work%kinematics)
+         call move_frames(system%model, system%layout, to, rest, work%kinematics)
+         call read_moment(system, loads, work%kinematics, ends(2))
+         do i = 1, size(loads)
+            select type (load => system%loads(loads(i))%item)
+            type is (effort_load_type)
+               way%from = merge(0.0_wp, ends(1)%place(:size(load%slots), i), load%by_rate(:size(load%slots)))
+               way%to = merge(0.0_wp, ends(2)%place(:size(load%slots), i), load%by_rate(:size(load%slots)))
+               way%first = value_at(load, way, 0.0_wp)
+               way%last = value_at(load, way, 1.0_wp)
+               way%looks = most_looks
+               if (abs(load%factor) > 0.0_wp) call search(load, way, 0.0_wp, 1.0_wp, way%first%value, way%last%value, skips)
+            end select
+            if (skips) return
+         end do
+      end associate
+   end function skips_law
+
+   !> The law at a part of the way, with its rate along it.
+   pure type(jet_type) function value_at(load, way, s) result(jet)
+      type(effort_load_type), intent(in) :: load
+      type(way_type), intent(in) :: way
+      real(wp), intent(in) :: s
+      integer :: k
+      jet = load%law%evaluate_along([(jet_type(way%from(k) + s*(way%to(k) - way%from(k)), way%to(k) - way%from(k), 0.0_wp), &
+         & k=1, size(way%from))])
+   end function value_at
+
+   !> Halves a part of the way until bounds tell that nothing is in it, or a value is found that is not that of the cubic through
+   !> both ends, eq. (E10).
+   recursive subroutine search(load, way, a, b, of_a, of_b, skips)
+      type(effort_load_type), intent(in) :: load
+      type(way_type), intent(inout) :: way
+      !> Ends of the part, values there
+      real(wp), intent(in) :: a, b, of_a, of_b
+      logical, intent(inout) :: skips
+      !> Parts of the largest value: bounds beyond both ends, distance from the cubic; shortest part of the way
+      real(wp), parameter :: little = 1.0e-3_wp, tolerance = 0.1_wp, shortest = 1.0e-9_wp
+      type(range_type) :: range
+      type(jet_type) :: middle
+      real(wp) :: s, largest, cubic
+      range = law_within(load, way%from + a*(way%to - way%from), way%from + b*(way%to - way%from))
+      largest = max(abs(way%first%value), abs(way%last%value))
+      if (range%defined) largest = max(largest, abs(range%low), abs(range%high))
+      if (law_excess(range, of_a, of_b) <= little*largest .or. way%looks == 0 .or. b - a < shortest) return
+      s = 0.5_wp*(a + b)
+      middle = value_at(load, way, s)
+      way%looks = way%looks - 1
+      cubic = (1 - s)**2*((1 + 2*s)*way%first%value + s*way%first%first) + s**2*((3 - 2*s)*way%last%value - &
+         & (1 - s)*way%last%first)
+      largest = max(abs(way%first%value), abs(way%last%value), abs(middle%value))
+      skips = abs(middle%value - cubic) > tolerance*largest
+      if (.not. skips) call search(load, way, a, s, of_a, middle%value, skips)
+      if (.not. skips) call search(load, way, s, b, middle%value, of_b, skips)
+   end subroutine search
+
+end module limber_analysis_skipped

@@ -5,6 +5,7 @@ module limber_analysis_dynamics
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
+   use limber_analysis_curve_watch, only: curve_watch_type, new_curve_watch, begin_curves, go_on_curves, find_hidden
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_guard, only: guard_type
@@ -140,6 +141,7 @@ contains
       type(jump_watch_type) :: watch
       type(turning_type) :: turning
       type(crossings_type) :: crossings
+      type(curve_watch_type) :: curves
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, times so near that there is no step between them, and the time
       !> up to which the last step counts
@@ -157,6 +159,8 @@ contains
       sample%v = scene%v
       call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
+      call new_curve_watch(curves, scene%system, dynamics%end - dynamics%start, integrator%tolerance)
+      if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       call start_watch(watch, dynamics%start, scene%v)
       call start_turning(turning, scene%system, dynamics%start, scene%q, scene%v, integrator%ends_on_samples)
       call follow_turns(dynamics%start)
@@ -193,6 +197,13 @@ contains
          if (allocated(error)) exit
          t = integrator%t
          cut = .false.
+         if (size(curves%joints) > 0 .and. .not. dynamics%fixed_step > 0.0_wp) then
+            if (crosses_unseen()) then
+               call do_again()
+               if (allocated(error)) exit
+               cycle
+            end if
+         end if
          if (size(crossings%loads) > 0) then
             call find_crossing(crossings, scene%system, scene%work, integrator, error)
             if (allocated(error)) exit
@@ -208,6 +219,7 @@ contains
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
          if (size(crossings%loads) > 0 .and. .not. cut) call go_on(crossings, sample%q, sample%v, sample%w)
+         if (size(curves%joints) > 0 .and. .not. cut) call go_on_curves(curves, t, sample%q, sample%v, sample%w)
          call look(scene, dynamics, integrator, sample, outcome)
          call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, outcome, turns)
          call check_deflections(scene%system, t, sample%q, sample%v, error)
@@ -272,6 +284,18 @@ contains
             & ' meet, which ADAMS and RADAU may pass, or a driver moves what joints stop at a dead centre'
       end subroutine name_weak
 
+      !> Whether the last step passes something of a curve that its ends do not show; then it must end earlier.
+      logical function crosses_unseen() result(unseen)
+         call find_hidden(curves, scene%system, scene%work, integrator, unseen, crossings%t)
+         if (size(crossings%loads) == 0 .and. t >= crossings%hold - near) crossings%hold = huge(t)
+         if (.not. unseen) return
+         crossings%found = found_nothing
+         crossings%quarters(0)%t = curves%t
+         crossings%q = curves%q
+         crossings%v = curves%v
+         crossings%w = curves%w
+      end function crosses_unseen
+
       !> Does the last step again, up to what was found in it, or as near to that as a step can end.
       subroutine do_again()
          crossings%hold = max(crossings%t, crossings%quarters(0)%t + near)
@@ -317,6 +341,8 @@ contains
          call start_turning(turning, scene%system, time, sample%q, sample%v, integrator%ends_on_samples)
          call follow_turns(time)
          if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, time, sample%q, sample%v, &
+            & integrator%work_at_start)
+         if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, time, sample%q, sample%v, &
             & integrator%work_at_start)
       end subroutine start_anew
 
@@ -386,6 +412,10 @@ contains
          if (snapshot%restoring .and. size(crossings%loads) > 0) call resume_crossings(crossings, scene%system, scene%work, &
             & integrator%t)
          call outcome%exchange(snapshot)
+         if (.not. snapshot%restoring .or. size(curves%joints) == 0) return
+         call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
+         call begin_curves(curves, scene%system, scene%work, integrator%t, sample%q, sample%v, sample%w)
       end subroutine exchange
 
       !> Records the samples up to a time that the integrator has reached. At a break they are those that follow it.

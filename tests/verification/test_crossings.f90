@@ -54,6 +54,10 @@ program test_crossings
       call check_steep_hills(integrators(i), '1e-8', 1.0e-5_wp)
       call check_steep_hills(integrators(i), '1e-10', 1.0e-6_wp)
    end do
+   do i = 1, size(integrators)
+      call check_wire(integrators(i), '1e-6', merge(1.0e-4_wp, 1.0e-3_wp, i <= 2))
+   end do
+   call check_wire('INTEGRATOR=RADAU', '1e-10', 1.0e-8_wp)
    call check_barrier('INCREMENTS=1')
    call check_barrier('INCREMENTS=3')
    call check_barrier('INCREMENTS=5')
@@ -187,6 +191,37 @@ contains
       end do
       call ieee_set_halting_mode(ieee_all, halting)
    end subroutine check_steep_hills
+
+   !> The speed of a bead that a hill of its wire has sent back, and its place: steps jumped over hills of a curve. The time on the
+   !> flank is an integral over the energy: from x = 5 - w sqrt(ln(0.981/0.5)) back to x = 4, to each side, by ds/v with
+   !> v**2 = 1 - 2 g y; its substitution u**2 = distance from the turning point makes it smooth.
+   subroutine check_wire(integrator, tolerance, most)
+      character(*), intent(in) :: integrator, tolerance
+      !> Error
+      real(wp), intent(in) :: most
+      real(wp), parameter :: g = 9.81_wp, high = 0.1_wp, w = 0.01_wp
+      integer, parameter :: parts = 20000
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: x(:), v(:)
+      real(wp) :: turn, u, most_u, place, slope, time
+      integer :: k
+      turn = 5 - w*sqrt(log(2*g*high))
+      most_u = sqrt(turn - 4)
+      time = 0.0_wp
+      do k = 1, parts
+         u = (k - 0.5_wp)*most_u/parts
+         place = (turn - u**2 - 5)/w
+         slope = -2*high*place/w*exp(-place**2)
+         time = time + 2*u*sqrt((1 + slope**2)/(1 - 2*g*high*exp(-place**2)))*most_u/parts
+      end do
+      call run_changed('verification/wire_hill.inp', trim(results), [character(24) :: 'INTEGRATOR=ADAMS', 'tol = 1e-6'], &
+         & pair(integrator, 'tol = '//tolerance), reader)
+      allocate (x, source=channel(reader, 'x_bead'))
+      allocate (v, source=channel(reader, 'vx_bead'))
+      call check_close(v(size(v)), -1.0_wp, most, trim(integrator)//' '//tolerance//': speed behind a hill of a wire')
+      call check_close(x(size(x)), 4 - (20 - 4 - 2*time), 10*most, trim(integrator)//' '//tolerance//': place behind it')
+      call reader%close()
+   end subroutine check_wire
 
    !> A place before the barrier, x = 2 - 3 exp(-((x - 1)/w)**2), that increments jumped over.
    subroutine check_barrier(increments)

@@ -155,12 +155,15 @@ contains
    pure type(rung_type) function check_rung(advice, i) result(check)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
+      !> What an axial force in units of Euler's load makes of the bending by the stretch, which no channel of the rigid scene shows
+      real(wp), parameter :: of_force = 4.0e-3_wp
       !> Part of the beam's share of the target that the stretch must be expected to make
       real(wp), parameter :: of_stretch = 0.1_wp
       associate (rung => advice%rungs(i), beam => advice%probe%beams(i))
          check = rung
          if (.not. matters(advice, i)) return
-         check = verifying(rung, whole_stretch(beam) > of_stretch*advice%share/part_model .or. vibrates(advice, i))
+         check = verifying(rung, max(whole_stretch(beam), of_force*beam%force) > of_stretch*advice%share/part_model .or. &
+            & vibrates(advice, i))
       end associate
    end function check_rung
 

@@ -40,8 +40,9 @@ module limber_integrator_radau
       !> Stages: increments of rates and coordinates (nw,3), multipliers (nc,3), power of what puts work in (3)
       real(wp), allocatable :: z(:, :), x(:, :), multipliers(:, :)
       real(wp) :: stage_power(3) = 0.0_wp
-      !> What lasts of errors of the rates
+      !> What lasts of errors of the rates; steps until it is looked at again where it has not paid
       type(lasting_type) :: lasting
+      integer :: rest = 0
       !> Scratch
       real(wp), allocatable :: motion(:, :), rate(:, :), stage_q(:), stage_v(:), stage_a(:), real_part(:), e(:), q_stage_end(:)
       complex(wp), allocatable :: complex_part(:)
@@ -78,6 +79,7 @@ contains
          call self%lasting%prepare(system, self%tangent)
       end if
       call self%lasting%forget()
+      self%rest = 0
       call self%begin(system, work, t, duration, q, v, error)
       if (allocated(error)) return
       self%h_accepted = 0.0_wp
@@ -417,19 +419,23 @@ contains
       real(wp), intent(in) :: whole
       real(wp), intent(inout) :: of_rates
       real(wp), parameter :: short = 3.0_wp, needless = 1.0e-2_wp, much = 0.1_wp
+      integer, parameter :: pause = 20
       real(wp) :: tau, weighed
-      logical :: found
+      logical :: found, pays
       integer :: nw
       nw = system%layout%nw
       tau = motion_time(system, self%scales)
       if (whole <= bound(self)**2) then
-         if (whole <= (needless*bound(self))**2 .or. self%h > short*tau*bound(self)**0.25_wp) return
+         self%rest = self%rest - 1
+         if (self%rest > 0 .or. whole <= (needless*bound(self))**2 .or. self%h > short*tau*bound(self)**0.25_wp) return
       end if
       call self%lasting%find(system, self%tangent, tau, self%real_part(:nw), found)
       if (.not. found) return
       weighed = sum((self%lasting%part(:nw)/self%scale_w)**2) &
          & + tau**2*abs(sum(self%real_part(:nw)*self%lasting%part(:nw)/self%scale_x**2))
-      if (weighed < much*of_rates) of_rates = weighed
+      pays = whole - of_rates + weighed < much*whole
+      if (pays) of_rates = weighed
+      self%rest = merge(0, pause, pays)
    end subroutine weigh_rates
 
    !> Factor for the next step from the error and, after an accepted step, from how the error has changed.
@@ -582,6 +588,7 @@ contains
       call snapshot%exchange('error_last', self%error_last)
       call snapshot%exchange('h_accepted', self%h_accepted)
       call snapshot%exchange('h_failed', self%h_failed)
+      call snapshot%exchange('rest', self%rest)
       call snapshot%exchange('contraction', self%contraction)
       call snapshot%exchange('current', self%current)
    end subroutine exchange_radau

@@ -266,7 +266,7 @@ contains
       else if (word == 't' .and. c%time) then
          call push_slot(c, word, '', at, at)
       else if (word == 't') then
-         call fail(c, at, last, 'the time t has no meaning here', 'this number must be a constant')
+         call fail(c, at, last, 'the time t has no meaning here', without_time(c%variables))
       else if (found == 0) then
          call complain_name(c, parameters, word, at, last)
       else if (.not. parameters%items(found)%valid) then
@@ -454,5 +454,16 @@ contains
          text = text//trim(names(i))
       end do
    end function listed
+
+   !> What may stand where the time may not.
+   pure function without_time(variables) result(label)
+      !> Names that have a meaning there
+      character(*), intent(in) :: variables(:)
+      character(:), allocatable :: label
+      label = 'this number must be a constant'
+      if (size(variables) == 0) return
+      label = 'this may be an expression of '//trim(variables(1))
+      if (variables(1) == 's') label = label//'; the third number of the line is the factor, which may depend on t'
+   end function without_time
 
 end module limber_deck_compile

@@ -154,7 +154,8 @@ contains
          quantity%of = i
          if (i == 0 .and. quantities(quantity%kind)%of == of_pusher) call find_load(model, slot, [load_bushing], quantity)
          if (quantity%of == 0) then
-            call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'", object=slot%argument)
+            call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'", of_section_instead(model, slot), &
+               & object=slot%argument)
          else if (quantity%of_load) then
             return
          else if (model%joints(quantity%of)%kind == joint_coupler) then
@@ -222,6 +223,22 @@ contains
          & "' drives a length", 'write force('//slot%argument//')')
    end subroutine check_effort
 
+   !> What is asked of a point as the user has asked it of a joint: the moment in a section.
+   pure function of_section_instead(model, slot) result(label)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      character(:), allocatable :: label
+      character(*), parameter :: joints(4) = [character(7) :: 'moment', 'force_1', 'force_2', 'torque']
+      character(*), parameter :: sections(4) = [character(14) :: 'bending_moment', 'axial_force', 'shear_force', 'bending_moment']
+      integer :: dot, k
+      label = ''
+      dot = index(slot%argument, '.')
+      k = findloc(joints == slot%name, .true., dim=1)
+      if (dot == 0 .or. k == 0) return
+      if (find_body(model, slot%argument(:dot - 1)) == 0) return
+      label = 'that of a section of a beam or frame is '//trim(sections(k))//'('//slot%argument//')'
+   end function of_section_instead
+
    !> Finds the load of some kinds that has the name; `of` is 0 if there is none. What is asked of a rotational spring is in
    !> angles.
    subroutine find_load(model, slot, kinds, quantity)
@@ -274,7 +291,7 @@ contains
          if (body%kind /= body_flexible) then
             quantity%of = -1
             call diagnostics%add(slot%origin, "'"//body%name//"' is rigid: its internal forces are not computed", &
-               & 'use GEOMETRIC=EXACT, K_G or LINEAR')
+               & 'use GEOMETRIC=EXACT, K_G or LINEAR', object=body%name)
          else if (model%points(point)%meeting /= 1) then
             quantity%of = -1
             call diagnostics%add(slot%origin, as_text(model%points(point)%meeting)//" members meet at '"//slot%argument//"'", &

@@ -5,7 +5,8 @@ module limber_analysis_frame_watch
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
-      & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer
+      & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer, &
+      & peak_quartic, peak_quartic_grown
    use limber_analysis_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_flex_elastic, only: elastic_force
    use limber_flex_reduced, only: reduced_type
@@ -116,11 +117,20 @@ contains
       type(reduced_type), intent(in) :: reduced
       !> Time; coordinates (n)
       real(wp), intent(in) :: t, eta(:)
-      real(wp) :: work, elastic, lack, quick, left_out, part, weakest
+      real(wp) :: work, elastic, lack, quick, left_out, part, weakest, quartic, layer
       integer :: i, k, m, info
       m = size(own%survey%chosen)
       call axial_work(own%survey, own%amplitude, self%slope_work)
-      call raise_peak(self, peak_layer, short_bending(own)/self%layer, t)
+      ! By how much the joints let the frame turn as it is strained
+      part = 0.0_wp
+      do i = 1, size(self%value)
+         do k = 1, m
+            part = part + self%strained(0, i)*self%strained(k, i)*own%survey%omega2(k)*eta(own%survey%chosen(k))
+         end do
+      end do
+      call look_at_members(own, part, eta, layer, quartic)
+      call raise_peak(self, peak_layer, layer/self%layer, t)
+      call raise_peak(self, peak_quartic, quartic, t)
       elastic = 0.0_wp
       do k = 1, m
          do i = 1, m
@@ -159,6 +169,7 @@ contains
          lack = lack + merge(part/max(least, 1 + self%value(i))**2, part/(1 + max(self%value(i), 0.0_wp)), self%value(i) < 0.0_wp)
       end do
       left_out = left_out_work(own)/min(1.0_wp, weakest)
+      call raise_peak(self, peak_quartic_grown, quartic/min(1.0_wp, weakest), t)
       call raise_peak(self, peak_compression, -self%value(1), t)
       call raise_peak(self, peak_tension, self%value(size(self%value)), t)
       call raise_peak(self, peak_geometric, abs(work), t)
@@ -168,24 +179,37 @@ contains
       call raise_peak(self, peak_left_out, left_out, t)
    end subroutine observe_frame
 
-   !> Length of a member over that on which its bending dies out, sqrt(E I/N), of the member that is pulled most, eq. (R16).
-   pure real(wp) function short_bending(own) result(most)
+   !> Members by themselves: the length of one over that on which its bending dies out, sqrt(E I/N), where it is pulled most,
+   !> eq. (R16); and what the force that buckles them grows by with the slopes, eq. (F3).
+   pure subroutine look_at_members(own, rotation, eta, layer, quartic)
       type(body_survey_type), intent(in) :: own
-      real(wp) :: pull
-      integer :: m, e, i
-      most = 0.0_wp
-      associate (mesh => own%survey%mesh)
-         do m = 1, size(mesh%first) - 1
-            do e = mesh%first(m), mesh%first(m + 1) - 1
-               pull = 0.0_wp
-               do i = 1, size(own%amplitude)
-                  pull = pull + own%amplitude(i)*own%survey%pull(e, i)
-               end do
-               if (pull > 0.0_wp) most = max(most, sum(mesh%length(mesh%first(m):mesh%first(m + 1) - 1))*sqrt(pull/mesh%ei(e)))
+      !> Rotation of the frame that goes with its coordinates, and these (n)
+      real(wp), intent(in) :: rotation, eta(:)
+      real(wp), intent(out) :: layer, quartic
+      real(wp) :: pull, slope(2)
+      integer :: e, i
+      layer = 0.0_wp
+      quartic = 0.0_wp
+      associate (mesh => own%survey%mesh, shape => own%survey%shape)
+         do e = 1, size(mesh%member)
+            pull = 0.0_wp
+            do i = 1, size(own%amplitude)
+               pull = pull + own%amplitude(i)*own%survey%pull(e, i)
             end do
+            if (pull > 0.0_wp) then
+               associate (first => mesh%first(mesh%member(e)), last => mesh%first(mesh%member(e) + 1) - 1)
+                  layer = max(layer, sum(mesh%length(first:last))*sqrt(pull/mesh%ei(e)))
+               end associate
+            else
+               slope = rotation
+               do i = 1, size(eta)
+                  slope = slope + shape(3, mesh%ends(:, e), i)*eta(i)
+               end do
+               quartic = quartic - pull*mesh%length(e)*sum(slope**4)/12
+            end if
          end do
       end associate
-   end function short_bending
+   end subroutine look_at_members
 
    !> Work of the axial forces on the motions that strain the frame.
    pure subroutine load_motions(self)

@@ -63,7 +63,7 @@ module limber_analysis_indicators
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
       & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peak_stretch = 16, &
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
-      & peak_coarse_grown = 20, peak_layer = 21, peaks = 21
+      & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, peaks = 22
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
    !> squared coordinates of bending
@@ -225,7 +225,8 @@ contains
             value = 0.0_wp
             if (allocated(self%lumping)) value = max(ratio(maxval(min(self%modal, self%moving)*self%lumping), peak(peak_energy)), &
                & sqrt(ratio(peak(peak_lost), peak(peak_energy))))
-         case (indicator_shortening); value = ratio(peak(peak_quartic), peak(peak_stiffness))
+         case (indicator_shortening)
+            value = ratio(peak(merge(peak_quartic_grown, peak_quartic, is_slow(self))), peak(peak_stiffness))
          case (indicator_drift); value = drift(self)
          case (indicator_recoil); value = ratio(peak(peak_recoil), peak(peak_stiffness))
          case (indicator_elongation); value = ratio(peak(peak_unstretched), max(peak(peak_stretch), peak(peak_deflection)))

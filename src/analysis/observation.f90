@@ -7,8 +7,7 @@ module limber_analysis_observation
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
       & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_kinetic, sum_elastic, sum_shortening, &
-      & sum_bent, &
-      & sum_acceleration
+      & sum_bent, sum_acceleration, peak_quartic_grown
    use limber_flex_stations, only: stations_type
    use limber_analysis_false_damping, only: observe_false_damping
    use limber_analysis_function_watch, only: observe_functions
@@ -484,6 +483,7 @@ contains
       call raise_peak(self, peak_left_out, left_out, t)
       call raise_peak(self, peak_lost, lost, t)
       call raise_peak(self, peak_quartic, abs(quartic), t)
+      call raise_peak(self, peak_quartic_grown, abs(quartic), t)
    end subroutine observe_forces
 
    !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about

@@ -16,7 +16,7 @@ module limber_analysis_ranges
    use limber_output_history, only: history_type
    implicit none
    private
-   public :: range_warnings, record_indicators, excess
+   public :: range_warnings, record_indicators, excess, likely_cause
 
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
@@ -244,6 +244,9 @@ contains
       case default
          text = 'has large slopes under an axial force'//when//': the shortening that one frame leaves out does work of '// &
             & percent//' of the energy of bending'
+         if (body%is_frame) text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 3)// &
+            & ' times its buckling load'//when//', where its deflection depends on squares of its slopes, which '// &
+            & fidelity(body)//' leaves out: it errs by about '//percent
       end select
    end function what_is_wrong
 
@@ -310,6 +313,37 @@ contains
       case default; text = 'use LARGE=YES'
       end select
    end function cure_of_frame
+
+   !> Why no equilibrium is found, or the motion diverges, if a body is near or beyond what ends its model: it begins with ": ", or is
+   !> empty.
+   function likely_cause(indicators, model) result(text)
+      type(indicators_type), intent(in) :: indicators
+      type(model_type), intent(in) :: model
+      character(:), allocatable :: text
+      !> Part of the buckling load, or of the first frequency, from which it counts
+      real(wp), parameter :: near = 0.8_wp
+      character(:), allocatable :: name
+      real(wp) :: compression, rotation
+      integer :: i
+      text = ''
+      do i = 1, size(indicators%bodies)
+         if (indicators%bodies(i)%is_rigid .or. text /= '') cycle
+         associate (body => indicators%bodies(i), of => model%bodies(indicators%bodies(i)%body))
+            name = trim(merge('frame', 'beam ', of%is_frame))//" '"//of%name//"'"
+            compression = indicator_value(body, indicator_compression)
+            rotation = indicator_value(body, indicator_rotation)
+            if (.not. of%reduced%geometric .and. rotation > near) then
+               text = ': '//name//' is LINEAR, turns at '//as_text(rotation, 3)//' times its first frequency, and is not'// &
+                  & ' stiffened by the tension that rotation makes; use GEOMETRIC='//trim(merge('K_G  ', 'EXACT', of%is_frame))
+            else if (of%reduced%geometric .and. compression > near) then
+               text = ': '//name//' is compressed by '//as_text(compression, 3)//' times its '// &
+                  & trim(merge('buckling load', 'Euler load   ', of%is_frame))//' at t = '// &
+                  & as_text(indicator_time(body, indicator_compression), 4)//', and K_G has no equilibrium beyond that; use '// &
+                  & trim(merge('LARGE=YES      ', 'GEOMETRIC=EXACT', of%is_frame))
+            end if
+         end associate
+      end do
+   end function likely_cause
 
    pure function fidelity(body) result(name)
       type(body_type), intent(in) :: body

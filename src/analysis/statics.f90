@@ -11,6 +11,7 @@ module limber_analysis_statics
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
    use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_ranges, only: likely_cause
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_model_scene, only: step_type, leave_unstable, stop_unstable
@@ -143,8 +144,8 @@ contains
          tries = tries + 1
          if (tries > most_tries) then
             call raise(error, 'equilibrium cannot be followed beyond t = '//as_text(time_of(step, statics%part), 8)//': '// &
-               & motion_text(scene%system, statics%balance%change)//' by leaps, however small the increment; does a law of'// &
-               & ' a load jump?')
+               & motion_text(scene%system, statics%balance%change)//' by leaps, however small the increment'// &
+               & reason(scene, outcome, '; does a law of a load jump?'))
             return
          end if
          call try(scene, step, next, statics, done)
@@ -247,8 +248,8 @@ contains
       if (allocated(error)) return
       if (.not. done) then
          call raise(error, 'no stable equilibrium is found at t = '//as_text(time_of(step, goal), 8)//': '// &
-            & motion_text(scene%system, statics%balance%softest)//' without end, or back and forth; is something missing that'// &
-            & ' holds it?')
+            & motion_text(scene%system, statics%balance%softest)//' without end, or back and forth'// &
+            & reason(scene, outcome, '; is something missing that holds it?'))
          return
       else if (statics%balance%neutral) then
          call raise_neutral(scene, time_of(step, goal), statics%balance%softest, error)
@@ -298,6 +299,17 @@ contains
       outcome%warnings = outcome%warnings//function_state_warning(scene%system, scene%work, statics%balance, &
          & time_of(step, statics%part), statics%q, statics%lambda)
    end subroutine check_state
+
+   !> Why there is no equilibrium: a body at the end of its model, or else what is asked.
+   function reason(scene, outcome, question) result(text)
+      type(scene_type), intent(in) :: scene
+      type(outcome_type), intent(in) :: outcome
+      character(*), intent(in) :: question
+      character(:), allocatable :: text
+      text = ''
+      if (allocated(outcome%indicators)) text = likely_cause(outcome%indicators, scene%system%model)
+      if (text == '') text = question
+   end function reason
 
    !> Goes on along an equilibrium about which vibrations grow, at the present state: there is no other one to go to.
    subroutine stay_in_flutter(scene, step, statics)

@@ -44,6 +44,7 @@ contains
       real(wp), intent(in) :: t, q(:), v(:)
       !> Which beam, when, why and what to do
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: kind, text
       integer :: i, first, n
       real(wp) :: spin, first_frequency
       do i = 1, size(system%layout%n)
@@ -54,16 +55,16 @@ contains
             if (maxval(abs(q(first:first + n - 1)))*body%largest_shape <= body%size) cycle
             spin = abs(cross(q(first - 2:first - 1), v(first - 2:first - 1)))
             first_frequency = sqrt(minval(body%reduced%omega2))
+            kind = trim(merge('frame', 'beam ', body%is_frame))
+            text = kind//" '"//body%name//"' deflects by more than its length at t = "//as_text(t, 8)
             if (.not. body%reduced%geometric .and. spin > first_frequency) then
-               call raise(error, "beam '"//body%name//"' deflects by more than its length at t = "//as_text(t, 8)// &
-                  & ': it diverges, for it rotates at '//as_text(spin, 3)//' rad/'//system%model%units%time// &
-                  & ', above its first frequency '// &
-                  & as_text(first_frequency, 3)//', and a LINEAR beam is not stiffened by the tension that rotation makes.'// &
-                  & ' Use GEOMETRIC=EXACT or K_G')
+               call raise(error, text//': it diverges, for it rotates at '//as_text(spin, 3)//' rad/'// &
+                  & system%model%units%time//', above its first frequency '//as_text(first_frequency, 3)//', and a LINEAR '// &
+                  & kind//' is not stiffened by the tension that rotation makes. Use GEOMETRIC='// &
+                  & trim(merge('K_G         ', 'EXACT or K_G', body%is_frame)))
             else
-               call raise(error, "beam '"//body%name//"' deflects by more than its length at t = "//as_text(t, 8)// &
-                  & ': that is outside what one floating frame can describe, or the motion diverges. Look at the history up to'// &
-                  & ' there, or use GEOMETRIC=EXACT')
+               call raise(error, text//': that is outside what one floating frame can describe, or the motion diverges. Look'// &
+                  & ' at the history up to there, or use '//trim(merge('LARGE=YES      ', 'GEOMETRIC=EXACT', body%is_frame)))
             end if
             return
          end associate

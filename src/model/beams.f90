@@ -102,9 +102,15 @@ contains
          if (.not. usable) call reduce_beam(body%beam, body%choice, body%reduced, body%field, error, body%note)
          if (present(library) .and. .not. (usable .or. allocated(error))) call library%put(fingerprint(body), body%reduced, &
             & body%field, body%note)
-         ! A section or material in error is told already
-         if (allocated(error)) call diagnostics%add(deck%blocks(index)%origin, "beam '"//body%name//"': "//error%message, &
-            & about=deck%blocks(index)%name('SECTION'), object=deck%blocks(index)%name('MATERIAL'))
+         if (allocated(error)) then
+            ! A section or material in error is told already
+            if (diagnostics%is_told(deck%blocks(index)%name('SECTION')) .or. &
+               & diagnostics%is_told(deck%blocks(index)%name('MATERIAL'))) then
+               call diagnostics%follow()
+            else
+               call diagnostics%add(deck%blocks(index)%origin, "beam '"//body%name//"': "//error%message)
+            end if
+         end if
          usable = .not. allocated(error)
       else
          usable = .false.

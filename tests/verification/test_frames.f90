@@ -32,6 +32,8 @@ program test_frames
    call check_critical(', LARGE=YES', 1.0e-2_wp)
    call check_lee()
    call check_parts()
+   call check_near()
+   call check_ends_of_models()
    call finish()
 
 contains
@@ -168,6 +170,66 @@ contains
       call reader%open(trim(results), error)
       call check_no_error(error, text)
    end subroutine run_scene
+
+   !> A portal on hinges at 0.983 of its critical load, whose sway of 0.081452 depends on squares of its slopes (the differential
+   !> equations of its three members by collocation to 1e-5): the default is told to err, exact beams do not.
+   subroutine check_near()
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: x(:)
+      character(:), allocatable :: warnings
+      integer :: i
+      do i = 1, 3
+         call run_scene(slender(trim(merge(', LARGE=YES', '           ', i == 2)), merge('1.5 ', '1.79', i == 3)), reader, warnings)
+         allocate (x, source=channel(reader, 'x'))
+         print '(a,i2,es12.4)', 'near', i, x(size(x))
+         if (i == 1) call check(x(size(x)) > 1.05_wp*0.081452_wp .and. index(warnings, 'depends on squares of its slopes') > 0 &
+            & .and. index(warnings, 'LARGE=YES') > 0, 'near the critical load, default: '//warnings)
+         if (i == 2) call check_close(x(size(x))/0.081452_wp, 1.0_wp, 1.0e-3_wp, 'near the critical load, exact')
+         if (i > 1) call check(warnings == '', 'near the critical load, right: '//warnings)
+         call reader%close()
+         deallocate (x)
+      end do
+   end subroutine check_near
+
+   !> A portal of bars of 0.01 by 0.01, 1 m long, under loads on its knees in units of E I/L^2, and 1 N across.
+   function slender(option, load) result(text)
+      character(*), intent(in) :: option, load
+      character(:), allocatable :: text
+      text = '*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7850'//nl//'*SECTION, NAME=bar, SHAPE=RECTANGLE, WIDTH=0.01, HEIGHT=0.01' &
+         & //nl//'*FRAME, NAME=p, MATERIAL=steel, SECTION=bar'//option//nl//'*NODE'//nl//' 1, 0, 0, a'//nl//' 2, 0, 1, b'//nl// &
+         & ' 3, 1, 1, c'//nl//' 4, 1, 0, d'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//' 2, 2, 3'//nl//' 3, 3, 4'//nl// &
+         & '*GROUND'//nl//' far, 1, 0'//nl//'*JOINT, NAME=one, TYPE=REVOLUTE'//nl//' p.a, ground.origin'//nl// &
+         & '*JOINT, NAME=two, TYPE=REVOLUTE'//nl//' p.d, ground.far'//nl//'*FORCE, NAME=p1, POINT=p.b'//nl//' 0, -'//load// &
+         & '*2e3/12*t'//nl//'*FORCE, NAME=p2, POINT=p.c'//nl//' 0, -'//load//'*2e3/12*t'//nl//'*FORCE, NAME=h, POINT=p.b'//nl// &
+         & ' 1, 0'//nl//'*STATICS, INCREMENTS=10'//nl//'*OUTPUT'//nl//' x = x(p.b)'//nl
+   end function slender
+
+   !> Where a model has no equilibrium, or the motion diverges, the cause is named, and what a frame has for it.
+   subroutine check_ends_of_models()
+      character(*), parameter :: bar = '*MATERIAL, NAME=s, YOUNG=1e6, DENSITY=1'//nl// &
+         & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'//nl//'*FRAME, NAME=f, MATERIAL=s, SECTION=bar', &
+         & rest = nl//'*NODE'//nl//' 1, 0, 0, a'//nl//' 2, 1, 0, e'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//'*BOUNDARY'//nl// &
+         & ' 1, 1, 6'//nl//'*JOINT, NAME=w, TYPE=WELD'//nl//' f.a, ground.origin'//nl//'*FORCE, NAME=ff, POINT=f.e'
+      call expect(slender('', '3'), "frame 'p' is compressed by", 'use LARGE=YES')
+      call expect(bar//', GEOMETRIC=LINEAR'//rest//nl//' 0, 0.1'//nl//'*STATICS, ROTATION=12'//nl, &
+         & "frame 'f' is LINEAR, turns at", 'use GEOMETRIC=K_G')
+      call expect(bar//rest//', FOLLOWER'//nl//' -50, 0.1'//nl//'*DYNAMICS, END=20'//nl, &
+         & "frame 'f' deflects by more than its length", 'use LARGE=YES')
+   end subroutine check_ends_of_models
+
+   !> A run that fails says why and what to use.
+   subroutine expect(scene, cause, remedy)
+      character(*), intent(in) :: scene, cause, remedy
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      integer :: unit
+      open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
+      write (unit) scene
+      close (unit)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check(allocated(error), 'fails: '//cause)
+      if (allocated(error)) call check(index(error%message, cause) > 0 .and. index(error%message, remedy) > 0, error%message)
+   end subroutine expect
 
    !> Of *MODES [rad/s].
    subroutine first_frequency(reader, found)

@@ -131,6 +131,7 @@ contains
       logical, intent(in) :: takes_time
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: text, reason
       real(wp) :: increment, next, least
       integer :: tries
       logical :: done
@@ -143,9 +144,10 @@ contains
          if (target - next < 0.5_wp*least) next = target
          tries = tries + 1
          if (tries > most_tries) then
+            text = motion_text(scene%system, statics%balance%change)
+            call explain(scene, step, statics, outcome, '; does a law of a load jump?', reason)
             call raise(error, 'equilibrium cannot be followed beyond t = '//as_text(time_of(step, statics%part), 8)//': '// &
-               & motion_text(scene%system, statics%balance%change)//' by leaps, however small the increment'// &
-               & reason(scene, outcome, '; does a law of a load jump?'))
+               & text//' by leaps, however small the increment'//reason)
             return
          end if
          call try(scene, step, next, statics, done)
@@ -200,7 +202,7 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: motion(:)
-      character(:), allocatable :: kind
+      character(:), allocatable :: kind, text, reason
       logical :: done
       real(wp) :: goal
       !> Part of a radian, or of the scene, by which an unstable equilibrium is left
@@ -247,9 +249,10 @@ contains
       call history%check_limit(time_of(step, statics%part), error)
       if (allocated(error)) return
       if (.not. done) then
+         text = motion_text(scene%system, statics%balance%softest)
+         call explain(scene, step, statics, outcome, '; is something missing that holds it?', reason)
          call raise(error, 'no stable equilibrium is found at t = '//as_text(time_of(step, goal), 8)//': '// &
-            & motion_text(scene%system, statics%balance%softest)//' without end, or back and forth'// &
-            & reason(scene, outcome, '; is something missing that holds it?'))
+            & text//' without end, or back and forth'//reason)
          return
       else if (statics%balance%neutral) then
          call raise_neutral(scene, time_of(step, goal), statics%balance%softest, error)
@@ -300,16 +303,18 @@ contains
          & time_of(step, statics%part), statics%q, statics%lambda)
    end subroutine check_state
 
-   !> Why there is no equilibrium: a body at the end of its model, or else what is asked.
-   function reason(scene, outcome, question) result(text)
-      type(scene_type), intent(in) :: scene
-      type(outcome_type), intent(in) :: outcome
+   !> Why there is no equilibrium beyond the present state: a body at the end of its model, or else what is asked.
+   subroutine explain(scene, step, statics, outcome, question, reason)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      type(outcome_type), intent(inout) :: outcome
       character(*), intent(in) :: question
-      character(:), allocatable :: text
-      text = ''
-      if (allocated(outcome%indicators)) text = likely_cause(outcome%indicators, scene%system%model)
-      if (text == '') text = question
-   end function reason
+      character(:), allocatable, intent(out) :: reason
+      call look(scene, step, statics, outcome)
+      reason = likely_cause(outcome%indicators, scene%system%model)
+      if (reason == '') reason = question
+   end subroutine explain
 
    !> Goes on along an equilibrium about which vibrations grow, at the present state: there is no other one to go to.
    subroutine stay_in_flutter(scene, step, statics)
@@ -360,6 +365,24 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: t
       t = time_of(step, statics%part)
+      call look(scene, step, statics, outcome)
+      associate (system => scene%system, work => scene%work, balance => statics%balance)
+         statics%recorder%work = 0.0_wp
+         call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)
+      end associate
+      call history%take(t, statics%values, error)
+      outcome%samples = outcome%samples + 1
+      outcome%reached = t
+   end subroutine sample
+
+   !> Takes the present state into the indicators of models that are used beyond their range.
+   subroutine look(scene, step, statics, outcome)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(inout) :: statics
+      type(outcome_type), intent(inout) :: outcome
+      real(wp) :: t
+      t = time_of(step, statics%part)
       call load_scene(scene, step, statics%part, statics)
       associate (system => scene%system, work => scene%work, balance => statics%balance)
          call steady_motion(system, balance, statics%q)
@@ -369,12 +392,7 @@ contains
          work%lambda = statics%lambda
          call check_residuals(system, work, t, .false., balance%v, outcome)
          call observe(outcome%indicators, system, work, t, statics%q, balance%v, balance%a)
-         statics%recorder%work = 0.0_wp
-         call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)
       end associate
-      call history%take(t, statics%values, error)
-      outcome%samples = outcome%samples + 1
-      outcome%reached = t
-   end subroutine sample
+   end subroutine look
 
 end module limber_analysis_statics

@@ -17,6 +17,7 @@ contains
       type(truth_type) :: truth
       real(wp) :: values(3, 4)
       truth%scale = [10.0_wp, 1.0_wp]
+      truth%of_terms = [.true., .true.]
       call truth%take(rungs, 1.0e-2_wp, reshape([0, 0, 1, 1, 2, 0, 3, 1]*1.0_wp, [2, 4]), 5.0_wp, [0.0_wp, 0.0_wp])
       call check(truth%known, 'it is known')
       call check_close(truth%tolerance, 1.0e-2_wp, 0.0_wp, 'tolerance')
@@ -38,6 +39,7 @@ contains
       first = 1.0_wp
       second = reshape([2.0_wp, 3.0_wp], [1, 2])
       truth%scale = [1.0_wp]
+      truth%of_terms = [.true.]
       call truth%take(rungs, 1.0e-2_wp, first, 5.0_wp, [0.1_wp])
       call truth%take(rungs, 1.0e-3_wp, second, 6.0_wp, [0.05_wp])
       call check_close(maxval(abs(truth%values - second)), 0.0_wp, 0.0_wp, 'it takes the place')

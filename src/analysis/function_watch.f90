@@ -252,7 +252,7 @@ contains
                moved = maxval(self%beams(first:last)%moved)*(last - first + 1)
                floor_of = least(kind)*body%reduced%exact%total
                beside = 'deflection'
-               if (kind == 2 .and. asks_along(model, self%beams(first:last)%body)) then
+               if (kind == 2 .and. asks_along(model, body%whole, self%beams(first:last)%body)) then
                   moved = maxval(self%beams(first:last)%moved_along)*(last - first + 1)
                   floor_of = least_along*body%reduced%exact%total
                   beside = 'displacement along its axis'
@@ -279,12 +279,16 @@ contains
 
    end function function_warnings
 
-   !> Whether a channel asks for displacements along one of some bodies.
-   pure logical function asks_along(model, bodies)
+   !> Whether a channel asks for displacements along a beam; those of a frame are told in the axes of the frame.
+   pure logical function asks_along(model, whole, bodies)
       type(model_type), intent(in) :: model
-      integer, intent(in) :: bodies(:)
+      !> What the pieces of the beam belong to, 0 if it is in one; its bodies
+      integer, intent(in) :: whole, bodies(:)
       integer :: i, k
       asks_along = .false.
+      if (whole > 0) then
+         if (allocated(model%wholes(whole)%lean)) return
+      end if
       do i = 1, size(model%channels)
          associate (quantities => model%channels(i)%quantities)
             do k = 1, size(quantities)

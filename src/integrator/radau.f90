@@ -244,7 +244,10 @@ contains
             mean = min(self%contraction, sqrt(self%contraction*contraction_last))
             if (round > 2 .and. mean >= 0.99_wp) converged = size_now <= noise
             if (round > 2 .and. mean >= 0.99_wp .and. size_now > goal) return
-            if (round > 2 .and. mean < 0.99_wp .and. size_now*mean**(most_iterations - round)/(1 - mean) > goal) return
+            if (round > 2 .and. mean < 0.99_wp) then
+               converged = size_now/(1 - mean) <= noise
+               if (size_now*mean**(most_iterations - round)/(1 - mean) > goal) return
+            end if
             if (self%contraction < 1.0_wp) converged = converged .or. size_now*self%contraction/(1 - self%contraction) <= goal
          end if
          converged = converged .or. size_now <= 1.0e-2_wp*goal

@@ -389,8 +389,8 @@ contains
       integer :: j, k, round
       basis(:, :size(others, 2)) = others
       basis(:, size(others, 2) + 1) = shape
+      is_among = .true.
       do j = 1, size(basis, 2)
-         is_among = .true.
          basis(:, j) = basis(:, j)/max(sqrt(real(dot_product(basis(:, j), basis(:, j)), wp)), tiny(1.0_wp))
          do round = 1, 2
             do k = 1, j - 1

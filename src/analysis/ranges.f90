@@ -326,6 +326,7 @@ contains
       real(wp) :: compression, rotation
       integer :: i
       text = ''
+      name = ''
       do i = 1, size(indicators%bodies)
          if (indicators%bodies(i)%is_rigid .or. text /= '') cycle
          associate (body => indicators%bodies(i), of => model%bodies(indicators%bodies(i)%body))

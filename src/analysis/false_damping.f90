@@ -85,10 +85,13 @@ contains
       if (self%looks < 2 .or. .not. (self%moving > 0.0_wp .and. self%most > 0.0_wp)) return
       spread = max(0.0_wp, self%bent - dot_product(self%sum, self%sum)/self%looks)
       if (.not. spread > 0.0_wp) return
-      free = min(1.0_wp, self%moving/(first_frequency**2*spread))
+      ! Quotients of what has hardly moved would overflow
+      free = 1.0_wp
+      if (self%moving < first_frequency**2*spread) free = self%moving/(first_frequency**2*spread)
       time = self%span(2) - self%span(1)
       if (self%damped*time > 2*self%moving) time = 2*self%moving/self%damped
-      decay = min(0.5_wp*time*abs(self%lost)/self%moving, most)
+      decay = most
+      if (0.5_wp*time*abs(self%lost) < most*self%moving) decay = 0.5_wp*time*abs(self%lost)/self%moving
       if (.not. decay > tiny(1.0_wp)**0.25_wp) return
       ! The sums are means over what decays
       lost = (1 - exp(-decay))*free*min(1.0_wp, sqrt(2*spread/self%looks/self%most*2*decay/(1 - exp(-2*decay))))

@@ -89,7 +89,9 @@ contains
          call start_indicators(outcome%indicators, scene%system)
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
-         scene%followed = scene%work%kinematics%angles
+         ! Not by assignment: gfortran 12 reads the bounds of what is not allocated
+         if (allocated(scene%followed)) deallocate (scene%followed)
+         if (allocated(scene%work%kinematics%angles)) allocate (scene%followed, source=scene%work%kinematics%angles)
          integrator%input%asked = recorder%needs_work
          integrator%speeds_asked = recorder%needs_velocities
          if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)

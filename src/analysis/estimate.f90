@@ -142,7 +142,7 @@ contains
          call samples%start(size(model%channels), dynamics%outputs + 1, huge(1.0_wp))
          samples%most_evaluations = limit
          samples%heeds_signals = .true.
-         scene%work%kinematics%angles = scene%followed
+         if (allocated(scene%followed)) scene%work%kinematics%angles(:) = scene%followed
          if (.not. quiet) call progress%start(dynamics%start, dynamics%end, 'estimate of the errors')
          call run_dynamics(scene, integrator, samples, progress, outcome, error)
          if (.not. quiet) call progress%finish()

@@ -78,9 +78,9 @@ contains
       type(false_damping_type), intent(in) :: self
       !> Of the body
       real(wp), intent(in) :: first_frequency
-      !> Largest logarithm of an amplitude that is told
-      real(wp), parameter :: most = 20.0_wp
-      real(wp) :: spread, free, time, decay
+      !> Largest logarithm of an amplitude that is told; the one below which a decay is linear
+      real(wp), parameter :: most = 20.0_wp, small = 1.0e-8_wp
+      real(wp) :: spread, free, time, decay, gain
       lost = 0.0_wp
       if (self%looks < 2 .or. .not. (self%moving > 0.0_wp .and. self%most > 0.0_wp)) return
       spread = max(0.0_wp, self%bent - dot_product(self%sum, self%sum)/self%looks)
@@ -92,9 +92,10 @@ contains
       if (self%damped*time > 2*self%moving) time = 2*self%moving/self%damped
       decay = most
       if (0.5_wp*time*abs(self%lost) < most*self%moving) decay = 0.5_wp*time*abs(self%lost)/self%moving
-      if (.not. decay > tiny(1.0_wp)**0.25_wp) return
       ! The sums are means over what decays
-      lost = (1 - exp(-decay))*free*min(1.0_wp, sqrt(2*spread/self%looks/self%most*2*decay/(1 - exp(-2*decay))))
+      gain = 1.0_wp
+      if (decay > small) gain = 2*decay/(1 - exp(-2*decay))
+      lost = (1 - exp(-decay))*free*min(1.0_wp, sqrt(2*spread/self%looks/self%most*gain))
    end function lost_amplitude
 
    !> Joins what an analysis saw to what the ones before it did.

@@ -29,7 +29,7 @@ module limber_analysis_reached
       !> Samples of the run that was verified, what it counted, and how it ended
       type(memory_type) :: samples
       type(step_statistics_type) :: statistics
-      type(outcome_type) :: outcome
+      type(outcome_type), allocatable :: outcome
       !> Its estimated errors
       type(estimate_type) :: estimate
       !> Largest of them, and their parts by the integration and by the models, relative

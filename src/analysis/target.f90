@@ -12,7 +12,7 @@ module limber_analysis_target
    use limber_analysis_reached, only: reached_type, record_errors, say_why, names_of
    use limber_analysis_probe, only: prospect_type
    use limber_analysis_rungs, only: rung_type, richer, can_climb
-   use limber_analysis_trial, only: trial_type, take_trial, take_samples, take_outcome, least_patience, least_verified
+   use limber_analysis_trial, only: trial_type, take_trial, take_samples, least_patience, least_verified
    use limber_analysis_truth, only: truth_type, error_against, largest_difference
    use limber_deck_content, only: deck_type
    implicit none
@@ -74,7 +74,7 @@ contains
       if (reached%done .or. truth%known) call record_errors(truth, candidate, reached)
       if (.not. reached%done) call say_why(target, reached)
       reached%statistics = candidate%statistics
-      call take_outcome(candidate%outcome, reached%outcome)
+      call move_alloc(candidate%outcome, reached%outcome)
       call take_samples(candidate%samples%memory_type, reached%samples)
    end subroutine reach_target
 

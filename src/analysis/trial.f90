@@ -21,7 +21,7 @@ module limber_analysis_trial
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: trial_type, run_trial, take_samples, take_outcome, take_trial
+   public :: trial_type, run_trial, take_samples, take_trial
 
    !> Counted work, eq. (184), that every run of a search may take: a second or two, as runs may be short and what verifies them not
    real(wp), parameter, public :: least_patience = 5.0e5_wp
@@ -42,7 +42,7 @@ module limber_analysis_trial
    type :: trial_type
       type(watched_type) :: samples
       type(step_statistics_type) :: statistics
-      type(outcome_type) :: outcome
+      type(outcome_type), allocatable :: outcome
       !> Why it failed; empty if it did not
       character(:), allocatable :: reason
       !> Whether it was given up as it left the samples of another by too much
@@ -83,6 +83,7 @@ contains
       type(channel_type), allocatable :: channels(:)
       integer :: i, width
       trial%reason = ''
+      allocate (trial%outcome)
       scene%deck = deck
       do i = 1, size(rungs)
          call apply_rung(rungs(i), scene%deck)
@@ -181,7 +182,7 @@ contains
       to%work = from%work
       to%integrator = from%integrator
       call take_samples(from%samples%memory_type, to%samples%memory_type)
-      call take_outcome(from%outcome, to%outcome)
+      call move_alloc(from%outcome, to%outcome)
       call move_alloc(from%reason, to%reason)
       call move_alloc(from%scale, to%scale)
       call move_alloc(from%of_terms, to%of_terms)
@@ -194,27 +195,6 @@ contains
       call move_alloc(from%times, to%times)
       call move_alloc(from%values, to%values)
    end subroutine take_samples
-
-   !> Moves an outcome.
-   subroutine take_outcome(from, to)
-      type(outcome_type), intent(inout) :: from, to
-      to%reached = from%reached
-      to%samples = from%samples
-      to%wall = from%wall
-      to%cpu = from%cpu
-      to%position_residual = from%position_residual
-      to%velocity_residual = from%velocity_residual
-      to%first_energy = from%first_energy
-      to%last_energy = from%last_energy
-      to%work = from%work
-      to%imbalance = from%imbalance
-      to%largest_energy = from%largest_energy
-      to%no_energy = from%no_energy
-      call move_alloc(from%net_work, to%net_work)
-      call move_alloc(from%warnings, to%warnings)
-      call move_alloc(from%efforts, to%efforts)
-      call move_alloc(from%indicators, to%indicators)
-   end subroutine take_outcome
 
    !> What errors of the channels are relative to: their largest magnitude; of one that is the small difference of large terms, such
    !> as an energy balance, that of its terms.

@@ -3,13 +3,13 @@
 !> of one side for stages on the other. So when it has failed, it is looked whether that happens within the step; then one step
 !> of Dormand and Prince's method, of order 5 and explicit on the equations of index 1, leads from this side to the other,
 !> as far behind the position as it begins before it. Floor: integrator.
-!> Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5; doc/theory, eqs. (76), (77).
+!> Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5; doc/theory, eqs. (76), (77), (P5).
 module limber_integrator_crossing
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_system_algebra, only: turn, cross
-   use limber_system_dynamics, only: linearise, accelerations, input_power, velocity_residual
+   use limber_system_dynamics, only: linearise, accelerations, input_power, velocity_gaps, velocity_residual
    use limber_system_kinematics, only: place_frames
    use limber_system_layout, only: advance
    use limber_system_multiplier, only: update_jacobians
@@ -40,10 +40,12 @@ module limber_integrator_crossing
 
    !> Scratch, allocated once
    type :: crossing_type
-      !> State [q; v; work] at the start and of a stage (2 nq + 1), derivatives at the stages (2 nq + 1, 7)
+      !> State [q; v; work] at the start, or error estimates, and state of a stage (2 nq + 1), derivatives at the stages (2 nq + 1, 7)
       real(wp), allocatable :: start(:), y(:), slope(:, :)
       !> A change (nq), the combination of constraints that is weakest (nc), increments (nw), and a position (nq)
       real(wp), allocatable :: change(:), weakest(:), x(:), place(:)
+      !> Steps across that were refused for the error of their work since the last one that was taken
+      integer :: refused = 0
    contains
       procedure :: exchange => exchange_crossing
    end type crossing_type
@@ -174,7 +176,7 @@ contains
    end subroutine find_fold
 
    !> One step of length h, eq. (77): the new state, settled on the constraints, is left in `y`, the multiplier system linearised
-   !> near it.
+   !> near it, and the error of the work in the last place of `start`.
    subroutine step_across(self, system, work, t, h, q, v, work_done, scale, err, residual)
       type(crossing_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -210,10 +212,10 @@ contains
          call accelerations(system, work, self%y(:nq), self%place, self%change)
          self%slope(nq + 1:2*nq, i) = self%change
          self%slope(2*nq + 1, i) = 0.0_wp
-         if (system%powered) self%slope(2*nq + 1, i) = input_power(system, work, self%y(:nq), self%place)
+         if (system%powered) self%slope(2*nq + 1, i) = power_across(system, work, self%y(:nq), self%place)
       end do
       ! The error estimate takes the place of the start, the state before it is settled that of the first derivatives
-      do i = 1, 2*nq
+      do i = 1, 2*nq + 1
          self%start(i) = h*dot_product(e, self%slope(i, :))
       end do
       raw = norm2(self%start(:2*nq)/scale)
@@ -238,6 +240,18 @@ contains
       end function error_along
 
    end subroutine step_across
+
+   !> Power put in at a stage, eq. (P5): beside a fold the multipliers are large, and what the speeds of a stage leave of the
+   !> constraints is no power of theirs. The accelerations come first.
+   real(wp) function power_across(system, work, q, v) result(power)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Coordinates and velocities (nq)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      power = input_power(system, work, q, v)
+      call velocity_gaps(system, work, v)
+      power = power + dot_product(work%lambda, work%gamma)
+   end function power_across
 
    !> Increments of the coordinates in the layout of the rates from one position to another near it.
    pure subroutine increments_between(system, from, to, x)
@@ -269,6 +283,7 @@ contains
       call snapshot%keep('weakest', self%weakest)
       call snapshot%keep('x', self%x)
       call snapshot%keep('place', self%place)
+      call snapshot%exchange('across_refused', self%refused)
    end subroutine exchange_crossing
 
 end module limber_integrator_crossing

@@ -1,5 +1,5 @@
 !> What ALPHA and RADAU share: the state and the last step, the Newton matrix of the equations of motion and its derivatives, the
-!> way past a fold. Floor: integrator. Source: doc/theory, eqs. (39)-(41), (76), (77).
+!> way past a fold. Floor: integrator. Source: doc/theory, eqs. (39)-(41), (76), (77), (P6).
 module limber_integrator_implicit
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -7,7 +7,7 @@ module limber_integrator_implicit
    use limber_base_text, only: as_text
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, across_allowed
    use limber_integrator_integrator, only: integrator_type, constraint_limit
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale
    use limber_system_dynamics, only: linearise, accelerations, input_power
    use limber_system_layout, only: layout_type, rates_of
    use limber_system_motion, only: linearise_motion, place_motion
@@ -163,6 +163,7 @@ contains
       call step_across(self%crossing, system, work, self%t, h, self%q, self%v, self%input%done, self%scales%value, err, &
          & residual)
       passed = err <= across_allowed*self%tolerance .and. residual <= constraint_limit
+      if (passed .and. system%powered) passed = work_across_is_good(self, system, h)
       if (.not. passed) return
       self%h = h
       call increments_between(system, self%q, self%crossing%y(:nq), self%increment)
@@ -178,6 +179,23 @@ contains
       call self%input%try_cubic(h, power, self%crossing%y(2*nq + 1) - self%input%done)
       call self%input%accept(h, power)
    end subroutine pass_fold
+
+   !> Whether the work of a step across a fold is exact enough, eq. (P6): where drivers give the whole motion its error is that of
+   !> its stages, which nothing settles. Too near to the fold no step is: the last of some is taken as it is.
+   logical function work_across_is_good(self, system, h) result(good)
+      class(implicit_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Length of the step
+      real(wp), intent(in) :: h
+      !> Most steps that are refused
+      integer, parameter :: most = 4
+      real(wp) :: lost
+      lost = abs(self%crossing%start(size(self%crossing%start)))/ &
+         & self%input%scale_of(energy_scale(system, self%scales), h*abs(self%input%power))
+      good = lost <= across_allowed*self%input%allowed(self%tolerance) .or. self%fixed_step > 0.0_wp .or. &
+         & self%crossing%refused == most
+      self%crossing%refused = merge(0, self%crossing%refused + 1, good)
+   end function work_across_is_good
 
    !> Error of a matrix without factors.
    subroutine singular_matrix(self, name, error)

@@ -16,8 +16,9 @@ module limber_analysis_phase
 
    !> Most coordinates that are looked at: the first ones
    integer, parameter :: most = 40
-   !> Part of the length below which a deflection is none
-   real(wp), parameter :: nothing = 1.0e-9_wp
+   !> Part of the length below which a deflection is none; and below which it is none if that is less than the tolerance, for then a
+   !> vibration may be the integrator's
+   real(wp), parameter :: nothing = 1.0e-9_wp, little = 1.0e-6_wp
 
    !> One flexible body
    type :: phase_type
@@ -66,8 +67,8 @@ contains
             end do
          end associate
       end do
-      if (system%model%bodies(index)%largest_shape > 0.0_wp) self%nothing = (nothing*system%model%bodies(index)%size/ &
-         & system%model%bodies(index)%largest_shape)**2
+      if (system%model%bodies(index)%largest_shape > 0.0_wp) self%nothing = (max(nothing, min(little, &
+         & system%model%dynamics%tolerance))*system%model%bodies(index)%size/system%model%bodies(index)%largest_shape)**2
       allocate (self%late(0), self%most(0), self%speed(0), self%acceleration(0))
    end subroutine start_phase
 

@@ -85,7 +85,8 @@ contains
       type(workspace_type), intent(inout) :: work
       type(dynamics_type), intent(in) :: dynamics
       type(adams_type), intent(in) :: integrator
-      !> Whether its order is low: else a vibration that bounds it may be there, and only a decay is sure not to be
+      !> Whether its order is low: else a vibration that bounds it may be there, and only a decay is sure not to be. A hint to the
+      !> user may be less sure
       logical, intent(in) :: low
       real(wp), intent(in) :: q(:), v(:)
       !> Step times rate above which the step is as long as the rate lets it be
@@ -100,7 +101,7 @@ contains
       self%since = integrator%t
       self%fastest = found%fastest
       self%decay = found%decay
-      if (.not. low) found%fastest = min(found%fastest, found%motion)
+      if (.not. low .and. dynamics%reason /= '') found%fastest = min(found%fastest, found%motion)
       bound = found%rate()*self%step > long_step .and. .not. suits_adams(found, dynamics%tolerance)
    end function is_bound
 

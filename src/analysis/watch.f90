@@ -307,6 +307,7 @@ contains
       call new_crossing(system, scratch)
       call find_weakest(scratch, system, work, strength)
       if (strength > weak) return
+      scratch%weakest = scratch%unit*scratch%weakest
       do i = 1, size(part)
          associate (item => system%constraints(i)%item)
             part(i) = maxval(abs(scratch%weakest(item%first:item%first + item%rows - 1))) > 0.1_wp*maxval(abs(scratch%weakest))

@@ -46,6 +46,8 @@ module limber_integrator_crossing
       real(wp), allocatable :: change(:), weakest(:), x(:), place(:)
       !> Steps across that were refused for the error of their work since the last one that was taken
       integer :: refused = 0
+      !> Length that each row counts by: 1 of lengths, the inverse of the scene's length of angles (nc)
+      real(wp), allocatable :: unit(:)
    contains
       procedure :: exchange => exchange_crossing
    end type crossing_type
@@ -56,14 +58,21 @@ contains
    subroutine new_crossing(system, self)
       type(system_type), intent(in) :: system
       type(crossing_type), intent(inout) :: self
+      integer :: i
       associate (nq => system%layout%nq)
          allocate (self%start(2*nq + 1), self%y(2*nq + 1), self%slope(2*nq + 1, 7), self%change(nq), self%place(nq))
-         allocate (self%weakest(system%nc), self%x(system%layout%nw))
+         allocate (self%weakest(system%nc), self%x(system%layout%nw), self%unit(system%nc))
       end associate
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            self%unit(item%first:item%first + item%rows - 1) = item%scale/system%model%length
+         end associate
+      end do
    end subroutine new_crossing
 
    !> The combination of constraints that binds least, by inverse iteration, into `weakest`; `linearise` comes first. The motion
-   !> that it hardly binds is left in `change`, alpha in the first place of u.
+   !> that it hardly binds is left in `change`, alpha in the first place of u. Angles count by the scene's length, so that the units
+   !> of the deck do not matter.
    subroutine find_weakest(self, system, work, strength)
       type(crossing_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -77,15 +86,16 @@ contains
       end do
       do round = 1, rounds + 1
          if (round > 1) self%weakest = self%weakest/max(norm2(self%weakest), tiny(1.0_wp))
+         self%weakest = self%unit*self%weakest
          call solve_gaps(system, work, self%weakest, self%change)
          if (round > rounds) exit
          do i = 1, size(self%weakest)
-            if (system%tree%row(i) > 0) self%weakest(i) = work%solution(system%tree%row(i))
+            if (system%tree%row(i) > 0) self%weakest(i) = self%unit(i)*work%solution(system%tree%row(i))
          end do
       end do
       strength = 0.0_wp
       do i = 1, size(self%weakest)
-         if (system%tree%row(i) > 0) strength = strength + work%solution(system%tree%row(i))**2
+         if (system%tree%row(i) > 0) strength = strength + (self%unit(i)*work%solution(system%tree%row(i)))**2
       end do
       strength = sqrt(strength)
       if (.not. (strength > 0.0_wp .and. strength <= huge(strength))) then

@@ -2,10 +2,10 @@
 module comparisons
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use couplings, only: places, angles, speeds, spins, accelerations, forces, moments, stresses, deflections, rotations, powers, &
-      & others
+   use couplings, only: places, angles, speeds, spins, accelerations, forces, moments, stresses, deflections, energies, &
+      & rotations, powers, others
    use drafts, only: draft_type
-   use pardons, only: pardoned
+   use pardons, only: pardoned, keeps_up
    use plans, only: small_change, number_of_integrator
    use trials, only: trial_type
    use views, only: view_type
@@ -26,6 +26,8 @@ module comparisons
    !> crossed once in the time of the run for speeds
    integer, parameter :: resting(7) = [speeds, spins, deflections, rotations, powers, others, others + 1]
    real(wp), parameter :: of_rest(7) = [5.0_wp, 5.0_wp, 5.0e-4_wp, 1.0e-3_wp, 1.0e3_wp, 5.0_wp, 5.0_wp]
+   !> Speeds and spins of what stands still
+   real(wp), parameter :: still = 1.0e-9_wp
    !> Part of the largest of its group that accelerations, reactions and section forces of elastic bodies may be off by an
    !> integrator that does not follow their vibrations, or keeps them up at rest: from there on limber warns
    real(wp), parameter :: unseen = 1.0e-2_wp
@@ -61,7 +63,7 @@ contains
       real(wp) :: largest(size(floors)), lowest(size(floors))
       integer, allocatable :: group(:)
       integer :: i, row, k
-      logical :: answers
+      logical :: answers, stands
       allocate (scales%own(size(reference%values, 1)), scales%of_group(size(reference%values, 1)), &
          & group(size(reference%values, 1)))
       largest = 0.0_wp
@@ -83,8 +85,11 @@ contains
       if (draft%elastic) lowest(forces) = elastic_force
       if (draft%elastic) lowest(moments) = elastic_moment
       if (draft%elastic) lowest(stresses) = elastic_stress
-      if (draft%timeless) lowest(resting) = of_rest
-      if (draft%timeless .and. draft%elastic) lowest(accelerations) = resting_acceleration
+      stands = draft%timeless .or. max(largest(speeds), largest(spins)) < still
+      if (stands) lowest(resting) = of_rest
+      if (stands .and. draft%elastic) lowest(accelerations) = resting_acceleration
+      ! Deflections at rest are known to their own scale, and energies to the work of the forces along it
+      if (stands) lowest(energies) = max(lowest(energies), largest(forces)*of_rest(3))
       answers = changed%status == 0 .and. all(shape(changed%values) == shape(reference%values))
       scales%envelope = max(reference%envelope, [10*elastic_force, elastic_force, elastic_moment], &
          & part_of_group*largest([forces, forces, moments]))
@@ -126,6 +131,9 @@ contains
             limit = scales%own(row)*allowed_by(view)
             if (draft%elastic .and. (draft%timeless .or. view%integrator /= 'ADAMS') .and. any(draft%channels(i)%group == &
                & [accelerations, forces, moments, stresses, powers])) limit = max(limit, unseen*scales%of_group(row))
+            ! A vibration that is kept up at the limit of the steps is there in what stands still else
+            if (keeps_up(trial%warnings) .or. keeps_up(reference%warnings)) limit = max(limit, allowed_by(view)* &
+               & sum(of_rest, draft%channels(i)%group == resting))
             excused = max(pardoned(trial%warnings, draft%channels(i)%group), pardoned(reference%warnings, draft%channels(i)%group))
             if (error <= limit) then
                verdict%ratio = max(verdict%ratio, error/limit)
@@ -151,7 +159,8 @@ contains
             group = merge(moments, forces, i == 3)
             error = abs(trial%envelope(i) - reference%envelope(i))
             limit = scales%envelope(i)*allowed_by(view)
-            if (draft%timeless .or. view%integrator /= 'ADAMS') limit = max(limit, unseen*maxval(reference%envelope(:2)))
+            if (draft%timeless .or. view%integrator /= 'ADAMS') limit = max(limit, unseen*max(elastic_force, &
+               & maxval(reference%envelope(:2))))
             if (error <= limit) cycle
             excused = max(pardoned(trial%warnings, group), pardoned(reference%warnings, group))*scales%envelope(i)
             call disagree(merge('warned', 'values', excused >= error), error/limit, trim(view%integrator)//' envelope, '// &

@@ -7,7 +7,7 @@ module pardons
    use couplings, only: places, angles, speeds, spins, accelerations, forces, moments, energies, stresses, powers
    implicit none
    private
-   public :: pardoned, without_near_ones
+   public :: pardoned, without_near_ones, keeps_up
 
    !> Multiple of what is told that a channel may be off
    real(wp), parameter :: multiple = 5.0_wp
@@ -83,6 +83,12 @@ contains
          first = last + 2
       end do
    end function without_near_ones
+
+   !> Whether a run tells of a vibration that ADAMS keeps up.
+   pure logical function keeps_up(warnings)
+      character(*), intent(in) :: warnings
+      keeps_up = index(warnings, kept_words) > 0
+   end function keeps_up
 
    pure logical function is_near(line, words, unit, begins)
       character(*), intent(in) :: line, words

@@ -29,6 +29,7 @@ program test_alarms
    call test_wheels()
    call test_ends()
    call test_scalar()
+   call test_still()
    call finish()
 
 contains
@@ -65,6 +66,18 @@ contains
          call judge('behind statics, '//names(i), weight//hanging//'*STATICS'//newline//tail//' y(mass)', -1.0_wp, 1.0e-6_wp, '')
       end do
    end subroutine test_rest
+
+   !> A beam that hangs on a torque of round-off: nothing moves, and ADAMS still takes the steps of the fastest vibration.
+   subroutine test_still()
+      character(*), parameter :: rod = '*MATERIAL, NAME=stuff, YOUNG=7e10, DENSITY=2700'//newline// &
+         & '*SECTION, NAME=bar, SHAPE=CIRCLE, DIAMETER=13e-3'//newline//'*BEAM, NAME=rod, MATERIAL=stuff, SECTION=bar, '// &
+         & 'LENGTH=0.381, ANGLE=-1.35'//newline//'*JOINT, NAME=pin, TYPE=REVOLUTE'//newline//' rod.start, ground.origin'// &
+         & newline//'*TORQUE, NAME=w, BODY=rod'//newline//' -0.261*(angle(rod) + 1.35 + 1e-15)'//newline
+      call judge('still, ADAMS', rod//'*DYNAMICS, END=3e-2, OUTPUTS=20, INTEGRATOR=ADAMS'//newline//'*OUTPUT'//newline// &
+         & ' angle(rod)', -1.35_wp, 1.0e-9_wp, 'ADAMS is bound to steps of')
+      call judge('still, AUTO', rod//'*DYNAMICS, END=3e-2, OUTPUTS=20'//newline//'*OUTPUT'//newline//' angle(rod)', -1.35_wp, &
+         & 1.0e-9_wp, '')
+   end subroutine test_still
 
    !> A vibration that the integrator damps away: the mass should go on by 0.1 cos 10 t. By itself, beside a damper that does
    !> nothing, and behind another analysis.

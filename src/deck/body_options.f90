@@ -76,6 +76,9 @@ module limber_deck_body_options
       &    '1/m', '0', 'curvature of the beam that nothing holds, beside CURVATURE', models='EXACT'), &
       & option_spec_type('BEAM', 'PRETENSION', kind_real, '', &
       &    'N', '0', 'tension of the undeformed beam', models='EXACT'), &
+      & option_spec_type('BEAM', 'TENSION', kind_nonnegative, '', &
+      &    'N', '', 'largest tension: functions for the bending near ends and loads; default: what the deck tells of it', &
+      &    models='EXACT'), &
       & option_spec_type('BEAM', 'MODES', kind_count, '', &
       &    '', '6', 'number of modes: the lowest of bending and axial ones together', most=1000, models='MODES'), &
       & option_spec_type('BEAM', 'BENDING MODES', kind_count, '', &

@@ -10,7 +10,8 @@ module limber_flex_exact
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_finite, only: dsyev
-   use limber_flex_exact_functions, only: exact_choice_type, candidate_moments, legendre, sorted
+   use limber_flex_exact_functions, only: exact_choice_type, candidate_moments, count_of_places, layer_places, &
+      & legendre, sorted
    use limber_flex_exact_profile, only: profile_type, uniform_profile, profile_at, of_ea, of_ei, of_ga, of_mass, of_rotary, &
       & profile_values
    use limber_flex_mesh, only: beam_type
@@ -123,8 +124,8 @@ contains
       real(wp), allocatable :: ends(:), inner(:)
       real(wp) :: from
       integer :: wanted, i, j, k, count, p
-      allocate (inner, source=sorted([choice%kinks, choice%steps, choice%corners, profile%at, &
-         & choice%layer*[3.0_wp, 9.0_wp]], beam%length))
+      allocate (inner, source=sorted([choice%kinks, choice%steps, choice%corners, profile%at, layer_panels(choice, beam%length)], &
+         & beam%length))
       allocate (ends(size(inner) + 2))
       ends(:) = [0.0_wp, inner, beam%length]
       wanted = max(1, ceiling(stations_per_function*max(choice%angles, choice%strains)/panel_stations))
@@ -147,6 +148,23 @@ contains
       end do
    end subroutine place_stations
 
+   !> Ends of panels to both sides of the places of layers; what lies beyond the beam is left out by `sorted`.
+   pure function layer_panels(choice, length) result(ends)
+      type(exact_choice_type), intent(in) :: choice
+      real(wp), intent(in) :: length
+      real(wp), allocatable :: ends(:), places(:)
+      !> Ends of panels in units of a layer
+      real(wp), parameter :: near(2) = [3.0_wp, 9.0_wp]
+      integer :: i, k
+      allocate (ends(0))
+      allocate (places, source=layer_places(choice, length))
+      do i = 1, size(places)
+         do k = 1, size(choice%layers)
+            ends = [ends, places(i) - near*choice%layers(k), places(i) + near*choice%layers(k)]
+         end do
+      end do
+   end function layer_panels
+
    !> Curvatures of the first moments that are independent, as many as asked for and those of what acts within.
    subroutine choose_curvatures(choice, candidates, exact, error)
       type(exact_choice_type), intent(in) :: choice
@@ -155,8 +173,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: forces(:, :)
       integer :: wanted
-      wanted = choice%angles + size(sorted(choice%kinks, exact%total)) + size(sorted(choice%steps, exact%total)) &
-         & + size(sorted(choice%corners, exact%total)) + merge(1, 0, choice%layer > 0.0_wp)
+      wanted = choice%angles + count_of_places(choice, exact%total)
       allocate (exact%kappa(wanted, exact%stations))
       allocate (forces(exact%stations, 1 + size(candidates, 2)))
       ! What heat makes of a beam that nothing holds

@@ -9,7 +9,7 @@ module limber_flex_exact_functions
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, count_bending_modes, slope_at
    implicit none
    private
-   public :: exact_choice_type, candidate_moments, legendre, sorted
+   public :: exact_choice_type, candidate_moments, count_of_places, layer_places, legendre, sorted
 
    !> Polynomials up to this degree are taken by turns with the modes
    integer, parameter :: early_degree = 3
@@ -33,8 +33,10 @@ module limber_flex_exact_functions
       real(wp), allocatable :: kinks(:), steps(:)
       !> Places within the beam where a spread load begins or ends: the slope of the curvature has a kink there
       real(wp), allocatable :: corners(:)
-      !> Length in which the bending at the start dies away where a large tension keeps the beam straight; 0: no function for it
-      real(wp) :: layer = 0.0_wp
+      !> Lengths in which bending dies away where a large tension keeps the beam straight, ascending; unallocated: no functions for
+      !> that. Whether it does so at the start, at the end
+      real(wp), allocatable :: layers(:)
+      logical :: layered(2) = .false.
       !> Sections; with unallocated values: the beam is uniform
       type(profile_type) :: profile
       !> Curvature of the undeformed axis, curvature and strain that heat makes in a beam that nothing holds [1/length], -; tension
@@ -121,8 +123,8 @@ contains
 
    end subroutine candidate_moments
 
-   !> Bending moments of couples, then of forces, then of ends of spread loads within the beam, then of a layer at its start, eq. (Y6)
-   !> (stations, candidates).
+   !> Bending moments of couples, then of forces, then of ends of spread loads within the beam, then of layers (stations,
+   !> candidates).
    subroutine of_places(length, choice, s, natural, candidates)
       !> Of the beam; coordinates of the stations [length]
       real(wp), intent(in) :: length, s(:)
@@ -153,22 +155,77 @@ contains
          call append()
       end do
 
-      if (.not. choice%layer > 0.0_wp) return
-      moment = exp(-s/choice%layer)
-      associate (decayed => exp(-length/choice%layer), slope => 0.5_wp*length/choice%layer)
-         ends = [1.0_wp, -slope, decayed, -slope*decayed]
-      end associate
-      call append()
+      call of_layers(length, choice, s, natural, candidates)
 
    contains
 
       !> One more, with polynomials that make it meet the conditions.
       subroutine append()
-         call meet(natural, ends, moment)
-         candidates = reshape([candidates, moment], [size(s), size(candidates, 2) + 1])
+         call append_moment(natural, ends, moment, candidates)
       end subroutine append
 
    end subroutine of_places
+
+   !> Bending moments that die away from the ends, from forces and, of the other sign before them, from couples, eq. (Y6).
+   subroutine of_layers(length, choice, s, natural, candidates)
+      !> As of places
+      real(wp), intent(in) :: length, s(:)
+      type(exact_choice_type), intent(in) :: choice
+      type(natural_type), intent(in) :: natural
+      real(wp), allocatable, intent(inout) :: candidates(:, :)
+      real(wp), allocatable :: places(:)
+      real(wp) :: moment(size(s)), ends(conditions), slope
+      integer :: i, k, couples
+      if (.not. allocated(choice%layers)) return
+      allocate (places, source=layer_places(choice, length))
+      couples = size(sorted(choice%steps, length))
+      do k = 1, size(choice%layers)
+         slope = 0.5_wp*length/choice%layers(k)
+         do i = 1, size(places)
+            associate (x => (s - places(i))/choice%layers(k), x0 => places(i)/choice%layers(k), &
+               & x1 => (length - places(i))/choice%layers(k))
+               moment = exp(-abs(x))
+               ends = [exp(-x0), slope*exp(-x0), exp(-x1), -slope*exp(-x1)]
+               if (.not. places(i) > 0.0_wp) ends(2) = -slope
+               if (.not. places(i) < length) ends(4) = slope
+               if (i > size(places) - couples) then
+                  moment = sign(moment, x)
+                  ends(1:2) = -ends(1:2)
+               end if
+            end associate
+            call append_moment(natural, ends, moment, candidates)
+         end do
+      end do
+   end subroutine of_layers
+
+   !> Places that layers spread from: the ends, forces, couples.
+   pure function layer_places(choice, length) result(places)
+      type(exact_choice_type), intent(in) :: choice
+      real(wp), intent(in) :: length
+      real(wp), allocatable :: places(:)
+      allocate (places(0))
+      if (.not. allocated(choice%layers)) return
+      if (size(choice%layers) == 0) return
+      places = [pack([0.0_wp, length], choice%layered), sorted(choice%kinks, length), sorted(choice%steps, length)]
+   end function layer_places
+
+   !> Functions beside those that the deck counts: of what acts within the beam, and of layers.
+   pure integer function count_of_places(choice, length) result(number)
+      type(exact_choice_type), intent(in) :: choice
+      real(wp), intent(in) :: length
+      number = size(sorted(choice%kinks, length)) + size(sorted(choice%steps, length)) + size(sorted(choice%corners, length))
+      if (allocated(choice%layers)) number = number + size(choice%layers)*size(layer_places(choice, length))
+   end function count_of_places
+
+   !> One more candidate, with polynomials that make it meet the conditions.
+   subroutine append_moment(natural, ends, moment, candidates)
+      type(natural_type), intent(in) :: natural
+      !> As of `meet`
+      real(wp), intent(inout) :: ends(conditions), moment(:)
+      real(wp), allocatable, intent(inout) :: candidates(:, :)
+      call meet(natural, ends, moment)
+      candidates = reshape([candidates, moment], [size(moment), size(candidates, 2) + 1])
+   end subroutine append_moment
 
    !> Polynomials that meet the conditions, by ascending degree, and what others need to meet them: of Legendre's polynomials each
    !> is added that lower ones cannot correct.

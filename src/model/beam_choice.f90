@@ -9,6 +9,7 @@ module limber_model_beam_choice
    use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_parts, only: is_part
+   use limber_model_beam_layers, only: layer_lengths
    use limber_model_beam_features, only: read_features, refuse_features
    use limber_model_points, only: find_named
    use limber_model_scene, only: body_type
@@ -293,8 +294,10 @@ contains
             & .or. [choice%support%theta_start, choice%support%theta_end] .or. pieces > 1
          choice%shear_force = [acts(0.0_wp, points%force .or. points%held), acts(length, points%force .or. points%held)] &
             & .or. [choice%support%w_start, choice%support%w_end] .or. pieces > 1 .or. block%yes('SHEAR')
-         if (choice%support%theta_start .and. .not. any(choice%shear_force(2:)) .and. pieces == 1) &
-            & choice%layer = layer_of(deck, block, body)
+         choice%layered = [piece == 1 .and. spreads(0.0_wp), piece == pieces .and. spreads(length)] &
+            & .or. [choice%support%theta_start, choice%support%theta_end] .and. pieces == 1
+         if (any(choice%layered) .or. size(choice%kinks) + size(choice%steps) > 0) &
+            & choice%layers = layer_lengths(deck, block, body%beam)
          if (allocated(body%beam%mass)) then
             i = body%beam%elements
             choice%moment = choice%moment .or. body%beam%inertia([0, i]) > 0.0_wp
@@ -310,6 +313,13 @@ contains
          logical, intent(in) :: where(:)
          acts = any(where .and. abs(x - end) < 1.0e-6_wp*length)
       end function acts
+
+      !> Whether a layer of bending spreads from an end. Weight makes a small one at a hinge: for beams whose tension the deck gives.
+      pure logical function spreads(end)
+         real(wp), intent(in) :: end
+         spreads = acts(end, points%couple .or. points%clamped .or. (points%held .and. (deck%blocks(index)%given('TENSION') &
+            & .or. abs(deck%blocks(index)%real('PRETENSION')) > 0.0_wp)))
+      end function spreads
 
       !> What holds an end.
       pure function end_support(end) result(word)
@@ -343,30 +353,6 @@ contains
          end do
       end do
    end function ends_of_spreads
-
-   !> Length in which a beam that rotates fast is bent behind its clamp: the root of its stiffness over the tension there, of the
-   !> fastest *STATICS with ROTATION; 0 where it is no small part of the length.
-   pure real(wp) function layer_of(deck, block, body) result(layer)
-      type(deck_type), intent(in) :: deck
-      !> Of the beam
-      type(block_type), intent(in) :: block
-      type(body_type), intent(in) :: body
-      !> Tension from which on that counts, in units of E I/L^2
-      real(wp), parameter :: large = 500.0_wp
-      real(wp) :: radius, tension
-      integer :: i
-      layer = 0.0_wp
-      tension = 0.0_wp
-      associate (length => body%beam%length, axis => [cos(block%real('ANGLE')), sin(block%real('ANGLE'))])
-         do i = 1, size(deck%blocks)
-            if (deck%blocks(i)%keyword /= 'STATICS') cycle
-            radius = dot_product(axis, [block%real('X') - deck%blocks(i)%real('CENTRE X'), &
-               & block%real('Y') - deck%blocks(i)%real('CENTRE Y')])
-            tension = max(tension, body%beam%rho_a*deck%blocks(i)%real('ROTATION')**2*length*(radius + 0.5_wp*length))
-         end do
-         if (tension*length**2 > large*body%beam%ei .and. body%beam%ei > 0.0_wp) layer = sqrt(body%beam%ei/tension)
-      end associate
-   end function layer_of
 
    !> Whether a driver or a torque turns the frame of a body.
    pure logical function turns_frame(deck, body)

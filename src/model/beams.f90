@@ -163,10 +163,11 @@ contains
       character(:), allocatable :: text
       character(200) :: buffer
       integer :: i, j
-      write (buffer, '(1x, 2(i0, 1x), 11l1, 6(1x, z16))') choice%angles, choice%strains, choice%shear, choice%support, &
-         & choice%moment, choice%shear_force, choice%origin, choice%arc, choice%hot_curvature, choice%hot_strain, &
-         & choice%pretension, choice%layer
+      write (buffer, '(1x, 2(i0, 1x), 13l1, 5(1x, z16))') choice%angles, choice%strains, choice%shear, choice%support, &
+         & choice%moment, choice%shear_force, choice%layered, choice%origin, choice%arc, choice%hot_curvature, choice%hot_strain, &
+         & choice%pretension
       text = trim(buffer)
+      if (allocated(choice%layers)) text = text//'l'//numbers_text(choice%layers)
       if (allocated(choice%kinks)) text = text//'k'//numbers_text(choice%kinks)
       if (allocated(choice%steps)) text = text//'s'//numbers_text(choice%steps)
       if (allocated(choice%corners)) text = text//'c'//numbers_text(choice%corners)

@@ -2,11 +2,13 @@
 !> elimination, mirrored, turned, moved, in other units, under other names, in another order, at another time. A scene follows
 !> from its number alone.
 !>
-!>    differential [--show] [--talk] [--all] [--reduce] [--slow] [--quick] FIRST COUNT
+!>    differential [--show] [--talk] [--all] [--reduce] [--slow] [--quick] [--target] FIRST COUNT
 !>
 !> --show prints the decks of all views; --talk how each run ended, and its warnings; --all a line for each scene; --reduce leaves
 !> out of a scene that disagrees whatever is not needed for it, and leaves its decks in the working folder, as NUMBER-a.inp and
-!> NUMBER-b.inp; --slow has ten times the patience, --quick a third of it for each run, and all of it for what disagrees.
+!> NUMBER-b.inp; --slow has ten times the patience, --quick a third of it for each run, and all of it for what disagrees;
+!> --target runs the same scenes with exact beams whose functions, integrator and tolerance limber chooses for a target of 1e-2: what
+!> it says is kept must be kept.
 program differential
    use, intrinsic :: iso_fortran_env, only: output_unit
    use limber_base_kinds, only: wp
@@ -14,7 +16,8 @@ program differential
    use comparisons, only: verdict_type
    use drafts, only: draft_type
    use inventions, only: invent
-   use plans, only: plan_type, make_plan, deck_of
+   use couplings, only: places, angles, speeds, spins
+   use plans, only: plan_type, make_plan, make_target_plan, deck_of
    use reductions, only: judge_apart, reduce, line_of, patience_for_all
    use trials, only: patience
    use verdicts, only: talks
@@ -32,12 +35,13 @@ contains
       type(plan_type) :: plan
       type(verdict_type) :: verdict
       character(64) :: word
-      logical :: shows, lists, reduces
+      logical :: shows, lists, reduces, promised
       real(wp) :: haste
       integer :: arguments, first, count, seed, tally(size(kinds)), i
       shows = .false.
       reduces = .false.
       lists = .false.
+      promised = .false.
       arguments = 0
       haste = 1.0_wp
       do
@@ -47,6 +51,10 @@ contains
          if (word == '--reduce') reduces = .true.
          if (word == '--talk') talks = .true.
          if (word == '--quick') haste = 0.3_wp
+         if (word == '--target') then
+            promised = .true.
+            patience_for_all = 20
+         end if
          if (word == '--slow') patience_for_all = 10*patience_for_all
          if (word(1:2) /= '--') exit
          arguments = arguments + 1
@@ -56,14 +64,19 @@ contains
       read (word, *) count
       tally = 0
       do seed = first, first + count - 1
-         call invent(seed, draft)
-         call make_plan(seed, draft, plan)
+         call invent(seed, draft, promised)
+         if (promised) then
+            call keep_motion(draft)
+            call make_target_plan(plan)
+         else
+            call make_plan(seed, draft, plan)
+         end if
          if (shows) call show(draft, plan)
-         patience = haste
+         patience = merge(5.0_wp, haste, promised)
          call judge_apart(draft, plan, verdict)
          ! What haste makes disagree is judged again: estimates of errors take their time
          patience = 1.0_wp
-         if (haste < patience .and. number_of(verdict) > peaceful) call judge_apart(draft, plan, verdict)
+         if (haste < patience .and. .not. promised .and. number_of(verdict) > peaceful) call judge_apart(draft, plan, verdict)
          i = number_of(verdict)
          tally(i) = tally(i) + 1
          if (i <= peaceful .and. .not. lists) cycle
@@ -79,6 +92,14 @@ contains
       write (output_unit, '(a)') ''
       if (sum(tally(peaceful + 1:)) > 0) stop 1
    end subroutine main
+
+   !> Leaves a scene the channels of motion: forces, deflections and accelerations of short beams that are struck make searches long.
+   subroutine keep_motion(draft)
+      type(draft_type), intent(inout) :: draft
+      integer, parameter :: motion(4) = [places, angles, speeds, spins]
+      integer :: i
+      draft%channels = pack(draft%channels, [(any(motion == draft%channels(i)%group), i=1, size(draft%channels))])
+   end subroutine keep_motion
 
    !> Number of the kind of a verdict.
    integer function number_of(verdict) result(number)

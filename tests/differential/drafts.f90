@@ -324,7 +324,7 @@ contains
    !> An exact beam.
    function exact_rung() result(text)
       character(:), allocatable :: text
-      text = ', GEOMETRIC=EXACT, FUNCTIONS='//as_text(2 + pick(4))//', STRAIN FUNCTIONS='//as_text(pick(3) - 1)
+      text = '<J|'//as_text(2 + pick(4))//'|'//as_text(pick(3) - 1)//'>'
    end function exact_rung
 
    !> A frame of two legs and a girder, or of a leg and an arm: points foot, knee, far.

@@ -19,13 +19,15 @@ module inventions
 contains
 
    !> The scene of a number.
-   subroutine invent(seed, draft)
+   subroutine invent(seed, draft, exact)
       integer, intent(in) :: seed
       type(draft_type), intent(out) :: draft
+      !> Whether all its beams are exact ones, whatever the number
+      logical, intent(in) :: exact
       !> A point of the ground that many scenes stand on
       integer :: first
       call sow(seed)
-      exact_rungs = has_exact(seed)
+      exact_rungs = has_exact(seed) .or. exact
       allocate (draft%blocks(0), draft%channels(0))
       first = add_ground(draft, [0.0_wp, 0.0_wp])
       call add(draft, '', '*ASSEMBLY, LARGEST TURN=3<H>', 1)

@@ -7,7 +7,7 @@ module plans
    use views, only: view_type, rendered, asked
    implicit none
    private
-   public :: plan_type, make_plan, deck_of, small_change, large_change, number_of_integrator
+   public :: plan_type, make_plan, make_target_plan, deck_of, small_change, large_change, number_of_integrator
 
    character(10), parameter :: integrators(5) = [character(10) :: 'ADAMS', 'RADAU', 'AUTO', 'ALPHA', 'CONSERVING']
    !> Relative change of the scene that tells how it answers, and the one beyond which a warning is of no threshold
@@ -54,6 +54,22 @@ contains
          n = n + 1
       end do
    end subroutine make_plan
+
+   !> Views for a scene whose functions, integrator and tolerance limber is to choose: two references, with other functions and
+   !> tolerances.
+   subroutine make_target_plan(plan)
+      type(plan_type), intent(out) :: plan
+      plan%base%target = 1.0e-2_wp
+      plan%reference%name = 'reference'
+      plan%reference%integrator = 'RADAU'
+      plan%reference%tolerance = 1.0e-6_wp
+      plan%reference%functions = [12, 3]
+      plan%changed = plan%reference
+      plan%changed%name = 'changed'
+      plan%changed%tolerance = 1.0e-7_wp
+      plan%changed%functions = [10, 2]
+      allocate (plan%others(0))
+   end subroutine make_target_plan
 
    !> One of the views; `base` if it is none for this scene.
    subroutine set_view(number, draft, view)

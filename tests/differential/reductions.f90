@@ -2,11 +2,13 @@
 module reductions
    use, intrinsic :: iso_c_binding, only: c_int, c_long, c_ptr, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: output_unit
+   use limber_base_kinds, only: wp
    use limber_base_process, only: start_copy, end_copy
    use limber_base_text, only: as_text, newline
    use drafts, only: draft_type
    use comparisons, only: verdict_type
    use plans, only: plan_type, deck_of
+   use promises, only: judge_promise
    use verdicts, only: judge
    use views, only: mentions, view_type
    implicit none
@@ -58,7 +60,11 @@ contains
       if (number < 0) error stop 'no copy of this process could be made'
       if (is_copy) then
          ignored = c_set_timer(2_c_int, [0_c_long, 0_c_long, int(patience_for_all, c_long), 0_c_long], c_null_ptr)
-         call judge(draft, plan, verdict)
+         if (plan%base%target > 0.0_wp) then
+            call judge_promise(draft, plan, verdict)
+         else
+            call judge(draft, plan, verdict)
+         end if
          open (newunit=unit, file=file, status='replace', action='write')
          write (unit, '(a)') verdict%kind, verdict%view, verdict%what
          write (unit, '(es12.4)') verdict%ratio
@@ -75,6 +81,7 @@ contains
          close (unit, status='delete')
       else
          verdict%kind = merge('hang ', 'crash', signal == 27)
+         if (signal == 27 .and. plan%base%target > 0.0_wp) verdict%kind = 'failed'
          verdict%what = 'signal '//as_text(signal)//', status '//as_text(iand(ishft(int(status), -8), 255))
          open (newunit=unit, file='differential.view', status='old', action='read')
          read (unit, '(a)') verdict%view

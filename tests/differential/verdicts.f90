@@ -11,7 +11,7 @@ module verdicts
    use views, only: view_type, seen_again
    implicit none
    private
-   public :: judge
+   public :: judge, run_view, note_view, bring_back, is_slow, first_words
 
    !> Whether each run says how it ended, and what it warns of
    logical, public :: talks = .false.
@@ -30,7 +30,6 @@ contains
       type(draft_type), intent(in) :: draft
       type(view_type), intent(in) :: view
       type(trial_type), intent(out) :: trial
-      integer :: i, row, rows
       call note_view(view)
       call try(deck_of(draft, view), trial)
       if (talks) then
@@ -38,6 +37,15 @@ contains
             & ', '//as_text(trial%cpu, 2)//' s '//trial%message//newline//trial%warnings
          flush (output_unit)
       end if
+      call bring_back(draft, view, trial)
+   end subroutine run_view
+
+   !> Brings the channels of a run back from its view.
+   subroutine bring_back(draft, view, trial)
+      type(draft_type), intent(in) :: draft
+      type(view_type), intent(in) :: view
+      type(trial_type), intent(inout) :: trial
+      integer :: i, row, rows
       row = 1
       if (.not. allocated(trial%values)) return
       if (size(trial%values) == 0) return
@@ -51,7 +59,7 @@ contains
       if (size(trial%modes) > 0) then
          trial%modes(1, :) = trial%modes(1, :)*view%units(3)
       end if
-   end subroutine run_view
+   end subroutine bring_back
 
    !> Leaves the name of the view that runs in a file, for what ends without a word.
    subroutine note_view(view)

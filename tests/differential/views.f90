@@ -14,6 +14,7 @@
 !>    <R|l,m,t|+|law>       as E, of a motion: not changed where loads are
 !>    <L|X|Y>, <W|law>      X or Y, the axis that was x, of views by quarters; a law of what was x
 !>    <M|a|b>               word a, and b in a mirror
+!>    <J|n|m>               options of an exact beam with n functions of the angle and m of the strain
 !>    <O>, <H>, <I>         options of *DYNAMICS and of *ASSEMBLY; *ACCURACY
 !>
 !> and in laws {t}, {x:point}, {y:point}, {vx:point}, {vy:point}, {ang:body}, {spin:body}, {el}, {rate} of springs along a line,
@@ -44,6 +45,10 @@ module views
       real(wp) :: change = 0.0_wp
       character(10) :: integrator = 'AUTO'
       real(wp) :: tolerance = 1.0e-6_wp
+      !> Error that limber is to keep, with the functions of exact beams, the integrator and the tolerance left to it; 0: none
+      real(wp) :: target = 0.0_wp
+      !> Functions of all exact beams, of the angle and of the strain; 0: each has its own
+      integer :: functions(2) = 0
       !> Counts the numbers that are changed
       integer :: changed = 0
    end type view_type
@@ -145,10 +150,18 @@ contains
          out = plus(times(view%units(2)*factor, law(word(text, 2), view)), &
             & view%units(2)*view%moved(merge(1, 2, abs(view%cosine) > 0.5_wp)))
       case ('M'); out = word(text, merge(3, 2, view%side < 0.0_wp))
+      case ('J')
+         out = ', GEOMETRIC=EXACT, FUNCTIONS='//word(text, 2)//', STRAIN FUNCTIONS='//word(text, 3)
+         if (view%functions(1) > 0) out = ', GEOMETRIC=EXACT, FUNCTIONS='//as_text(view%functions(1))//', STRAIN FUNCTIONS='// &
+            & as_text(view%functions(2))
+         if (view%target > 0.0_wp) out = ''
       case ('O')
          out = ', TOLERANCE='//short(view%tolerance)//', INTEGRATOR='//trim(view%integrator)
+         if (view%target > 0.0_wp) out = ''
       case ('H'); out = merge(', ELIMINATION=YES', ', ELIMINATION=NO ', view%eliminated)
-      case ('I'); out = merge('YES', 'NO ', view%estimated)
+      case ('I')
+         out = trim(merge('YES', 'NO ', view%estimated))
+         if (view%target > 0.0_wp) out = out//', TARGET='//short(view%target)
       case default; error stop 'a field that nobody knows'
       end select
    end function field

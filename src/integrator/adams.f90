@@ -8,6 +8,7 @@ module limber_integrator_adams
    use limber_base_kinds, only: wp, long
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
+   use limber_integrator_adams_errors, only: gamma_star, estimate_errors, weighted
    use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, predict, finish_differences
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, energy_scale
@@ -27,12 +28,6 @@ module limber_integrator_adams
    real(wp), parameter :: near_limit = 0.4_wp
    !> Least number of bodies whose accelerations are found by recursion
    integer, parameter :: many = 10
-   !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
-   real(wp), parameter :: gamma_star(13) = [0.5_wp, 0.0833_wp, 0.0417_wp, 0.0264_wp, 0.0188_wp, 0.0143_wp, 0.0114_wp, &
-      & 0.00936_wp, 0.00789_wp, 0.00679_wp, 0.00592_wp, 0.00524_wp, 0.00468_wp]
-   !> Relative difference of norms up to which those of several orders count as the same
-   real(wp), parameter :: flat = 0.15_wp
-
    !> Memory of the method, in the names of Shampine and Gordon
    type, extends(integrator_type) :: adams_type
       !> Number of coordinates that are integrated; length of y = [q; v; w] or [q; v] with those
@@ -131,7 +126,7 @@ contains
       self%phi(:, 1) = self%yp
       self%g(1:2) = [1.0_wp, 0.5_wp]
       self%sig(1) = 1.0_wp
-      slope = weighted(self, self%yp)
+      slope = weighted(self%weighed, self%yp, self%scale)
       self%h = duration
       if (self%tolerance < 16*slope*self%h**2) self%h = 0.25_wp*sqrt(self%tolerance/slope)
       ! At rest where a load is about to begin nothing says how soon
@@ -221,18 +216,6 @@ contains
       if (system%powered) yp(self%ny) = input_power(system, work, y(:nq), y(nq + 1:2*nq))
    end subroutine differentiate
 
-   !> Norm of a vector of the length of y in units of the scales.
-   pure real(wp) function weighted(self, vector)
-      class(adams_type), intent(in) :: self
-      real(wp), intent(in) :: vector(:)
-      integer :: i
-      weighted = 0.0_wp
-      do i = 1, self%weighed
-         weighted = weighted + (vector(i)/self%scale(i))**2
-      end do
-      weighted = sqrt(weighted)
-   end function weighted
-
    subroutine adams_step(self, system, work, stop, error)
       class(adams_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -269,7 +252,8 @@ contains
          call predict(self%ny, self%k, self%ns, self%h, self%beta, self%g, self%y, self%phi, self%p)
          call evaluate(self, system, work, t, self%p, self%yp, error)
          if (allocated(error)) return
-         call estimate_errors(self, estimate, err, k_next)
+         call estimate_errors(self%ny, self%weighed, self%k, self%h, self%g, self%sig, self%scale, self%yp, self%phi, estimate, &
+            & err, k_next)
          accepted = err <= self%bound .or. self%fixed_step > 0.0_wp
          if (accepted) then
             call correct(self, system, work, t, accepted, error)
@@ -352,61 +336,6 @@ contains
       bound = self%tolerance
       if (spin > 2*acos(-1.0_wp)*turns) bound = max(min(bound, least), bound*2*acos(-1.0_wp)*turns/spin)
    end function turning_bound
-
-   !> Local error of this step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).
-   subroutine estimate_errors(self, estimate, err, k_next)
-      class(adams_type), intent(in) :: self
-      !> Orders k, k-1, k-2
-      real(wp), intent(out) :: estimate(0:3)
-      real(wp), intent(out) :: err
-      integer, intent(out) :: k_next
-      real(wp) :: norm(0:2), difference
-      integer :: i, k
-      k = self%k
-      norm = 0.0_wp
-      do i = 1, self%weighed
-         difference = self%yp(i) - self%phi(i, 1)
-         norm(0) = norm(0) + (difference/self%scale(i))**2
-         if (k > 1) norm(1) = norm(1) + ((self%phi(i, k) + difference)/self%scale(i))**2
-         if (k > 2) norm(2) = norm(2) + ((self%phi(i, k - 1) + difference)/self%scale(i))**2
-      end do
-      norm = self%h*sqrt(norm)
-      err = norm(0)*(self%g(k) - self%g(k + 1))
-      if (k > 1) then
-         if (abs(norm(1) - norm(0)) <= flat*norm(0) .and. (k == 2 .or. abs(norm(2) - norm(0)) <= flat*norm(0))) &
-            & err = max(err, norm(0)*gamma_star(seen_order(self, norm(0))))
-      end if
-      estimate = 0.0_wp
-      estimate(0) = norm(0)*self%sig(k + 1)*gamma_star(k)
-      if (k > 1) estimate(1) = norm(1)*self%sig(k)*gamma_star(k - 1)
-      if (k > 2) estimate(2) = norm(2)*self%sig(k - 1)*gamma_star(k - 2)
-      k_next = k
-      if (k > 2) then
-         if (max(estimate(1), estimate(2)) <= estimate(0)) k_next = k - 1
-      else if (k == 2) then
-         if (estimate(1) <= 0.5_wp*estimate(0)) k_next = k - 1
-      end if
-      if (.not. err <= huge(err)) err = huge(err)
-   end subroutine estimate_errors
-
-   !> The lowest order whose difference is as large as that of the present one: a law that jumps, or nearly does, within the step
-   !> adds the same to the differences of all orders, and what the higher ones promise does not hold, eq. (W7).
-   pure integer function seen_order(self, largest) result(order)
-      class(adams_type), intent(in) :: self
-      !> Difference of the present order times the step, in units of the scales
-      real(wp), intent(in) :: largest
-      real(wp) :: norm
-      integer :: i
-      order = max(1, self%k - 2)
-      do while (order > 1)
-         norm = 0.0_wp
-         do i = 1, self%weighed
-            norm = norm + ((self%phi(i, order) + self%yp(i) - self%phi(i, 1))/self%scale(i))**2
-         end do
-         if (abs(self%h*sqrt(norm) - largest) > flat*largest) return
-         order = order - 1
-      end do
-   end function seen_order
 
    !> Puts the differences back and chooses a smaller step (block 3).
    subroutine retreat(self, failures, estimate, k_next)
@@ -509,7 +438,7 @@ contains
          self%k = k - 1
          chosen = estimate(1)
       else if (k + 1 <= self%ns) then
-         raised = self%h*gamma_star(k + 1)*weighted(self, self%phi(:, k + 2))
+         raised = self%h*gamma_star(k + 1)*weighted(self%weighed, self%phi(:, k + 2), self%scale)
          if (k > 1) then
             if (estimate(1) <= min(estimate(0), raised)) then
                self%k = k - 1

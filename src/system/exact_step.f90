@@ -4,7 +4,8 @@
 !> `new_exact_step`. Floor: system. Source: doc/theory, section "The exact beam", eqs. (X25)-(X28).
 module limber_system_exact_step
    use limber_base_kinds, only: wp
-   use limber_system_centreline, only: centreline_type, integrate, gather, add_columns, inner, inner_pair
+   use limber_system_centreline, only: centreline_type, integrate, gather, inner, inner_pair
+   use limber_system_centreline_tangent, only: add_columns
    implicit none
    private
    public :: exact_step_type, new_exact_step, place_mean, mean_turn, exact_momentum, exact_pull, exact_momentum_tangent, &

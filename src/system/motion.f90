@@ -7,6 +7,7 @@ module limber_system_motion
    use limber_model_scene, only: ground
    use limber_system_body, only: body_tangent
    use limber_system_beam_residual, only: add_beam_residual
+   use limber_system_centreline_tangent, only: add_centreline_tangent
    use limber_system_dynamics, only: sum_given_forces
    use limber_system_eta_mass, only: update_eta_masses
    use limber_system_kinematics, only: kinematics_type, place_frames, move_frames
@@ -197,8 +198,8 @@ contains
       associate (frame => work%kinematics%frames(i), reduced => system%model%bodies(i)%reduced)
          if (reduced%is_exact) then
             associate (line => work%kinematics%lines(findloc(work%kinematics%beams, i, dim=1)))
-               call line%tangent(system%model%gravity, frame%u, frame%omega, a(at:at + 1), a(at + 2), a(at + 3:at + 2 + n), &
-                  & body%stiffness(:, 3:), body%damping(:, 3:))
+               call add_centreline_tangent(line, system%model%gravity, frame%u, frame%omega, a(at:at + 1), a(at + 2), &
+                  & a(at + 3:at + 2 + n), body%stiffness(:, 3:), body%damping(:, 3:))
             end associate
          else
             call body_tangent(reduced, system%model%gravity, frame%u, frame%omega, q(first:last), v(first:last), a(at:at + 1), &

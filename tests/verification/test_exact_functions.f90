@@ -25,6 +25,7 @@ program test_exact_functions
    call check_loads()
    call check_frequencies()
    call check_spreads()
+   call check_parts()
    call finish()
 
 contains
@@ -147,6 +148,30 @@ contains
       call reader%close()
    end subroutine check_modes
 
+   !> Frequencies of a beam on pins with a place where a force may act: each of its parts has stations enough, wherever that is.
+   subroutine check_parts()
+      character(8), parameter :: places(6) = [character(8) :: 'near', 'quarter', 'behind', 'third', 'off', 'middle']
+      real(wp), parameter :: waves(6) = pi*[1, 2, 3, 4, 5, 6]
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:)
+      character(:), allocatable :: place
+      integer :: i
+      place = ''
+      do i = 1, size(places)
+         place = trim(places(i))
+         call run_scene(7, pin//roller//'*FORCE, NAME=f, POINT=bar.'//place//nl//' 0, 0*t'//nl// &
+            & '*MODES, NAME=modes, NUMBER=6'//nl, reader)
+         call reader%read_numbers('/modes/modes/frequency', frequency, error)
+         call check_no_error(error, 'frequencies with a force at '//place)
+         if (allocated(error)) return
+         print '(a,6es10.2)', 'errors of the frequencies with a force at '//place//':', frequency(:6)/waves**2 - 1
+         call check(maxval(abs(frequency(:5)/waves(:5)**2 - 1)) < 1.0e-4_wp, 'five frequencies with a force at '//place)
+         call reader%close()
+         if (allocated(frequency)) deallocate (frequency)
+      end do
+   end subroutine check_parts
+
    !> A load from 0.3 to 0.55 by default: of a beam on pins by Simpson's rule, exact for the cubic influence of a force on the middle;
    !> of a cantilever at its tip.
    subroutine check_spreads()
@@ -203,8 +228,8 @@ contains
       open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
       write (unit) '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'// &
          & nl//'*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH=1, STRAIN FUNCTIONS=0, FUNCTIONS='//as_text(functions)//nl// &
-         & ' quarter, 0.25'//nl//'*GROUND'//nl//' far, 1, 0'//nl//scene//'*OUTPUT'//nl// &
-         & ' y = y(bar.end), ym = y(bar.middle), yq = y(bar.quarter)'//nl
+         & ' near, 0.02'//nl//' quarter, 0.25'//nl//' behind, 0.26'//nl//' third, 0.3'//nl//' off, 0.4'//nl// &
+         & '*GROUND'//nl//' far, 1, 0'//nl//scene//'*OUTPUT'//nl// ' y = y(bar.end), ym = y(bar.middle), yq = y(bar.quarter)'//nl
       close (unit)
       if (allocated(report)) deallocate (report)
       call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)

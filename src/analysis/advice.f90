@@ -10,7 +10,7 @@ module limber_analysis_advice
    implicit none
    private
    public :: advice_type, make_advice, apply_advice, expected_error, expected_stretch, cost_of, check_rung, vibrates, rest_beyond, &
-      & deck_of
+      & note_surprise, deck_of
 
    !> What is advised
    type :: advice_type
@@ -22,6 +22,9 @@ module limber_analysis_advice
       !> Expected error of each beam's model, and its share of the target
       real(wp), allocatable :: expected(:)
       real(wp) :: share = 0.0_wp
+      !> How many times larger than expected the errors of the models have turned out: the probe moves beams without their speeds,
+      !> and what it says of the stretch is not better than what it says of the bending, eq. (R23)
+      real(wp) :: surprise = 1.0_wp
       !> Tolerance, and whether it is limber's to choose; whether the integrator is
       real(wp) :: tolerance = 0.0_wp
       logical :: open_tolerance = .true., open_integrator = .true.
@@ -162,10 +165,20 @@ contains
       associate (rung => advice%rungs(i), beam => advice%probe%beams(i))
          check = rung
          if (.not. matters(advice, i)) return
-         check = verifying(rung, max(whole_stretch(beam), of_force*beam%force) > of_stretch*advice%share/part_model .or. &
-            & vibrates(advice, i))
+         check = verifying(rung, advice%surprise*max(whole_stretch(beam), of_force*beam%force) > &
+            & of_stretch*advice%share/part_model .or. vibrates(advice, i))
       end associate
    end function check_rung
+
+   !> Takes note of an error of the models that a verification has shown.
+   pure subroutine note_surprise(advice, error)
+      type(advice_type), intent(inout) :: advice
+      !> Relative to the channels
+      real(wp), intent(in) :: error
+      real(wp) :: expected
+      expected = max(sum(advice%expected), tiny(expected))
+      if (error < huge(error)) advice%surprise = max(advice%surprise, min(error/expected, 1.0e6_wp))
+   end subroutine note_surprise
 
    !> Whether axial vibrations of a beam matter to its bending, or nothing is known of them.
    pure logical function vibrates(advice, i)
@@ -182,9 +195,11 @@ contains
       integer, intent(in) :: i
       !> The same of a rigid beam, whose expected error nothing else shows
       real(wp), parameter :: of_rigid = 1.0e-3_wp
-      matters = advice%expected(i) >= merge(no_matter, of_rigid, advice%rungs(i)%step > 0)*advice%target
-      if (advice%rungs(i)%step > 0) matters = matters .or. &
-         & advice%probe%beams(i)%effect + advice%probe%beams(i)%stretch > no_effect*advice%target
+      real(wp) :: expected, effect
+      expected = advice%surprise*advice%expected(i)
+      effect = advice%surprise*(advice%probe%beams(i)%effect + advice%probe%beams(i)%stretch)
+      matters = expected >= merge(no_matter, of_rigid, advice%rungs(i)%step > 0)*advice%target
+      if (advice%rungs(i)%step > 0) matters = matters .or. effect > no_effect*advice%target
    end function matters
 
    !> Error of a higher rung as a part of the difference that it makes, as far as the probe tells: eq. (R22).

@@ -4,8 +4,7 @@ module limber_analysis_target
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: make_advice, expected_error, expected_stretch, check_rung, vibrates, rest_beyond, deck_of, &
-      & part_time
+   use limber_analysis_advice, only: make_advice, expected_error, expected_stretch, check_rung, deck_of, part_time
    use limber_analysis_descent, only: descend
    use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
    use limber_analysis_pool, only: pool_type
@@ -13,30 +12,16 @@ module limber_analysis_target
    use limber_analysis_probe, only: prospect_type
    use limber_analysis_rungs, only: rung_type, richer, can_climb
    use limber_analysis_trial, only: trial_type, take_trial, take_samples, least_patience, least_verified
-   use limber_analysis_truth, only: truth_type, error_against, largest_difference
+   use limber_analysis_truth, only: truth_type, error_against
+   use limber_analysis_verification, only: verify, does_for, falls_short, of_truth, ladder, widening, time_first
    use limber_deck_content, only: deck_type
    implicit none
    private
    public :: reach_target
 
-   !> Part of the target that the error of a truth may be that is good enough for another setting; that it is taken to err at least
-   !> where there are beams
-   real(wp), parameter :: sure = 0.35_wp, doubt = 0.07_wp
-   !> Part of the target that the integration of a truth may err by
-   real(wp), parameter :: of_truth = 0.1_wp
    !> Most rounds, and work in units of the last run's after which no more are begun
    integer, parameter :: most_rounds = 12
    real(wp), parameter :: patience = 100.0_wp
-   !> Ratio of the tolerances of a run and its check, error of that as a part of their difference, and the power of the tolerance that
-   !> errors of the integration are taken to fall with
-   real(wp), parameter :: ladder = 0.1_wp, rest_of_time = 0.25_wp, falling = 0.6_wp
-   !> What differences are multiplied by where the integration is judged
-   real(wp), parameter :: widening = 1.25_wp
-   !> Part of the target from which on the integration is mended first
-   real(wp), parameter :: time_first = 0.75_wp
-   !> Part of the error of the integration that is left where a smaller tolerance has been of use
-   real(wp), parameter :: helped = 0.5_wp
-
    !> The run that misses the target by the least, and what it was compared with
    type :: best_type
       type(reached_type) :: reached
@@ -119,11 +104,17 @@ contains
             reached%reason = candidate%reason
             if (on) call climb_all(reached, climbed)
          else
-            if (does_for(truth, reached%advice%rungs, reached%advice%tolerance, target)) then
+            if (does_for(truth, reached%advice%rungs, reached%advice%tolerance, target) .and. &
+               & .not. falls_short(truth, reached%advice)) then
                reached%error = error_against(truth, candidate%samples%values)
                reached%of_model = reached%error
             else
                call verify(deck_of(reached%advice, deck), target, quiet, on, pool, candidate, reached, truth, looser, error)
+               if (allocated(error)) return
+               if (looser) cycle
+               ! What the probe expects does not count where it has been wrong
+               if (reached%error <= target .and. falls_short(truth, reached%advice)) call verify(deck_of(reached%advice, deck), &
+                  & target, quiet, on, pool, candidate, reached, truth, looser, error)
                if (allocated(error)) return
                if (looser) cycle
             end if
@@ -214,215 +205,6 @@ contains
          call take_trial(adams, candidate)
       end associate
    end subroutine begin
-
-   !> Whether a finer run that is there already does for the present setting, so that none has to be made.
-   pure logical function does_for(truth, rungs, tolerance, target)
-      type(truth_type), intent(in) :: truth
-      type(rung_type), intent(in) :: rungs(:)
-      real(wp), intent(in) :: tolerance, target
-      does_for = .false.
-      if (.not. truth%known .or. size(rungs) == 0) return
-      does_for = truth%tolerance <= tolerance .and. all(truth%rest <= sure*target*truth%scale) .and. &
-         & all(truth%rungs%step > rungs%step .or. rungs%step == 0) .and. all(truth%rungs%stretches .or. .not. rungs%stretches)
-   end function does_for
-
-   !> Runs the checks of a run and estimates its error from the differences, eqs. (180), (181): with a smaller tolerance, and then with
-   !> all beams that matter higher, which is the truth. Where the integration alone errs by too much, and there is another round, the
-   !> beams wait.
-   subroutine verify(deck, target, quiet, on, pool, candidate, reached, truth, looser, error)
-      type(deck_type), intent(in) :: deck
-      real(wp), intent(in) :: target
-      !> Whether the progress is not shown; whether there is another round if this one fails
-      logical, intent(in) :: quiet, on
-      type(pool_type), intent(inout) :: pool
-      type(trial_type), intent(in) :: candidate
-      type(reached_type), intent(inout) :: reached
-      type(truth_type), intent(inout) :: truth
-      !> Whether the integration errs by so little that the next run is to have a larger tolerance, before anything else is looked at
-      logical, intent(out) :: looser
-      type(error_type), allocatable, intent(out) :: error
-      type(trial_type) :: finer, check
-      type(rung_type) :: rungs(size(reached%advice%rungs))
-      real(wp), allocatable :: of_time(:), rest(:), unresolved(:)
-      real(wp) :: step, part, beyond
-      !> Tolerance from which on RADAU may step over vibrations of the strain
-      real(wp), parameter :: loose = 2.0e-4_wp
-      integer :: i, n
-      looser = .false.
-      n = candidate%samples%samples
-      reached%of_model = 0.0_wp
-      truth%known = .false.
-      associate (advice => reached%advice, estimate => reached%estimate)
-         ! Where no smaller tolerance is left, a looser one shows how far errors fall
-         step = merge(ladder, 1/ladder, advice%tolerance > 0.99_wp*least_verified)
-         estimate%companion = step*advice%tolerance
-         estimate%reason = ''
-         estimate%of_model = .true.
-         call pool%check(deck, advice%rungs, advice%tolerance, step, 60*candidate%work, .not. allocated(truth%scale), quiet, &
-            & 'check of the integration', finer, error)
-         if (allocated(error)) return
-         if (finer%reason /= '') then
-            reached%reason = 'the check at TOLERANCE='//as_text(estimate%companion, 2)//' failed: '//finer%reason
-            estimate%reason = reached%reason
-            return
-         end if
-         if (.not. allocated(truth%scale)) then
-            allocate (truth%scale, source=finer%scale)
-            allocate (truth%of_terms, source=finer%of_terms)
-         end if
-         associate (channels => size(truth%scale))
-            allocate (of_time, source=largest_difference(finer%samples%values(:channels, :n), &
-               & candidate%samples%values(:channels, :n)))
-            allocate (rest, source=of_time)
-            reached%of_time = maxval([0.0_wp, of_time/truth%scale])
-            call reached%shown%take(advice%rungs, advice%tolerance, reached%of_time, target, &
-               & candidate%samples%values(:channels, :n), finer%samples%values(:channels, :n))
-            if (step < 1.0_wp) then
-               call truth%take(advice%rungs, estimate%companion, finer%samples%values(:channels, :n), finer%work, &
-                  & rest_of_time*of_time)
-            else
-               call truth%take(advice%rungs, advice%tolerance, candidate%samples%values(:channels, :n), candidate%work, &
-                  & rest_of_time*of_time)
-            end if
-            if (on) call loosen(reached, target, looser)
-            if (looser) then
-               truth%known = .false.
-               return
-            end if
-            do i = 1, size(rungs)
-               rungs(i) = check_rung(advice, i)
-            end do
-            reached%useless = reached%of_time_before > 0.0_wp .and. any(can_climb(advice%rungs)) .and. &
-               & reached%of_time > max(target, helped*reached%of_time_before)
-            if (on .and. advice%open_tolerance .and. size(rungs) > 0 .and. widening*reached%of_time > time_first*target .and. &
-               & .not. reached%useless) then
-               reached%error = widening*reached%of_time
-               truth%known = .false.
-               return
-            end if
-            if (any(rungs%step > advice%rungs%step .or. (rungs%stretches .neqv. advice%rungs%stretches))) then
-               ! No smaller than it takes for the integration to err by less than half of the doubt
-               part = 1.0_wp
-               ! With strain for the first time a tolerance costs little, and the run may be one that just keeps the target
-               beyond = merge(0.5_wp*doubt, of_truth, any(rungs%stretches .and. .not. advice%rungs%stretches))
-               if (reached%of_time > beyond*target) part = max(ladder, (beyond*target/reached%of_time)**(1/falling))
-               if (part < 1.5_wp*ladder) part = ladder
-               call run_higher(deck, rungs, advice%tolerance, part, candidate%work, quiet, pool, reached, check, error)
-               if (allocated(error)) return
-               if (check%reason /= '') then
-                  reached%of_model = huge(1.0_wp)
-                  reached%error = huge(1.0_wp)
-                  truth%known = .false.
-                  return
-               end if
-               allocate (unresolved(channels))
-               unresolved = 0.0_wp
-               if (part*advice%tolerance > loose .and. any([(vibrates(advice, i), i=1, size(rungs))] .and. rungs%stretches)) then
-                  call resolve(deck, rungs, advice%tolerance, target, candidate%work, truth%scale, quiet, pool, part, check, &
-                     & unresolved, error)
-                  if (allocated(error)) return
-               end if
-               beyond = 0.0_wp
-               do i = 1, size(rungs)
-                  beyond = max(beyond, rest_beyond(advice%rungs(i), rungs(i), advice%probe%beams(i)))
-               end do
-               ! Of the two runs that it may be compared with, the nearer one errs less in time
-               rest = min(largest_difference(check%samples%values(:channels, :n), truth%values), &
-                  & largest_difference(check%samples%values(:channels, :n), candidate%samples%values(:channels, :n)))
-               reached%of_model = maxval(rest/truth%scale)
-               rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale) + unresolved
-               call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
-            else if (size(rungs) > 0) then
-               truth%rest = max(truth%rest, doubt*target*truth%scale)
-            end if
-            reached%error = error_against(truth, candidate%samples%values)
-         end associate
-      end associate
-   end subroutine verify
-
-   !> Takes a larger tolerance for a scene of beams whose integration errs by very little; the run that was made verifies it then.
-   pure subroutine loosen(reached, target, loosens)
-      type(reached_type), intent(inout) :: reached
-      real(wp), intent(in) :: target
-      logical, intent(out) :: loosens
-      !> Part of the target that the error is below, the factor, and the largest tolerance
-      real(wp), parameter :: little = 0.03_wp, factor = 10.0_wp, loosest = 1.0e-2_wp
-      associate (advice => reached%advice)
-         loosens = advice%open_tolerance .and. advice%integrator == 'RADAU' .and. .not. reached%tightened .and. &
-            & reached%of_time < little*target .and. advice%tolerance < 0.5_wp*loosest
-         if (loosens) advice%tolerance = min(loosest, factor*advice%tolerance)
-      end associate
-   end subroutine loosen
-
-   !> The run with higher rungs. A small tolerance may follow vibrations that cost very much, and a loose one excite them: then another
-   !> one is tried, and patience at last.
-   subroutine run_higher(deck, rungs, tolerance, part, work, quiet, pool, reached, check, error)
-      type(deck_type), intent(in) :: deck
-      type(rung_type), intent(in) :: rungs(:)
-      !> That of the run to be verified; its own in units of that, on return what it was; counted work of that run
-      real(wp), intent(in) :: tolerance, work
-      real(wp), intent(inout) :: part
-      logical, intent(in) :: quiet
-      type(pool_type), intent(inout) :: pool
-      type(reached_type), intent(in) :: reached
-      type(trial_type), intent(inout) :: check
-      type(error_type), allocatable, intent(out) :: error
-      real(wp), parameter :: most(4) = [16.0_wp, 24.0_wp, 32.0_wp, 200.0_wp], looser = 0.7_wp
-      integer :: i
-      real(wp) :: factor(4), asked, limit
-      asked = part
-      factor = [1.0_wp, 0.1_wp, 1/part, 1.0_wp]
-      if (part < looser) factor(2:3) = factor(3:2:-1)
-      do i = 1, size(factor)
-         part = factor(i)*asked
-         if (part*tolerance < 0.1_wp*least_verified) cycle
-         if (i == 3 .and. .not. asked < 1.0_wp) cycle
-         ! Strain has fast vibrations
-         limit = most(i)*merge(5.0_wp, 1.0_wp, any(rungs%stretches .and. .not. reached%advice%rungs%stretches))*work
-         if (i < size(factor)) limit = limit - least_patience
-         call pool%check(deck, rungs, tolerance, part, limit, .false., quiet, 'check of '//names_of(rungs), check, error)
-         if (allocated(error)) return
-         if (check%reason == '') return
-      end do
-   end subroutine run_higher
-
-   !> The same with smaller tolerances, until they make little difference: where vibrations of the strain matter, and the tolerance lets
-   !> RADAU step over them, the run to be verified tells nothing of how they are followed.
-   subroutine resolve(deck, rungs, tolerance, target, work, scale, quiet, pool, part, check, unresolved, error)
-      type(deck_type), intent(in) :: deck
-      type(rung_type), intent(in) :: rungs(:)
-      !> Of the run to be verified, the relative error that is aimed at, the counted work of that run, what errors are relative to
-      real(wp), intent(in) :: tolerance, target, work, scale(:)
-      logical, intent(in) :: quiet
-      type(pool_type), intent(inout) :: pool
-      !> Tolerance of the truth in units of that of the run, and the truth; on return finer
-      real(wp), intent(inout) :: part
-      type(trial_type), intent(inout) :: check
-      !> Error of its integration that its own runs show (channels)
-      real(wp), intent(inout) :: unresolved(:)
-      type(error_type), allocatable, intent(out) :: error
-      !> Most runs, part of the target that they may differ by, part of the difference that is left, most work in units of the run's
-      integer, parameter :: most = 2
-      real(wp), parameter :: little = 0.3_wp, left = 0.5_wp, effort = 400.0_wp
-      type(trial_type) :: finer
-      integer :: i, n, channels
-      n = check%samples%samples
-      channels = size(scale)
-      do i = 1, most
-         call pool%check(deck, rungs, tolerance, ladder*part, effort*work, .false., quiet, 'check of '//names_of(rungs), finer, &
-            & error)
-         if (allocated(error)) return
-         if (finer%reason /= '') then
-            ! Nothing is known of it then
-            if (i == 1) unresolved = target*scale
-            return
-         end if
-         unresolved = left*largest_difference(finer%samples%values(:channels, :n), check%samples%values(:channels, :n))
-         call take_trial(finer, check)
-         part = ladder*part
-         if (all(unresolved <= left*little*target*scale)) return
-      end do
-   end subroutine resolve
 
    !> Up where the verification shows too large a part: a smaller tolerance, and the beams one rung or two, or with strain where the
    !> stretch is what was expected.

@@ -1,0 +1,159 @@
+!> Decisions of a search for a target: which rungs verify a beam, also where the probe has been wrong; how far vibrations of the
+!> strain are resolved; and what beams are given that joints hold at both ends.
+program test_verification
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_advice, only: advice_type, check_rung, note_surprise
+   use limber_analysis_pool, only: pool_type
+   use limber_analysis_probe_scenes, only: build_exact
+   use limber_analysis_rungs, only: rung_type, find_rungs
+   use limber_analysis_scene, only: scene_type
+   use limber_analysis_trial, only: trial_type
+   use limber_analysis_truth, only: truth_type
+   use limber_analysis_verification, only: falls_short, resolve
+   use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_reader, only: read_deck_text
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   character(*), parameter :: nl = new_line('a')
+
+   call test_surprise()
+   call test_resolve()
+   call test_held_beams()
+   call finish()
+
+contains
+
+   !> A beam of which a ten-thousandth of the target is expected is not verified, until a run has shown 400 times more; with 600 its
+   !> strain is verified too, for that was expected to be of the same size.
+   subroutine test_surprise()
+      type(advice_type) :: advice
+      type(truth_type) :: truth
+      type(rung_type) :: rung
+      advice%target = 1.0e-2_wp
+      advice%share = 0.65e-2_wp
+      allocate (advice%rungs(1), advice%probe%beams(1))
+      advice%rungs%open_functions = .true.
+      advice%rungs%open_strains = .true.
+      advice%rungs%step = 3
+      advice%probe%beams(1)%effect = 1.0e-5_wp
+      advice%probe%beams(1)%stretch = 1.0e-6_wp
+      advice%expected = [1.0e-6_wp]
+      rung = check_rung(advice, 1)
+      call check(rung%step == 3 .and. .not. rung%stretches, 'what does not matter is not verified')
+      ! Twice the stretch, 2e-6, is to be a tenth of the share over 0.65 of it, 1e-3: 500 times
+      call note_surprise(advice, 400.0e-6_wp)
+      call check_close(advice%surprise, 400.0_wp, 1.0e-12_wp, 'errors over what was expected')
+      rung = check_rung(advice, 1)
+      call check(rung%step > 3 .and. .not. rung%stretches, '400 times as much: functions are verified')
+      call note_surprise(advice, 600.0e-6_wp)
+      rung = check_rung(advice, 1)
+      call check(rung%step > 3 .and. rung%stretches, '600 times as much: strain is verified')
+      call note_surprise(advice, 1.0e-6_wp)
+      call check_close(advice%surprise, 600.0_wp, 1.0e-12_wp, 'a surprise is not forgotten')
+      call note_surprise(advice, huge(1.0_wp))
+      call check_close(advice%surprise, 600.0_wp, 1.0e-12_wp, 'a run that failed tells nothing')
+      call check(.not. falls_short(truth, advice), 'no truth, nothing that it lacks')
+      truth%known = .true.
+      truth%rungs = advice%rungs
+      call check(falls_short(truth, advice), 'a truth with the same functions')
+      truth%rungs%step = 5
+      call check(falls_short(truth, advice), 'a truth without strain')
+      truth%rungs%stretches = .true.
+      call check(.not. falls_short(truth, advice), 'a truth with more functions, and strain')
+   end subroutine test_surprise
+
+   !> Truths of a mass on a spring by RADAU: against cos(t) they err by nearly all of what the next smaller tolerance changes.
+   subroutine test_resolve()
+      type(deck_type) :: deck
+      type(pool_type) :: pool
+      type(trial_type) :: run
+      type(error_type), allocatable :: error
+      type(rung_type) :: none(0)
+      real(wp) :: part, unresolved(1), before
+      call read(deck, '*POINT MASS, NAME=m, MASS=1, X=1'//nl//'*GROUND'//nl//' far, -10, 0'//nl//'*JOINT, NAME=line, '// &
+         & 'TYPE=POINT ON LINE'//nl//' m, ground.origin'//nl//'*SPRING, NAME=k, STIFFNESS=1, LENGTH=10'//nl//' m, ground.far'// &
+         & nl//'*DYNAMICS, END=20, OUTPUTS=40, INTEGRATOR=RADAU'//nl//'*OUTPUT'//nl//' x(m)'//nl)
+      call run_first(deck, pool, run, part, unresolved)
+      before = error_of(run)
+      call resolve(deck, none, 1.0e-2_wp, 1.0_wp, 1.0e6_wp, [1.0_wp], .true., pool, part, run, unresolved, error)
+      call check_no_error(error, 'resolve')
+      call check_close(part, 0.1_wp, 1.0e-12_wp, 'one run where that makes little difference')
+      call check(abs(unresolved(1) - 0.5_wp*before) < 0.3_wp*before, 'half of the difference is left')
+      call check(error_of(run) < 0.5_wp*before, 'the truth is the finer run')
+      call run_first(deck, pool, run, part, unresolved)
+      call resolve(deck, none, 1.0e-2_wp, 1.0e-9_wp, 1.0e6_wp, [1.0_wp], .true., pool, part, run, unresolved, error)
+      call check_close(part, 0.01_wp, 1.0e-12_wp, 'two runs at most')
+      call run_first(deck, pool, run, part, unresolved)
+      pool%budget = 0.0_wp
+      call resolve(deck, none, 0.5e-2_wp, 0.125_wp, 1.0e6_wp, [2.0_wp], .true., pool, part, run, unresolved, error)
+      call check_close(unresolved(1), 0.25_wp, 1.0e-12_wp, 'nothing is known without such a run')
+      call check_close(part, 1.0_wp, 1.0e-12_wp, 'and the truth stays')
+   end subroutine test_resolve
+
+   !> A run that is to be verified.
+   subroutine run_first(deck, pool, trial, part, unresolved)
+      type(deck_type), intent(in) :: deck
+      type(pool_type), intent(inout) :: pool
+      type(trial_type), intent(inout) :: trial
+      real(wp), intent(out) :: part, unresolved(1)
+      type(error_type), allocatable :: error
+      type(rung_type) :: none(0)
+      part = 1.0_wp
+      unresolved = 0.0_wp
+      call pool%check(deck, none, 1.0e-2_wp, part, huge(1.0_wp), .false., .true., 'run', trial, error)
+      call check_no_error(error, 'run')
+   end subroutine run_first
+
+   !> Largest difference from cos(t).
+   real(wp) function error_of(trial)
+      type(trial_type), intent(in) :: trial
+      integer :: k
+      error_of = 0.0_wp
+      do k = 1, trial%samples%samples
+         error_of = max(error_of, abs(trial%samples%values(1, k) - cos(0.5_wp*(k - 1))))
+      end do
+   end function error_of
+
+   !> A beam between two pins or two walls cannot bend without strain; a hinged one and a cantilever can.
+   subroutine test_held_beams()
+      character(*), parameter :: start = '*JOINT, NAME=a, TYPE=REVOLUTE'//nl//' bar.start, ground.origin'//nl, &
+         & end = '*JOINT, NAME=b, TYPE=REVOLUTE'//nl//' bar.end, ground.far'//nl, &
+         & wall = '*JOINT, NAME=a, TYPE=WELD'//nl//' bar.start, ground.origin'//nl, &
+         & other = '*JOINT, NAME=b, TYPE=WELD'//nl//' bar.end, ground.far'//nl
+      type(rung_type) :: rung
+      rung = rung_of(start)
+      call check(rung%least == 0 .and. rung%enough == 5, 'hinged: no strain, five functions verify')
+      rung = rung_of(start//end)
+      call check(rung%least == 1, 'between pins: with strain')
+      rung = rung_of(wall//other)
+      call check(rung%least == 1, 'between walls: with strain')
+      rung = rung_of(wall//'*FORCE, NAME=f, POINT=bar.middle'//nl//' 0, -1'//nl)
+      call check(rung%least == 0 .and. rung%enough == 6, 'a force within: a function more verifies')
+   end subroutine test_held_beams
+
+   !> The rung of a bar under what holds it.
+   type(rung_type) function rung_of(held)
+      character(*), intent(in) :: held
+      type(deck_type) :: deck
+      type(scene_type) :: scene
+      type(rung_type), allocatable :: rungs(:)
+      type(error_type), allocatable :: error
+      call read(deck, '*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7850'//nl//'*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.02'//nl// &
+         & '*BEAM, NAME=bar, MATERIAL=steel, SECTION=s, LENGTH=1'//nl//'*GROUND'//nl//' far, 1, 0'//nl//held//'*GRAVITY'//nl// &
+         & '*DYNAMICS, END=0.1'//nl//'*OUTPUT'//nl//' y(bar.middle)'//nl)
+      call find_rungs(deck, rungs)
+      call build_exact(deck, rungs, scene, error)
+      call check_no_error(error, held)
+      rung_of = rungs(1)
+   end function rung_of
+
+   subroutine read(deck, text)
+      type(deck_type), intent(out) :: deck
+      character(*), intent(in) :: text
+      type(diagnostics_type) :: diagnostics
+      call read_deck_text('scene.inp', text, deck, diagnostics)
+   end subroutine read
+
+end program test_verification

@@ -52,15 +52,7 @@ contains
       type(model_type), intent(in) :: model
       class(sink_type), intent(in) :: sink
       character(:), allocatable :: text
-      real(wp), allocatable :: values(:)
-      integer :: i
-      text = ''
-      allocate (values, source=scalar_values(model, sink))
-      do i = 1, size(values)
-         if (abs(values(i)) <= huge(1.0_wp)) cycle
-         text = text//"warning: scalar '"//model%scalars(i)%name//"' has no value ("//as_text(values(i))// &
-            & '): a logarithm, root or quotient in it is not defined'//newline
-      end do
+      text = each_scalar(model, sink, warning_of)
    end function scalar_warnings
 
    !> Lines of the report, each behind a line feed.
@@ -68,13 +60,46 @@ contains
       type(model_type), intent(in) :: model
       class(sink_type), intent(in) :: sink
       character(:), allocatable :: text
+      text = each_scalar(model, sink, line_of)
+   end function scalar_lines
+
+   !> What is said of each scalar, one after another.
+   function each_scalar(model, sink, said) result(text)
+      type(model_type), intent(in) :: model
+      class(sink_type), intent(in) :: sink
+      interface
+         function said(name, value) result(text)
+            import :: wp
+            character(*), intent(in) :: name
+            real(wp), intent(in) :: value
+            character(:), allocatable :: text
+         end function said
+      end interface
+      character(:), allocatable :: text
       real(wp), allocatable :: values(:)
       integer :: i
       text = ''
       allocate (values, source=scalar_values(model, sink))
       do i = 1, size(values)
-         text = text//newline//'   '//model%scalars(i)%name//' = '//as_text(values(i), 8)
+         text = text//said(model%scalars(i)%name, values(i))
       end do
-   end function scalar_lines
+   end function each_scalar
+
+   function warning_of(name, value) result(text)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+      text = ''
+      if (abs(value) <= huge(value)) return
+      text = "warning: scalar '"//name//"' has no value ("//as_text(value)// &
+         & '): a logarithm, root or quotient in it is not defined'//newline
+   end function warning_of
+
+   function line_of(name, value) result(text)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+      text = newline//'   '//name//' = '//as_text(value, 8)
+   end function line_of
 
 end module limber_analysis_scalars

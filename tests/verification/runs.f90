@@ -7,7 +7,7 @@ module runs
    use testing, only: check, check_no_error
    implicit none
    private
-   public :: run_changed, change_deck, contents, channel, read_columns
+   public :: run_changed, run_text, change_deck, contents, channel, read_columns
 
 contains
 
@@ -27,21 +27,38 @@ contains
       call check(reader%complete, path//' is marked complete')
    end subroutine run_changed
 
+   !> Writes a deck beside its results, and runs it.
+   subroutine run_text(text, results, report, error)
+      !> The deck; the file for its results
+      character(*), intent(in) :: text, results
+      character(:), allocatable, intent(out) :: report
+      type(error_type), allocatable, intent(out) :: error
+      call write_text(text, results//'.inp')
+      call run_deck(results//'.inp', results, .true., .true., report, error)
+   end subroutine run_text
+
+   !> Writes a file.
+   subroutine write_text(text, path)
+      character(*), intent(in) :: text, path
+      integer :: unit
+      open (newunit=unit, file=path, access='stream', action='write', status='replace')
+      write (unit) text
+      close (unit)
+   end subroutine write_text
+
    !> Writes a deck with texts exchanged, each where it occurs first.
    subroutine change_deck(path, changed, old, new)
       !> The deck and the new one; texts that occur in it, and what stands for them (of equal numbers)
       character(*), intent(in) :: path, changed, old(:), new(:)
       character(:), allocatable :: text
-      integer :: i, at, unit
+      integer :: i, at
       text = contents(path)
       do i = 1, size(old)
          at = index(text, trim(old(i)))
          call check(at > 0, path//' has '//trim(old(i)))
          if (at > 0) text = text(:at - 1)//trim(new(i))//text(at + len_trim(old(i)):)
       end do
-      open (newunit=unit, file=changed, access='stream', action='write', status='replace')
-      write (unit) text
-      close (unit)
+      call write_text(text, changed)
    end subroutine change_deck
 
    !> All samples of a channel.

@@ -5,14 +5,10 @@ program test_exact
    use limber_base_error, only: error_type
    use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
+   use bars, only: nl, wall, pin, roller, guide
    use runs, only: change_deck, channel, run_changed
    use testing, only: check, check_close, check_no_error, finish
    implicit none
-   character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: wall = '*JOINT, NAME=wall, TYPE=WELD, TURN=0'//nl//' bar.start, ground.origin'//nl
-   character(*), parameter :: pin = '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.start, ground.origin'//nl
-   character(*), parameter :: roller = '*JOINT, NAME=roller, TYPE=POINT ON LINE'//nl//' bar.end, ground.far'//nl
-   character(*), parameter :: guide = '*JOINT, NAME=guide, TYPE=TRANSLATIONAL'//nl//' bar.end, ground.far'//nl
    real(wp), parameter :: pi = acos(-1.0_wp)
    character(256) :: results
 

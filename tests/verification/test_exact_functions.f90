@@ -4,16 +4,11 @@ program test_exact_functions
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel
+   use bars, only: nl, wall, pin, roller, guide
+   use runs, only: channel, run_text
    use testing, only: check, check_close, check_no_error, finish
    implicit none
-   character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: wall = '*JOINT, NAME=wall, TYPE=WELD, TURN=0'//nl//' bar.start, ground.origin'//nl
-   character(*), parameter :: pin = '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.start, ground.origin'//nl
-   character(*), parameter :: roller = '*JOINT, NAME=roller, TYPE=POINT ON LINE'//nl//' bar.end, ground.far'//nl
-   character(*), parameter :: guide = '*JOINT, NAME=guide, TYPE=TRANSLATIONAL'//nl//' bar.end, ground.far'//nl
    character(*), parameter :: spring = '*BUSHING, NAME=spring, STIFFNESS Y=30'//nl//' bar.end, ground.far'//nl
    character(*), parameter :: snow = '*DISTRIBUTED LOAD, NAME=snow, BODY=bar'//nl//' 0, -0.1'//nl//'*STATICS'//nl
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -224,15 +219,11 @@ contains
       character(*), intent(in) :: scene
       type(history_reader_type), intent(out) :: reader
       type(error_type), allocatable :: error
-      integer :: unit
-      open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
-      write (unit) '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'// &
+      call run_text('*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'// &
          & nl//'*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH=1, STRAIN FUNCTIONS=0, FUNCTIONS='//as_text(functions)//nl// &
          & ' near, 0.02'//nl//' quarter, 0.25'//nl//' behind, 0.26'//nl//' third, 0.3'//nl//' off, 0.4'//nl// &
-         & '*GROUND'//nl//' far, 1, 0'//nl//scene//'*OUTPUT'//nl// ' y = y(bar.end), ym = y(bar.middle), yq = y(bar.quarter)'//nl
-      close (unit)
-      if (allocated(report)) deallocate (report)
-      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+         & '*GROUND'//nl//' far, 1, 0'//nl//scene//'*OUTPUT'//nl// ' y = y(bar.end), ym = y(bar.middle), yq = y(bar.quarter)'//nl, &
+         & trim(results), report, error)
       call check_no_error(error, scene)
       if (allocated(error)) error stop 1
       call reader%open(trim(results), error)

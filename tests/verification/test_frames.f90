@@ -5,9 +5,8 @@ program test_frames
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel, contents
+   use runs, only: channel, run_text, contents
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    character(*), parameter :: nl = new_line('a')
@@ -159,11 +158,7 @@ contains
       type(history_reader_type), intent(out) :: reader
       character(:), allocatable, intent(out) :: warnings
       type(error_type), allocatable :: error
-      integer :: unit
-      open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
-      write (unit) text
-      close (unit)
-      call run_deck(trim(results)//'.inp', trim(results), .true., .true., warnings, error)
+      call run_text(text, trim(results), warnings, error)
       call check_no_error(error, text)
       if (allocated(error)) error stop 1
       if (index(warnings, 'warning') == 0) warnings = ''
@@ -222,11 +217,7 @@ contains
       character(*), intent(in) :: scene, cause, remedy
       type(error_type), allocatable :: error
       character(:), allocatable :: report
-      integer :: unit
-      open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
-      write (unit) scene
-      close (unit)
-      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call run_text(scene, trim(results), report, error)
       call check(allocated(error), 'fails: '//cause)
       if (allocated(error)) call check(index(error%message, cause) > 0 .and. index(error%message, remedy) > 0, error%message)
    end subroutine expect

@@ -3,9 +3,8 @@
 program test_steps
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel
+   use runs, only: channel, run_text
    use testing, only: check, check_no_error, finish
    implicit none
    character(*), parameter :: nl = new_line('a')
@@ -90,11 +89,7 @@ contains
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error
       character(:), allocatable :: report
-      integer :: unit
-      open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
-      write (unit) text
-      close (unit)
-      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call run_text(text, trim(results), report, error)
       call check_no_error(error, name)
       if (allocated(error)) error stop 1
       if (.not. present(steps)) return

@@ -4,9 +4,8 @@
 program test_textbook
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel, read_columns
+   use runs, only: channel, run_text, read_columns
    use testing, only: check, check_no_error, finish
    implicit none
    character(*), parameter :: nl = new_line('a')
@@ -185,12 +184,8 @@ contains
       logical, intent(in), optional :: told
       type(error_type), allocatable :: error
       character(:), allocatable :: report
-      integer :: unit
       logical :: quiet
-      open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
-      write (unit) text
-      close (unit)
-      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call run_text(text, trim(results), report, error)
       call check_no_error(error, name)
       if (allocated(error)) error stop 1
       quiet = index(report, 'warning') == 0

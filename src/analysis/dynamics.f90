@@ -11,6 +11,7 @@ module limber_analysis_dynamics
    use limber_analysis_guard, only: guard_type
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
+   use limber_analysis_sudden_watch, only: at_start, in_motion, before_break, behind_break
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
@@ -171,6 +172,9 @@ contains
          call restore()
       else
          call check_energy(scene, dynamics%start, sample, outcome)
+         call look(scene, dynamics, integrator, at_start, sample, outcome)
+         sample%q = scene%q
+         sample%v = scene%v
          call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       end if
       do while (sample%next <= dynamics%outputs .and. .not. allocated(error))
@@ -222,7 +226,7 @@ contains
          call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
          if (size(crossings%loads) > 0 .and. .not. cut) call go_on(crossings, sample%q, sample%v, sample%w)
          if (size(curves%joints) > 0 .and. .not. cut) call go_on_curves(curves, t, sample%q, sample%v, sample%w)
-         call look(scene, dynamics, integrator, sample, outcome)
+         call look(scene, dynamics, integrator, in_motion, sample, outcome)
          call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, outcome, turns)
          call check_deflections(scene%system, t, sample%q, sample%v, error)
          if (allocated(error)) exit
@@ -463,34 +467,49 @@ contains
 
    !> Observes the flexible bodies now and then. It is as dear as up to ten evaluations, which are not counted, and so seldom that
    !> the run hardly notices.
-   subroutine look(scene, dynamics, integrator, sample, outcome)
+   subroutine look(scene, dynamics, integrator, kind, sample, outcome)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
       class(integrator_type), intent(in) :: integrator
+      !> at_start or in_motion
+      integer, intent(in) :: kind
       !> With the state at the end of a step
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
       !> Steps, and parts of the run, after which they are observed again; evaluations that lie between in any case
       integer, parameter :: steps = 32, parts = 50, evaluations = 24
-      type(error_type), allocatable :: error
-      integer :: before(2)
       if (size(outcome%indicators%bodies) + size(outcome%indicators%functions%beams) == 0) return
       if (integrator%statistics%steps < sample%next_step .and. integrator%t < sample%next_look) return
       if (scene%work%evaluations < sample%next_evaluation) return
       sample%next_evaluation = scene%work%evaluations + evaluations
       sample%next_step = integrator%statistics%steps + steps
       sample%next_look = integrator%t + (dynamics%end - dynamics%start)/parts
+      call observe_state(scene, integrator%t, kind, sample, outcome)
+   end subroutine look
+
+   !> Observes the flexible bodies at a state; the evaluations are not counted.
+   subroutine observe_state(scene, t, kind, sample, outcome)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: t
+      !> What the state is: at_start, in_motion, before_break or behind_break
+      integer, intent(in) :: kind
+      !> With the state
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable :: error
+      integer :: before(2)
       associate (system => scene%system, work => scene%work)
          before = [work%evaluations, work%matrix%factorisations]
-         call linearise(system, work, integrator%t, sample%q, error)
+         call linearise(system, work, t, sample%q, error)
          if (.not. allocated(error)) then
             call accelerations(system, work, sample%q, sample%v, sample%a)
-            call observe(outcome%indicators, system, work, integrator%t, sample%q, sample%v, sample%a)
+            outcome%indicators%functions%kind = kind
+            call observe(outcome%indicators, system, work, t, sample%q, sample%v, sample%a)
          end if
          work%evaluations = before(1)
          work%matrix%factorisations = before(2)
       end associate
-   end subroutine look
+   end subroutine observe_state
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.
@@ -510,10 +529,12 @@ contains
       real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
       real(wp) :: residual, energy(2), before
       integer :: culprit
-      logical :: demanded
+      logical :: demanded, watched
       associate (system => scene%system, work => scene%work)
          call integrator%interpolate(last, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, last, sample%q, sample%v)
+         watched = size(outcome%indicators%functions%beams) > 0 .and. of_time
+         if (watched) call observe_state(scene, last, before_break, sample, outcome)
          demanded = demanded_jump(system, work, t, sample%q)
          call linearise(system, work, t, sample%q, error)
          if (allocated(error)) return
@@ -534,6 +555,7 @@ contains
          if (largest_speed(system, sample%v - sample%change) > impact*max(fastest, largest_speed(system, sample%v)) .and. &
             & demanded) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for a driver changes'// &
             & ' its speed abruptly there; the energy changes by '//as_text(sum(energy) - before, 3))
+         if (watched) call observe_state(scene, t, behind_break, sample, outcome)
          integrator%work_at_start = sample%w + sum(energy) - before
          associate (dynamics => system%model%dynamics)
             call integrator%start(system, work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)

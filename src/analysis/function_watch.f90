@@ -11,13 +11,15 @@ module limber_analysis_function_watch
    use limber_flex_recovery, only: recovery_type
    use limber_model_quantities, only: quantity_u1
    use limber_model_scene, only: model_type
+   use limber_analysis_sudden_watch, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
    use limber_model_stresses, only: recover_stations
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
    use limber_system_algebra, only: turn, along
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: function_watch_type, start_functions, observe_functions, join_functions, function_warnings, lacking_strains
+   public :: function_watch_type, beam_watch_type, start_functions, observe_functions, join_functions, function_warnings
+   public :: lacking_strains
 
    !> Parts of the largest deflection that may be left out, by the functions of the angle and by those of the strain, and parts of
    !> the length that are too small to count
@@ -35,11 +37,15 @@ module limber_analysis_function_watch
       !> Largest displacements of the axis in the frame, and along it [length]; largest ones that are left out, of bending and shear
       !> and of stretch, and when
       real(wp) :: moved = 0.0_wp, moved_along = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
+      !> Vibrations that it does not follow
+      type(sudden_type) :: sudden
    end type beam_watch_type
 
    !> All exact beams
    type :: function_watch_type
       type(beam_watch_type), allocatable :: beams(:)
+      !> What the next state is, see `limber_analysis_sudden_watch`
+      integer :: kind = at_rest
    contains
       procedure :: exchange
    end type function_watch_type
@@ -59,6 +65,8 @@ contains
          self%beams(k)%body = i
          call recover_stations(system%model, i, self%beams(k)%recovery)
          call start_effort(self%beams(k)%effort, system, i, self%beams(k)%recovery)
+         call start_sudden(self%beams(k)%sudden, system%model%bodies(i)%reduced%exact, &
+            & system%model%bodies(i)%choice%exact%support)
       end do
    end subroutine start_functions
 
@@ -75,7 +83,7 @@ contains
             call gather_exact(beam%effort, system, work, beam%body, beam%recovery, q, v, a)
             first = system%layout%q(beam%body) + 4
             last = first - 1 + system%layout%n(beam%body)
-            call compare(beam, system, t, q(first:last), v(first:last))
+            call compare(beam, system, self%kind, t, q(first:last), v(first:last), a(first:last))
          end associate
       end do
    end subroutine observe_functions
@@ -131,11 +139,13 @@ contains
    end subroutine find_lack
 
    !> What equilibrium asks for less what the functions make, as displacements of the axis, eqs. (X16), (X17).
-   subroutine compare(beam, system, t, eta, rate)
+   subroutine compare(beam, system, state, t, eta, rate, acceleration)
       type(beam_watch_type), intent(inout) :: beam
       type(system_type), intent(in) :: system
-      !> Time; coordinates and their rates (n)
-      real(wp), intent(in) :: t, eta(:), rate(:)
+      !> What the state is
+      integer, intent(in) :: state
+      !> Time; coordinates, their rates and accelerations (n)
+      real(wp), intent(in) :: t, eta(:), rate(:), acceleration(:)
       real(wp) :: own, lack(3, size(beam%recovery%sections))
       real(wp), dimension(size(beam%recovery%sections)) :: bend, turned
       real(wp), dimension(size(beam%recovery%sections), 2) :: g, stretch, slide, place
@@ -144,6 +154,7 @@ contains
          a = exact%angles
          call find_lack(beam, system, eta, rate, lack)
          bend = lack(1, :)
+         call observe_sudden(beam%sudden, exact, state, t, eta - exact%rest, acceleration, bend, beam%effort%exact)
          do k = 1, exact%stations
             own = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
             associate (axis => [cos(own), sin(own)])
@@ -219,6 +230,7 @@ contains
                beam%left_out(kind) = own%left_out(kind)
                beam%when(kind) = own%when(kind)
             end do
+            call join_sudden(own%sudden, beam%sudden)
          end associate
       end do
    end subroutine join_functions
@@ -311,6 +323,7 @@ contains
          call snapshot%exchange('left_out_2', self%beams(i)%left_out(2))
          call snapshot%exchange('when_1', self%beams(i)%when(1))
          call snapshot%exchange('when_2', self%beams(i)%when(2))
+         call self%beams(i)%sudden%exchange(snapshot)
       end do
    end subroutine exchange
 

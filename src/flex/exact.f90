@@ -18,7 +18,7 @@ module limber_flex_exact
    implicit none
    private
    public :: exact_type, new_exact, reach_of, angles_at, inside
-   public :: undeformed_place, lean_at, sum_along
+   public :: undeformed_place, lean_at, sum_along, slope_along
    public :: panel_stations, gauss_place, gauss_weight
 
    !> Stations of a panel

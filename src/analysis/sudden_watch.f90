@@ -1,0 +1,192 @@
+!> Whether the functions of an exact beam follow loads that change suddenly or fast: vibrations that they have too late, or not at all,
+!> as parts of the largest deflection, bending moment and shear force. Floor: analysis. Source: doc/theory, eqs. (Q3) to (Q6).
+module limber_analysis_sudden_watch
+   use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
+   use limber_flex_exact, only: exact_type, sum_along, slope_along
+   use limber_flex_exact_held, only: held_type, new_held
+   use limber_flex_exact_profile, only: of_ei
+   use limber_flex_mesh, only: support_type
+   implicit none
+   private
+   public :: sudden_type, start_sudden, observe_sudden, join_sudden, lost_deflection, lost_moments, lost_shears
+   public :: at_rest, in_motion, at_start, before_break, behind_break
+
+   !> What a state is that is looked at: at rest; within a motion; its first one; on both sides of an instant at which loads jump
+   integer, parameter :: at_rest = 0, in_motion = 1, at_start = 2, before_break = 3, behind_break = 4
+   !> Largest error of a vibration in parts of its amplitude; most that functions which are missing can have, in parts of the last
+   !> ones; how far a vibration goes beyond the load that sets it off, for each of several
+   real(wp), parameter :: opposite = 1.5_wp, most_left = 4.0_wp, beyond = 1.4_wp
+
+   !> One beam
+   type :: sudden_type
+      type(held_type) :: held
+      !> Time of the first state, negative huge before
+      real(wp) :: begun = -huge(1.0_wp)
+      !> Largest amplitude of each vibration, and of what it is late by (vibrations) [length mass^1/2]
+      real(wp), allocatable :: most(:), late(:)
+      !> Squares of the jumps of what the functions leave out of the bending moment and the shear force, added up (stations), and of
+      !> the deflection that they make
+      real(wp), allocatable :: moment(:), shear(:)
+      real(wp) :: place = 0.0_wp
+      !> Largest bending moment, shear force, and force of both directions (stations)
+      real(wp), allocatable :: bent(:), sheared(:), pushed(:)
+      !> Curvature that the functions leave out before a jump (stations)
+      real(wp), allocatable :: before(:)
+   contains
+      procedure :: exchange => exchange_sudden
+   end type sudden_type
+
+contains
+
+   !> Begins to watch.
+   subroutine start_sudden(self, exact, support)
+      type(sudden_type), intent(out) :: self
+      type(exact_type), intent(in) :: exact
+      type(support_type), intent(in) :: support
+      call new_held(exact, support, self%held)
+      associate (n => self%held%count, m => exact%stations)
+         allocate (self%most(n), self%late(n), source=0.0_wp)
+         allocate (self%moment(m), self%shear(m), self%bent(m), self%sheared(m), self%pushed(m), self%before(m), source=0.0_wp)
+      end associate
+   end subroutine start_sudden
+
+   !> Takes a state.
+   subroutine observe_sudden(self, exact, kind, t, eta, acceleration, lack, forces)
+      type(sudden_type), intent(inout) :: self
+      type(exact_type), intent(in) :: exact
+      !> One of at_rest, ...
+      integer, intent(in) :: kind
+      !> Time; coordinates less those at rest, and their second derivatives (n)
+      real(wp), intent(in) :: t, eta(:), acceleration(:)
+      !> Curvature that the functions leave out (stations); axial force, shear force, bending moment by equilibrium (3, stations)
+      real(wp), intent(in) :: lack(:), forces(:, :)
+      real(wp) :: amplitude, present(self%held%count), load(self%held%count)
+      integer :: j
+      if (kind == at_rest) return
+      if (.not. self%begun > -huge(t)) self%begun = t
+      self%bent = max(self%bent, abs(forces(3, :)))
+      self%sheared = max(self%sheared, abs(forces(2, :)))
+      self%pushed = max(self%pushed, sqrt(forces(1, :)**2 + forces(2, :)**2))
+      associate (held => self%held, a => exact%angles)
+         do j = 1, held%count
+            amplitude = abs(dot_product(held%part(j, :), acceleration(:a)))/held%omega2(j)
+            present(j) = abs(dot_product(held%part(j, :), eta(:a)))
+            load(j) = amplitude
+            self%most(j) = max(self%most(j), amplitude)
+            self%late(j) = max(self%late(j), amplitude*min(opposite, sqrt(held%omega2(j))*held%error(j)*(t - self%begun)))
+         end do
+         select case (kind)
+         case (at_start)
+            ! Of what is in balance nothing vibrates
+            j = (held%count + 1)/2
+            if (held%count > 0) call add_jump(self, exact, lack*share(sum(load(j:)*maxval(abs(held%moment(:, j:)), dim=1)), &
+               & sum(present(j:)*maxval(abs(held%moment(:, j:)), dim=1))))
+         case (before_break)
+            self%before = lack
+         case (behind_break)
+            call add_jump(self, exact, lack - self%before)
+         end select
+      end associate
+   end subroutine observe_sudden
+
+   pure real(wp) function share(part, rest)
+      real(wp), intent(in) :: part, rest
+      share = part/max(part + rest, tiny(part))
+   end function share
+
+   !> Adds a jump of the curvature that is left out.
+   subroutine add_jump(self, exact, curvature)
+      type(sudden_type), intent(inout) :: self
+      type(exact_type), intent(in) :: exact
+      real(wp), intent(in) :: curvature(:)
+      real(wp) :: moment(size(curvature))
+      moment = exact%section(of_ei, :)*curvature
+      self%moment = self%moment + moment**2
+      self%shear = self%shear + slope_along(exact, moment)**2
+      moment = sum_along(exact, sum_along(exact, curvature) - sum(exact%base*curvature))
+      self%place = self%place + maxval(moment**2)
+   end subroutine add_jump
+
+   !> Deflection that is off at most [length].
+   pure real(wp) function lost_deflection(self) result(lost)
+      type(sudden_type), intent(in) :: self
+      real(wp) :: height(self%held%count)
+      height = 0.0_wp
+      if (self%held%count > 0) height = maxval(abs(self%held%place), dim=1)
+      lost = sum(self%late*height) + max(left_over(self%most*height), beyond*sqrt(self%place))
+   end function lost_deflection
+
+   !> Bending moments that are off at most (stations).
+   pure function lost_moments(self) result(lost)
+      type(sudden_type), intent(in) :: self
+      real(wp) :: lost(size(self%moment))
+      lost = lost_forces(self, self%held%moment, self%moment)
+   end function lost_moments
+
+   !> Shear forces that are off at most (stations).
+   pure function lost_shears(self) result(lost)
+      type(sudden_type), intent(in) :: self
+      real(wp) :: lost(size(self%shear))
+      lost = lost_forces(self, self%held%shear, self%shear)
+   end function lost_shears
+
+   !> The same of either.
+   pure function lost_forces(self, field, jump) result(lost)
+      type(sudden_type), intent(in) :: self
+      !> Of unit amplitudes (stations, vibrations); squares that jumped (stations)
+      real(wp), intent(in) :: field(:, :), jump(:)
+      real(wp) :: lost(size(jump)), height(self%held%count)
+      height = 0.0_wp
+      if (self%held%count > 0) height = maxval(abs(field), dim=1)
+      lost = max(left_over(self%most*height), beyond*sqrt(maxval(jump)))
+      lost = lost + matmul(abs(field), self%late)
+   end function lost_forces
+
+   !> What vibrations behind the last one have, if they go on as the last ones do, eq. (Q6).
+   pure real(wp) function left_over(part) result(left)
+      !> Of the vibrations
+      real(wp), intent(in) :: part(:)
+      real(wp) :: before, last
+      integer :: n
+      left = 0.0_wp
+      n = size(part)
+      if (n == 0) return
+      last = maxval(part(max(1, n - 1):))
+      before = last
+      if (n > 2) before = maxval(part(max(1, n - 3):n - 2))
+      if (.not. last > 0.0_wp) return
+      left = last*min(most_left, last/max(before - last, last/most_left))
+   end function left_over
+
+   !> Joins what an analysis has seen to that of those before.
+   subroutine join_sudden(part, whole)
+      type(sudden_type), intent(in) :: part
+      type(sudden_type), intent(inout) :: whole
+      whole%most = max(whole%most, part%most)
+      whole%late = max(whole%late, part%late)
+      whole%moment = max(whole%moment, part%moment)
+      whole%shear = max(whole%shear, part%shear)
+      whole%place = max(whole%place, part%place)
+      whole%bent = max(whole%bent, part%bent)
+      whole%sheared = max(whole%sheared, part%sheared)
+      whole%pushed = max(whole%pushed, part%pushed)
+   end subroutine join_sudden
+
+   !> Saves or restores it.
+   subroutine exchange_sudden(self, snapshot)
+      class(sudden_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%exchange('begun', self%begun)
+      call snapshot%keep('most', self%most)
+      call snapshot%keep('late', self%late)
+      call snapshot%keep('jump_moment', self%moment)
+      call snapshot%keep('jump_shear', self%shear)
+      call snapshot%exchange('jump_place', self%place)
+      call snapshot%keep('bent', self%bent)
+      call snapshot%keep('sheared', self%sheared)
+      call snapshot%keep('pushed', self%pushed)
+      call snapshot%keep('before', self%before)
+   end subroutine exchange_sudden
+
+end module limber_analysis_sudden_watch

@@ -21,6 +21,7 @@ module limber_analysis_sudden_watch
    !> One beam
    type :: sudden_type
       type(held_type) :: held
+      type(support_type) :: support
       !> Time of the first state, negative huge before
       real(wp) :: begun = -huge(1.0_wp)
       !> Largest amplitude of each vibration, and of what it is late by (vibrations) [length mass^1/2]
@@ -44,6 +45,7 @@ contains
       type(sudden_type), intent(out) :: self
       type(exact_type), intent(in) :: exact
       type(support_type), intent(in) :: support
+      self%support = support
       call new_held(exact, support, self%held)
       associate (n => self%held%count, m => exact%stations)
          allocate (self%most(n), self%late(n), source=0.0_wp)
@@ -100,12 +102,20 @@ contains
       type(sudden_type), intent(inout) :: self
       type(exact_type), intent(in) :: exact
       real(wp), intent(in) :: curvature(:)
-      real(wp) :: moment(size(curvature))
+      real(wp) :: moment(size(curvature)), place(size(curvature)), arm(size(curvature))
       moment = exact%section(of_ei, :)*curvature
       self%moment = self%moment + moment**2
       self%shear = self%shear + slope_along(exact, moment)**2
-      moment = sum_along(exact, sum_along(exact, curvature) - sum(exact%base*curvature))
-      self%place = self%place + maxval(moment**2)
+      place = sum_along(exact, curvature) - sum(exact%base*curvature)
+      arm = exact%s - exact%origin
+      place = sum_along(exact, place) - sum(exact%base*place)
+      ! Measured from the chord, or where nothing holds the rotation from the axis that goes through the middle of the motion
+      if (self%support%w_start .and. self%support%w_end) then
+         place = place - arm*place(size(place))/arm(size(arm))
+      else if (.not. self%support%theta_start .and. .not. self%support%theta_end) then
+         place = place - arm*sum(exact%weight*arm*place)/sum(exact%weight*arm**2)
+      end if
+      self%place = self%place + maxval(place**2)
    end subroutine add_jump
 
    !> Deflection that is off at most [length].

@@ -1,0 +1,223 @@
+!> Loads that come suddenly or fast on default beams: deflections and bending moments are right to a hundredth, or warned of with at
+!> least a third of their error; loads that come slowly are not warned of. Truth: sums of the modes of straight beams in closed form,
+!> on pins, clamped at one end, and on a foot that shakes. Usage, in tests/: test_sudden_loads RESULT_FILE
+program test_sudden_loads
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_analysis_run, only: run_deck
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: channel
+   use testing, only: check, check_no_error, finish
+   implicit none
+   character(*), parameter :: nl = new_line('a')
+   !> E I = 1, E A = 1e6, mass per length 1
+   character(*), parameter :: bar = '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl// &
+      & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'//nl// &
+      & '*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH=1'//nl
+   character(*), parameter :: pins = bar//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.start, ground.origin'//nl//'*GROUND'//nl// &
+      & ' far, 1, 0'//nl//'*JOINT, NAME=roller, TYPE=POINT ON LINE'//nl//' bar.end, ground.far'//nl
+   character(*), parameter :: wall = bar//'*JOINT, NAME=wall, TYPE=WELD, TURN=0'//nl//' bar.start, ground.origin'//nl
+   character(*), parameter :: foot = bar//'*RIGID BODY, NAME=foot, MASS=1, INERTIA=1'//nl//'*MOTION, NAME=shake, BODY=foot'//nl// &
+      & ' 0, 1e-6*(1 - cos(199.859530*t)), 0'//nl//'*JOINT, NAME=wall, TYPE=WELD, TURN=0'//nl//' bar.start, foot.origin'//nl
+   character(*), parameter :: at_middle = '*FORCE, NAME=load, POINT=bar.middle'//nl//' 0, '
+   character(*), parameter :: at_tip = '*FORCE, NAME=load, POINT=bar.end'//nl//' 0, '
+   !> Places where deflection and moment are asked for: the middle on pins; tip and start of a cantilever
+   integer, parameter :: on_pins = 1, clamped = 2
+   !> How loads depend on time: there at once; from t = 0.5 on; for 0.01; a sine; a cosine
+   integer, parameter :: step = 1, late = 2, pulse = 3, harmonic = 4, shaken = 5
+   integer, parameter :: modes = 300
+   real(wp), parameter :: pi = acos(-1.0_wp), load = 1.0e-3_wp
+   character(256) :: results
+
+   call get_command_argument(1, results)
+   call check_pins()
+   call check_cantilever()
+   call finish()
+
+contains
+
+   !> A beam on pins: forces in its middle, a spread load.
+   subroutine check_pins()
+      real(wp) :: force(modes)
+      integer :: n
+      force = [(load*sqrt(2.0_wp)*sin(0.5_wp*n*pi), n=1, modes)]
+      call judge('pins, step', pins//at_middle//'1e-3'//nl, 1.0_wp, on_pins, step, force, 0.0_wp, .true.)
+      call judge('pins, later step', pins//at_middle//'1e-3*step(t - 0.5)'//nl, 1.5_wp, on_pins, late, force, 0.0_wp, .true.)
+      call judge('pins, pulse', pins//at_middle//'1e-3*step(0.01 - t)'//nl, 1.0_wp, on_pins, pulse, force, 0.0_wp, .true.)
+      call judge('pins, slow force', pins//at_middle//'1e-3*sin(5*t)'//nl, 2.0_wp, on_pins, harmonic, force, 5.0_wp, .false.)
+      call judge('pins, fifth frequency', pins//at_middle//'1e-3*sin(246.74011*t)'//nl, 0.5_wp, on_pins, harmonic, force, &
+         & 25*pi**2, .true.)
+      force = [(load*sqrt(2.0_wp)*(1 - cos(n*pi))/(n*pi), n=1, modes)]
+      call judge('pins, spread load', pins//'*DISTRIBUTED LOAD, NAME=load, BODY=bar'//nl//' 0, 1e-3'//nl, 1.0_wp, on_pins, step, &
+         & force, 0.0_wp, .false.)
+   end subroutine check_pins
+
+   !> A cantilever: forces and a couple at its tip, its weight, a foot that shakes.
+   subroutine check_cantilever()
+      real(wp) :: force(modes), beta, sigma, tip(0:1)
+      integer :: n
+      do n = 1, modes
+         call find_cantilever(n, beta, sigma)
+         tip = cantilever_tip(beta, sigma)
+         force(n) = load*tip(0)
+      end do
+      call judge('cantilever, step', wall//at_tip//'1e-3'//nl, 4.0_wp, clamped, step, force, 0.0_wp, .true.)
+      call judge('cantilever, pulse', wall//at_tip//'1e-3*step(0.01 - t)'//nl, 2.0_wp, clamped, pulse, force, 0.0_wp, .true.)
+      call judge('cantilever, slow force', wall//at_tip//'1e-3*sin(2*t)'//nl, 4.0_wp, clamped, harmonic, force, 2.0_wp, .false.)
+      call judge('cantilever, fifth frequency', wall//at_tip//'1e-5*sin(199.859530*t)'//nl, 1.0_wp, clamped, harmonic, &
+         & 0.01_wp*force, 199.859530_wp, .true.)
+      do n = 1, modes
+         call find_cantilever(n, beta, sigma)
+         tip = cantilever_tip(beta, sigma)
+         force(n) = load*tip(1)
+      end do
+      call judge('cantilever, couple', wall//'*TORQUE, NAME=load, POINT=bar.end'//nl//' 1e-3'//nl, 4.0_wp, clamped, step, force, &
+         & 0.0_wp, .true., .false.)
+      do n = 1, modes
+         call find_cantilever(n, beta, sigma)
+         force(n) = -2*load*sigma/beta
+      end do
+      call judge('cantilever, weight', wall//'*GRAVITY, Y=-1e-3'//nl, 4.0_wp, clamped, step, force, 0.0_wp, .false.)
+      force = force/load*1.0e-6_wp*199.859530_wp**2
+      call judge('cantilever, shaken foot', foot, 1.0_wp, clamped, shaken, force, 199.859530_wp, .true.)
+   end subroutine check_cantilever
+
+   !> Root and shape of a mode of a cantilever: cosh(b x) - cos(b x) - s (sinh(b x) - sin(b x)).
+   subroutine find_cantilever(n, beta, sigma)
+      integer, intent(in) :: n
+      real(wp), intent(out) :: beta, sigma
+      integer :: i
+      beta = (n - 0.5_wp)*pi
+      do i = 1, 30
+         ! cos(b) = -1/cosh(b)
+         if (beta < 30.0_wp) beta = beta - (cos(beta) + 1/cosh(beta))/(-sin(beta) - tanh(beta)/cosh(beta))
+      end do
+      sigma = 1.0_wp
+      if (beta < 30.0_wp) sigma = (cosh(beta) + cos(beta))/(sinh(beta) + sin(beta))
+   end subroutine find_cantilever
+
+   !> The shape and its slope at the tip: 2 and -2 by turns for the first.
+   function cantilever_tip(beta, sigma) result(tip)
+      real(wp), intent(in) :: beta, sigma
+      real(wp) :: tip(0:1), growing
+      ! (1 - sigma) exp(beta), without the difference of large numbers
+      growing = sin(beta) - cos(beta)
+      if (beta < 30.0_wp) growing = (sin(beta) - cos(beta) - exp(-beta))/(sinh(beta) + sin(beta))*exp(beta)
+      if (beta >= 30.0_wp) growing = 2*growing
+      tip(0) = 0.5_wp*(growing + (1 + sigma)*exp(-beta)) - cos(beta) + sigma*sin(beta)
+      tip(1) = beta*(0.5_wp*(growing - (1 + sigma)*exp(-beta)) + sin(beta) + sigma*cos(beta))
+   end function cantilever_tip
+
+   !> Runs a scene and compares it with the sum of its modes.
+   subroutine judge(name, text, end, held, kind, force, omega, sudden, with_moment)
+      character(*), intent(in) :: name, text
+      real(wp), intent(in) :: end, force(:), omega
+      integer, intent(in) :: held, kind
+      !> Whether it must be warned of; whether the sum for the moment converges
+      logical, intent(in) :: sudden
+      logical, intent(in), optional :: with_moment
+      integer, parameter :: samples = 200
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: y(:), moment(:)
+      real(wp) :: truth(2, 0:samples), off(2), told(2), t
+      character(12) :: number
+      integer :: unit, i
+      open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
+      write (number, '(f12.4)') end
+      write (unit) text//'*DYNAMICS, END='//trim(adjustl(number))//', OUTPUTS=200'//nl//'*OUTPUT'//nl
+      if (held == on_pins) write (unit) ' y = y(bar.middle), moment = bending_moment(bar.middle)'//nl
+      if (held == clamped) write (unit) ' y = y(bar.end), moment = bending_moment(bar.start)'//nl
+      close (unit)
+      call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+      call check_no_error(error, name)
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call check_no_error(error, name)
+      allocate (y, source=channel(reader, 'y'))
+      allocate (moment, source=channel(reader, 'moment'))
+      call reader%close()
+      do i = 0, samples
+         t = end*i/samples
+         truth(:, i) = sum_of_modes(held, kind, force, omega, t)
+         if (kind == shaken) truth(1, i) = truth(1, i) + 1.0e-6_wp*(1 - cos(omega*t))
+      end do
+      off(1) = maxval(abs(y - truth(1, :)))/maxval(abs(truth(1, :)))
+      off(2) = maxval(abs(moment - truth(2, :)))/maxval(abs(truth(2, :)))
+      told = [told_of(report, 'its largest deflection'), told_of(report, 'bending moments')]
+      print '(2a,4f10.5)', name, ': deflection off, told; moment off, told', off(1), told(1), off(2), told(2)
+      call check(off(1) <= 1.0e-2_wp .or. told(1) > off(1)/3, name//': deflection is right, or its error is told: '//report)
+      if (present(with_moment)) then
+         call check(told(2) > 0.3_wp, name//': moments without a limit are told: '//report)
+      else
+         call check(off(2) <= 1.0e-2_wp .or. told(2) > off(2)/3, name//': moment is right, or its error is told: '//report)
+      end if
+      if (.not. sudden) call check(index(report, 'vibrates under') == 0, name//': no alarm: '//report)
+      if (.not. sudden) call check(all(off <= 1.0e-2_wp), name//': right')
+   end subroutine judge
+
+   !> What a report tells to be off: the number before a text.
+   real(wp) function told_of(report, what) result(told)
+      character(*), intent(in) :: report, what
+      integer :: at, from
+      told = 0.0_wp
+      at = index(report, ' % of '//what)
+      if (at == 0) at = index(report, ' % or more of '//what)
+      if (at == 0) return
+      from = index(report(:at - 1), ' ', back=.true.) + 1
+      read (report(from:at - 1), *) told
+      told = told/100
+   end function told_of
+
+   !> Deflection and bending moment of a beam at rest before, where they are asked for (2).
+   function sum_of_modes(held, kind, force, omega, t) result(total)
+      integer, intent(in) :: held, kind
+      !> On the modes (modes); frequency of the force; time
+      real(wp), intent(in) :: force(:), omega, t
+      real(wp) :: total(2), shape(2), frequency, beta, sigma, tip(0:1)
+      integer :: n
+      total = 0.0_wp
+      do n = 1, modes
+         if (held == on_pins) then
+            frequency = (n*pi)**2
+            shape = sqrt(2.0_wp)*sin(0.5_wp*n*pi)*[1.0_wp, -frequency]
+         else
+            call find_cantilever(n, beta, sigma)
+            frequency = beta**2
+            tip = cantilever_tip(beta, sigma)
+            shape = [tip(0), 2*frequency]
+         end if
+         total = total + shape*force(n)*answer(kind, frequency, omega, t)
+      end do
+   end function sum_of_modes
+
+   !> What a unit force on a vibration of unit mass makes.
+   pure real(wp) function answer(kind, frequency, omega, t) result(q)
+      integer, intent(in) :: kind
+      real(wp), intent(in) :: frequency, omega, t
+      q = 0.0_wp
+      select case (kind)
+      case (step)
+         q = (1 - cos(frequency*t))/frequency**2
+      case (late)
+         if (t > 0.5_wp) q = (1 - cos(frequency*(t - 0.5_wp)))/frequency**2
+      case (pulse)
+         q = (1 - cos(frequency*t))/frequency**2
+         if (t > 0.01_wp) q = q - (1 - cos(frequency*(t - 0.01_wp)))/frequency**2
+      case (harmonic)
+         if (abs(omega - frequency) < 1.0e-4_wp*omega) then
+            q = (sin(omega*t) - omega*t*cos(omega*t))/(2*omega**2)
+         else
+            q = (sin(omega*t) - omega/frequency*sin(frequency*t))/(frequency**2 - omega**2)
+         end if
+      case (shaken)
+         if (abs(omega - frequency) < 1.0e-4_wp*omega) then
+            q = t*sin(omega*t)/(2*omega)
+         else
+            q = (cos(omega*t) - cos(frequency*t))/(frequency**2 - omega**2)
+         end if
+      end select
+   end function answer
+
+end program test_sudden_loads

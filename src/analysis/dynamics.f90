@@ -172,9 +172,7 @@ contains
          call restore()
       else
          call check_energy(scene, dynamics%start, sample, outcome)
-         call look(scene, dynamics, integrator, at_start, sample, outcome)
-         sample%q = scene%q
-         sample%v = scene%v
+         if (size(outcome%indicators%functions%beams) > 0) call look(scene, dynamics, integrator, at_start, sample, outcome)
          call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
       end if
       do while (sample%next <= dynamics%outputs .and. .not. allocated(error))

@@ -13,10 +13,12 @@ module limber_analysis_sudden_report
    private
    public :: sudden_warnings
 
-   !> Largest error of deflections, and of forces, that is not told; part of the largest force below which one is none; error from which
+   !> Largest error of deflections, and of moments and forces, that is not told; part of the largest force below which one is none; error from which
    !> it is only a bound; what recommended functions are to leave, and most of these
-   real(wp), parameter :: little = 5.0e-3_wp, little_force = 1.2e-2_wp, nothing = 1.0e-4_wp, all_of_it = 1.0_wp
+   real(wp), parameter :: little = 5.0e-3_wp, little_force(2) = [1.2e-2_wp, 1.5e-2_wp], nothing = 1.0e-4_wp, all_of_it = 1.0_wp
    real(wp), parameter :: aim = 2.0e-2_wp
+   !> Part of the length below which a deflection is none
+   real(wp), parameter :: nothing_moved = 1.0e-9_wp
    integer, parameter :: most_functions = 40
    !> What is told of
    integer, parameter :: of_moments = 1, of_forces = 2
@@ -29,22 +31,35 @@ contains
       type(model_type), intent(in) :: model
       !> How many times beyond its limit an error must be
       real(wp), intent(in) :: times
-      character(:), allocatable :: text, what
-      real(wp) :: part, forces(2), most
-      integer :: i
+      character(:), allocatable :: text, what, name
+      real(wp) :: part, forces(2), most, moved, length
+      integer :: i, k, first
       text = ''
-      do i = 1, size(self%beams)
-         associate (beam => self%beams(i), body => model%bodies(self%beams(i)%body))
-            part = 0.0_wp
-            if (beam%moved > 1.0e-9_wp*body%reduced%exact%total) part = lost_deflection(beam%sudden)/beam%moved
-            forces = lost_of_channels(beam, model)
-            what = ''
-            most = 0.0_wp
-            if (part > times*little) call add(part, 'its largest deflection')
-            if (forces(of_moments) > times*little_force) call add(forces(of_moments), 'bending moments asked for')
-            if (forces(of_forces) > times*little_force) call add(forces(of_forces), 'shear forces and reactions asked for')
-            if (what == '') cycle
-            text = text//"warning: beam '"//body%name//"' vibrates under sudden or fast loads in ways that its "// &
+      i = 0
+      do
+         first = i + 1
+         if (first > size(self%beams)) exit
+         i = last_piece(self, model, first)
+         moved = maxval(self%beams(first:i)%moved)*(i - first + 1)
+         length = 0.0_wp
+         part = 0.0_wp
+         forces = 0.0_wp
+         do k = first, i
+            part = max(part, lost_deflection(self%beams(k)%sudden))
+            forces = max(forces, lost_of_channels(self%beams(k), model))
+            length = length + model%bodies(self%beams(k)%body)%reduced%exact%total
+         end do
+         part = part/max(moved, nothing_moved*length)
+         what = ''
+         most = 0.0_wp
+         if (part > times*little) call add(part, 'its largest deflection')
+         if (forces(of_moments) > times*little_force(of_moments)) call add(forces(of_moments), 'bending moments asked for')
+         if (forces(of_forces) > times*little_force(of_forces)) call add(forces(of_forces), 'shear forces and reactions asked for')
+         if (what == '') cycle
+         associate (body => model%bodies(self%beams(first)%body))
+            name = body%name
+            if (body%whole > 0) name = model%wholes(body%whole)%name
+            text = text//"warning: beam '"//name//"' vibrates under sudden or fast loads in ways that its "// &
                & as_text(body%choice%exact%angles)//' functions of the angle do not follow: '//what//' may be off; '//remedy(most, &
                & body%choice%exact%angles)//newline
          end associate
@@ -65,6 +80,20 @@ contains
       end subroutine add
 
    end function sudden_warnings
+
+   !> The last piece of a beam, whose first one is given; the pieces of a beam are told of as one.
+   pure integer function last_piece(self, model, first) result(last)
+      type(function_watch_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: first
+      last = first
+      associate (whole => model%bodies(self%beams(first)%body)%whole)
+         do while (whole > 0 .and. last < size(self%beams))
+            if (model%bodies(self%beams(last + 1)%body)%whole /= whole) exit
+            last = last + 1
+         end do
+      end associate
+   end function last_piece
 
    !> What to do: errors of forces fall about as one over the number of functions.
    function remedy(error, functions) result(text)

@@ -187,6 +187,7 @@ contains
       real(wp), intent(in) :: moved(:, :), motions(:, :)
       type(held_type), intent(inout) :: held
       real(wp) :: behind(exact%stations), lack(exact%stations), unit(exact%stations, 2), pushed(exact%points), saved
+      real(wp) :: share(exact%stations, exact%stations)
       integer :: i, j, k
       deallocate (held%error, held%moment, held%shear)
       allocate (held%error(held%count))
@@ -195,10 +196,13 @@ contains
       held%shear = 0.0_wp
       unit(:, 1) = exact%total - exact%s
       unit(:, 2) = 1.0_wp
+      do i = 1, exact%stations
+         share(:, i) = 1 - reach_of(exact, exact%s(i))/exact%weight
+      end do
       do j = 1, held%count
          pushed = held%omega2(j)*exact%mass*matmul(moved, motions(:, j))
          do i = 1, exact%stations
-            behind = pushed(:exact%stations)/exact%weight*(exact%weight - reach_of(exact, exact%s(i)))
+            behind = pushed(:exact%stations)*share(:, i)
             held%shear(i, j) = sum(behind)
             held%moment(i, j) = sum(behind*(exact%s - exact%s(i)))
             do k = exact%stations + 1, exact%points

@@ -10,7 +10,7 @@ module limber_analysis_dynamics
       & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_guard, only: guard_type
    use limber_analysis_indicator_start, only: start_indicators
-   use limber_analysis_observation, only: observe
+   use limber_analysis_looks, only: look, observe_state
    use limber_analysis_sudden_watch, only: at_start, in_motion, before_break, behind_break
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
@@ -30,7 +30,7 @@ module limber_analysis_dynamics
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_output_turns, only: follow_motion
-   use limber_system_dynamics, only: linearise, accelerations, velocity_residual, mechanical_energy, worst_constraint
+   use limber_system_dynamics, only: linearise, velocity_residual, mechanical_energy, worst_constraint
    use limber_system_kinematics, only: place_frames, move_frames, settle_angles
    use limber_system_multiplier, only: update_jacobians
    use limber_system_projection, only: settle
@@ -462,52 +462,6 @@ contains
       call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
       call move_alloc(other, integrator)
    end subroutine replace_integrator
-
-   !> Observes the flexible bodies now and then. It is as dear as up to ten evaluations, which are not counted, and so seldom that
-   !> the run hardly notices.
-   subroutine look(scene, dynamics, integrator, kind, sample, outcome)
-      type(scene_type), intent(inout) :: scene
-      type(dynamics_type), intent(in) :: dynamics
-      class(integrator_type), intent(in) :: integrator
-      !> at_start or in_motion
-      integer, intent(in) :: kind
-      !> With the state at the end of a step
-      type(sample_type), intent(inout) :: sample
-      type(outcome_type), intent(inout) :: outcome
-      !> Steps, and parts of the run, after which they are observed again; evaluations that lie between in any case
-      integer, parameter :: steps = 32, parts = 50, evaluations = 24
-      if (size(outcome%indicators%bodies) + size(outcome%indicators%functions%beams) == 0) return
-      if (integrator%statistics%steps < sample%next_step .and. integrator%t < sample%next_look) return
-      if (scene%work%evaluations < sample%next_evaluation) return
-      sample%next_evaluation = scene%work%evaluations + evaluations
-      sample%next_step = integrator%statistics%steps + steps
-      sample%next_look = integrator%t + (dynamics%end - dynamics%start)/parts
-      call observe_state(scene, integrator%t, kind, sample, outcome)
-   end subroutine look
-
-   !> Observes the flexible bodies at a state; the evaluations are not counted.
-   subroutine observe_state(scene, t, kind, sample, outcome)
-      type(scene_type), intent(inout) :: scene
-      real(wp), intent(in) :: t
-      !> What the state is: at_start, in_motion, before_break or behind_break
-      integer, intent(in) :: kind
-      !> With the state
-      type(sample_type), intent(inout) :: sample
-      type(outcome_type), intent(inout) :: outcome
-      type(error_type), allocatable :: error
-      integer :: before(2)
-      associate (system => scene%system, work => scene%work)
-         before = [work%evaluations, work%matrix%factorisations]
-         call linearise(system, work, t, sample%q, error)
-         if (.not. allocated(error)) then
-            call accelerations(system, work, sample%q, sample%v, sample%a)
-            outcome%indicators%functions%kind = kind
-            call observe(outcome%indicators, system, work, t, sample%q, sample%v, sample%a)
-         end if
-         work%evaluations = before(1)
-         work%matrix%factorisations = before(2)
-      end associate
-   end subroutine observe_state
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.

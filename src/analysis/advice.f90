@@ -175,9 +175,9 @@ contains
       type(advice_type), intent(inout) :: advice
       !> Relative to the channels
       real(wp), intent(in) :: error
-      real(wp) :: expected
-      expected = max(sum(advice%expected), tiny(expected))
-      if (error < huge(error)) advice%surprise = max(advice%surprise, min(error/expected, 1.0e6_wp))
+      real(wp), parameter :: most = 1.0e6_wp
+      if (error < huge(error) .and. error > 0.0_wp) &
+         & advice%surprise = max(advice%surprise, error/max(sum(advice%expected), error/most))
    end subroutine note_surprise
 
    !> Whether axial vibrations of a beam matter to its bending, or nothing is known of them.

@@ -39,6 +39,10 @@ module limber_analysis_dynamics
    private
    public :: run_dynamics, new_integrator
 
+   !> A deflection below so many times the tolerance, of the length, is one of the integrator's errors (scales of deflections are a
+   !> thousandth of the length), if it is below this part of the length
+   real(wp), parameter :: noisy = 2.0e-2_wp, smallest = 1.0e-6_wp
+
 contains
 
    !> The integrator that the deck chooses.
@@ -88,6 +92,7 @@ contains
          sample%a = 0.0_wp
          allocate (outcome%indicators)
          call start_indicators(outcome%indicators, scene%system)
+         outcome%indicators%bodies%noise = min(smallest, noisy*integrator%tolerance)
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
          ! Not by assignment: gfortran 12 reads the bounds of what is not allocated

@@ -102,6 +102,7 @@ contains
                   if (any(quantity%kind == [quantity_deflection, quantity_u1, quantity_u2, quantity_rotation])) cycle
                   if (quantity%kind == quantity_shear_force) self%bodies(body)%shows_shear = .true.
                   if (quantity%kind /= quantity_shear_force) self%bodies(body)%shows_moment = .true.
+                  self%bodies(body)%phase%strained = system%model%bodies(self%bodies(body)%body)%is_frame
                end associate
             end do
          end do
@@ -123,7 +124,11 @@ contains
             if (system%model%joints(joint)%points(side) == 0) cycle
             held = system%model%points(system%model%joints(joint)%points(side))%body
             if (held == ground) cycle
-            if (self%of(held) > 0) self%bodies(self%of(held))%shows_reaction = .true.
+            if (self%of(held) == 0) cycle
+            self%bodies(self%of(held))%shows_reaction = .true.
+            if (.not. system%model%bodies(held)%is_frame) cycle
+            self%bodies(self%of(held))%phase%shown = .true.
+            self%bodies(self%of(held))%phase%strained = .true.
          end do
       end subroutine show_reaction
 

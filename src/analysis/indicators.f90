@@ -93,6 +93,8 @@ module limber_analysis_indicators
       !> force, for its bending moment or stresses, and for the moment of a joint that holds it
       real(wp) :: misfit = 0.0_wp, layer = 0.0_wp
       logical :: shows_shear = .false., shows_moment = .false., shows_reaction = .false.
+      !> Part of the length below which a deflection is one of the integrator's errors
+      real(wp) :: noise = 0.0_wp
       !> First frequency, and length or size
       real(wp) :: first_frequency = 1.0_wp, length = 1.0_wp
       !> Maxima and their times; largest elastic energy of each bending coordinate, its time, and the largest kinetic energy
@@ -190,6 +192,7 @@ contains
          do k = 1, peaks
             call raise_peak(whole%bodies(i), k, part%bodies(i)%peak(k), part%bodies(i)%time(k))
          end do
+         whole%bodies(i)%noise = min(whole%bodies(i)%noise, part%bodies(i)%noise)
          whole%bodies(i)%total = whole%bodies(i)%total + part%bodies(i)%total
          whole%bodies(i)%looks = whole%bodies(i)%looks + part%bodies(i)%looks
          whole%bodies(i)%span = [min(whole%bodies(i)%span(1), part%bodies(i)%span(1)), &

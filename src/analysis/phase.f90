@@ -16,6 +16,8 @@ module limber_analysis_phase
 
    !> Most coordinates that are looked at: the first ones
    integer, parameter :: most = 40
+   !> The error of moments against the sum over vibrations that do not lag alike, measured on an L-frame
+   real(wp), parameter :: in_moments = 0.5_wp
    !> Part of the length below which a deflection is none; and below which it is none if that is less than the tolerance, for then a
    !> vibration may be the integrator's
    real(wp), parameter :: nothing = 1.0e-9_wp, little = 1.0e-6_wp
@@ -29,6 +31,8 @@ module limber_analysis_phase
       logical :: free = .false., made = .false.
       !> Whether channels ask for what its deflections make alone
       logical :: shown = .false.
+      !> Whether channels ask for section forces or reactions, in which fast vibrations count more
+      logical :: strained = .false.
       !> Where its frame is at first (4), and how far it moves, the rotation times the size of the body [length]
       real(wp) :: home(4) = 0.0_wp, way = 0.0_wp
       !> Square of the coordinates that deflect the body by next to nothing
@@ -407,18 +411,26 @@ contains
       real(wp), intent(in) :: bent, deflection
       !> Angle below which a swing is none [rad]
       real(wp), parameter :: little = 0.01_wp
-      real(wp) :: pace, shift
+      real(wp) :: pace, shift, own, moment, largest
       integer :: j
       error = 0.0_wp
       if (.not. self%made) return
       shift = 0.0_wp
+      moment = 0.0_wp
+      largest = 0.0_wp
+      if (size(self%frequency) > 0) largest = bent*minval(self%frequency)**2
       do j = 1, size(self%error)
          if (.not. self%speed(j) > 0.0_wp) cycle
          ! What follows its loads slowly does not run on by itself
          pace = min(1.0_wp, self%acceleration(j)/(self%speed(j)*self%frequency(j)**2))
-         shift = shift + (self%size(j)*min(self%error(j)*self%late(j)*pace, 2*self%most(j)/self%frequency(j)))**2
+         own = (self%size(j)*min(self%error(j)*self%late(j)*pace, 2*self%most(j)/self%frequency(j)))**2
+         shift = shift + own
+         ! A bending moment is to the deflection as the frequency
+         moment = moment + own*self%frequency(j)**2
+         largest = largest + (self%size(j)*self%most(j))**2
       end do
       if (bent > self%nothing) error = sqrt(shift/bent)
+      if (bent > self%nothing .and. self%strained) error = max(error, in_moments*sqrt(moment/largest))
       ! Where only the motion is asked for, of which they are a small part
       if (.not. self%shown .and. self%way > deflection) error = error*deflection/self%way
       if (.not. (self%free .and. self%heavy > 0.0_wp .and. self%swung(2) > 0.0_wp)) return

@@ -80,10 +80,10 @@ contains
       excess = indicator_value(indicators, kind)/limit
       if (any(kind == [indicator_rotation, indicator_compression, indicator_buckling, indicator_phase])) return
       if (kind == indicator_elongation) then
-         if (.not. indicators%peak(peak_unstretched) > nothing) excess = 0.0_wp
+         if (.not. indicators%peak(peak_unstretched) > max(nothing, indicators%noise)) excess = 0.0_wp
          return
       end if
-      if (.not. indicator_value(indicators, indicator_deflection) > nothing) excess = 0.0_wp
+      if (.not. indicator_value(indicators, indicator_deflection) > max(nothing, indicators%noise)) excess = 0.0_wp
    end function excess
 
    !> The same of a rigid beam: the deflection that it would have, its Euler load, and loads that change too quickly for the

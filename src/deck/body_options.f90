@@ -110,7 +110,8 @@ module limber_deck_body_options
       & option_spec_type('FRAME', 'SECTION', kind_reference, 'SECTION', &
       &    '', '', 'cross-section of members that are given no other'), &
       & option_spec_type('FRAME', 'LARGE', kind_yes, '', &
-      &    '', 'NO', 'YES: each member an exact beam, welded to the others at their nodes, for members that bend far'), &
+      &    '', 'NO', &
+      &    'YES: members are exact beams, which bend far; u1, u2, rotation: seen from the start of the first member'), &
       & option_spec_type('FRAME', 'X', kind_real, '', &
       &    'm', '0', 'x of the floating frame at first, kept where the joints allow it'), &
       & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame at first'), &
@@ -122,7 +123,8 @@ module limber_deck_body_options
       &    '', 'K_G', 'fidelity: no deflection, K_E alone, or K_E and K_G; where members bend far, LARGE=YES', models='MODES'), &
       & option_spec_type('FRAME', 'MODES', kind_count, '', &
       &    '', '', 'number of vibration modes; default 3 for each member, 6 at least, 24 at most', most=1000, models='MODES'), &
-      & option_spec_type('FRAME', 'DIVISIONS', kind_counting, '', '', '8', 'finite elements in each member', &
+      & option_spec_type('FRAME', 'DIVISIONS', kind_counting, &
+      &    '', '', '', 'finite elements in each member; default 32, from 9 members on 256 in all, 8 at least', &
       &    most=1000, models='MODES'), &
       & option_spec_type('FRAME', 'FREQUENCY LIMIT', kind_positive, '', &
       &    'rad/s', '', 'all modes below it; given, it replaces MODES', models='MODES'), &

@@ -192,7 +192,7 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: point
       angle = 0.0_wp
-      if (model%points(point)%body /= ground) angle = model%bodies(model%points(point)%body)%angle
+      if (model%points(point)%body /= ground) angle = model%bodies(model%points(point)%body)%angle - model%points(point)%lean
    end function guessed_turn
 
    !> Guessed place of a point (2).

@@ -297,6 +297,7 @@ contains
             end associate
          end do
       end do
+      call lean_points(model, whole)
       call append_whole(model, whole)
 
    contains
@@ -318,5 +319,18 @@ contains
       end subroutine note
 
    end subroutine unite_frame
+
+   !> Axes of the points of a frame are parallel to those of the frame; those of the members' own points to the members.
+   pure subroutine lean_points(model, whole)
+      type(model_type), intent(inout) :: model
+      type(whole_type), intent(in) :: whole
+      integer :: i
+      do i = 1, model%counts%points
+         associate (point => model%points(i))
+            if (point%body < whole%first .or. point%body > whole%last) cycle
+            if (index(point%name, whole%name//'.') == 1) point%lean = whole%lean(point%body - whole%first + 1)
+         end associate
+      end do
+   end subroutine lean_points
 
 end module limber_model_large_frames

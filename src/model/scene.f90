@@ -163,6 +163,8 @@ module limber_model_scene
       !> Of a point of a beam or frame: its member, how many members meet there, and its coordinate along that one [length]
       integer :: member = 0, meeting = 1
       real(wp) :: along = 0.0_wp
+      !> Of a point of a frame of exact beams: angle of its member in the frame, whose axes the axes of the point are parallel to [rad]
+      real(wp) :: lean = 0.0_wp
       !> Index among the sections of its body where internal forces are asked for; 0: none are
       integer :: section = 0
    end type point_type

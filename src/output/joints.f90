@@ -116,7 +116,7 @@ contains
       real(wp) :: p(2), slope, rate
       integer :: first, last
       associate (spec => system%model%joints(joint), point => system%model%points(system%model%joints(joint)%points(2)))
-         p = [cos(spec%angle), sin(spec%angle)]
+         p = [cos(spec%angle - point%lean), sin(spec%angle - point%lean)]
          axis = p
          turning = 0.0_wp
          if (point%body == ground) return
@@ -136,18 +136,18 @@ contains
       end associate
    end subroutine find_axis
 
-   !> Angle of the section at a point within the frame of its body.
+   !> Angle of the section at a point within the frame of its body; of a point of a frame of exact beams less that of its member.
    pure real(wp) function section_rotation(system, point, q) result(angle)
       type(system_type), intent(in) :: system
       !> Index of the point
       integer, intent(in) :: point
       real(wp), intent(in) :: q(:)
       integer :: first
-      angle = 0.0_wp
       associate (own => system%model%points(point))
+         angle = -own%lean
          if (size(own%psi) == 0) return
          first = system%layout%q(own%body) + 4
-         angle = dot_product(own%psi, q(first:first + size(own%psi) - 1))
+         angle = dot_product(own%psi, q(first:first + size(own%psi) - 1)) - own%lean
          if (.not. own%exact) angle = atan(angle)
       end associate
    end function section_rotation

@@ -81,21 +81,23 @@ contains
    integer function direction_of(system, point, angle) result(marker)
       class(registry_type), intent(inout) :: system
       integer, intent(in) :: point
-      !> From the frame's first axis, in the undeformed body [rad]
+      !> From the first axis of the frame, in the undeformed body [rad]
       real(wp), intent(in) :: angle
       type(point_type) :: wanted
+      real(wp) :: own
       associate (section => system%model%points(point))
+         own = angle - section%lean
          wanted%name = section%name
          wanted%direction = .true.
          wanted%exact = section%exact
          if (section%body /= ground) then
             if (system%layout%framed(section%body)) wanted%body = section%body
          end if
-         wanted%p0 = [cos(angle), sin(angle)]
+         wanted%p0 = [cos(own), sin(own)]
          allocate (wanted%psi(size(section%psi)), source=section%psi)
          allocate (wanted%phi(2, size(section%psi)))
-         wanted%phi(1, :) = -sin(angle)*section%psi
-         wanted%phi(2, :) = cos(angle)*section%psi
+         wanted%phi(1, :) = -sin(own)*section%psi
+         wanted%phi(2, :) = cos(own)*section%psi
       end associate
       marker = marker_of(system, index_of(system, wanted))
    end function direction_of

@@ -131,8 +131,9 @@ contains
       integer :: i
       do i = 1, 2
          call run_scene('*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, '// &
-            & 'INERTIA=1e-6'//nl//'*FRAME, NAME=mast, MATERIAL=stuff, SECTION=bar, LARGE='//trim(merge('YES', 'NO ', i == 1))//nl// &
-            & '*NODE'//nl//' 1, 0, 0, foot'//nl//' 2, 0, 1, head'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl// &
+            & 'INERTIA=1e-6'//nl//'*FRAME, NAME=mast, MATERIAL=stuff, SECTION=bar, LARGE='// &
+            & trim(merge('YES', 'NO ', i == 1))//nl//'*NODE'//nl//' 1, 0, 0, foot'//nl//' 2, 0, 1, head'//nl// &
+            & '*ELEMENT'//nl//' 1, 1, 2'//nl// &
             & '*JOINT, NAME=wall, TYPE=WELD, TURN=0'//nl//' mast.foot, ground.origin'//nl// &
             & '*FORCE, NAME=push, POINT=mast.head, FOLLOWER=YES'//nl//' 3e-3, 0'//nl//'*STATICS'//nl//'*OUTPUT'//nl// &
             & ' x = x(mast.head), turn = joint_angle(wall) + rotation(mast.head)'//nl, reader, warnings)
@@ -155,8 +156,9 @@ contains
       integer :: i
       do i = 1, 2
          call run_scene('*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, '// &
-            & 'INERTIA=1e-6'//nl//'*FRAME, NAME=l, MATERIAL=stuff, SECTION=bar'//trim(merge('             ', ', DIVISIONS=4', i == 1)) &
-            & //nl//'*NODE'//nl//' 1, 0, 0, foot'//nl//' 2, 0, 1'//nl//' 3, 1, 1, tip'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl// &
+            & 'INERTIA=1e-6'//nl//'*FRAME, NAME=l, MATERIAL=stuff, SECTION=bar'// &
+            & trim(merge('             ', ', DIVISIONS=4', i == 1))//nl//'*NODE'//nl//' 1, 0, 0, foot'//nl//' 2, 0, 1'// &
+            & nl//' 3, 1, 1, tip'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl// &
             & ' 2, 2, 3'//nl//'*JOINT, NAME=wall, TYPE=WELD'//nl//' l.foot, ground.origin'//nl// &
             & '*FORCE, NAME=push, POINT=l.tip'//nl//' 0, 1e-3'//nl//'*DYNAMICS, END=5, OUTPUTS=10, TOLERANCE=1e-6'//nl// &
             & '*OUTPUT'//nl//' y = 1000*(y(l.tip) - 1), moment = moment(wall)'//nl, reader, warnings)

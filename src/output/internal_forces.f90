@@ -4,6 +4,7 @@
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
    use limber_output_exact_forces, only: section_reach_type, new_section_reach, inertia_behind, add_behind, turn_into_sections
+   use limber_output_pulls, only: pull_type, pulls_type, new_pulls, constraint_pulls, load_pulls, most_pulls
    use limber_flex_exact_profile, only: profile_at, profile_values
    use limber_flex_recovery, only: recovery_type, section_type, amplitudes, internal_forces
    use limber_model_scene, only: body_type, ground
@@ -12,7 +13,6 @@ module limber_output_internal_forces
    use limber_system_constraint, only: constraint_type
    use limber_system_exact_path, only: exact_path_type, foot_of
    use limber_system_point_motion, only: point_position
-   use limber_system_kernel, only: linear_type, most_vectors, vector_pulls
    use limber_system_paths, only: sliding_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -28,6 +28,8 @@ module limber_output_internal_forces
       integer, allocatable :: place(:)
       !> Forces of one load (rates)
       real(wp), allocatable :: scratch(:)
+      !> What acts on several points of a body
+      type(pulls_type) :: pulls
       !> Of an envelope: least and greatest axial force, shear force, bending moment, and stresses to the left and to the right
       !> (5, 2, sections along the body); otherwise unallocated
       real(wp), allocatable :: extremes(:, :, :)
@@ -74,6 +76,7 @@ contains
       end do
       allocate (effort%amplitude(size(recovery%load, 2)), effort%place(size(system%model%points)), effort%scratch(most))
       effort%amplitude = 0.0_wp
+      effort%pulls = new_pulls(system)
       if (system%model%bodies(body)%reduced%is_exact) then
          allocate (effort%exact(3, size(recovery%sections)))
          effort%sections = new_section_reach(system%model%bodies(body)%reduced%exact, recovery)
@@ -222,20 +225,20 @@ contains
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
       real(wp), intent(in) :: q(:)
+      type(pull_type) :: pulls(most_pulls)
       real(wp) :: force(3)
-      integer :: i, side, row
+      integer :: i, side, row, count
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
+            if (.not. any(item%bodies == body)) cycle
+            if (effort%pulls%constraint(i)) then
+               call constraint_pulls(effort%pulls, work, item, pulls, count)
+               call add_pulls(effort, system, body, pulls(:count), q)
+               cycle
+            end if
             do side = 1, 2
                if (item%bodies(side) /= body) cycle
                if (side == 2 .and. slides(item)) cycle
-               if (item%points(side) == 0) then
-                  select type (item)
-                  type is (linear_type)
-                     call add_vectors(effort, system, work, body, item, q)
-                     cycle
-                  end select
-               end if
                force = 0.0_wp
                do row = 1, item%rows
                   force = force - work%lambda(item%first + row - 1)*work%jacobians(side, i)%z(row, :)
@@ -247,6 +250,11 @@ contains
       do i = 1, size(system%loads)
          associate (item => system%loads(i)%item)
             if (.not. any(item%bodies == body)) cycle
+            if (effort%pulls%load(i)) then
+               call load_pulls(effort%pulls, work, item, pulls, count)
+               call add_pulls(effort, system, body, pulls(:count), q)
+               cycle
+            end if
             effort%scratch = 0.0_wp
             call item%add_force(work%kinematics, effort%scratch(:sum(item%rates)))
             if (item%is_scaled) effort%scratch = item%share*effort%scratch
@@ -258,31 +266,18 @@ contains
       end do
    end subroutine add_reactions
 
-   !> Forces of a coupler, which may have several points and sections of a body.
-   subroutine add_vectors(effort, system, work, body, item, q)
+   !> Those forces among others that act on a body.
+   pure subroutine add_pulls(effort, system, body, pulls, q)
       type(effort_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
-      type(linear_type), intent(in) :: item
+      type(pull_type), intent(in) :: pulls(:)
       real(wp), intent(in) :: q(:)
-      real(wp) :: pull(2, most_vectors), force(3)
-      integer :: j, k, point
-      call vector_pulls(item, work%kinematics, work%lambda(item%first:item%first + item%rows - 1), pull)
-      do j = 1, item%vectors
-         associate (marker => work%kinematics%markers(item%markers(j)))
-            if (marker%body /= body) cycle
-            force(3) = cross(marker%position - merge(0.0_wp, q(system%layout%q(body):system%layout%q(body) + 1), &
-               & marker%direction), pull(:, j))
-            force(1:2) = merge(0.0_wp, pull(:, j), marker%direction)
-            point = 0
-            do k = 1, size(effort%place)
-               if (effort%place(k) > 0 .and. system%model%points(k)%name == system%model%points(marker%point)%name) point = k
-            end do
-         end associate
-         call add_force(effort, system, body, point, force, q)
+      integer :: j
+      do j = 1, size(pulls)
+         if (pulls(j)%body == body) call add_force(effort, system, body, pulls(j)%point, pulls(j)%force, q)
       end do
-   end subroutine add_vectors
+   end subroutine add_pulls
 
    !> Whether the point of a joint slides along the second body, which its second point only names.
    pure logical function slides(item)

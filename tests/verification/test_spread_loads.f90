@@ -1,4 +1,4 @@
-!> Internal forces under loads along beams and members of frames, against statics and free-body diagrams. Usage, in tests/:
+!> Internal forces under loads along beams and members of frames, and between two points of one body, against statics and free-body diagrams. Usage, in tests/:
 !> test_spread_loads <file for results>
 program test_spread_loads
    use limber_base_kinds, only: wp
@@ -11,6 +11,7 @@ program test_spread_loads
    call get_command_argument(1, results)
    call check_statics()
    call check_free_bar()
+   call check_self_loads()
    call finish()
 
 contains
@@ -48,6 +49,51 @@ contains
       call reader%close()
    end subroutine check_statics
 
+   !> Springs, couples and a driver between two points of one body: what is between these carries them alone. A bow by its string's
+   !> rise; -0.13557 from the elastica.
+   subroutine check_self_loads()
+      character(*), parameter :: pulled(*) = ['pulled', 'modal '], turned(*) = ['twisted', 'wrung  ']
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: rise(:), push(:)
+      integer :: i
+      call run_changed('verification/self_loads.inp', trim(results), [character(4) :: 'YOUN'], [character(4) :: 'YOUN'], reader)
+      do i = 1, 2
+         call between(reader, trim(pulled(i)), [-1.0e-4_wp, 0.0_wp], 1.0e-4_wp)
+         call between(reader, trim(turned(i)), [0.0_wp, 1.0e-4_wp], 1.0e-4_wp)
+      end do
+      call between(reader, 'sprung', [0.0_wp, -1.0e-4_wp], 1.0e-4_wp)
+      allocate (push, source=channel(reader, 'stretching'))
+      call between(reader, 'driven', [push(size(push)), 0.0_wp], push(size(push)))
+      allocate (rise, source=channel(reader, 'bow_rise'))
+      call last(reader, 'bow_N', -1.0_wp, 1.0_wp)
+      call last(reader, 'bow_M', -rise(size(rise)), 1.0_wp)
+      call check_close(rise(size(rise)), 0.13557_wp, 1.0e-4_wp, 'bow: rise')
+      call check_close(last_of(reader, 'girder'), -sqrt(0.5_wp)*1.0e-3_wp, 1.0e-6_wp, 'portal: girder')
+      call check_close(last_of(reader, 'column'), 0.0_wp, 1.0e-6_wp, 'portal: column')
+      call reader%close()
+   end subroutine check_self_loads
+
+   !> Axial force, shear force and bending moment between the points of a load, and behind them.
+   subroutine between(reader, beam, expected, scale)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: beam
+      !> Axial force and bending moment between; what errors are parts of
+      real(wp), intent(in) :: expected(2), scale
+      call last(reader, beam//'_N', expected(1), scale, 1.0e-8_wp)
+      call last(reader, beam//'_M', expected(2), scale, 1.0e-8_wp)
+      call last(reader, beam//'_Q', 0.0_wp, scale, 1.0e-8_wp)
+      call last(reader, beam//'_N2', 0.0_wp, scale, 1.0e-8_wp)
+      call last(reader, beam//'_M2', 0.0_wp, scale, 1.0e-8_wp)
+   end subroutine between
+
+   real(wp) function last_of(reader, name) result(value)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name
+      real(wp), allocatable :: values(:)
+      allocate (values, source=channel(reader, name))
+      value = values(size(values))
+   end function last_of
+
    !> Moment of a cubic load (s/l)^3 downward behind a part of the length, per q l^2.
    pure real(wp) function cubic_moment(x)
       real(wp), intent(in) :: x
@@ -55,14 +101,16 @@ contains
    end function cubic_moment
 
    !> The last value of a channel; errors are parts of a scale.
-   subroutine last(reader, name, expected, scale)
+   subroutine last(reader, name, expected, scale, tolerance)
       type(history_reader_type), intent(in) :: reader
       character(*), intent(in) :: name
       real(wp), intent(in) :: expected, scale
-      real(wp), allocatable :: values(:)
-      allocate (values, source=channel(reader, name))
-      call check_close(values(size(values))/scale, expected/scale, 1.0e-9_wp, 'at rest: '//name)
-      deallocate (values)
+      !> 1e-9 if absent
+      real(wp), intent(in), optional :: tolerance
+      real(wp) :: most
+      most = 1.0e-9_wp
+      if (present(tolerance)) most = tolerance
+      call check_close(last_of(reader, name)/scale, expected/scale, most, 'at rest: '//name)
    end subroutine last
 
    !> A free bar: the load less the inertia of its rigid motion, the deflections being at rest; places from -1 to 1 along it.

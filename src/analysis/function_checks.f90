@@ -30,8 +30,9 @@ module limber_analysis_function_checks
 
 contains
 
-   !> A warning for the mode whose frequency errs most, and its beam; empty if all are right.
-   function function_mode_warnings(system, work, balance, t, q, lambda, vibrations, name) result(text)
+   !> A warning for the mode whose frequency errs most, and its beam; and for one that belongs among those that are listed. Empty if
+   !> all are right.
+   function function_mode_warnings(system, work, balance, t, q, lambda, vibrations, listed, name) result(text)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Linearised at the state, and again so afterwards
@@ -39,18 +40,24 @@ contains
       !> Time, coordinates (nq), multipliers of the state (nc)
       real(wp), intent(in) :: t, q(:), lambda(:)
       type(vibrations_type), intent(in) :: vibrations
+      !> How many of them are listed, the first ones
+      integer, intent(in) :: listed
       !> Of the analysis
       character(*), intent(in) :: name
       character(:), allocatable :: text
+      !> Times that the error of a mode beyond the list may be what is found to first order
+      real(wp), parameter :: doubt = 2.0_wp
       type(function_watch_type) :: watch
-      real(wp), allocatable :: saved(:), part(:)
-      real(wp) :: omega2, error, worst
+      real(wp), allocatable :: saved(:, :), part(:, :), of_worst(:)
+      real(wp) :: omega2, error, worst, last
       integer :: j, mode, beam, others
       text = ''
       call start_functions(watch, system)
       if (size(watch%beams) == 0) return
-      allocate (saved(size(watch%beams)), part(size(watch%beams)))
+      allocate (saved(3, size(watch%beams)), part(3, size(watch%beams)), of_worst(3))
       worst = 0.0_wp
+      last = 0.0_wp
+      if (listed > 0) last = vibrations%frequency(listed)**2 + vibrations%growth(listed)**2
       mode = 0
       beam = 1
       others = -1
@@ -62,16 +69,26 @@ contains
          ! A motion that nothing resists
          if (.not. omega2 > 1.0e-10_wp*maxval(vibrations%frequency)**2) cycle
          error = 1/sqrt(1 - min(sum(saved)/omega2, 0.99_wp)) - 1
+         if (j > listed) then
+            if (text /= '' .or. error <= little .or. omega2 - doubt*sum(saved) >= last) cycle
+            beam = maxloc(sum(saved, dim=1), dim=1)
+            text = "warning: *MODES '"//name//"' may lack a mode: the one at "//as_text(vibrations%frequency(j), 4)// &
+               & ' rad/'//system%model%units%time//', behind the last of the list, is too fast by '//size_words(error)//': '// &
+               & remedy(system%model, watch%beams(beam)%body, saved(:, beam))//newline
+            cycle
+         end if
          if (error > little) others = others + 1
          if (error <= max(worst, little)) cycle
          worst = error
          mode = j
-         beam = maxloc(saved, dim=1)
+         beam = maxloc(sum(saved, dim=1), dim=1)
+         of_worst = saved(:, beam)
       end do
       if (.not. worst > 0.0_wp) return
-      text = 'warning: mode '//as_text(mode)//" of *MODES '"//name//"'"
+      beam = watch%beams(beam)%body
+      text = text//'warning: mode '//as_text(mode)//" of *MODES '"//name//"'"
       if (others > 0) text = text//' (and '//as_text(others)//' more)'
-      text = text//' errs in its frequency by '//size_words(worst)//': '//remedy(system%model, watch%beams(beam)%body)//newline
+      text = text//' errs in its frequency by '//size_words(worst)//': '//remedy(system%model, beam, of_worst)//newline
    end function function_mode_warnings
 
    !> A warning of the load at which the scene buckles in a motion; empty if it is right.
@@ -84,16 +101,18 @@ contains
       real(wp), intent(in) :: t, q(:), lambda(:), motion(:)
       character(:), allocatable :: text
       type(function_watch_type) :: watch
-      real(wp), allocatable :: saved(:)
+      real(wp), allocatable :: saved(:, :)
       real(wp) :: error
+      integer :: beam
       text = ''
       call start_functions(watch, system)
       if (size(watch%beams) == 0) return
-      allocate (saved(size(watch%beams)))
+      allocate (saved(3, size(watch%beams)))
       call save(watch, system, work, balance, t, q, lambda, motion, saved)
       error = sum(saved)/elastic_energy(system, motion)
+      beam = maxloc(sum(saved, dim=1), dim=1)
       if (error > little) text = 'warning: the load at t = '//as_text(t, 6)//', where equilibrium turns unstable, is too high by ' &
-         & //size_words(error)//': '//remedy(system%model, watch%beams(maxloc(saved, dim=1))%body)//newline
+         & //size_words(error)//': '//remedy(system%model, watch%beams(beam)%body, saved(:, beam))//newline
    end function function_load_warning
 
    !> A warning of a state at rest whose softest vibration is so much softer with all functions that it is near buckling, or beyond;
@@ -109,8 +128,9 @@ contains
       type(function_watch_type) :: watch
       type(vibrations_type) :: vibrations
       type(error_type), allocatable :: error
-      real(wp), allocatable :: saved(:)
+      real(wp), allocatable :: saved(:, :)
       real(wp) :: part, left
+      integer :: beam
       text = ''
       if (.not. any(system%model%bodies%reduced%is_exact) .or. is_large(system)) return
       call linearise_balance(system, work, balance, t, q, lambda)
@@ -121,7 +141,7 @@ contains
       call find_vibrations(system, balance%tangent, balance%freedom, no_damping, 1, vibrations, error)
       if (allocated(error) .or. size(vibrations%frequency) == 0) return
       call start_functions(watch, system)
-      allocate (saved(size(watch%beams)))
+      allocate (saved(3, size(watch%beams)))
       call save(watch, system, work, balance, t, q, lambda, real(vibrations%shape(:, 1), wp), saved)
       if (.not. vibrations%frequency(1) > 0.0_wp) return
       part = sum(saved)/vibrations%frequency(1)**2
@@ -130,7 +150,8 @@ contains
       text = 'warning: the loads at t = '//as_text(t, 6)//' leave less stiffness than the functions tell, which is too high by '// &
          & size_words(part)
       if (part > 1.0_wp) text = text//' (the scene may have buckled before)'
-      text = text//': '//remedy(system%model, watch%beams(maxloc(saved, dim=1))%body)//newline
+      beam = maxloc(sum(saved, dim=1), dim=1)
+      text = text//': '//remedy(system%model, watch%beams(beam)%body, saved(:, beam))//newline
    end function function_state_warning
 
    !> Elastic energy of a motion, times two.
@@ -156,9 +177,12 @@ contains
       text = text//as_text(100*min(error, beyond), 2)//' %'
    end function size_words
 
-   function remedy(model, body) result(text)
+   !> The beam and its remedy: functions of what saves most.
+   function remedy(model, body, saved) result(text)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
+      !> Energies of the bending, the stretching and the shear (3)
+      real(wp), intent(in) :: saved(3)
       character(:), allocatable :: text
       associate (own => model%bodies(body))
          if (own%whole > 0) then
@@ -166,7 +190,12 @@ contains
          else
             text = "'"//own%name//"'"
          end if
-         text = 'beam '//text//' has too few functions for this shape; use FUNCTIONS='//as_text(2*own%choice%exact%angles)
+         text = 'beam '//text//' has too few functions for this shape; use '
+         if (saved(2) > 0.5_wp*sum(saved)) then
+            text = text//'STRAIN FUNCTIONS='//as_text(max(2, 2*own%choice%exact%strains))
+         else
+            text = text//'FUNCTIONS='//as_text(2*own%choice%exact%angles)
+         end if
       end associate
    end function remedy
 
@@ -180,8 +209,8 @@ contains
       real(wp), intent(in) :: t, q(:), lambda(:)
       !> In the layout of the rates (nw)
       real(wp), intent(in) :: motion(:)
-      !> (beams)
-      real(wp), intent(out) :: saved(:)
+      !> That of the bending, the stretching and the shear (3, beams)
+      real(wp), intent(out) :: saved(:, :)
       real(wp), allocatable :: lack(:, :), lacks(:, :, :)
       real(wp) :: a(size(q)), step, largest
       logical :: done
@@ -194,12 +223,12 @@ contains
       do i = 1, size(watch%beams)
          most = max(most, size(watch%beams(i)%recovery%sections))
       end do
-      allocate (lacks(3, most, size(saved)))
+      allocate (lacks(3, most, size(saved, 2)))
       lacks = 0.0_wp
       do side = -1, 1, 2
          call go_aside(system, work, balance, t, q, lambda, side*step*motion, a, done)
          if (.not. done) exit
-         do i = 1, size(saved)
+         do i = 1, size(saved, 2)
             call lacking_strains(watch, system, work, i, balance%moved, balance%v, a, lack)
             lacks(:, :size(lack, 2), i) = lacks(:, :size(lack, 2), i) + side*lack/(2*step)
          end do
@@ -208,11 +237,11 @@ contains
       work%lambda = lambda
       call update_jacobians(system, work)
       if (.not. done) return
-      do i = 1, size(saved)
+      do i = 1, size(saved, 2)
          associate (exact => system%model%bodies(watch%beams(i)%body)%reduced%exact)
             associate (own => lacks(:, :exact%stations, i))
-               saved(i) = sum(exact%weight*(exact%section(of_ei, :)*own(1, :)**2 + exact%section(of_ea, :)*own(2, :)**2 &
-                  & + exact%section(of_ga, :)*own(3, :)**2))
+               saved(:, i) = [sum(exact%weight*exact%section(of_ei, :)*own(1, :)**2), &
+                  & sum(exact%weight*exact%section(of_ea, :)*own(2, :)**2), sum(exact%weight*exact%section(of_ga, :)*own(3, :)**2)]
             end associate
          end associate
       end do

@@ -30,6 +30,9 @@ module limber_analysis_modes
    private
    public :: run_modes
 
+   !> Modes behind those that are listed, which are looked at: one may be too fast by what a model lacks
+   integer, parameter :: beside = 6
+
 contains
 
    !> Finds the modes and writes them to /modes/<name>.
@@ -44,7 +47,8 @@ contains
       !> Whether a checkpoint holds what is before it, so that a signal may end the run while LAPACK computes
       logical, intent(in) :: is_secured
       type(equilibrium_type) :: balance
-      type(vibrations_type) :: vibrations
+      !> Those that are listed, and some more
+      type(vibrations_type) :: vibrations, more
       type(error_type), allocatable :: interruption
       integer(long) :: tick
       real(wp) :: cpu
@@ -60,19 +64,21 @@ contains
       if (allocated(error)) return
       if (is_large(scene%system) .and. terms(step, balance) == no_damping .and. has_enough(scene%system, step%modes) &
          & .and. has_potential(balance%tangent)) then
-         call find_large_vibrations(scene%system, balance%tangent, step%modes, vibrations, error)
+         call find_large_vibrations(scene%system, balance%tangent, step%modes, more, error)
       else
          call find_freedom(scene%system, scene%work, .false., balance%freedom)
-         call find_vibrations(scene%system, balance%tangent, balance%freedom, terms(step, balance), step%modes, vibrations, error)
+         call find_vibrations(scene%system, balance%tangent, balance%freedom, terms(step, balance), step%modes + beside, more, &
+            & error)
       end if
       call let_signals_end(.false.)
       call history%check_limit(step%dynamics%start, interruption)
       if (allocated(interruption)) call move_alloc(interruption, error)
       if (allocated(error)) return
+      call take_first(more, step%modes, vibrations)
       if (size(vibrations%frequency) == 0) call warn(outcome, "nothing can vibrate in *MODES '"//step%name// &
          & "': joints and drivers leave the scene no free motion; no modes are written. Remove *MODES, or a joint or driver")
       call sample(scene, step, balance, history, outcome, error)
-      if (.not. allocated(error)) call check_frequencies(scene, step, balance, vibrations, outcome)
+      if (.not. allocated(error)) call check_frequencies(scene, step, balance, vibrations, more, outcome)
       if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
       if (allocated(error)) return
       report = table(scene, vibrations, step%damped)
@@ -80,6 +86,18 @@ contains
       outcome%cpu = outcome%cpu + cpu
       outcome%wall = seconds_since(tick)
    end subroutine run_modes
+
+   !> The first modes.
+   subroutine take_first(more, wanted, vibrations)
+      type(vibrations_type), intent(in) :: more
+      integer, intent(in) :: wanted
+      type(vibrations_type), intent(inout) :: vibrations
+      integer :: count
+      count = min(wanted, size(more%frequency))
+      allocate (vibrations%frequency, source=more%frequency(:count))
+      allocate (vibrations%growth, source=more%growth(:count))
+      allocate (vibrations%shape, source=more%shape(:, :count))
+   end subroutine take_first
 
    !> Whether there are more free motions than wanted modes, as ARPACK needs it.
    pure logical function has_enough(system, wanted)
@@ -204,21 +222,22 @@ contains
    end subroutine sample
 
    !> Warns of frequencies that the models of bodies make wrong.
-   subroutine check_frequencies(scene, step, balance, vibrations, outcome)
+   subroutine check_frequencies(scene, step, balance, vibrations, more, outcome)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       type(equilibrium_type), intent(inout) :: balance
-      type(vibrations_type), intent(in) :: vibrations
+      !> Those that are listed, and some more, one of which may be among them in truth
+      type(vibrations_type), intent(in) :: vibrations, more
       type(outcome_type), intent(inout) :: outcome
       real(wp), allocatable :: lambda(:)
       call update_jacobians(scene%system, scene%work)
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
-         & balance%rotation, vibrations, step%name)//kink_warnings(scene%system, balance%tangent, scene%work%kinematics, &
-         & step%dynamics%start, scene%q, balance%v, step%damped, vibrations, step%name)
+         & balance%rotation, vibrations, step%name)//kink_warnings(scene%system, balance%tangent, &
+         & scene%work%kinematics, step%dynamics%start, scene%q, balance%v, step%damped, vibrations, step%name)
       allocate (lambda, source=scene%work%lambda)
       outcome%warnings = outcome%warnings//function_mode_warnings(scene%system, scene%work, balance, step%dynamics%start, &
-         & scene%q, lambda, vibrations, step%name)
+         & scene%q, lambda, more, size(vibrations%frequency), step%name)
    end subroutine check_frequencies
 
    !> Writes frequencies, damping ratios and shapes.

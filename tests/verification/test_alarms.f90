@@ -30,6 +30,7 @@ program test_alarms
    call test_ends()
    call test_scalar()
    call test_still()
+   call test_turning()
    call finish()
 
 contains
@@ -78,6 +79,27 @@ contains
       call judge('still, AUTO', rod//'*DYNAMICS, END=3e-2, OUTPUTS=20'//newline//'*OUTPUT'//newline//' angle(rod)', -1.35_wp, &
          & 1.0e-9_wp, '')
    end subroutine test_still
+
+   !> A driver that turns a body on a spring by half turns and more in an increment of a static analysis: its end is where the law says,
+   !> and the spring has the length of that.
+   subroutine test_turning()
+      character(8), parameter :: laws(4) = [character(8) :: 'pi*t', '0.9*pi*t', '3*pi*t', '20*pi*t']
+      real(wp), parameter :: turned(4) = acos(-1.0_wp)*[1.0_wp, 0.9_wp, 3.0_wp, 20.0_wp]
+      character(*), parameter :: arm = '*RIGID BODY, NAME=arm, MASS=1, INERTIA=0.01'//newline//' tip, 1, 0'//newline// &
+         & '*JOINT, NAME=pin, TYPE=REVOLUTE'//newline//' arm.origin, ground.origin'//newline//'*GROUND'//newline//' hook, 1, 1'// &
+         & newline//'*SPRING, NAME=s, STIFFNESS=1'//newline//' arm.tip, ground.hook'//newline
+      integer :: i, increments
+      do i = 1, size(laws)
+         do increments = 1, 10, 9
+            call judge('turned by '//trim(laws(i)), arm//'*DRIVER, NAME=d, TYPE=ANGLE, BODY=arm'//newline//' '//laws(i)//newline// &
+               & '*STATICS, INCREMENTS='//as_text(increments)//newline//'*OUTPUT'//newline//' tension(s)', &
+               & sqrt((cos(turned(i)) - 1)**2 + (sin(turned(i)) - 1)**2), 1.0e-9_wp, '')
+            call judge('angle of '//trim(laws(i)), arm//'*DRIVER, NAME=d, TYPE=ANGLE, BODY=arm'//newline//' '//laws(i)//newline// &
+               & '*STATICS, INCREMENTS='//as_text(increments)//newline//'*OUTPUT'//newline//' joint_angle(pin)', turned(i), &
+               & 1.0e-9_wp, '')
+         end do
+      end do
+   end subroutine test_turning
 
    !> A vibration that the integrator damps away: the mass should go on by 0.1 cos 10 t. By itself, beside a damper that does
    !> nothing, and behind another analysis.

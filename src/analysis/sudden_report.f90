@@ -7,7 +7,8 @@ module limber_analysis_sudden_report
    use limber_analysis_sudden_watch, only: lost_deflection, lost_moments, lost_shears
    use limber_model_quantities, only: quantity_bending_moment, quantity_stress_top, quantity_stress_bottom, &
       & quantity_shear_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
-      & quantity_torque
+      & quantity_torque, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_ax, quantity_ay, quantity_deflection, &
+      & quantity_u1, quantity_u2, quantity_rotation
    use limber_model_scene, only: model_type, quantity_type
    implicit none
    private
@@ -20,6 +21,9 @@ module limber_analysis_sudden_report
    !> Part of the length below which a deflection is none
    real(wp), parameter :: nothing_moved = 1.0e-9_wp
    integer, parameter :: most_functions = 40
+   !> What is asked of the deflection of a beam
+   integer, parameter :: placed(*) = [quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_ax, quantity_ay, &
+      & quantity_deflection, quantity_u1, quantity_u2, quantity_rotation]
    !> What is told of
    integer, parameter :: of_moments = 1, of_forces = 2
 
@@ -50,6 +54,7 @@ contains
             length = length + model%bodies(self%beams(k)%body)%reduced%exact%total
          end do
          part = part/max(moved, nothing_moved*length)
+         if (.not. shows_place(model, self%beams(first:i)%body)) part = 0.0_wp
          what = ''
          most = 0.0_wp
          if (part > times*little) call add(part, 'its largest deflection')
@@ -80,6 +85,22 @@ contains
       end subroutine add
 
    end function sudden_warnings
+
+   !> Whether a channel asks for anything of a point on bodies.
+   pure logical function shows_place(model, bodies)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: bodies(:)
+      integer :: i, k
+      shows_place = .false.
+      do i = 1, size(model%channels)
+         do k = 1, size(model%channels(i)%quantities)
+            associate (quantity => model%channels(i)%quantities(k))
+               if (.not. any(quantity%kind == placed)) cycle
+               shows_place = shows_place .or. any(model%points(quantity%of)%body == bodies)
+            end associate
+         end do
+      end do
+   end function shows_place
 
    !> The last piece of a beam, whose first one is given; the pieces of a beam are told of as one.
    pure integer function last_piece(self, model, first) result(last)

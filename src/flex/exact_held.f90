@@ -187,7 +187,7 @@ contains
       real(wp), intent(in) :: moved(:, :), motions(:, :)
       type(held_type), intent(inout) :: held
       real(wp) :: behind(exact%stations), lack(exact%stations), unit(exact%stations, 2), pushed(exact%points), saved
-      real(wp) :: share(exact%stations, exact%stations)
+      real(wp) :: share(exact%stations, exact%stations), turned(exact%stations)
       integer :: i, j, k
       deallocate (held%error, held%moment, held%shear)
       allocate (held%error(held%count))
@@ -201,10 +201,11 @@ contains
       end do
       do j = 1, held%count
          pushed = held%omega2(j)*exact%mass*matmul(moved, motions(:, j))
+         turned = held%omega2(j)*exact%inertia(:exact%stations)*(motions(2, j) + matmul(motions(whole + 1:, j), exact%psi))
          do i = 1, exact%stations
             behind = pushed(:exact%stations)*share(:, i)
             held%shear(i, j) = sum(behind)
-            held%moment(i, j) = sum(behind*(exact%s - exact%s(i)))
+            held%moment(i, j) = sum(behind*(exact%s - exact%s(i)) + turned*share(:, i))
             do k = exact%stations + 1, exact%points
                associate (arm => exact%lump_at(k - exact%stations) - exact%s(i))
                   if (arm < 0.0_wp) cycle

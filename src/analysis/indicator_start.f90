@@ -17,6 +17,7 @@ module limber_analysis_indicator_start
    use limber_model_quantities, only: quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
       & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation, quantity_moment
    use limber_system_system, only: system_type
+   use limber_output_pulls, only: new_pulls, pulled_points
    implicit none
    private
    public :: start_indicators
@@ -60,6 +61,7 @@ contains
          most = max(most, sum(system%loads(i)%item%rates))
       end do
       allocate (self%scratch(most))
+      self%pulls = new_pulls(system)
       if (count == 0) return
       do i = 1, size(system%model%joints)
          select case (system%model%joints(i)%kind)
@@ -338,6 +340,11 @@ contains
                end do
             end associate
          end do
+         associate (pulled => pulled_points(self%pulls, system))
+            do i = 1, size(pulled)
+               call enter(system%model%points(pulled(i))%body, pulled(i), .false., .false., -1)
+            end do
+         end associate
          if (pass == 2) exit
          first(1) = 1
          do i = 2, size(first)

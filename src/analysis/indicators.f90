@@ -18,6 +18,7 @@ module limber_analysis_indicators
    use limber_analysis_surveys, only: surveys_type
    use limber_flex_quasistatic, only: quasistatic_type
    use limber_flex_stations, only: stations_type
+   use limber_output_pulls, only: pulls_type
    implicit none
    private
    public :: indicators_type, body_indicators_type, set_type, join_indicators, raise_peak, indicator_value, indicator_time
@@ -153,6 +154,8 @@ module limber_analysis_indicators
       logical, allocatable :: turned(:)
       !> Of the forces of a load
       real(wp), allocatable :: scratch(:)
+      !> What acts on several points of a body
+      type(pulls_type) :: pulls
       !> Axial forces in frames, and what these cannot carry
       type(surveys_type) :: surveys
       !> What the functions of exact beams leave out

@@ -18,6 +18,7 @@ module limber_analysis_observation
    use limber_system_algebra, only: cross
    use limber_system_point_motion, only: point_position
    use limber_system_system, only: system_type, workspace_type
+   use limber_output_pulls, only: pull_type, constraint_pulls, load_pulls, most_pulls
    implicit none
    private
    public :: observe
@@ -345,10 +346,16 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       real(wp), intent(in) :: q(:)
+      type(pull_type) :: pulls(most_pulls)
       real(wp) :: force(3)
-      integer :: i, side, row, k
+      integer :: i, side, row, k, count
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
+            if (self%pulls%pair(i)) then
+               call constraint_pulls(self%pulls, work, item, pulls, count)
+               call add_pulls(self, system, pulls(:count), q)
+               cycle
+            end if
             do side = 1, 2
                if (item%bodies(side) == ground .or. item%points(side) == 0) cycle
                if (self%place(item%points(side)) == 0) cycle
@@ -370,7 +377,8 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       real(wp), intent(in) :: q(:)
-      integer :: i, side
+      type(pull_type) :: pulls(most_pulls)
+      integer :: i, side, count
       logical :: at_points
       do i = 1, size(system%loads)
          associate (item => system%loads(i)%item)
@@ -380,6 +388,11 @@ contains
                at_points = at_points .or. self%place(item%points(side)) > 0
             end do
             if (.not. at_points) cycle
+            if (self%pulls%load(i)) then
+               call load_pulls(self%pulls, work, item, pulls, count)
+               call add_pulls(self, system, pulls(:count), q)
+               cycle
+            end if
             self%scratch = 0.0_wp
             call item%add_force(work%kinematics, self%scratch(:sum(item%rates)))
             if (item%is_scaled) self%scratch = item%share*self%scratch
@@ -393,6 +406,19 @@ contains
          end associate
       end do
    end subroutine add_loads
+
+   !> Those forces among others that act on beams.
+   pure subroutine add_pulls(self, system, pulls, q)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(pull_type), intent(in) :: pulls(:)
+      real(wp), intent(in) :: q(:)
+      integer :: j
+      do j = 1, size(pulls)
+         if (pulls(j)%body == ground .or. pulls(j)%point == 0) cycle
+         if (self%place(pulls(j)%point) > 0) call add_force(self, system, pulls(j)%body, pulls(j)%point, pulls(j)%force, .true., q)
+      end do
+   end subroutine add_pulls
 
    !> A force and its moment about the origin of a beam's frame, as forces along and across it and a couple at a place.
    pure subroutine add_force(self, system, body, point, force, is_fixed, q)

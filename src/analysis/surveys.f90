@@ -7,6 +7,7 @@ module limber_analysis_surveys
    use limber_flex_survey, only: survey_type, new_survey
    use limber_model_scene, only: body_type, point_type, effort_axis, ground, joint_weld, joint_translational
    use limber_model_spreads, only: spread_parts
+   use limber_output_pulls, only: pull_type, pulls_type, new_pulls, pulled_points, constraint_pulls, load_pulls, most_pulls
    use limber_system_algebra, only: cross
    use limber_system_point_motion, only: point_position
    use limber_system_system, only: system_type, workspace_type
@@ -32,6 +33,8 @@ module limber_analysis_surveys
       integer, allocatable :: of(:), place(:)
       !> Of the forces of a load
       real(wp), allocatable :: scratch(:)
+      !> What acts on several points of a body
+      type(pulls_type) :: pulls
    end type surveys_type
 
 contains
@@ -60,6 +63,7 @@ contains
             & .and. .not. system%model%bodies(i)%reduced%is_exact
       end do
       allocate (self%bodies(count(wanted)))
+      self%pulls = new_pulls(system)
       made = 0
       do i = 1, size(wanted)
          if (.not. wanted(i)) cycle
@@ -178,7 +182,11 @@ contains
             end do
          end associate
       end do
-
+      associate (pulled => pulled_points(self%pulls, system))
+         do i = 1, size(pulled)
+            call enter(system%model%points(pulled(i))%body, pulled(i), .false., .false.)
+         end do
+      end associate
       call hold_sprung()
 
    contains
@@ -267,10 +275,16 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       real(wp), intent(in) :: q(:)
+      type(pull_type) :: pulls(most_pulls)
       real(wp) :: force(3)
-      integer :: i, side, row
+      integer :: i, side, row, count
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
+            if (self%pulls%pair(i)) then
+               call constraint_pulls(self%pulls, work, item, pulls, count)
+               call add_pulls(self, system, pulls(:count), q)
+               cycle
+            end if
             do side = 1, 2
                if (.not. is_surveyed(self, item%bodies(side), item%points(side))) cycle
                force = 0.0_wp
@@ -289,7 +303,8 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       real(wp), intent(in) :: q(:)
-      integer :: i, side
+      type(pull_type) :: pulls(most_pulls)
+      integer :: i, side, count
       logical :: acts
       do i = 1, size(system%loads)
          associate (item => system%loads(i)%item)
@@ -298,6 +313,11 @@ contains
                acts = acts .or. is_surveyed(self, item%bodies(side), item%points(side))
             end do
             if (.not. acts) cycle
+            if (self%pulls%load(i)) then
+               call load_pulls(self%pulls, work, item, pulls, count)
+               call add_pulls(self, system, pulls(:count), q)
+               cycle
+            end if
             self%scratch = 0.0_wp
             call item%add_force(work%kinematics, self%scratch(:sum(item%rates)))
             if (item%is_scaled) self%scratch = item%share*self%scratch
@@ -308,6 +328,19 @@ contains
          end associate
       end do
    end subroutine add_loads
+
+   !> Those forces among others that act on bodies that have a survey.
+   pure subroutine add_pulls(self, system, pulls, q)
+      type(surveys_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(pull_type), intent(in) :: pulls(:)
+      real(wp), intent(in) :: q(:)
+      integer :: j
+      do j = 1, size(pulls)
+         if (is_surveyed(self, pulls(j)%body, pulls(j)%point)) call add_force(self, system, pulls(j)%body, pulls(j)%point, &
+            & pulls(j)%force, q)
+      end do
+   end subroutine add_pulls
 
    !> Whether a point lies on a body that has a survey.
    pure logical function is_surveyed(self, body, point)

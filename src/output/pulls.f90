@@ -11,7 +11,7 @@ module limber_output_pulls
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: pull_type, pulls_type, new_pulls, constraint_pulls, load_pulls
+   public :: pull_type, pulls_type, new_pulls, pulled_points, constraint_pulls, load_pulls
 
    !> Most forces of a constraint or load
    integer, parameter, public :: most_pulls = most_vectors
@@ -28,8 +28,9 @@ module limber_output_pulls
    type :: pulls_type
       !> The point of the deck that each marker is at, 0: none (markers)
       integer, allocatable :: point(:)
-      !> Which constraints and loads act on several points of a body
-      logical, allocatable :: constraint(:), load(:)
+      !> Which constraints and loads act on several points of a body, or at points that they do not name; which constraints name
+      !> one of several points of a body
+      logical, allocatable :: constraint(:), load(:), pair(:)
    end type pulls_type
 
 contains
@@ -39,11 +40,15 @@ contains
       type(pulls_type) :: pulls
       integer :: i
       allocate (pulls%point(system%markers), pulls%constraint(size(system%constraints)), pulls%load(size(system%loads)))
+      allocate (pulls%pair(size(system%constraints)))
       do i = 1, system%markers
          pulls%point(i) = point_of(system, system%marker_points(i))
       end do
       do i = 1, size(system%constraints)
-         pulls%constraint(i) = is_spread(pulls, system, system%constraints(i)%item)
+         associate (item => system%constraints(i)%item)
+            pulls%pair(i) = is_pair(pulls, system, item)
+            pulls%constraint(i) = pulls%pair(i) .or. is_nameless(item)
+         end associate
       end do
       do i = 1, size(system%loads)
          pulls%load(i) = is_within(pulls, system, system%loads(i)%item)
@@ -67,23 +72,29 @@ contains
       point = 0
    end function point_of
 
-   !> Whether a constraint has vectors at several points of a body, or points that it does not name.
-   pure logical function is_spread(pulls, system, item)
+   !> Whether a constraint has vectors at several points of a body.
+   pure logical function is_pair(pulls, system, item)
       type(pulls_type), intent(in) :: pulls
       type(system_type), intent(in) :: system
       class(constraint_type), intent(in) :: item
-      is_spread = .false.
+      is_pair = .false.
+      if (is_nameless(item)) return
       select type (item)
       class is (kernel_type)
          ! What slides along a body has its own way
-         if (item%bend > 0) return
-         is_spread = are_apart(pulls, system, item%markers(:item%vectors))
+         if (item%bend == 0) is_pair = are_apart(pulls, system, item%markers(:item%vectors))
       end select
+   end function is_pair
+
+   !> Whether a constraint names no point of a body that it acts on.
+   pure logical function is_nameless(item)
+      class(constraint_type), intent(in) :: item
+      is_nameless = .false.
       select type (item)
       type is (linear_type)
-         is_spread = is_spread .or. any(item%points == 0 .and. item%bodies /= ground)
+         is_nameless = any(item%points == 0 .and. item%bodies /= ground)
       end select
-   end function is_spread
+   end function is_nameless
 
    !> Whether a load acts on several points of a body, of which its forces have the sum only.
    pure logical function is_within(pulls, system, item)
@@ -113,6 +124,30 @@ contains
          end do
       end do
    end function are_apart
+
+   !> The points of the deck that such constraints and loads act on.
+   pure function pulled_points(self, system) result(points)
+      type(pulls_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      integer, allocatable :: points(:)
+      integer :: i
+      allocate (points(0))
+      do i = 1, size(system%constraints)
+         if (.not. self%pair(i)) cycle
+         select type (item => system%constraints(i)%item)
+         class is (kernel_type)
+            points = [points, self%point(item%markers(:item%vectors))]
+         end select
+      end do
+      do i = 1, size(system%loads)
+         if (.not. self%load(i)) cycle
+         select type (item => system%loads(i)%item)
+         class is (effort_load_type)
+            points = [points, self%point(pack(item%gauges(1)%markers, item%gauges(1)%parts > 0))]
+         end select
+      end do
+      points = pack(points, points > 0)
+   end function pulled_points
 
    !> Forces of a constraint; multipliers and kinematics are those of the state.
    subroutine constraint_pulls(self, work, item, pulls, count)

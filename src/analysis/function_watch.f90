@@ -10,7 +10,7 @@ module limber_analysis_function_watch
    use limber_flex_mesh, only: support_type
    use limber_flex_recovery, only: recovery_type
    use limber_model_quantities, only: quantity_u1
-   use limber_model_scene, only: model_type
+   use limber_model_scene, only: model_type, driver_distance, effort_distance
    use limber_analysis_sudden_watch, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
    use limber_model_stresses, only: recover_stations
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
@@ -291,7 +291,8 @@ contains
 
    end function function_warnings
 
-   !> Whether a channel asks for displacements along a beam; those of a frame are told in the axes of the frame.
+   !> Whether a channel asks for displacements along a beam, those of a frame being told in the axes of the frame, or the distance of
+   !> two of its points decides on a force.
    pure logical function asks_along(model, whole, bodies)
       type(model_type), intent(in) :: model
       !> What the pieces of the beam belong to, 0 if it is in one; its bodies
@@ -309,6 +310,30 @@ contains
             end do
          end associate
       end do
+      do i = 1, size(model%drivers)
+         if (model%drivers(i)%kind == driver_distance) asks_along = asks_along .or. are_within(model%drivers(i)%points)
+      end do
+      do i = 1, size(model%springs)
+         if (model%springs(i)%stiffness > 0.0_wp) asks_along = asks_along .or. are_within(model%springs(i)%points)
+      end do
+      do i = 1, size(model%efforts)
+         associate (effort => model%efforts(i))
+            if (effort%along /= effort_distance .or. .not. effort%stiffness > 0.0_wp) cycle
+            asks_along = asks_along .or. are_within(effort%points)
+         end associate
+      end do
+
+   contains
+
+      pure logical function are_within(points)
+         integer, intent(in) :: points(2)
+         integer :: of(2)
+         are_within = .false.
+         if (any(points == 0)) return
+         of = model%points(points)%body
+         are_within = any(bodies == of(1)) .and. any(bodies == of(2))
+      end function are_within
+
    end function asks_along
 
    !> Saves or restores it.

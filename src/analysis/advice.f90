@@ -189,17 +189,14 @@ contains
       vibrates = advice%probe%blind .or. advice%probe%beams(i)%force > forced
    end function vibrates
 
-   !> Whether a beam is to be verified: if an error is expected, or if it bends so much that the expectation may be wrong.
+   !> Whether a beam is to be verified: always if it bends, for the probe moves it slowly and by loads that do not answer its motion;
+   !> a rigid one if an error is expected.
    pure logical function matters(advice, i)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
-      !> The same of a rigid beam, whose expected error nothing else shows
+      !> Part of the target from which on the expected error of a rigid beam counts, which nothing else shows
       real(wp), parameter :: of_rigid = 1.0e-3_wp
-      real(wp) :: expected, effect
-      expected = advice%surprise*advice%expected(i)
-      effect = advice%surprise*(advice%probe%beams(i)%effect + advice%probe%beams(i)%stretch)
-      matters = expected >= merge(no_matter, of_rigid, advice%rungs(i)%step > 0)*advice%target
-      if (advice%rungs(i)%step > 0) matters = matters .or. effect > no_effect*advice%target
+      matters = advice%rungs(i)%step > 0 .or. advice%surprise*advice%expected(i) >= of_rigid*advice%target
    end function matters
 
    !> Error of a higher rung as a part of the difference that it makes, as far as the probe tells: eq. (R22).

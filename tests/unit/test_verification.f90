@@ -25,8 +25,8 @@ program test_verification
 
 contains
 
-   !> A beam of which a ten-thousandth of the target is expected is not verified, until a run has shown 400 times more; with 600 its
-   !> strain is verified too, for that was expected to be of the same size.
+   !> A beam of which a ten-thousandth of the target is expected is verified if it bends; a rigid one not before a run has shown ten
+   !> times more. With 600 times the strain is verified too, for that was expected to be of the same size.
    subroutine test_surprise()
       type(advice_type) :: advice
       type(truth_type) :: truth
@@ -41,7 +41,14 @@ contains
       advice%probe%beams(1)%stretch = 1.0e-6_wp
       advice%expected = [1.0e-6_wp]
       rung = check_rung(advice, 1)
-      call check(rung%step == 3 .and. .not. rung%stretches, 'what does not matter is not verified')
+      call check(rung%step > 3 .and. .not. rung%stretches, 'what bends is verified')
+      advice%rungs%step = 0
+      rung = check_rung(advice, 1)
+      call check(rung%step == 0 .and. .not. rung%stretches, 'a rigid beam of no effect is not verified')
+      call note_surprise(advice, 20.0e-6_wp)
+      rung = check_rung(advice, 1)
+      call check(rung%step > 0, '20 times as much: it is')
+      advice%rungs%step = 3
       ! Twice the stretch, 2e-6, is to be a tenth of the share over 0.65 of it, 1e-3: 500 times
       call note_surprise(advice, 400.0e-6_wp)
       call check_close(advice%surprise, 400.0_wp, 1.0e-12_wp, 'errors over what was expected')

@@ -40,6 +40,8 @@ module limber_analysis_reached
       type(shown_type) :: shown
       !> What the deck fixes of beams, and the error of that, relative; models that nothing verifies. Empty: there are none
       character(:), allocatable :: fixed, unverified
+      !> Whether a beam is rigid in the finest run too, as nothing is expected of its bending
+      logical :: believed = .false.
       real(wp) :: of_fixed = 0.0_wp
       !> Number of runs, of climbs, CPU seconds of all runs and their counted work
       integer :: runs = 0, climbs = 0

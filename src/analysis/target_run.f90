@@ -69,9 +69,9 @@ contains
       if (allocated(error)) return
       batch%error = reached%error
       if (allocated(reached%outcome%warnings)) scene%warnings = scene%warnings//reached%outcome%warnings
-      ! What finer runs have verified needs no range
-      if (allocated(reached%outcome%indicators) .and. (reached%unverified /= '' .or. .not. reached%done)) scene%warnings = &
-         & scene%warnings//range_warnings(reached%outcome%indicators, scene%system%model)
+      ! What finer runs have verified needs no range; a rigid beam that none has shown to bend does
+      if (allocated(reached%outcome%indicators) .and. (reached%unverified /= '' .or. reached%believed .or. &
+         & .not. reached%done)) scene%warnings = scene%warnings//range_warnings(reached%outcome%indicators, scene%system%model)
       if (reached%done) scene%warnings = scene%warnings//unverified_warning(reached)
       call record_target(reached, history%history_type, error)
       if (allocated(error)) return

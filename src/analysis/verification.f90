@@ -126,6 +126,7 @@ contains
             do i = 1, size(rungs)
                rungs(i) = check_rung(advice, i)
             end do
+            reached%believed = any(rungs%step == 0)
             reached%useless = reached%of_time_before > 0.0_wp .and. any(can_climb(advice%rungs)) .and. &
                & reached%of_time > max(target, helped*reached%of_time_before)
             if (on .and. advice%open_tolerance .and. size(rungs) > 0 .and. widening*reached%of_time > time_first*target .and. &

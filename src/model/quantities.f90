@@ -62,7 +62,7 @@ module limber_model_quantities
       & quantity_spec_type('potential_energy', of_system, [2, -2, 1], .false., &
       &    'energy of beams, springs and weight of the whole: potential_energy(system)'), &
       & quantity_spec_type('work', of_system, [2, -2, 1], .false., &
-      &    'work put in by drivers, forces and torques since the start, less that of dampers: work(system)'), &
+      &    'work of drivers, forces and torques, less that of dampers, in this motion; 0 at rest: work(system)'), &
       & quantity_spec_type('u1', of_flexible_point, [1, 0, 0], .false., &
       &    'displacement of a point of a beam or frame along the first axis of the body''s frame'), &
       & quantity_spec_type('u2', of_flexible_point, [1, 0, 0], .false., &

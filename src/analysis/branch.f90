@@ -12,6 +12,7 @@ module limber_analysis_branch
    use limber_system_equilibrium, only: equilibrium_type, find_equilibrium, linearise_balance, judge, descend, is_near, extent
    use limber_system_freedom, only: motion_text
    use limber_system_kinematics, only: place_frames, settle_angles
+   use limber_system_turn_counts, only: driven_turn
    use limber_system_efforts, only: effort_load_type
    use limber_system_loads, only: load_type, dead_force_type, body_torque_type
    implicit none
@@ -147,10 +148,13 @@ contains
       statics%q = statics%trial
       statics%lambda = statics%trial_lambda
       statics%part = part
-      call follow_places(statics%recorder%turns, scene%system, statics%q)
-      if (size(scene%work%kinematics%angles) == 0) return
-      call place_frames(scene%system%model, scene%system%layout, scene%work%kinematics%time, statics%q, scene%work%kinematics)
-      call settle_angles(scene%work%kinematics, .false.)
+      associate (kinematics => scene%work%kinematics)
+         if (size(kinematics%angles) > 0) then
+            call place_frames(scene%system%model, scene%system%layout, kinematics%time, statics%q, kinematics)
+            call settle_angles(kinematics, .false.)
+         end if
+         call follow_places(statics%recorder%turns, scene%system, kinematics, kinematics%time, statics%q)
+      end associate
    end subroutine accept
 
    !> Newton's method at a part of the step from the present state, and the stability there. From an equilibrium it must stay on
@@ -163,9 +167,15 @@ contains
       logical, intent(out) :: done
       !> Most by which the scene may soften at once
       real(wp), parameter :: softer = 1.0e3_wp
+      !> Largest turn of a driven frame at once [rad]
+      real(wp), parameter :: most_turn = 1.5_wp
       associate (system => scene%system, work => scene%work, balance => statics%balance)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
+         ! Beyond a right angle Newton's method may find the opposite direction, which satisfies the same equation
+         done = part - statics%part <= kink_part*part .or. &
+            & .not. driven_turn(system, time_of(step, statics%part), time_of(step, part)) > most_turn
+         if (.not. done) return
          call load_scene(scene, step, part, statics)
          call find_equilibrium(system, work, balance, time_of(step, part), statics%trial, statics%trial_lambda, statics%known, done)
          if (.not. done) return

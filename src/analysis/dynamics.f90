@@ -29,7 +29,7 @@ module limber_analysis_dynamics
    use limber_output_channels, only: recorder_type, new_recorder, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
-   use limber_output_turns, only: follow_motion
+   use limber_output_turns, only: follow_places, follow_motion
    use limber_system_dynamics, only: linearise, velocity_residual, mechanical_energy, worst_constraint
    use limber_system_kinematics, only: place_frames, move_frames, settle_angles
    use limber_system_multiplier, only: update_jacobians
@@ -95,6 +95,7 @@ contains
          outcome%indicators%bodies%noise = min(smallest, noisy*integrator%tolerance)
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
+         call follow_places(recorder%turns, scene%system, scene%work%kinematics, dynamics%start, scene%q)
          ! Not by assignment: gfortran 12 reads the bounds of what is not allocated
          if (allocated(scene%followed)) deallocate (scene%followed)
          if (allocated(scene%work%kinematics%angles)) allocate (scene%followed, source=scene%work%kinematics%angles)

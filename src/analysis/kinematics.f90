@@ -113,7 +113,7 @@ contains
    end subroutine check_freedom
 
    subroutine start(scene, step, motion)
-      type(scene_type), intent(in) :: scene
+      type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       type(motion_type), intent(inout) :: motion
       integer :: drivers
@@ -134,6 +134,7 @@ contains
       call new_held(scene%system, motion%held)
       motion%recorder = new_recorder(scene%system, scene%q)
       if (allocated(scene%angle)) motion%recorder%turns%angle = scene%angle
+      call follow_places(motion%recorder%turns, scene%system, scene%work%kinematics, motion%t, motion%q)
    end subroutine start
 
    !> Moves on to a time in steps so small that the next position is sure to be on the same branch.
@@ -172,9 +173,9 @@ contains
             end do
             motion%t = merge(t, motion%t + h, t - motion%t - h < shortest)
             motion%q = motion%trial
-            call follow_places(motion%recorder%turns, system, motion%q)
             call place_frames(system%model, system%layout, motion%t, motion%q, work%kinematics)
             call settle_angles(work%kinematics, .false.)
+            call follow_places(motion%recorder%turns, system, work%kinematics, motion%t, motion%q)
             if (motion%t < t) call held_motion(system, work, held, motion%t, motion%q, motion%v, motion%a, done)
             if (.not. done) then
                call raise_singular(motion%t, error)

@@ -207,7 +207,7 @@ contains
       associate (system => scene%system, work => scene%work)
          recorder = new_recorder(system, scene%q)
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
-         call follow_places(recorder%turns, system, scene%q)
+         call follow_places(recorder%turns, system, work%kinematics, step%dynamics%start, scene%q)
          allocate (values(sample_width(system)))
          call place_frames(system%model, system%layout, step%dynamics%start, scene%q, work%kinematics)
          call move_frames(system%model, system%layout, scene%q, balance%v, work%kinematics)

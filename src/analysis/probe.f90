@@ -410,7 +410,7 @@ contains
          slope = 0.0_wp
          amplitude = maxval(abs(eta), 2)
          do k = 1, track%count
-            call follow_places(recorder%turns, system, track%q(:, k))
+            call follow_places(recorder%turns, system, scene%work%kinematics, track%times(k), track%q(:, k))
             looked = mod(k, max(1, track%count/looks)) == 0
             if (looked) then
                call evaluate(0, values)

@@ -20,6 +20,7 @@ module limber_analysis_statics
    use limber_output_channels, only: new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
+   use limber_output_turns, only: follow_places
    use limber_system_equilibrium, only: new_equilibrium, judge, descend, steady_motion, extent
    use limber_system_freedom, only: motion_text
    use limber_system_kinematics, only: place_frames, move_frames
@@ -77,11 +78,12 @@ contains
    end subroutine run_statics
 
    subroutine start(scene, statics)
-      type(scene_type), intent(in) :: scene
+      type(scene_type), intent(inout) :: scene
       type(statics_type), intent(inout) :: statics
       call new_equilibrium(scene%system, statics%balance)
       statics%recorder = new_recorder(scene%system, scene%q)
       if (allocated(scene%angle)) statics%recorder%turns%angle = scene%angle
+      call follow_places(statics%recorder%turns, scene%system, scene%work%kinematics, scene%system%model%dynamics%start, scene%q)
       allocate (statics%q, source=scene%q)
       allocate (statics%trial, source=scene%q)
       allocate (statics%lambda(scene%system%nc), statics%trial_lambda(scene%system%nc))

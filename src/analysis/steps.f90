@@ -27,6 +27,7 @@ module limber_analysis_steps
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: linearise, worst_constraint
    use limber_system_projection, only: settle
+   use limber_system_turn_counts, only: turn_driven
    implicit none
    private
    public :: run_steps, passed_type
@@ -276,8 +277,10 @@ contains
          scene%v = scene%last%v
          scene%angle = scene%last%angle
          system%model%dynamics = step%dynamics
-         if (step%kind /= step_dynamics) return
-         scene%last%rotation = 0.0_wp
+         ! Other analyses take up what they find, but not behind a gap of time in which drivers have gone on
+         if (step%kind /= step_dynamics .and. .not. (size(system%model%drivers) > 0 .and. &
+            & abs(step%dynamics%start - system%model%steps(i - 1)%dynamics%end) > 0.0_wp)) return
+         if (step%kind == step_dynamics) scene%last%rotation = 0.0_wp
          allocate (guess(size(scene%q)), change(size(scene%q)))
          if (step%velocities == velocities_none) scene%v = 0.0_wp
          if (step%velocities == velocities_of_deck) call first_guess(system, step%dynamics%start, guess, scene%v)
@@ -289,11 +292,12 @@ contains
             residual = residual/system%constraints(culprit)%item%scale
          end if
          if (residual > jump) then
+            call turn_driven(system, step%dynamics%start, scene%q)
             call assemble(system, scene%work, step%dynamics%start, scene%q, scene%v, error, culprit)
-         else
+         else if (step%kind == step_dynamics) then
             call settle(system, scene%work, step%dynamics%start, scene%q, scene%v, change, .true., residual, error)
          end if
-         if (.not. allocated(error)) call settle_integrator(scene)
+         if (.not. allocated(error) .and. step%kind == step_dynamics) call settle_integrator(scene)
       end associate
    end subroutine enter_step
 

@@ -1,6 +1,6 @@
 !> Angles of frames, accumulated over turns: from state to state of an analysis, and within a step of a motion. Which turn it is
 !> the law of its driver says, or else the speeds at both ends of the step, so that none is lost however far a step turns.
-!> Floor: output. Source: doc/theory, eqs. (E1), (E2).
+!> Floor: output. Source: doc/theory, eqs. (E1), (E2), (J1).
 module limber_output_turns
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -8,7 +8,9 @@ module limber_output_turns
    use limber_model_laws, only: driven_motion
    use limber_model_scene, only: driver_angle
    use limber_system_algebra, only: cross
+   use limber_system_kinematics, only: kinematics_type
    use limber_system_system, only: system_type
+   use limber_system_turn_counts, only: start_turns, angle_near
    implicit none
    private
    public :: turns_type, new_turns, follow_places, follow_motion, turned_angle
@@ -60,21 +62,25 @@ contains
       end do
       allocate (turns%before(n), source=turns%angle)
       allocate (turns%spin_before(n), source=turns%spin)
-      call follow_places(turns, system, q)
-   end function new_turns
-
-   !> Carries the angles on to a state less than half a turn away.
-   subroutine follow_places(turns, system, q)
-      type(turns_type), intent(inout) :: turns
-      type(system_type), intent(in) :: system
-      real(wp), intent(in) :: q(:)
-      integer :: i
-      turns%moving = .false.
       do i = 1, size(turns%bodies)
          associate (body => turns%bodies(i))
             turns%angle(body) = angle_near(turns%angle(body), q(system%layout%q(body) + 2:))
          end associate
       end do
+   end function new_turns
+
+   !> Carries the angles on to a state that is the start of an analysis, or follows no motion: less than half a turn away, but for
+   !> what drivers and joints tell of them.
+   subroutine follow_places(turns, system, kinematics, t, q)
+      type(turns_type), intent(inout) :: turns
+      type(system_type), intent(in) :: system
+      !> Placed there; its angles agree with these behind
+      type(kinematics_type), intent(inout) :: kinematics
+      !> Time; coordinates (nq)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:)
+      turns%moving = .false.
+      call start_turns(system, kinematics, t, q, turns%angle)
    end subroutine follow_places
 
    !> Carries the angles on to the end of a step of a motion; the first call takes its start.
@@ -131,14 +137,6 @@ contains
       motion = driven_motion(system%model%drivers(turns%drivers(body)), t)
       angle = motion%value
    end function driven_or
-
-   !> The angle of a unit vector, with the turns that bring it nearest to a given angle.
-   pure real(wp) function angle_near(before, u) result(angle)
-      real(wp), intent(in) :: before, u(:)
-      real(wp), parameter :: turn_once = 2*acos(-1.0_wp)
-      angle = atan2(u(2), u(1))
-      angle = angle + turn_once*anint((before - angle)/turn_once)
-   end function angle_near
 
    !> Saves or restores them.
    subroutine exchange_turns(self, snapshot)

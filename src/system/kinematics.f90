@@ -57,6 +57,9 @@ module limber_system_kinematics
       real(wp) :: anchor = 0.0_wp
       !> Rate with which it moves on [rad/time] from the time of that state
       real(wp) :: rate = 0.0_wp, since = 0.0_wp
+      !> Of a direction of a body: the driver that gives its frame's angle, 0: none; its angle in that frame, undeformed [rad]
+      integer :: drive = 0
+      real(wp) :: own = 0.0_wp
    end type angle_type
 
    !> Deflections of a body that joints ask for themselves, not for those of its points
@@ -166,6 +169,11 @@ contains
       do m = 1, size(angles)
          kinematics%angles(m) = angles(m)
          kinematics%angles(m)%anchor = angles(m)%value
+         associate (angle => kinematics%angles(m), to => kinematics%markers(angles(m)%markers(2)))
+            if (angle%markers(1) > 0 .or. to%body == ground) cycle
+            angle%own = atan2(to%p0(2), to%p0(1))
+            angle%drive = findloc(model%drivers%kind == driver_angle .and. model%drivers%body == to%body, .true., dim=1)
+         end associate
       end do
    end function new_kinematics
 
@@ -280,6 +288,7 @@ contains
          end associate
       end do
       do m = 1, size(kinematics%angles)
+         if (kinematics%angles(m)%drive > 0) call take_drive(kinematics, kinematics%angles(m))
          call follow_angle(kinematics%markers, kinematics%time, kinematics%angles(m))
       end do
       do i = 1, size(kinematics%bends)
@@ -320,6 +329,14 @@ contains
          end associate
       end do
    end subroutine settle_angles
+
+   !> The turns of a driven frame are those of its driver's law, whatever it was before.
+   pure subroutine take_drive(kinematics, angle)
+      type(kinematics_type), intent(in) :: kinematics
+      type(angle_type), intent(inout) :: angle
+      angle%anchor = kinematics%drives(angle%drive)%value + angle%own
+      angle%since = kinematics%time
+   end subroutine take_drive
 
    !> Angle of a vector at placed markers, with the turns that bring it nearest to where its anchor has moved; that follows what
    !> is near.

@@ -30,6 +30,8 @@ module limber_system_system
       real(wp), allocatable :: inertia(:, :)
       !> Number of constraint equations (without the norm constraints)
       integer :: nc = 0
+      !> Number of followed angles that constraints ask for: the first of all
+      integer :: held_angles = 0
       !> True if some equations are sums of several constraints
       logical :: parted = .false.
       !> Which bodies hang on which, and the unknowns of the multiplier system that are left
@@ -122,6 +124,7 @@ contains
          end associate
       end do
       call new_constraints(model, system)
+      system%held_angles = size(system%angles)
       call new_loads(system, loads)
       call move_alloc(loads, system%loads)
       call end_registry(system)

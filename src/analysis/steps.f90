@@ -7,6 +7,7 @@ module limber_analysis_steps
    use limber_base_text, only: as_text, newline
    use limber_analysis_closing, only: energy_warning
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
+   use limber_analysis_gaps, only: pass_gap
    use limber_analysis_guard, only: guard_type
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_indicators, only: join_indicators
@@ -27,7 +28,6 @@ module limber_analysis_steps
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: linearise, worst_constraint
    use limber_system_projection, only: settle
-   use limber_system_turn_counts, only: turn_driven
    implicit none
    private
    public :: run_steps, passed_type
@@ -278,8 +278,9 @@ contains
          scene%angle = scene%last%angle
          system%model%dynamics = step%dynamics
          ! Other analyses take up what they find, but not behind a gap of time in which drivers have gone on
-         if (step%kind /= step_dynamics .and. .not. (size(system%model%drivers) > 0 .and. &
+         if (step%kind /= step_dynamics .and. .not. (size(scene%work%kinematics%drives) > 0 .and. &
             & abs(step%dynamics%start - system%model%steps(i - 1)%dynamics%end) > 0.0_wp)) return
+         call pass_gap(scene, system%model%steps(i - 1)%dynamics%end, step%dynamics%start)
          if (step%kind == step_dynamics) scene%last%rotation = 0.0_wp
          allocate (guess(size(scene%q)), change(size(scene%q)))
          if (step%velocities == velocities_none) scene%v = 0.0_wp
@@ -292,7 +293,6 @@ contains
             residual = residual/system%constraints(culprit)%item%scale
          end if
          if (residual > jump) then
-            call turn_driven(system, step%dynamics%start, scene%q)
             call assemble(system, scene%work, step%dynamics%start, scene%q, scene%v, error, culprit)
          else if (step%kind == step_dynamics) then
             call settle(system, scene%work, step%dynamics%start, scene%q, scene%v, change, .true., residual, error)

@@ -146,7 +146,8 @@ module limber_deck_keywords
       & option_spec_type('DRIVER', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the driver'), &
       & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE|DISTANCE|DISPLACEMENT|X|Y', &
       &    '', needed, 'angle of BODY or JOINT, distance of POINT and TO, displacement of JOINT, x or y of POINT'), &
-      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', '', '', 'ANGLE: body that is driven'), &
+      & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', '', '', &
+      &    'ANGLE: body that is driven; its turns are those of the law in channels, laws, springs and what is behind it'), &
       & option_spec_type('DRIVER', 'JOINT', kind_reference, 'JOINT', &
       &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven'), &
       & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven'), &
@@ -357,7 +358,8 @@ module limber_deck_keywords
       &    'of the term; of value: what the sum is, expression of the time t'), &
       & field_spec_type('COUPLER', 'coordinate', kind_name, '', 'angle, joint_angle, displacement or value; angles count turns'), &
       & field_spec_type('COUPLER', 'object', kind_name, '', 'body of angle, joint of the others', .true.), &
-      & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', 'expression of the time t'), &
+      & field_spec_type('DRIVER', 'value', kind_time_expression, 'rad, m', &
+      &    'expression of the time t; of an angle with all its turns, at each start too'), &
       & field_spec_type('MOTION', 'x', kind_time_expression, 'm', 'of the origin of the body''s frame, expression of the time t'), &
       & field_spec_type('MOTION', 'y', kind_time_expression, 'm', 'of the origin, likewise'), &
       & field_spec_type('MOTION', 'angle', kind_time_expression, 'rad', &

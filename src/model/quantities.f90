@@ -46,7 +46,7 @@ module limber_model_quantities
       & quantity_spec_type('ax', of_point, [1, -2, 0], .false., 'acceleration of a point along x'), &
       & quantity_spec_type('ay', of_point, [1, -2, 0], .false., 'acceleration of a point along y'), &
       & quantity_spec_type('angle', of_body, [0, 0, 0], .true., &
-      &    'angle of a body''s frame from the x axis, accumulated over turns'), &
+      &    'angle of a body''s frame from the x axis, accumulated over turns; of a driven one those of its law'), &
       & quantity_spec_type('spin', of_body, [0, -1, 0], .true., 'angular velocity of a body''s frame'), &
       & quantity_spec_type('deflection', of_beam_point, [1, 0, 0], .false., &
       &    'signed distance of a beam''s point from the chord through its ends, positive to the left'), &
@@ -77,7 +77,7 @@ module limber_model_quantities
       & quantity_spec_type('moment', of_pusher, [2, -2, 1], .false., &
       &    'moment of a joint on its first body about its first point; torque of a bushing on its first body'), &
       & quantity_spec_type('joint_angle', of_joint, [0, 0, 0], .true., &
-      &    'angle of the first section of a joint less that of the second, accumulated over turns'), &
+      &    'angle of a joint''s first section less that of the second, over turns; driven: those of the law'), &
       & quantity_spec_type('joint_spin', of_joint, [0, -1, 0], .true., 'its rate'), &
       & quantity_spec_type('displacement', of_joint, [1, 0, 0], .false., &
       &    'place of the first point of a joint along the line through the second, at its ANGLE'), &

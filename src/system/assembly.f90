@@ -8,7 +8,7 @@ module limber_system_assembly
    use limber_base_text, only: as_text
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: driver_angle, driver_joint_angle
+   use limber_model_scene, only: driver_angle, driver_joint_angle, joint_weld, joint_translational, ground
    use limber_system_algebra, only: turn, cross
    use limber_system_closure, only: close_positions, close_velocities, approach, move, change_between
    use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, hold_columns, given_columns
@@ -20,7 +20,7 @@ module limber_system_assembly
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: assemble, first_guess
+   public :: assemble, first_guess, turn_rates
 
    !> Part of the largest residual above which a constraint that is left open takes part in a contradiction
    real(wp), parameter :: takes_part = 0.1_wp
@@ -227,7 +227,49 @@ contains
          q(first:first + 1) = [cos(theta%value), sin(theta%value)]
          v(first:first + 1) = theta%first*[-sin(theta%value), cos(theta%value)]
       end do
+      call turn_held(system, q, v)
    end subroutine first_guess
+
+   !> What a weld or guide holds at a given angle to a driven frame, and points away from it in the guess, points there at once:
+   !> from beyond a right angle Newton's method finds the opposite direction, which satisfies the same equation.
+   subroutine turn_held(system, q, v)
+      type(system_type), intent(in) :: system
+      !> Coordinates and velocities (nq)
+      real(wp), intent(inout) :: q(:), v(:)
+      real(wp) :: angle, wanted(2)
+      logical :: driven(0:size(system%model%bodies)), more
+      integer :: i, from, to, bodies(2)
+      driven = .false.
+      do i = 1, size(system%model%drivers)
+         if (system%model%drivers(i)%kind == driver_angle) driven(system%model%drivers(i)%body) = .true.
+      end do
+      more = any(driven)
+      do while (more)
+         more = .false.
+         do i = 1, size(system%model%joints)
+            associate (joint => system%model%joints(i))
+               if (.not. joint%has_turn .or. all(joint%kind /= [joint_weld, joint_translational])) cycle
+               bodies = system%model%points(joint%points)%body
+               if (any(bodies == ground) .or. (driven(bodies(1)) .eqv. driven(bodies(2)))) cycle
+               if (.not. all(system%layout%framed(bodies))) cycle
+               from = merge(bodies(1), bodies(2), driven(bodies(1)))
+               to = sum(bodies) - from
+               driven(to) = .true.
+               more = .true.
+               angle = merge(1, -1, to == bodies(1))*(joint%turn &
+                  & + system%model%points(joint%points(1))%lean - system%model%points(joint%points(2))%lean)
+               associate (u => q(system%layout%q(from) + 2:system%layout%q(from) + 3), &
+                     & own => q(system%layout%q(to) + 2:system%layout%q(to) + 3), &
+                     & rate => v(system%layout%q(to) + 2:system%layout%q(to) + 3))
+                  wanted = cos(angle)*u + sin(angle)*turn(u)
+                  if (dot_product(wanted, own) > 0.0_wp) cycle
+                  rate = cross(own, rate)*turn(wanted)
+                  own = wanted
+               end associate
+            end associate
+         end do
+      end do
+   end subroutine turn_held
 
    !> The body that has turned most from its guess.
    pure subroutine find_turn(system, start, q, found)

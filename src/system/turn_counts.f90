@@ -5,12 +5,13 @@ module limber_system_turn_counts
    use limber_base_kinds, only: wp
    use limber_deck_operations, only: jet_type
    use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: driver_angle, driver_joint_angle, joint_weld, joint_translational, ground
+   use limber_model_scene, only: driver_angle, driver_joint_angle, joint_weld, joint_translational, &
+      & coordinate_angle, coordinate_joint_angle, ground
    use limber_system_kinematics, only: kinematics_type, place_frames
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: start_turns, turn_driven, driven_turn, angle_near
+   public :: start_turns, driven_turn, angle_near
 
 contains
 
@@ -74,7 +75,8 @@ contains
                from = merge(bodies(1), bodies(2), known(bodies(1)))
                to = sum(bodies) - from
                relative = left(to) - left(from)
-               if (joint%has_turn) relative = merge(joint%turn, -joint%turn, to == bodies(1))
+               if (joint%has_turn) relative = merge(1, -1, to == bodies(1))*(joint%turn &
+                  & + system%model%points(joint%points(1))%lean - system%model%points(joint%points(2))%lean)
                angle(to) = angle(from) + relative
                known(to) = .true.
                more = .true.
@@ -101,23 +103,7 @@ contains
       end do
    end subroutine take_counts
 
-   !> Turns the frames whose angle a driver gives to where it has them at a time, as a first guess of all other places.
-   subroutine turn_driven(system, t, q)
-      type(system_type), intent(in) :: system
-      real(wp), intent(in) :: t
-      !> Coordinates (nq)
-      real(wp), intent(inout) :: q(:)
-      type(jet_type) :: motion
-      integer :: i, first
-      do i = 1, size(system%model%drivers)
-         if (system%model%drivers(i)%kind /= driver_angle) cycle
-         motion = driven_motion(system%model%drivers(i), t)
-         first = system%layout%q(system%model%drivers(i)%body) + 2
-         q(first:first + 1) = [cos(motion%value), sin(motion%value)]
-      end do
-   end subroutine turn_driven
-
-   !> The most by which a driver turns a frame from one time to another [rad].
+   !> The most by which a driver or the law of a coupler turns a frame from one time to another [rad].
    pure real(wp) function driven_turn(system, from, to) result(most)
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: from, to
@@ -129,6 +115,15 @@ contains
          before = driven_motion(system%model%drivers(i), from)
          behind = driven_motion(system%model%drivers(i), to)
          most = max(most, abs(behind%value - before%value))
+      end do
+      do i = 1, size(system%model%joints)
+         associate (joint => system%model%joints(i))
+            if (.not. joint%has_law) cycle
+            if (.not. all(joint%terms%kind == coordinate_angle .or. joint%terms%kind == coordinate_joint_angle)) cycle
+            before = joint%law%evaluate_jet(from)
+            behind = joint%law%evaluate_jet(to)
+            most = max(most, abs(behind%value - before%value)/maxval(abs(joint%terms%coefficient)))
+         end associate
       end do
    end function driven_turn
 

@@ -25,9 +25,90 @@ program test_turns
    do i = 1, size(integrator)
       call check_estimate('INTEGRATOR='//integrator(i))
    end do
+   call check_drivers()
+   call check_pair()
    call finish()
 
 contains
+
+   !> Turns are those of the driver's law in all channels, springs and laws of a scene, at a start far from the guess, behind a gap
+   !> of time, and in *STATICS, by each analysis.
+   subroutine check_drivers()
+      character(100) :: first(5), second(5)
+      character(8) :: target(2) = [character(8) :: 'JOINT=l', 'BODY=a']
+      integer :: k, side
+      first = [character(100) :: '*DYNAMICS, INTEGRATOR=ADAMS, END=1, OUTPUTS=2', '*DYNAMICS, INTEGRATOR=RADAU, END=1, OUTPUTS=2', &
+         & '*DYNAMICS, INTEGRATOR=CONSERVING, END=1, OUTPUTS=2', '*KINEMATICS, END=1, OUTPUTS=2', '*STATICS, INCREMENTS=1']
+      second = [character(100) :: '*DYNAMICS, INTEGRATOR=ADAMS, START=2, END=3, OUTPUTS=2', &
+         & '*DYNAMICS, INTEGRATOR=RADAU, START=2, END=3, OUTPUTS=2', &
+         & '*DYNAMICS, INTEGRATOR=CONSERVING, START=2, END=3, OUTPUTS=2', '*KINEMATICS, START=2, END=3, OUTPUTS=2', &
+         & '*DYNAMICS, START=2, END=3, OUTPUTS=2']
+      do side = 1, 2
+         do k = 1, 5
+            call check_driver(trim(target(side)), first(k), second(k), '1.5*t**2', [0.0_wp, 0.0_wp, 1.5_wp], .false.)
+            call check_driver(trim(target(side)), first(k), second(k), '6 + t', [6.0_wp, 1.0_wp, 0.0_wp], side == 2)
+            call check_driver(trim(target(side)), first(k), second(k), '10*pi*t', [0.0_wp, 10*acos(-1.0_wp), 0.0_wp], .false.)
+         end do
+         ! Not from zero
+         call check_driver(trim(target(side)), '*STATICS, INCREMENTS=1, PERIOD=2', second(1), '1.5*t**2 - 9', &
+            & [-9.0_wp, 0.0_wp, 1.5_wp], side == 2)
+      end do
+   end subroutine check_drivers
+
+   !> One of them; the law is a polynomial.
+   subroutine check_driver(target, first, second, law, factors, is_guess)
+      character(*), intent(in) :: target, first, second, law
+      real(wp), intent(in) :: factors(3)
+      !> Whether the coupler begins with the angle at the start: then its other wheel stands at zero there
+      logical, intent(in) :: is_guess
+      character(100), parameter :: old(4) = [character(100) :: 'JOINT=l', '1.5*t**2', '*DYNAMICS, END=1, OUTPUTS=2', &
+         & '*DYNAMICS, START=2, END=3, OUTPUTS=2']
+      character(100) :: new(4)
+      character(:), allocatable :: label
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: t(:), angle(:)
+      integer :: k
+      new = [character(100) :: target, law, first, second]
+      label = 'DRIVER '//target//', '//law//', '//trim(first)//' '//trim(second)
+      call run_changed('verification/driven_turns.inp', trim(results), old, new, reader)
+      call reader%read_time(t, error)
+      allocate (angle, source=factors(1) + factors(2)*t + factors(3)*t**2)
+      do k = 1, 6
+         call compare(reader, 'a'//achar(iachar('0') + k), angle, label)
+      end do
+      angle = -0.5_wp*angle
+      if (is_guess) angle = angle + 0.5_wp*factors(1)
+      do k = 1, 5
+         call compare(reader, 'b'//achar(iachar('0') + k), angle, label)
+      end do
+      call reader%close()
+   end subroutine check_driver
+
+   subroutine compare(reader, name, expected, label)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: name, label
+      real(wp), intent(in) :: expected(:)
+      call check(size(channel(reader, name)) == size(expected), label//': samples')
+      call check_close(maxval(abs(channel(reader, name) - expected)), 0.0_wp, 1.0e-6_wp, label//': '//name)
+   end subroutine compare
+
+   !> A driven joint between two bodies that both count: the one on the ground keeps the turns that the deck gives it.
+   subroutine check_pair()
+      character(*), parameter :: law(3) = [character(3) :: '6', '20', '-9']
+      real(wp), parameter :: value(3) = [6.0_wp, 20.0_wp, -9.0_wp]
+      type(history_reader_type) :: reader
+      real(wp) :: apart
+      integer :: k
+      do k = 1, size(law)
+         call run_changed('verification/driven_pair.inp', trim(results), ['LAW'], [law(k)], reader)
+         apart = maxval(abs([channel(reader, 'b') - channel(reader, 'a'), channel(reader, 'j'), -channel(reader, 's')] - value(k)))
+         call check_close(apart, 0.0_wp, 1.0e-6_wp, 'a driven joint of two bodies, '//law(k))
+         call check_close(maxval(abs([channel(reader, 'a'), channel(reader, 'l')])), 0.0_wp, 0.1_wp, &
+            & 'the body on the ground, '//law(k))
+         call reader%close()
+      end do
+   end subroutine check_pair
 
    !> A wheel that winds a spring by more than three turns, angle 20 sin t: the runs for the estimate of its error begin where the
    !> run itself has begun, not three turns further on.

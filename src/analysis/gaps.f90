@@ -2,50 +2,49 @@
 !> turns. Floor: analysis. Source: doc/theory, eq. (J2).
 module limber_analysis_gaps
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
    use limber_analysis_scene, only: scene_type
    use limber_system_assembly, only: turn_rates
+   use limber_system_closure, only: close_positions
+   use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
    use limber_system_kinematics, only: angle_type, place_frames, settle_angles
-   use limber_system_projection, only: settle
    use limber_system_turn_counts, only: driven_turn
    implicit none
    private
    public :: pass_gap
 
-   !> Largest turn of a driven frame at once [rad]; most places in a gap; residual beyond which a place is not reached
-   real(wp), parameter :: stride = 0.2_wp, open = 1.0e-6_wp
+   !> Largest turn of a driven frame at once [rad]; most places in a gap
+   real(wp), parameter :: stride = 0.2_wp
    integer, parameter :: most = 100000
 
 contains
 
-   !> Carries the place of the scene from one time to another. Where a place in between does not exist, it stays as it was.
+   !> Carries the place of the scene from one time to another by its frames: deflections stay. Where a place in between does not exist, it stays as it was.
    subroutine pass_gap(scene, from, to)
       type(scene_type), intent(inout) :: scene
       !> Times of the place, and of where it goes
       real(wp), intent(in) :: from, to
-      type(error_type), allocatable :: error
-      real(wp) :: t, next, step, residual
-      real(wp), dimension(size(scene%q)) :: q, v, change
+      type(constraint_matrix_type) :: frames
+      real(wp) :: t, next, step, q(size(scene%q))
       type(angle_type), allocatable :: angles(:)
       integer :: tries
+      logical :: done
       if (.not. abs(to - from) > 0.0_wp .or. size(scene%work%kinematics%drives) == 0) return
       if (.not. driven_turn(scene%system, from, to) > stride) then
          if (.not. driven_turn(scene%system, from, 0.5_wp*(from + to)) > stride) return
       end if
       allocate (angles, source=scene%work%kinematics%angles)
       q = scene%q
-      v = scene%v
       t = from
       next = to
       associate (system => scene%system, work => scene%work)
+         call new_constraint_matrix(system, .false., frames)
          do tries = 1, most
             if (driven_turn(system, t, next) > stride .and. abs(next - t) > 1.0e-6_wp*abs(to - from)) then
                next = t + 0.5_wp*(next - t)
                cycle
             end if
-            call settle(system, work, next, q, v, change, .false., residual, error)
-            if (allocated(error)) exit
-            if (residual > open) exit
+            call close_positions(system, work, frames, next, q, done)
+            if (.not. done) exit
             call place_frames(system%model, system%layout, next, q, work%kinematics)
             call settle_angles(work%kinematics, .false.)
             if (.not. abs(to - next) > 0.0_wp) then

@@ -1,12 +1,13 @@
 !> Takes states into the indicators of frames: axial forces in all members against those under which the frame, as joints hold it
 !> on the ground, would buckle; what its model lacks of them; loads that its coordinates cannot carry. Floor: analysis.
-!> Source: doc/theory, section 43, eqs. (R2)-(R4), (R9), (R10).
+!> Source: doc/theory, section 43, eqs. (R2)-(R4), (R9), (R10), (V3)-(V5).
 module limber_analysis_frame_watch
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
       & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer, &
-      & peak_quartic, peak_quartic_grown
+      & peak_quartic, peak_quartic_grown, peak_membrane, peak_membrane_force, peak_pull
+   use limber_analysis_membrane, only: start_membrane, find_membrane
    use limber_analysis_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_flex_elastic, only: elastic_force
    use limber_flex_reduced, only: reduced_type
@@ -38,6 +39,8 @@ contains
             last = first + 3 + system%layout%n(body)
             if (.not. allocated(self%bodies(self%of(body))%strained)) call hold(system, work, survey, &
                & self%bodies(self%of(body)))
+            if (.not. self%bodies(self%of(body))%membrane%made) call start_membrane(self%bodies(self%of(body))%membrane, system, &
+               & work, self%surveys, survey, q)
             call observe_frame(self%bodies(self%of(body)), survey, system%model%bodies(body)%reduced, t, q(first + 4:last))
          end associate
       end do
@@ -177,7 +180,43 @@ contains
       call raise_peak(self, peak_axial, quick, t)
       call raise_peak(self, peak_axial_grown, lack, t)
       call raise_peak(self, peak_left_out, left_out, t)
+      if (self%membrane%redundant) call observe_membrane(self, own, t, eta, elastic)
    end subroutine observe_frame
+
+   !> What the axial force that the shortening makes changes: the deflection, eq. (V5), and forces. Motions and eigenvalues under
+   !> the axial forces of the loads are those of the state.
+   subroutine observe_membrane(self, own, t, eta, elastic)
+      type(body_indicators_type), intent(inout) :: self
+      type(body_survey_type), intent(in) :: own
+      !> Time; coordinates (n); twice the energy of bending
+      real(wp), intent(in) :: t, eta(:), elastic
+      real(wp) :: part, change, stiffer, kept
+      integer :: i, k
+      if (.not. elastic > 0.0_wp) return
+      call find_membrane(self%membrane, own%survey, eta)
+      change = 0.0_wp
+      do i = 1, size(self%value)
+         part = 0.0_wp
+         do k = 1, size(self%value)
+            part = part + self%loaded(k, i)*dot_product(self%strained(:, k), self%membrane%push)
+         end do
+         change = change + (part/(1 + max(self%value(i), 0.0_wp)))**2
+      end do
+      stiffer = sqrt(change/elastic)
+      kept = 1.0_wp
+      do i = 1, 30
+         kept = kept - (kept + stiffer*kept**3 - 1)/(1 + 3*stiffer*kept**2)
+      end do
+      call raise_peak(self, peak_membrane, 1 - kept, t)
+      call raise_peak(self, peak_membrane_force, kept**2*maxval(abs(self%membrane%force)), t)
+      if (.not. self%shows_axial) return
+      do i = 1, size(own%survey%pull, 1)
+         call raise_peak(self, peak_pull, abs(dot_product(own%survey%pull(i, :), own%amplitude)), t)
+      end do
+      do i = size(own%amplitude) - 3*own%survey%places + 1, size(own%amplitude), 3
+         call raise_peak(self, peak_pull, norm2(own%amplitude(i:i + 1)), t)
+      end do
+   end subroutine observe_membrane
 
    !> Members by themselves: the length of one over that on which its bending dies out, sqrt(E I/N), where it is pulled most,
    !> eq. (R16); and what the force that buckles them grows by with the slopes, eq. (F3).

@@ -15,7 +15,8 @@ module limber_analysis_indicator_start
    use limber_model_scene, only: ground, body_rigid, body_type, joint_point_on_line, joint_translational, joint_curve, &
       & joint_sliding, joint_revolute, joint_weld
    use limber_model_quantities, only: quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
-      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation, quantity_moment
+      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation, quantity_moment, &
+      & quantity_axial_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2
    use limber_system_system, only: system_type
    use limber_output_pulls, only: new_pulls, pulled_points
    implicit none
@@ -95,6 +96,7 @@ contains
                associate (quantity => model%channels(i)%quantities(j))
                   if (quantity%kind == quantity_moment .and. .not. (quantity%of_load .or. quantity%of_coupler)) &
                      & call show_reaction(quantity%of)
+                  call show_axial(self, system, quantity%kind, quantity%of, quantity%of_load .or. quantity%of_coupler)
                   if (.not. any(quantity%kind == [quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
                      & quantity_stress_bottom, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation])) cycle
                   if (model%points(quantity%of)%body == ground) cycle
@@ -110,6 +112,7 @@ contains
          end do
          do i = 1, size(model%bodies)
             if (self%of(i) == 0 .or. .not. model%bodies(i)%envelope) cycle
+            self%bodies(self%of(i))%shows_axial = .true.
             self%bodies(self%of(i))%shows_shear = .true.
             self%bodies(self%of(i))%shows_moment = .true.
             self%bodies(self%of(i))%phase%shown = .true.
@@ -135,6 +138,30 @@ contains
       end subroutine show_reaction
 
    end subroutine find_shown
+
+   !> Which body a channel asks for axial forces of: at a point, or by the force of a joint.
+   subroutine show_axial(self, system, kind, of, is_other)
+      type(indicators_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Kind of quantity; index of the point or the joint
+      integer, intent(in) :: kind, of
+      !> Whether it is of a load or a coupler
+      logical, intent(in) :: is_other
+      integer :: side, point, body
+      if (is_other) return
+      do side = 1, 2
+         point = 0
+         select case (kind)
+         case (quantity_axial_force, quantity_stress_top, quantity_stress_bottom); point = of
+         case (quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2)
+            if (of <= size(system%model%joints)) point = system%model%joints(of)%points(side)
+         end select
+         if (point == 0) cycle
+         body = system%model%points(point)%body
+         if (body == ground) cycle
+         if (self%of(body) > 0) self%bodies(self%of(body))%shows_axial = .true.
+      end do
+   end subroutine show_axial
 
    !> Whether a body is a straight beam that is taken for rigid.
    pure logical function is_rigid_beam(body)

@@ -14,6 +14,7 @@ module limber_analysis_indicators
    use limber_analysis_false_damping, only: false_damping_type, join_false_damping, lost_amplitude
    use limber_analysis_function_watch, only: function_watch_type, join_functions
    use limber_analysis_layer_watch, only: layer_watch_type, join_layers
+   use limber_analysis_membrane, only: membrane_type
    use limber_analysis_phase, only: phase_type, join_phases, phase_error
    use limber_analysis_surveys, only: surveys_type
    use limber_flex_quasistatic, only: quasistatic_type
@@ -29,12 +30,14 @@ module limber_analysis_indicators
       & indicator_tension = 5, indicator_pace = 6, indicator_last_mode = 7, indicator_residual = 8, indicator_geometric = 9, &
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
-      & indicator_phase = 19, indicator_false_damping = 20, indicator_count = 20
+      & indicator_phase = 19, indicator_false_damping = 20, indicator_membrane = 21, &
+      & indicator_reaction = 22, indicator_count = 22
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
-      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping']
+      & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping', &
+      & 'membrane', 'membrane_force']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -55,7 +58,9 @@ module limber_analysis_indicators
       & 'relative change of the stiffness under compression by functions that do not fit how joints hold the beam', &
       & 'error of the internal forces that channels ask for, by bending near ends that tension makes too short', &
       & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses', &
-      & 'amplitude that vibrations lose or gain in rotation, by what the model lacks of the shortening / largest deflection']
+      & 'amplitude that vibrations lose or gain in rotation, by what the model lacks of the shortening / largest deflection', &
+      & 'relative change of the deflection of a frame by axial force where the ends of its members cannot approach each other', &
+      & 'that axial force / largest axial force or load, where channels ask for axial forces, stresses or reactions']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -65,7 +70,8 @@ module limber_analysis_indicators
       & peak_energy = 6, peak_kinetic = 7, peak_left_out = 8, peak_geometric = 9, peak_axial = 10, peak_coarse = 11, &
       & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peak_stretch = 16, &
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
-      & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, peaks = 22
+      & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, &
+      & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peaks = 25
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
    !> squared coordinates of bending
@@ -94,6 +100,8 @@ module limber_analysis_indicators
       !> force, for its bending moment or stresses, and for the moment of a joint that holds it
       real(wp) :: misfit = 0.0_wp, layer = 0.0_wp
       logical :: shows_shear = .false., shows_moment = .false., shows_reaction = .false.
+      !> Whether they ask for its axial force or stresses, or for forces of a joint that holds it
+      logical :: shows_axial = .false.
       !> Part of the length below which a deflection is one of the integrator's errors
       real(wp) :: noise = 0.0_wp
       !> First frequency, and length or size
@@ -119,6 +127,8 @@ module limber_analysis_indicators
       !> of that and room for them, elastic force (n), products of coordinates and their tension (pairs), forces that are lacking
       !> (0:chosen)
       real(wp), allocatable :: slope_work(:, :), loaded(:, :), value(:), room(:), elastic(:), s(:), lacking(:)
+      !> Of a frame: axial forces where the ends of its members cannot approach each other
+      type(membrane_type) :: membrane
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
       real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
@@ -244,6 +254,10 @@ contains
          case (indicator_layer); value = layer_error(self)
          case (indicator_phase); value = phase_error(self%phase, peak(peak_bent), peak(peak_deflection)*self%length)
          case (indicator_false_damping); value = lost_amplitude(self%false_damping, self%first_frequency)
+         case (indicator_membrane); value = peak(peak_membrane)
+         case (indicator_reaction)
+            value = 0.0_wp
+            if (self%shows_axial) value = ratio(peak(peak_membrane_force), max(peak(peak_pull), peak(peak_membrane_force)))
          case default; value = peak(kind)
          end select
       end associate
@@ -312,6 +326,8 @@ contains
       case (indicator_layer); t = self%time(merge(peak_layer, peak_tension, allocated(self%slope_work)))
       case (indicator_phase); t = max(0.0_wp, self%phase%span(2))
       case (indicator_false_damping); t = max(0.0_wp, self%false_damping%span(2))
+      case (indicator_membrane); t = self%time(peak_membrane)
+      case (indicator_reaction); t = self%time(peak_membrane_force)
       case default; t = self%time(kind)
       end select
    end function indicator_time

@@ -13,13 +13,15 @@ module limber_analysis_ranges
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
-      & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping
+      & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
    private
    public :: range_warnings, record_indicators, excess, likely_cause
 
+   !> Why a frame lacks axial force
+   character(*), parameter :: held_apart = ': its joints or its other members hold the ends of members apart as these bend'
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
    !> Shift of vibrations beyond which only this is told
@@ -70,7 +72,7 @@ contains
          limit = 0.03_wp
       case (indicator_drift)
          limit = 0.015_wp
-      case (indicator_phase, indicator_false_damping)
+      case (indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction)
          limit = 0.03_wp
       case (indicator_elongation, indicator_recoil)
          limit = 0.05_wp
@@ -150,7 +152,8 @@ contains
          & //sudden_warnings(indicators%functions, model, least)
    end function range_warnings
 
-   !> Whether another kind tells the same with a larger number: masses in the nodes are told once.
+   !> Whether another kind tells the same with a larger number: masses in the nodes are told once, and axial forces with the deflection
+   !> that they change.
    pure logical function is_told(indicators, body, kind, value)
       type(body_indicators_type), intent(in) :: indicators
       type(body_type), intent(in) :: body
@@ -159,6 +162,7 @@ contains
       real(wp), intent(in) :: value
       is_told = .false.
       if (kind == indicator_lumping) is_told = excess(indicators, body, indicator_phase) > value
+      if (kind == indicator_reaction) is_told = excess(indicators, body, indicator_membrane) > 1.0_wp
       if (kind == indicator_phase) is_told = excess(indicators, body, indicator_lumping) >= value
    end function is_told
 
@@ -239,6 +243,13 @@ contains
             & ': '//lost_forces(indicators)//' there err by '
          if (indicator_value(indicators, kind) > beyond) text = text//'more than '//as_text(100*beyond, 2)//' %'
          if (.not. indicator_value(indicators, kind) > beyond) text = text//'about '//percent
+      case (indicator_membrane)
+         text = 'lacks axial force that changes its deflection by about '//percent//when
+         if (excess(indicators, body, indicator_reaction) > 1.0_wp) text = text//', and axial forces and reactions by about '// &
+            & as_text(100*indicator_value(indicators, indicator_reaction), 2)//' % of the largest'
+         text = text//held_apart
+      case (indicator_reaction)
+         text = 'lacks axial force of about '//percent//' of its largest axial force or load'//when//held_apart
       case (indicator_elongation)
          text = 'is longer or shorter under its axial forces than its axial functions can follow, by '//percent// &
             & ' of the largest elongation or deflection'//when

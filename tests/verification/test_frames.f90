@@ -5,6 +5,7 @@ program test_frames
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
+   use limber_analysis_indicators, only: indicator_membrane, indicator_reaction
    use limber_output_history_reader, only: history_reader_type
    use runs, only: channel, run_text, contents
    use testing, only: check, check_close, check_no_error, finish
@@ -38,6 +39,7 @@ program test_frames
    call check_parts()
    call check_near()
    call check_ends_of_models()
+   call check_held_ends()
    call finish()
 
 contains
@@ -205,6 +207,79 @@ contains
       call check(warnings == '', 'hook: the effective deck runs: '//warnings)
       call reader%close()
    end subroutine check_parts
+
+   !> A member whose ends supports hold apart, under a force in its middle: exact beams give the tension of a beam between fixed
+   !> hinges, H = E A/(2 L) int w'^2, and its deflection; the default lacks both and tells by how much. On a roller it is right.
+   subroutine check_held_ends()
+      real(wp), parameter :: load(4) = [1.0_wp, 10.0_wp, 30.0_wp, 200.0_wp]
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: warnings
+      real(wp), allocatable :: y(:), force(:), table(:, :)
+      real(wp) :: tension, deflection
+      integer :: i, k
+      do i = 1, size(load)
+         call held_beam(load(i), tension, deflection)
+         do k = 1, 3
+            call run_scene(held_member(load(i), merge(', LARGE=YES', '           ', k == 2), k == 3), reader, warnings)
+            allocate (y, source=channel(reader, 'y'))
+            allocate (force, source=channel(reader, 'N'))
+            print '(a,f6.1,i2,4es12.4)', 'held ends', load(i), k, y(size(y)), deflection, force(size(force)), tension
+            if (k == 1) then
+               call reader%read_table('/bodies/f/indicators', table, error)
+               call check_no_error(error, 'held ends: indicators')
+               call check_close(table(1, indicator_membrane), 1 - deflection/abs(y(size(y))), 1.0e-2_wp, &
+                  & 'held ends: deflection told')
+               call check_close(table(1, indicator_reaction), min(1.0_wp, tension/load(i)), 1.0e-2_wp, 'held ends: force told')
+               call check(index(warnings, 'hold the ends of members apart') > 0 .and. index(warnings, 'LARGE=YES') > 0, &
+                  & 'held ends: told: '//warnings)
+               call check((index(warnings, 'changes its deflection') > 0) .eqv. i > 1, 'held ends: which is told: '//warnings)
+            else
+               if (k == 2) call check_close(abs(y(size(y)))/deflection, 1.0_wp, 1.0e-3_wp, 'held ends, exact: deflection')
+               if (k == 2) call check_close(force(size(force))/tension, 1.0_wp, 1.0e-3_wp, 'held ends, exact: tension')
+               call check(index(warnings, 'hold the ends') == 0, 'held ends, right: no warning: '//warnings)
+            end if
+            deallocate (y, force)
+            call reader%close()
+         end do
+      end do
+   end subroutine check_held_ends
+
+   !> A bar of 0.01 by 0.01, 1 m long, on two hinges, or on a hinge and a roller.
+   function held_member(load, option, rolls) result(text)
+      real(wp), intent(in) :: load
+      character(*), intent(in) :: option
+      logical, intent(in) :: rolls
+      character(:), allocatable :: text
+      text = '*MATERIAL, NAME=s, YOUNG=2e11, DENSITY=7800'//nl//'*SECTION, NAME=c, SHAPE=RECTANGLE, WIDTH=0.01, HEIGHT=0.01'// &
+         & nl//'*GROUND'//nl//' e, 1, 0'//nl//'*FRAME, NAME=f, MATERIAL=s, SECTION=c'//trim(option)//nl//' m, 1, 0.5'//nl// &
+         & '*NODE'//nl//' 1, 0, 0, start'//nl//' 2, 1, 0, end'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl// &
+         & '*JOINT, NAME=l, TYPE=REVOLUTE'//nl//' f.start, ground.origin'//nl//'*JOINT, NAME=r, TYPE='// &
+         & trim(merge('POINT ON LINE', 'REVOLUTE     ', rolls))//nl//' f.end, ground.e'//nl// &
+         & '*FORCE, NAME=p, POINT=f.m'//nl//' 0, -'//as_text(load)//nl//'*STATICS'//nl//'*OUTPUT'//nl// &
+         & ' y = y(f.m), N = axial_force(f.m)'//nl
+   end function held_member
+
+   !> Tension and deflection of that bar by the differential equation E I w'''' = H w''.
+   pure subroutine held_beam(load, tension, deflection)
+      real(wp), intent(in) :: load
+      real(wp), intent(out) :: tension, deflection
+      real(wp), parameter :: ea = 2.0e7_wp, ei = 2.0e11_wp*1.0e-8_wp/12
+      real(wp) :: low, high, a, k, shortening
+      integer :: i
+      low = 1.0e-3_wp
+      high = 1.0e5_wp
+      do i = 1, 100
+         tension = sqrt(low*high)
+         k = sqrt(tension/ei)
+         a = k/2
+         ! Half of the integral of w'^2, w' = (P/2 H)(1 - cosh(k x)/cosh(k L/2))
+         shortening = (load/(2*tension))**2*(0.5_wp - 2*tanh(a)/k + (0.25_wp + sinh(2*a)/(4*k))/cosh(a)**2)
+         if (ea*shortening > tension) low = tension
+         if (.not. ea*shortening > tension) high = tension
+      end do
+      deflection = load/(2*tension*k)*(a - tanh(a))
+   end subroutine held_beam
 
    !> Runs a scene.
    subroutine run_scene(text, reader, warnings)

@@ -22,6 +22,8 @@ module limber_analysis_branch
 
    !> Increment, beside the part of the step that is done, below which it is taken where the stiffness jumps
    real(wp), parameter :: kink_part = 1.0e-6_wp
+   !> Largest turn of a driven frame at once [rad]
+   real(wp), parameter, public :: most_turn = 1.5_wp
 
    !> A static analysis under way
    type :: statics_type
@@ -167,8 +169,6 @@ contains
       logical, intent(out) :: done
       !> Most by which the scene may soften at once
       real(wp), parameter :: softer = 1.0e3_wp
-      !> Largest turn of a driven frame at once [rad]
-      real(wp), parameter :: most_turn = 1.5_wp
       associate (system => scene%system, work => scene%work, balance => statics%balance)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda

@@ -6,7 +6,7 @@ module limber_analysis_statics
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_analysis_branch, only: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, &
-      & find_critical, loads_drive, tell, tell_of_leaving
+      & find_critical, loads_drive, tell, tell_of_leaving, most_turn
    use limber_analysis_function_checks, only: function_load_warning, function_state_warning
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
@@ -14,9 +14,7 @@ module limber_analysis_statics
    use limber_analysis_ranges, only: likely_cause
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
-   use limber_deck_operations, only: jet_type
-   use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: driver_angle, driver_joint_angle, step_type, leave_unstable, stop_unstable
+   use limber_model_scene, only: step_type, leave_unstable, stop_unstable
    use limber_output_channels, only: new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
@@ -26,6 +24,7 @@ module limber_analysis_statics
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_layout, only: advance
    use limber_system_multiplier, only: update_jacobians
+   use limber_system_turn_counts, only: driven_turn
    implicit none
    private
    public :: run_statics
@@ -143,7 +142,6 @@ contains
       if (statics%increment > 0.0_wp) increment = min(increment, 4*statics%increment)
       tries = 0
       do while (statics%part < target)
-         increment = min(increment, turning_limit(scene, step, statics%part, increment))
          next = statics%part + increment
          least = max(least_of_step, least_part*statics%part)
          if (target - next < 0.5_wp*least) next = target
@@ -173,45 +171,13 @@ contains
             tries = 0
             cycle
          end if
-         call pass_instability(scene, step, next, statics%part + turning_limit(scene, step, statics%part, target - statics%part), &
-            & done, statics, history, takes_time, outcome, error)
+         call pass_instability(scene, step, next, target, done, statics, history, takes_time, outcome, error)
          if (allocated(error) .or. statics%stopped) return
          statics%increment = 0.0_wp
          statics%pace = 0.0_wp
          increment = target - statics%part
       end do
    end subroutine advance_to
-
-   !> The longest increment in which no driver turns its body by more than a radian: a direction and its opposite look alike where
-   !> only the residual of the driver is seen, and turns are counted from one equilibrium to the next.
-   real(wp) function turning_limit(scene, step, part, increment) result(limit)
-      type(scene_type), intent(in) :: scene
-      type(step_type), intent(in) :: step
-      !> Part of the step that is done; increment that is wanted
-      real(wp), intent(in) :: part, increment
-      !> Most turn [rad]; looks along the increment
-      real(wp), parameter :: most = 1.0_wp
-      integer, parameter :: looks = 16
-      type(jet_type) :: before, after
-      real(wp) :: turn
-      integer :: i, k
-      limit = increment
-      do i = 1, size(scene%system%model%drivers)
-         associate (driver => scene%system%model%drivers(i))
-            if (all(driver%kind /= [driver_angle, driver_joint_angle])) cycle
-            do
-               turn = 0.0_wp
-               before = driven_motion(driver, time_of(step, part))
-               do k = 1, looks
-                  after = driven_motion(driver, time_of(step, part + limit*k/looks))
-                  turn = max(turn, abs(after%value - before%value))
-               end do
-               if (.not. turn > most .or. part + 0.5_wp*limit <= part) exit
-               limit = limit*max(0.1_wp, min(0.5_wp, 0.9_wp*most/turn))
-            end do
-         end associate
-      end do
-   end function turning_limit
 
    !> Whether the equilibrium of the last trial is one to go on with.
    pure logical function is_acceptable(step, statics)
@@ -248,7 +214,7 @@ contains
       allocate (motion, source=statics%balance%softest)
       kind = 'limit point, snap-through: no equilibrium is near'
       goal = target
-      if (found) goal = next
+      if (found .or. driven_turn(scene%system, time_of(step, statics%part), time_of(step, target)) > most_turn) goal = next
       if (statics%known .and. (statics%stable .or. .not. found)) then
          if (found) then
             call find_critical(scene, step, next, statics)

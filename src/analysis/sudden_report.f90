@@ -18,8 +18,8 @@ module limber_analysis_sudden_report
    !> it is only a bound; what recommended functions are to leave, and most of these
    real(wp), parameter :: little = 5.0e-3_wp, little_force(2) = [1.2e-2_wp, 1.5e-2_wp], nothing = 1.0e-4_wp, all_of_it = 1.0_wp
    real(wp), parameter :: aim = 2.0e-2_wp
-   !> Part of the length below which a deflection is none
-   real(wp), parameter :: nothing_moved = 1.0e-9_wp
+   !> Part of the length below which a deflection is none; the same in units of the tolerance, and the most that this is
+   real(wp), parameter :: nothing_moved = 1.0e-9_wp, noise = 2.0e-2_wp, most_noise = 1.0e-6_wp
    integer, parameter :: most_functions = 40
    !> What is asked of the deflection of a beam
    integer, parameter :: placed(*) = [quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_ax, quantity_ay, &
@@ -39,21 +39,23 @@ contains
       real(wp) :: part, forces(2), most, moved, length
       integer :: i, k, first
       text = ''
+      name = ''
       i = 0
       do
          first = i + 1
          if (first > size(self%beams)) exit
          i = last_piece(self, model, first)
          moved = maxval(self%beams(first:i)%moved)*(i - first + 1)
-         length = 0.0_wp
+         length = sum([(model%bodies(self%beams(k)%body)%reduced%exact%total, k=first, i)])
+         ! What is left then is the integrator's
+         if (moved <= max(nothing_moved, min(most_noise, noise*model%dynamics%tolerance))*length) cycle
          part = 0.0_wp
          forces = 0.0_wp
          do k = first, i
             part = max(part, lost_deflection(self%beams(k)%sudden))
             forces = max(forces, lost_of_channels(self%beams(k), model))
-            length = length + model%bodies(self%beams(k)%body)%reduced%exact%total
          end do
-         part = part/max(moved, nothing_moved*length)
+         part = part/moved
          if (.not. shows_place(model, self%beams(first:i)%body)) part = 0.0_wp
          what = ''
          most = 0.0_wp

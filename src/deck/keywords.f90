@@ -53,7 +53,8 @@ module limber_deck_keywords
       &    'A curve in the frame of a body, for joints: points, or one line with y as an expression of x'), &
       & keyword_type('COUPLER', many, form_fields, 1, many, &
       &    'A linear coupling: the sum of coefficient times joint coordinate, a term each line, stays as it is or is given'), &
-      & keyword_type('DRIVER', many, form_fields, 1, 1, 'A motion that is given as a function of time'), &
+      & keyword_type('DRIVER', many, form_fields, 1, 1, &
+      &    'A motion that is given as a function of time; turns of what it drives are those of the law'), &
       & keyword_type('MOTION', many, form_fields, 1, 1, &
       &    'The whole motion of a body as functions of time: it has no unknowns, its mass only adds to the driving forces'), &
       & keyword_type('FORCE', many, form_fields, 1, 1, &
@@ -147,7 +148,7 @@ module limber_deck_keywords
       & option_spec_type('DRIVER', 'TYPE', kind_word, 'ANGLE|DISTANCE|DISPLACEMENT|X|Y', &
       &    '', needed, 'angle of BODY or JOINT, distance of POINT and TO, displacement of JOINT, x or y of POINT'), &
       & option_spec_type('DRIVER', 'BODY', kind_reference, 'RIGID BODY|BEAM|FRAME', '', '', &
-      &    'ANGLE: body that is driven; its turns are those of the law in channels, laws, springs and what is behind it'), &
+      &    'ANGLE: body that is driven'), &
       & option_spec_type('DRIVER', 'JOINT', kind_reference, 'JOINT', &
       &    '', '', 'ANGLE, DISPLACEMENT: joint whose joint_angle or displacement is driven'), &
       & option_spec_type('DRIVER', 'POINT', kind_point, '', '', '', 'X, Y, DISTANCE: point that is driven'), &

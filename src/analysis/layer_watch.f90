@@ -57,49 +57,64 @@ contains
       type(system_type), intent(in) :: system
       type(function_watch_type), intent(in) :: functions
       real(wp), allocatable :: places(:)
-      integer :: i, k
+      logical :: at_end(2)
+      integer :: i, k, n
       allocate (self%beams(size(functions%beams)))
       do i = 1, size(self%beams)
          self%beams(i)%body = functions%beams(i)%body
          associate (exact => system%model%bodies(self%beams(i)%body)%reduced%exact, &
             & choice => system%model%bodies(self%beams(i)%body)%choice%exact)
-            allocate (self%beams(i)%sides(0))
             ! A curved axis has no straight layers
-            if (abs(exact%arc) > 0.0_wp) cycle
+            if (abs(exact%arc) > 0.0_wp) then
+               allocate (self%beams(i)%sides(0))
+               cycle
+            end if
             if (allocated(places)) deallocate (places)
             allocate (places, source=sorted([choice%kinks, choice%steps], exact%total))
             ! Where nothing makes a moment at an end there is none
-            if (choice%layered(1) .and. choice%moment(1)) self%beams(i)%sides = [new_side(exact, 0.0_wp, 1)]
-            do k = 1, size(places)
-               self%beams(i)%sides = [self%beams(i)%sides, new_side(exact, places(k), -1), new_side(exact, places(k), 1)]
-            end do
-            if (choice%layered(2) .and. choice%moment(2)) &
-               & self%beams(i)%sides = [self%beams(i)%sides, new_side(exact, exact%total, -1)]
+            at_end = choice%layered .and. choice%moment
+            allocate (self%beams(i)%sides(count(at_end) + 2*size(places)))
+            associate (sides => self%beams(i)%sides)
+               n = 0
+               if (at_end(1)) call add_side(exact, 0.0_wp, 1, n, sides)
+               do k = 1, size(places)
+                  call add_side(exact, places(k), -1, n, sides)
+                  call add_side(exact, places(k), 1, n, sides)
+               end do
+               if (at_end(2)) call add_side(exact, exact%total, -1, n, sides)
+            end associate
          end associate
       end do
    end subroutine start_layers
 
    !> A side of a place, which is the end of a panel.
-   pure function new_side(exact, at, direction) result(side)
+   pure subroutine add_side(exact, at, direction, n, sides)
       type(exact_type), intent(in) :: exact
+      !> Coordinate of the place [length]
       real(wp), intent(in) :: at
+      !> 1: behind it, -1: before it
       integer, intent(in) :: direction
-      type(side_type) :: side
+      !> Number of sides so far
+      integer, intent(inout) :: n
+      type(side_type), intent(inout) :: sides(:)
       integer :: panel
-      side%at = at
-      side%side = direction
-      panel = minloc(abs([(sum(exact%panel(:panel)), panel=0, size(exact%panel))] - at), dim=1)
-      ! Panels before the place: panel - 1
-      if (direction > 0) then
-         side%next = (panel - 1)*panel_stations + 1
-         side%far = panel*panel_stations
-      else
-         side%next = (panel - 1)*panel_stations
-         side%far = (panel - 2)*panel_stations + 1
-      end if
-      side%psi = angles_at(exact, at)
-      side%lean = lean_at(exact, at)
-   end function new_side
+      n = n + 1
+      associate (side => sides(n))
+         side%at = at
+         side%side = direction
+         panel = minloc(abs([(sum(exact%panel(:panel)), panel=0, size(exact%panel))] - at), dim=1)
+         ! Panels before the place: panel - 1
+         if (direction > 0) then
+            side%next = (panel - 1)*panel_stations + 1
+            side%far = panel*panel_stations
+         else
+            side%next = (panel - 1)*panel_stations
+            side%far = (panel - 2)*panel_stations + 1
+         end if
+         side%psi = angles_at(exact, at)
+         side%lean = lean_at(exact, at)
+      end associate
+   end subroutine add_side
 
    !> Takes in a state, with the section forces that the watch of the functions has found at it.
    subroutine observe_layers(self, functions, system, t, q)

@@ -29,10 +29,11 @@ contains
       !> The beam, or the piece
       type(beam_type), intent(in) :: beam
       real(wp), allocatable :: lengths(:)
-      real(wp) :: layer
+      real(wp) :: layer, tension
       allocate (lengths(0))
-      if (.not. beam%ei > 0.0_wp) return
-      layer = sqrt(beam%ei/max(tension_of(deck, block, beam), tiny(layer)))
+      tension = tension_of(deck, block, beam)
+      if (.not. (beam%ei > 0.0_wp .and. tension*beam%length**2 > least_tension*beam%ei)) return
+      layer = sqrt(beam%ei/tension)
       do while (least_tension*layer**2 < beam%length**2 .and. size(lengths) < most)
          lengths = [lengths, layer]
          layer = ratio*layer

@@ -12,6 +12,7 @@ module limber_analysis_dynamics
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_looks, only: look, observe_state
    use limber_analysis_sudden_watch, only: at_start, in_motion, before_break, behind_break
+   use limber_analysis_noise, only: noise_of
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
@@ -38,10 +39,6 @@ module limber_analysis_dynamics
    implicit none
    private
    public :: run_dynamics, new_integrator
-
-   !> A deflection below so many times the tolerance, of the length, is one of the integrator's errors (scales of deflections are a
-   !> thousandth of the length), if it is below this part of the length
-   real(wp), parameter :: noisy = 2.0e-2_wp, smallest = 1.0e-6_wp
 
 contains
 
@@ -92,7 +89,7 @@ contains
          sample%a = 0.0_wp
          allocate (outcome%indicators)
          call start_indicators(outcome%indicators, scene%system)
-         outcome%indicators%bodies%noise = min(smallest, noisy*integrator%tolerance)
+         outcome%indicators%bodies%noise = noise_of(integrator%tolerance)
          recorder = new_recorder(scene%system, scene%q)
          if (allocated(scene%angle)) recorder%turns%angle = scene%angle
          call follow_places(recorder%turns, scene%system, scene%work%kinematics, dynamics%start, scene%q)

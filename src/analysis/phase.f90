@@ -5,6 +5,7 @@ module limber_analysis_phase
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
    use limber_base_snapshot, only: snapshot_type
+   use limber_analysis_noise, only: noise_of
    use limber_flex_frame, only: frame_type, beam_frame
    use limber_flex_survey, only: mass_error
    use limber_model_scene, only: body_type, ground, joint_revolute, joint_weld
@@ -16,11 +17,10 @@ module limber_analysis_phase
 
    !> Most coordinates that are looked at: the first ones
    integer, parameter :: most = 40
+   !> Vibrations that ADAMS keeps up at the limit of its steps, in units of the noise
+   real(wp), parameter :: kept_up = 5.0_wp
    !> The error of moments against the sum over vibrations that do not lag alike, measured on an L-frame
    real(wp), parameter :: in_moments = 0.5_wp
-   !> Part of the length below which a deflection is none; and below which it is none if that is less than the tolerance, for then a
-   !> vibration may be the integrator's
-   real(wp), parameter :: nothing = 1.0e-9_wp, little = 1.0e-6_wp
 
    !> One flexible body
    type :: phase_type
@@ -71,8 +71,8 @@ contains
             end do
          end associate
       end do
-      if (system%model%bodies(index)%largest_shape > 0.0_wp) self%nothing = (max(nothing, min(little, &
-         & system%model%dynamics%tolerance))*system%model%bodies(index)%size/system%model%bodies(index)%largest_shape)**2
+      if (system%model%bodies(index)%largest_shape > 0.0_wp) self%nothing = (kept_up* &
+         & noise_of(system%model%dynamics%tolerance)*system%model%bodies(index)%size/system%model%bodies(index)%largest_shape)**2
       allocate (self%late(0), self%most(0), self%speed(0), self%acceleration(0))
    end subroutine start_phase
 

@@ -4,6 +4,7 @@ module limber_analysis_sudden_report
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
    use limber_analysis_function_watch, only: function_watch_type, beam_watch_type
+   use limber_analysis_noise, only: noise_of
    use limber_analysis_sudden_watch, only: lost_deflection, lost_moments, lost_shears
    use limber_model_quantities, only: quantity_bending_moment, quantity_stress_top, quantity_stress_bottom, &
       & quantity_shear_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
@@ -18,8 +19,6 @@ module limber_analysis_sudden_report
    !> it is only a bound; what recommended functions are to leave, and most of these
    real(wp), parameter :: little = 5.0e-3_wp, little_force(2) = [1.2e-2_wp, 1.5e-2_wp], nothing = 1.0e-4_wp, all_of_it = 1.0_wp
    real(wp), parameter :: aim = 2.0e-2_wp
-   !> Part of the length below which a deflection is none; the same in units of the tolerance, and the most that this is
-   real(wp), parameter :: nothing_moved = 1.0e-9_wp, noise = 2.0e-2_wp, most_noise = 1.0e-6_wp
    integer, parameter :: most_functions = 40
    !> What is asked of the deflection of a beam
    integer, parameter :: placed(*) = [quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_ax, quantity_ay, &
@@ -48,7 +47,7 @@ contains
          moved = maxval(self%beams(first:i)%moved)*(i - first + 1)
          length = sum([(model%bodies(self%beams(k)%body)%reduced%exact%total, k=first, i)])
          ! What is left then is the integrator's
-         if (moved <= max(nothing_moved, min(most_noise, noise*model%dynamics%tolerance))*length) cycle
+         if (moved <= noise_of(model%dynamics%tolerance)*length) cycle
          part = 0.0_wp
          forces = 0.0_wp
          do k = first, i

@@ -11,9 +11,9 @@ module limber_system_step
    use limber_system_centreline, only: centreline_type
    use limber_system_constraint, only: jacobian_type
    use limber_system_exact_step, only: exact_step_type, new_exact_step, place_mean, mean_turn, exact_momentum
-   use limber_system_kinematics, only: kinematics_type, marker_type, new_kinematics, place_drives, place_frames, settle_angles, &
-      & place_exact_shapes
+   use limber_system_kinematics, only: kinematics_type, marker_type, new_kinematics, place_drives, place_frames, settle_angles
    use limber_system_layout, only: layout_type
+   use limber_system_marker_motion, only: place_exact_shapes
    use limber_system_markers, only: angle_change
    use limber_system_momentum, only: body_momentum
    use limber_system_system, only: system_type, workspace_type

@@ -39,6 +39,8 @@ module comparisons
       real(wp), allocatable :: own(:), of_group(:)
       !> The same of the envelope
       real(wp) :: envelope(3) = 0.0_wp
+      !> Whether nothing moves
+      logical :: stands = .false.
    end type scales_type
 
    !> What came out
@@ -63,7 +65,7 @@ contains
       real(wp) :: largest(size(floors)), lowest(size(floors))
       integer, allocatable :: group(:)
       integer :: i, row, k
-      logical :: answers, stands
+      logical :: answers
       allocate (scales%own(size(reference%values, 1)), scales%of_group(size(reference%values, 1)), &
          & group(size(reference%values, 1)))
       largest = 0.0_wp
@@ -85,11 +87,11 @@ contains
       if (draft%elastic) lowest(forces) = elastic_force
       if (draft%elastic) lowest(moments) = elastic_moment
       if (draft%elastic) lowest(stresses) = elastic_stress
-      stands = draft%timeless .or. max(largest(speeds), largest(spins)) < still
-      if (stands) lowest(resting) = of_rest
-      if (stands .and. draft%elastic) lowest(accelerations) = resting_acceleration
+      scales%stands = draft%timeless .or. max(largest(speeds), largest(spins)) < still
+      if (scales%stands) lowest(resting) = of_rest
+      if (scales%stands .and. draft%elastic) lowest(accelerations) = resting_acceleration
       ! Deflections at rest are known to their own scale, and energies to the work of the forces along it
-      if (stands) lowest(energies) = max(lowest(energies), largest(forces)*of_rest(3))
+      if (scales%stands) lowest(energies) = max(lowest(energies), largest(forces)*of_rest(3))
       answers = changed%status == 0 .and. all(shape(changed%values) == shape(reference%values))
       scales%envelope = max(reference%envelope, [10*elastic_force, elastic_force, elastic_moment], &
          & part_of_group*largest([forces, forces, moments]))
@@ -129,7 +131,7 @@ contains
             if (draft%channels(i)%placed .and. any(abs(view%moved) > 0.0_wp)) cycle
             error = maxval(abs(trial%values(row, :) - reference%values(row, :)))
             limit = scales%own(row)*allowed_by(view)
-            if (draft%elastic .and. (draft%timeless .or. view%integrator /= 'ADAMS') .and. any(draft%channels(i)%group == &
+            if (draft%elastic .and. (scales%stands .or. view%integrator /= 'ADAMS') .and. any(draft%channels(i)%group == &
                & [accelerations, forces, moments, stresses, powers])) limit = max(limit, unseen*scales%of_group(row))
             ! A vibration that is kept up at the limit of the steps is there in what stands still else
             if (keeps_up(trial%warnings) .or. keeps_up(reference%warnings)) limit = max(limit, allowed_by(view)* &
@@ -159,7 +161,7 @@ contains
             group = merge(moments, forces, i == 3)
             error = abs(trial%envelope(i) - reference%envelope(i))
             limit = scales%envelope(i)*allowed_by(view)
-            if (draft%timeless .or. view%integrator /= 'ADAMS') limit = max(limit, unseen*max(elastic_force, &
+            if (scales%stands .or. view%integrator /= 'ADAMS') limit = max(limit, unseen*max(elastic_force, &
                & maxval(reference%envelope(:2))))
             if (error <= limit) cycle
             excused = max(pardoned(trial%warnings, group), pardoned(reference%warnings, group))*scales%envelope(i)

@@ -65,9 +65,9 @@ contains
 
    !> Warnings without those that are so near the part at which they begin that another view may not have them; and of a scene at
    !> rest without those of vibrations that round-off sets off, in one view or another.
-   pure function without_near_ones(warnings, timeless) result(left)
+   pure function without_near_ones(warnings, stands) result(left)
       character(*), intent(in) :: warnings
-      logical, intent(in) :: timeless
+      logical, intent(in) :: stands
       character(:), allocatable :: left
       integer :: first, last
       left = ''
@@ -78,7 +78,7 @@ contains
             if (.not. (is_near(line, energy_words, 0.01_wp, energy_begins) .or. is_near(line, ringing_words, 0.01_wp, &
                & ringing_begins) .or. is_near(line, slip_words, 0.01_wp, slip_begins) .or. is_near(line, ' by about ', 1.0_wp, &
                & phase_begins) .or. is_near(line, price_words, 1.0_wp, price_begins) .or. &
-               & (timeless .and. index(line, kept_words) > 0))) left = left//line//newline
+               & (stands .and. index(line, kept_words) > 0))) left = left//line//newline
          end associate
          first = last + 2
       end do

@@ -199,11 +199,21 @@ contains
       do i = 1, len(message)
          if (message(i:i) == "'") quoted = .not. quoted
          if (quoted .or. scan(message(i:i), '0123456789.-+') > 0) cycle
+         if (is_exponent(message, i)) cycle
          n = n + 1
          line(n:n) = message(i:i)
          if (n == len(line)) exit
       end do
       plain = line(:n)
    end function without_numbers
+
+   !> Whether a letter is the e of a number.
+   pure logical function is_exponent(message, i)
+      character(*), intent(in) :: message
+      integer, intent(in) :: i
+      is_exponent = i > 1 .and. i < len(message) .and. message(i:i) == 'e'
+      if (is_exponent) is_exponent = scan(message(i - 1:i - 1), '0123456789') > 0 .and. &
+         & scan(message(i + 1:i + 1), '0123456789-+') > 0
+   end function is_exponent
 
 end module trials

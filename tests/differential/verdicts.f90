@@ -156,15 +156,15 @@ contains
          type(trial_type) :: moved
          type(view_type) :: view
          integer :: sign
-         more = missing_line(draft, other, base)
-         fewer = missing_line(draft, base, other)
+         more = missing_line(scales%stands, other, base)
+         fewer = missing_line(scales%stands, base, other)
          if (more == '' .and. fewer == '') return
          do sign = -1, 1, 2
             view = plan%base
             view%change = sign*large_change
             call run_view(draft, view, moved)
-            if (more /= '' .and. missing_line(draft, other, moved) == '') return
-            if (fewer /= '' .and. missing_line(draft, moved, other) == '') return
+            if (more /= '' .and. missing_line(scales%stands, other, moved) == '') return
+            if (fewer /= '' .and. missing_line(scales%stands, moved, other) == '') return
          end do
          if (more /= '') call disagree('warnings', name, 'more: '//more)
          if (more == '') call disagree('warnings', name, 'fewer: '//fewer)
@@ -200,12 +200,13 @@ contains
    end function first_words
 
    !> The first kind of warning that a run has, plainly, not near its threshold, and another one not at all; empty if there is none.
-   function missing_line(draft, run, other) result(line)
-      type(draft_type), intent(in) :: draft
+   function missing_line(stands, run, other) result(line)
+      !> Whether nothing moves
+      logical, intent(in) :: stands
       type(trial_type), intent(in) :: run, other
       character(:), allocatable :: line, kinds, others
       integer :: first, last
-      kinds = kinds_of_warnings(without_near_ones(run%plain_warnings, draft%timeless))
+      kinds = kinds_of_warnings(without_near_ones(run%plain_warnings, stands))
       others = kinds_of_warnings(other%warnings)
       line = ''
       first = 2

@@ -36,7 +36,6 @@ module limber_analysis_crossings
    !> laws below which one is nothing, and of its own largest value that is a slight change
    real(wp), parameter :: little = 1.0e-4_wp, part = 0.02_wp, quartered = 0.4_wp, halved = 0.6_wp, rough = 0.5_wp, &
       & level = 1.0e-6_wp, slight = 0.05_wp
-
    !> Part of a step right behind a crossing in which the same crossing, found again, is round-off
    real(wp), parameter :: just_met = 1.0e-8_wp
    !> Change of velocity in a step that is felt, in units of the tolerance
@@ -432,13 +431,14 @@ contains
          range = law_between(system, self%loads, i, a, b)
          self%excess(i, depth) = law_excess(range, a%force(i), b%force(i))
          stubborn(i) = self%excess(i, depth) > max(self%allowed(i), min(little*largest_of(self, i, range), self%felt(i))) &
-            & .and. &
-            & self%excess(i, depth) > merge(quartered, halved, depth == 1)*self%excess(i, depth - 1)
+            & .and. self%excess(i, depth) > merge(quartered, halved, depth == 1)*self%excess(i, depth - 1)
          opens = opens .or. stubborn(i) .or. .not. range%whole
       end do
       if (changed > 0 .and. b%t - a%t <= max(8*spacing(b%t), fine*h)) then
          call take_crossing(self, system, integrator, a, b, changed)
-         if (self%found /= found_nothing .and. b%t < self%quarters(4)%t - last*h) self%again = is_unseen(self, system, a)
+         ! Right behind the start there is nothing to be done again
+         if (self%found /= found_nothing .and. b%t < self%quarters(4)%t - last*h .and. &
+            & b%t > self%quarters(0)%t + max(just_met*h, 64*spacing(b%t))) self%again = is_unseen(self, system, a)
          return
       end if
       if (changed == 0 .and. (.not. opens .or. self%looks >= most_looks .or. b%t - a%t <= coarse*h)) return

@@ -33,10 +33,11 @@ module limber_integrator_conserving
    !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
    !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off, or that
    !> in units of the round-off of places: what is stiff multiplies it; part of the tolerance that counts as round-off where so
-   !> many corrections in a row make no progress, and at most: what bends much for little force multiplies it more
+   !> many corrections in a row make no progress, and at most: what bends much for little force multiplies it more, and so do
+   !> steps that are shorter than this part of the analysis, of which there are few
    real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
       & no_progress = 0.5_wp, stiff = 200.0_wp, part_of_tolerance = 0.01_wp, &
-      & most_noise = 1.0e-7_wp
+      & most_noise = 1.0e-7_wp, short = 1.0e-4_wp
    integer, parameter :: stalled = 4
 
    !> Memory of the method
@@ -68,6 +69,8 @@ module limber_integrator_conserving
       real(wp) :: reach = 0.0_wp
       !> Next step, step of the factors at hand, what t is above the sum of all steps
       real(wp) :: h = 0.0_wp, h_factors = 0.0_wp, rounding = 0.0_wp
+      !> Length of the whole analysis
+      real(wp) :: duration = 0.0_wp
       !> Whether a constraint moves in time
       logical :: driven = .false.
    contains
@@ -110,6 +113,7 @@ contains
       call self%ringing%forget()
       self%h_factors = 0.0_wp
       self%rounding = 0.0_wp
+      self%duration = duration
       self%q = q
       self%v = v
       self%t = t
@@ -303,7 +307,8 @@ contains
                self%h_factors = 0.0_wp
             end if
             idle = merge(idle + 1, 0, fresh .and. size_now > no_progress*least)
-            if (idle >= stalled .and. size_now <= min(part_of_tolerance*self%tolerance, most_noise)) converged = .true.
+            if (idle >= stalled .and. size_now <= min(part_of_tolerance*self%tolerance, &
+               & most_noise*max(1.0_wp, short*self%duration/self%trial%h))) converged = .true.
          end if
          least = min(least, size_now)
          size_last = size_now

@@ -266,7 +266,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       logical, intent(out) :: converged
-      real(wp) :: size_now, size_last, ratio, noise, least
+      real(wp) :: size_now, moved, size_last, ratio, noise, least
       integer :: round, nw, idle
       logical :: fresh
       nw = system%layout%nw
@@ -294,8 +294,8 @@ contains
          self%unknown(:nw) = -self%motion
          self%unknown(nw + 1:) = -self%phi
          call solve(self)
-         size_now = sqrt(sum((self%unknown(:nw)/(self%trial%h*self%scale_w))**2) + sum((self%trial%h*self%unknown(nw + 1:)/ &
-            & self%scale_lambda)**2))
+         moved = sqrt(sum((self%unknown(:nw)/(self%trial%h*self%scale_w))**2))
+         size_now = sqrt(moved**2 + sum((self%trial%h*self%unknown(nw + 1:)/self%scale_lambda)**2))
          if (.not. size_now <= 1.0e10_wp) return
          self%y = self%y + self%unknown(:nw)
          self%lambda = self%lambda + self%unknown(nw + 1:)
@@ -307,7 +307,7 @@ contains
                self%h_factors = 0.0_wp
             end if
             idle = merge(idle + 1, 0, fresh .and. size_now > no_progress*least)
-            if (idle >= stalled .and. size_now <= min(part_of_tolerance*self%tolerance, &
+            if (idle >= stalled .and. size_now <= self%tolerance .and. moved <= min(part_of_tolerance*self%tolerance, &
                & most_noise*max(1.0_wp, short*self%duration/self%trial%h))) converged = .true.
          end if
          least = min(least, size_now)

@@ -1,7 +1,7 @@
-!> A sparse matrix whose pattern is analysed once and whose values are refilled in place, with its LU factors by KLU. The
-!> pivots of one search serve until they become unfit for the values; a matrix of a dozen unknowns is factored five times
-!> faster so than by a dense LAPACK call. One of a few unknowns is eliminated here on the spot, with scaled partial pivoting, at a
-!> fifth of the cost of KLU. Floor: system.
+!> A sparse matrix whose pattern is analysed once and whose values are refilled in place, with its LU factors: by KLU, or, of some
+!> dozens of unknowns, by `limber_system_elimination`, at half of its cost. The pivots of one search serve until they become unfit
+!> for the values; a matrix of a dozen unknowns is factored five times faster so than by a dense LAPACK call. One of a few unknowns
+!> is eliminated here on the spot, with scaled partial pivoting. Floor: system.
 module limber_system_sparse
    use, intrinsic :: iso_c_binding, only: c_int, c_ptr, c_null_ptr, c_associated
    use limber_base_kinds, only: wp
@@ -9,6 +9,7 @@ module limber_system_sparse
    use limber_base_klu, only: klu_common_type, klu_defaults, klu_analyze, klu_factor, klu_refactor, klu_solve, klu_rgrowth, &
       & klu_free_symbolic, klu_free_numeric, klu_z_factor, klu_z_refactor, &
       & klu_z_rgrowth, klu_z_solve, klu_z_free_numeric
+   use limber_system_elimination, only: elimination_type
    implicit none
    private
    public :: sparse_type
@@ -18,6 +19,9 @@ module limber_system_sparse
    integer, parameter :: seldom = 8
    !> Most unknowns of a matrix that is eliminated on the spot
    integer, parameter :: few = 6
+   !> Most unknowns of one that KLU is not needed for, and the largest multiplier up to which its pivots serve again
+   integer, parameter :: some = 40
+   real(wp), parameter :: largest_multiplier = 1.0e3_wp
 
    !> A square matrix by columns. `mark` all entries, `analyse`, then fill `values` through `place` and factor.
    type :: sparse_type
@@ -37,10 +41,12 @@ module limber_system_sparse
       real(wp), private :: dense(few, few) = 0.0_wp
       integer, private :: pivots(few) = 0
       integer, allocatable, private :: square(:)
+      !> Pivots and factors of one of some dozens: of the real and of the complex values
+      type(elimination_type), private :: own, complex_own
       !> First entry of each column (n + 1) and row of each entry, from zero
       integer(c_int), allocatable, private :: first(:), row(:)
       type(klu_common_type), private :: common
-      !> Values for which the pivots were sought (entries), of KLU only
+      !> Values for which the pivots were sought (entries), not of a matrix of few unknowns
       real(wp), allocatable, private :: searched(:)
       complex(wp), allocatable, private :: complex_searched(:)
       !> Whether the factors are of later values: real and complex ones
@@ -179,6 +185,10 @@ contains
          if (self%searches == 0) self%searches = 1
          return
       end if
+      if (self%n <= some) then
+         call factor_own(self, singular)
+         return
+      end if
       if (c_associated(self%numeric)) then
          ok = klu_refactor(self%first, self%row, self%values, self%symbolic, self%numeric, self%common)
          if (ok == 1 .and. self%common%status == 0) then
@@ -198,6 +208,48 @@ contains
       self%numeric = klu_factor(self%first, self%row, self%values, self%symbolic, self%common)
       singular = .not. c_associated(self%numeric) .or. self%common%status /= 0
    end subroutine factor
+
+   !> Factors the present values of a matrix of some dozens of unknowns.
+   subroutine factor_own(self, singular)
+      class(sparse_type), intent(inout) :: self
+      logical, intent(out) :: singular
+      real(wp) :: growth
+      singular = .false.
+      if (self%own%n > 0) then
+         call self%own%renew(self%values, growth)
+         self%renewed(1) = .true.
+         ! Where values are no numbers no pivots are better
+         if (growth <= largest_multiplier .or. .not. all(abs(self%values) <= huge(1.0_wp))) return
+      end if
+      self%searches = self%searches + 1
+      self%searched = self%values
+      self%renewed(1) = .false.
+      call self%own%seek(self%n, self%first, self%row, cmplx(self%values, 0.0_wp, wp), singular)
+      if (singular) return
+      call self%own%renew(self%values, growth)
+      singular = growth >= huge(growth)
+   end subroutine factor_own
+
+   !> Factors its present complex values.
+   subroutine factor_complex_own(self, singular)
+      class(sparse_type), intent(inout) :: self
+      logical, intent(out) :: singular
+      real(wp) :: growth
+      singular = .false.
+      if (self%complex_own%n > 0) then
+         call self%complex_own%renew_complex(self%complex_values, growth)
+         self%renewed(2) = .true.
+         if (growth <= largest_multiplier .or. .not. all(abs(real(self%complex_values, wp)) + abs(aimag(self%complex_values)) &
+            & <= huge(1.0_wp))) return
+      end if
+      self%searches = self%searches + 1
+      self%complex_searched = self%complex_values
+      self%renewed(2) = .false.
+      call self%complex_own%seek(self%n, self%first, self%row, self%complex_values, singular)
+      if (singular) return
+      call self%complex_own%renew_complex(self%complex_values, growth)
+      singular = growth >= huge(growth)
+   end subroutine factor_complex_own
 
    !> Factors a small matrix by Gauss: each pivot is the largest of its column beside the largest entry of its row.
    pure subroutine eliminate(n, square, values, a, pivots, singular)
@@ -316,6 +368,10 @@ contains
       self%factorisations = self%factorisations + 1
       singular = .false.
       if (self%n == 0) return
+      if (self%n <= some) then
+         call factor_complex_own(self, singular)
+         return
+      end if
       if (c_associated(self%complex_numeric)) then
          ok = klu_z_refactor(self%first, self%row, self%complex_values, self%symbolic, self%complex_numeric, self%common)
          if (ok == 1 .and. self%common%status == 0) then
@@ -342,7 +398,12 @@ contains
       !> Right-hand side, then solution (n)
       complex(wp), contiguous, intent(inout) :: b(:)
       integer(c_int) :: ok
-      if (self%n > 0) ok = klu_z_solve(self%symbolic, self%complex_numeric, int(self%n, c_int), 1_c_int, b, self%common)
+      if (self%n == 0) return
+      if (self%n <= some) then
+         call self%complex_own%solve_complex(b)
+         return
+      end if
+      ok = klu_z_solve(self%symbolic, self%complex_numeric, int(self%n, c_int), 1_c_int, b, self%common)
    end subroutine solve_complex
 
    !> Solves in place with the factors.
@@ -356,13 +417,19 @@ contains
          call substitute(self%n, self%dense, self%pivots, b)
          return
       end if
+      if (self%n <= some) then
+         call self%own%solve(b)
+         return
+      end if
       ok = klu_solve(self%symbolic, self%numeric, int(self%n, c_int), 1_c_int, b, self%common)
    end subroutine solve
 
-   !> Gives the memory of KLU back.
+   !> Gives the memory of KLU back, and forgets all factors.
    subroutine release(self)
       type(sparse_type), intent(inout) :: self
       integer(c_int) :: ok
+      self%own%n = 0
+      self%complex_own%n = 0
       if (c_associated(self%numeric)) ok = klu_free_numeric(self%numeric, self%common)
       if (c_associated(self%complex_numeric)) ok = klu_z_free_numeric(self%complex_numeric, self%common)
       if (c_associated(self%symbolic)) ok = klu_free_symbolic(self%symbolic, self%common)
@@ -382,7 +449,7 @@ contains
       call exchange_factors(self, snapshot)
    end subroutine exchange_sparse
 
-   !> Saves or restores the factors of KLU by the values that they were made of.
+   !> Saves or restores the factors by the values that they were made of.
    subroutine exchange_factors(self, snapshot)
       type(sparse_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
@@ -390,7 +457,8 @@ contains
       complex(wp), allocatable :: complex_values(:)
       logical :: present_factors(2), renewed(2), singular
       integer :: i, searches, factorisations, unseen(2)
-      present_factors = [c_associated(self%numeric), c_associated(self%complex_numeric)]
+      present_factors = [c_associated(self%numeric) .or. self%own%n > 0, &
+         & c_associated(self%complex_numeric) .or. self%complex_own%n > 0]
       renewed = self%renewed
       do i = 1, 2
          call snapshot%exchange('has_factors', present_factors(i))
@@ -435,6 +503,8 @@ contains
    subroutine release_factors(self)
       type(sparse_type), intent(inout) :: self
       integer(c_int) :: ok
+      self%own%n = 0
+      self%complex_own%n = 0
       if (c_associated(self%numeric)) ok = klu_free_numeric(self%numeric, self%common)
       if (c_associated(self%complex_numeric)) ok = klu_z_free_numeric(self%complex_numeric, self%common)
    end subroutine release_factors

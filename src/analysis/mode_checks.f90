@@ -1,12 +1,12 @@
 !> Whether the frequencies of a modal analysis are right: mode by mode and body by body, against what the mesh of each flexible
-!> body does under the axial forces that act, with its mass where it is, and in ways that the chosen coordinates cannot.
-!> Floor: analysis. Source: doc/theory, section 43, eqs. (R5)-(R8), (F1).
+!> body does under the axial forces that act, and with its mass where it is. Floor: analysis.
+!> Source: doc/theory, section 43, eqs. (R5), (R8), (F1).
 module limber_analysis_mode_checks
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
    use limber_analysis_surveys, only: surveys_type, body_survey_type, start_surveys, take_amplitudes
    use limber_flex_elastic, only: coriolis_power
-   use limber_flex_survey, only: axial_work, find_response, mass_error
+   use limber_flex_survey, only: axial_work, mass_error
    use limber_flex_reduced, only: reduced_type
    use limber_model_scene, only: body_type
    use limber_system_algebra, only: along
@@ -16,11 +16,11 @@ module limber_analysis_mode_checks
    private
    public :: mode_warnings
 
-   !> Kinds of errors of a frequency: axial forces that a model lacks, functions that it lacks, masses in the nodes; and of a damping
-   !> ratio: the Coriolis force of the shortening
-   integer, parameter :: by_tension = 1, by_basis = 2, by_lumping = 3, by_shortening = 4, kinds = 4
+   !> Kinds of errors of a frequency: axial forces that a model lacks, masses in the nodes; and of a damping ratio: the Coriolis force
+   !> of the shortening
+   integer, parameter :: by_tension = 1, by_lumping = 2, by_shortening = 3, kinds = 3
    !> Largest relative errors of a frequency, and the largest error of a damping ratio, that are not told
-   real(wp), parameter :: little = 0.02_wp, limit(kinds) = [little, little, little, 2.0e-4_wp]
+   real(wp), parameter :: little = 0.02_wp, limit(kinds) = [little, little, 2.0e-4_wp]
    !> Relative error of a frequency above which its estimate is only a bound
    real(wp), parameter :: beyond = 0.5_wp
 
@@ -88,13 +88,12 @@ contains
       real(wp), intent(in) :: omega2, rotation
       real(wp), intent(out) :: errors(kinds)
       real(wp), allocatable :: u(:, :)
-      real(wp) :: lack, base, lower, part, more, lost, w(3 + system%layout%n(own%body))
+      real(wp) :: lack, more, lost, w(3 + system%layout%n(own%body))
       integer :: at, first, n, k
       at = system%layout%w(own%body)
       first = system%layout%q(own%body)
       n = system%layout%n(own%body)
       lack = 0.0_wp
-      lower = 0.0_wp
       more = 0.0_wp
       lost = 0.0_wp
       allocate (u(3, size(own%survey%mesh%place, 2)))
@@ -107,21 +106,10 @@ contains
          call displace(own, q(first + 2:first + 3), w, u)
          more = more + mass_error(own%survey%mesh, u)
       end do
-      base = omega2 + lack
-      do k = 1, 2
-         if (k == 1) w = real(shape(at:at + 2 + n), wp)
-         if (k == 2) w = aimag(shape(at:at + 2 + n))
-         if (.not. maxval(abs(w)) > 0.0_wp .or. .not. base > 0.0_wp) cycle
-         call displace(own, q(first + 2:first + 3), w, u)
-         call find_response(own%survey, own%amplitude, omega2, base, rotation**2, u, own%held, part)
-         lower = lower + part
-      end do
       errors(by_tension) = 0.0_wp
       if (abs(lack) > 0.0_wp) errors(by_tension) = abs(sqrt(abs(omega2)/max(abs(omega2 + lack), 1.0e-4_wp*abs(omega2))) - 1)
       errors(by_lumping) = 0.5_wp*abs(more)
       errors(by_shortening) = 0.5_wp*abs(lost)/sqrt(abs(omega2))
-      errors(by_basis) = 0.0_wp
-      if (omega2 > 0.0_wp .and. base > 0.0_wp) errors(by_basis) = sqrt(base/max(base - lower, 1.0e-4_wp*base)) - 1
    end subroutine judge
 
    !> Power that a shape loses by what the model lacks of the shortening, eq. (F1), of unit velocity.
@@ -218,11 +206,6 @@ contains
             cure = 'use GEOMETRIC=EXACT'
             if (body%is_frame) cure = merge('use LARGE=YES      ', 'use CORRECTIONS=YES', body%frame_choice%accelerations)
          end if
-      case (by_basis)
-         text = text//'cannot take this shape with its '//as_text(body%reduced%n)//' coordinates'
-         cure = 'use more BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints'
-         if (body%is_frame) cure = 'use more MODES, CORRECTIONS=YES, or a *BOUNDARY that is like its joints'
-         if (body%is_frame .and. body%frame_choice%accelerations) cure = 'use more MODES, or LARGE=YES'
       case default
          text = text//'has too few elements: its mass is in their nodes'
          cure = 'use ELEMENTS='//as_text(ceiling(1.2_wp*size_of_mesh()*sqrt(worst%error/little)))

@@ -2,30 +2,27 @@
 !> rotation, preloaded as a static analysis has left it. Floor: analysis. Source: doc/theory, eqs. (110)-(113).
 module limber_analysis_modes
    use limber_base_kinds, only: wp, long
-   use limber_base_error, only: error_type, raise
+   use limber_base_error, only: error_type
    use limber_base_signals, only: let_signals_end
    use limber_base_text, only: as_text, newline
    use limber_analysis_function_checks, only: function_mode_warnings
    use limber_analysis_kinks, only: kink_warnings
+   use limber_analysis_mode_aside, only: compare_aside
    use limber_analysis_mode_checks, only: mode_warnings
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
    use limber_model_scene, only: ground, step_type, ground
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_history, only: history_type
    use limber_output_turns, only: follow_places
    use limber_system_algebra, only: turn, along
-   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, linearise_balance
-   use limber_system_freedom, only: find_freedom, has_potential
-   use limber_system_held, only: held_type, new_held, rest_multipliers
+   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium
    use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_krylov, only: is_large
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type
-   use limber_system_tangent, only: gather
-   use limber_system_vibrations, only: vibrations_type, find_vibrations, find_large_vibrations, kind_of_growth, &
-      & add_rotation_damping, no_damping, gyroscopic, all_damping
+   use limber_system_vibrations, only: vibrations_type, kind_of_growth
    implicit none
    private
    public :: run_modes
@@ -52,6 +49,8 @@ contains
       type(error_type), allocatable :: interruption
       integer(long) :: tick
       real(wp) :: cpu
+      logical :: balanced
+      character(:), allocatable :: aside
       call system_clock(tick)
       call cpu_time(cpu)
       outcome%cpu = -cpu
@@ -59,17 +58,13 @@ contains
       report = ''
       call new_equilibrium(scene%system, balance)
       call let_signals_end(is_secured)
-      call linearise_state(scene, step, balance, outcome, error)
+      call linearise_state(scene, step, balance, balanced, error)
       if (.not. allocated(error)) call history%check_limit(step%dynamics%start, error)
       if (allocated(error)) return
-      if (is_large(scene%system) .and. terms(step, balance) == no_damping .and. has_enough(scene%system, step%modes) &
-         & .and. has_potential(balance%tangent)) then
-         call find_large_vibrations(scene%system, balance%tangent, step%modes, more, error)
-      else
-         call find_freedom(scene%system, scene%work, .false., balance%freedom)
-         call find_vibrations(scene%system, balance%tangent, balance%freedom, terms(step, balance), step%modes + beside, more, &
-            & error)
-      end if
+      if (.not. balanced) outcome%warnings = "warning: the state of *MODES '"//step%name// &
+         & "' is not in equilibrium; put *STATICS before it"//newline
+      call lowest_vibrations(scene, balance, terms(step, balance), step%modes, beside, more, error)
+      if (.not. allocated(error)) call compare_aside(scene, step, balance, more, aside)
       call let_signals_end(.false.)
       call history%check_limit(step%dynamics%start, interruption)
       if (allocated(interruption)) call move_alloc(interruption, error)
@@ -78,7 +73,7 @@ contains
       if (size(vibrations%frequency) == 0) call warn(outcome, "nothing can vibrate in *MODES '"//step%name// &
          & "': joints and drivers leave the scene no free motion; no modes are written. Remove *MODES, or a joint or driver")
       call sample(scene, step, balance, history, outcome, error)
-      if (.not. allocated(error)) call check_frequencies(scene, step, balance, vibrations, more, outcome)
+      if (.not. allocated(error)) call check_frequencies(scene, step, balance, vibrations, more, aside, outcome)
       if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
       if (allocated(error)) return
       report = table(scene, vibrations, step%damped)
@@ -98,101 +93,6 @@ contains
       allocate (vibrations%growth, source=more%growth(:count))
       allocate (vibrations%shape, source=more%shape(:, :count))
    end subroutine take_first
-
-   !> Whether there are more free motions than wanted modes, as ARPACK needs it.
-   pure logical function has_enough(system, wanted)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: wanted
-      has_enough = system%layout%nw - system%nc > wanted
-   end function has_enough
-
-   !> Velocity terms that count.
-   pure integer function terms(step, balance)
-      type(step_type), intent(in) :: step
-      type(equilibrium_type), intent(in) :: balance
-      terms = no_damping
-      if (abs(balance%rotation) > 0.0_wp) terms = gyroscopic
-      if (step%damped) terms = all_damping
-   end function terms
-
-   !> Mass, damping and stiffness at the state: that of a static analysis with its multipliers and rotation; any other at rest.
-   subroutine linearise_state(scene, step, balance, outcome, error)
-      type(scene_type), intent(inout) :: scene
-      type(step_type), intent(in) :: step
-      type(equilibrium_type), intent(inout) :: balance
-      type(outcome_type), intent(inout) :: outcome
-      type(error_type), allocatable, intent(out) :: error
-      type(held_type) :: held
-      logical :: done
-      integer :: i
-      associate (system => scene%system, work => scene%work, t => step%dynamics%start)
-         if (scene%last%balanced) then
-            work%lambda = scene%last%lambda
-            balance%rotation = scene%last%rotation
-            balance%centre = scene%last%centre
-         else
-            call new_held(system, held)
-            call rest_multipliers(system, work, held, t, scene%q, done)
-            if (.not. done) then
-               call raise(error, 'mass and constraints make a singular system: a constraint is redundant, or a body without'// &
-                  & ' mass is free to move')
-               return
-            end if
-            work%lambda = held%lambda
-         end if
-         call linearise_balance(system, work, balance, t, scene%q, work%lambda)
-         if (maxval(abs(balance%motion*balance%scale)) > 1.0e-6_wp*largest_force(scene, balance)) &
-            & outcome%warnings = "warning: the state of *MODES '"//step%name//"' is not in equilibrium; put *STATICS before it"// &
-            & newline
-         if (.not. abs(balance%rotation) > 0.0_wp) return
-         do i = 1, size(balance%tangent%bodies)
-            call add_rotation_damping(balance%rotation, balance%tangent%bodies(i)%mass, balance%tangent%bodies(i)%damping)
-         end do
-         call gather(balance%tangent)
-      end associate
-   end subroutine linearise_state
-
-   !> Largest single force in the scene, in scaled rates, of which a residual is a part: that of all on a body, of a load or of a
-   !> constraint. Loads that cancel on a body leave their rounding.
-   pure real(wp) function largest_force(scene, balance) result(largest)
-      type(scene_type), intent(in) :: scene
-      type(equilibrium_type), intent(in) :: balance
-      !> Part of the length of the scene of which a millionth is round-off of places
-      real(wp), parameter :: places = 1.0e-6_wp
-      integer :: i, k, first, side, row, n
-      largest = tiny(largest)
-      associate (system => scene%system, work => scene%work, scale => balance%scale)
-         do i = 1, size(work%bodies)
-            first = system%layout%w(i)
-            n = system%layout%rates(i)
-            largest = max(largest, maxval(abs(work%bodies(i)%force(:n)*scale(first:first + n - 1))))
-         end do
-         do i = 1, size(work%loads)
-            if (size(work%loads(i)%force) == 0) cycle
-            associate (to => balance%tangent%loads(i)%unknowns)
-               largest = max(largest, maxval(abs(work%loads(i)%force(:size(to))*scale(to))))
-               ! What round-off of the places makes of a stiff load that bears nothing
-               do k = 1, size(to)
-                  largest = max(largest, places*system%model%length*maxval(abs(balance%tangent%loads(i)%stiffness(:size(to), k) &
-                     & *scale(to))))
-               end do
-            end associate
-         end do
-         do i = 1, size(system%constraints)
-            associate (item => system%constraints(i)%item)
-               do side = 1, 2
-                  if (item%bodies(side) == ground) cycle
-                  first = system%layout%w(item%bodies(side))
-                  n = min(3, system%layout%rates(item%bodies(side)))
-                  do row = 1, item%rows
-                     largest = max(largest, abs(work%lambda(item%first + row - 1)) &
-                        & *maxval(abs(work%jacobians(side, i)%z(row, :n)*scale(first:first + n - 1))))
-                  end do
-               end do
-            end associate
-         end do
-      end associate
-   end function largest_force
 
    !> The channels at the state.
    subroutine sample(scene, step, balance, history, outcome, error)
@@ -222,17 +122,19 @@ contains
    end subroutine sample
 
    !> Warns of frequencies that the models of bodies make wrong.
-   subroutine check_frequencies(scene, step, balance, vibrations, more, outcome)
+   subroutine check_frequencies(scene, step, balance, vibrations, more, aside, outcome)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       type(equilibrium_type), intent(inout) :: balance
       !> Those that are listed, and some more, one of which may be among them in truth
       type(vibrations_type), intent(in) :: vibrations, more
+      !> What the comparison with more coordinates has shown
+      character(*), intent(in) :: aside
       type(outcome_type), intent(inout) :: outcome
       real(wp), allocatable :: lambda(:)
       call update_jacobians(scene%system, scene%work)
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
-      outcome%warnings = outcome%warnings//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
+      outcome%warnings = outcome%warnings//aside//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
          & balance%rotation, vibrations, step%name)//kink_warnings(scene%system, balance%tangent, &
          & scene%work%kinematics, step%dynamics%start, scene%q, balance%v, step%damped, vibrations, step%name)
       allocate (lambda, source=scene%work%lambda)

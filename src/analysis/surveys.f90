@@ -5,7 +5,7 @@ module limber_analysis_surveys
    use limber_base_error, only: error_type
    use limber_flex_frame, only: frame_type, beam_frame, unit_load
    use limber_flex_survey, only: survey_type, new_survey
-   use limber_model_scene, only: body_type, point_type, effort_axis, ground, joint_weld, joint_translational
+   use limber_model_scene, only: body_type, point_type, ground
    use limber_model_spreads, only: spread_parts
    use limber_output_pulls, only: pull_type, pulls_type, new_pulls, pulled_points, constraint_pulls, load_pulls, most_pulls
    use limber_system_algebra, only: cross
@@ -20,8 +20,6 @@ module limber_analysis_surveys
       !> Index of the body
       integer :: body = 0
       type(survey_type) :: survey
-      !> What joints and other bodies hold at the places: along both axes, and the rotation (3 places)
-      logical, allocatable :: held(:)
       !> Amplitudes of the loads in the state that was taken last
       real(wp), allocatable :: amplitude(:)
    end type body_survey_type
@@ -91,7 +89,7 @@ contains
       real(wp), allocatable :: shape(:, :, :), load(:, :, :)
       integer, allocatable :: point(:)
       integer :: i
-      call find_places(self, system, own%body, point, own%held)
+      call find_places(self, system, own%body, point)
       associate (body => system%model%bodies(own%body))
          if (body%is_frame) then
             mesh = body%mesh
@@ -157,78 +155,45 @@ contains
       if (.not. body%is_frame) x = min(max(point%p0(1) + body%choice%origin, 0.0_wp), body%beam%length)
    end function along_body
 
-   !> Where joints, drivers and loads act on a body: one of the points at each place, and what is held there.
-   subroutine find_places(self, system, body, point, held)
+   !> Where joints, drivers and loads act on a body: one of the points at each place.
+   subroutine find_places(self, system, body, point)
       type(surveys_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
       integer, allocatable, intent(out) :: point(:)
-      logical, allocatable, intent(out) :: held(:)
-      integer :: i, side, turn
-      allocate (point(0), held(0))
+      integer :: i, side
+      allocate (point(0))
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
             do side = 1, 2
-               turn = 1
-               if (i <= size(system%model%joints)) turn = system%model%joints(i)%kind
-               call enter(item%bodies(side), item%points(side), any(turn == [joint_weld, joint_translational]), .true.)
+               call enter(item%bodies(side), item%points(side))
             end do
          end associate
       end do
       do i = 1, size(system%loads)
          associate (item => system%loads(i)%item)
             do side = 1, size(item%points)
-               call enter(item%bodies(side), item%points(side), .false., .false.)
+               call enter(item%bodies(side), item%points(side))
             end do
          end associate
       end do
       associate (pulled => pulled_points(self%pulls, system))
          do i = 1, size(pulled)
-            call enter(system%model%points(pulled(i))%body, pulled(i), .false., .false.)
+            call enter(system%model%points(pulled(i))%body, pulled(i))
          end do
       end associate
-      call hold_sprung()
 
    contains
 
-      !> Places where forces follow what the body does: what acts on the shape of a mode there is not known.
-      subroutine hold_sprung()
-         integer :: k, j
-         do k = 1, size(system%model%springs)
-            do j = 1, 2
-               call stay(system%model%springs(k)%points(j))
-            end do
-         end do
-         do k = 1, size(system%model%efforts)
-            if (system%model%efforts(k)%along == effort_axis) cycle
-            do j = 1, 2
-               call stay(system%model%efforts(k)%points(j))
-            end do
-         end do
-      end subroutine hold_sprung
-
-      subroutine stay(at)
-         integer, intent(in) :: at
-         if (at == 0) return
-         if (system%model%points(at)%body /= body .or. self%place(at) == 0) return
-         held(3*self%place(at) - 2:3*self%place(at)) = .true.
-      end subroutine stay
-
-      subroutine enter(of, at, turns, moves)
+      subroutine enter(of, at)
          integer, intent(in) :: of, at
-         !> Whether the rotation is held there, and the place
-         logical, intent(in) :: turns, moves
          integer :: k
          if (of /= body .or. at == 0) return
          do k = 1, size(point)
             if (is_same(point(k), at)) exit
          end do
-         if (k > size(point)) then
-            point = [point, at]
-            held = [held, .false., .false., .false.]
-         end if
+         if (k > size(point)) point = [point, at]
          self%place(at) = k
-         held(3*k - 2:3*k) = held(3*k - 2:3*k) .or. [moves, moves, turns]
       end subroutine enter
 
       !> Whether two points are at one place of the body, and no load along it is meant.

@@ -4,10 +4,10 @@
 module limber_flex_frame
    use limber_base_kinds, only: wp
    use limber_flex_beam, only: beam_stiffness, bending_shape, bending_slope, bending_curvature, lumped_mass
-   use limber_flex_mesh, only: beam_type, support_type, field_type, nodal_masses, nodal_inertias
+   use limber_flex_mesh, only: beam_type, support_type, field_type, nodal_masses, nodal_inertias, with_node
    implicit none
    private
-   public :: frame_type, member_type, new_frame, beam_frame, beam_nodes, element_at, member_field, member_length
+   public :: frame_type, member_type, acted_type, new_frame, beam_frame, beam_nodes, element_at, member_field, member_length
    public :: element_stiffness, strain_energy, element_forces, own_displacements, unit_load
 
    !> A straight member between two corners
@@ -19,6 +19,12 @@ module limber_flex_frame
       !> Number of elements
       integer :: divisions = 1
    end type member_type
+
+   !> A place where something acts within a member: its index, coordinate along it [length]
+   type :: acted_type
+      integer :: member = 0
+      real(wp) :: x = 0.0_wp
+   end type acted_type
 
    !> A mesh. The corners come first among the nodes; the elements of a member follow each other from its start to its end
    type :: frame_type
@@ -43,14 +49,22 @@ module limber_flex_frame
 contains
 
    !> Divides members into elements and lumps their masses; nothing is held.
-   pure function new_frame(corners, members) result(frame)
+   pure function new_frame(corners, members, acted) result(frame)
       !> Places (2, corners) [length]
       real(wp), intent(in) :: corners(:, :)
       type(member_type), intent(in) :: members(:)
+      !> Where nodes are wanted besides
+      type(acted_type), intent(in), optional :: acted(:)
       type(frame_type) :: frame
       integer :: nodes, elements, m, i, e, from, to
       real(wp) :: line(2), length
-      elements = sum(members%divisions)
+      real(wp), allocatable :: x(:)
+      logical :: uniform
+      allocate (x(0))
+      elements = 0
+      do m = 1, size(members)
+         elements = elements + size(nodes_of(m)) - 1
+      end do
       nodes = size(corners, 2) + elements - size(members)
       allocate (frame%place(2, nodes), frame%mass(3, nodes), frame%free(3, nodes), frame%ends(2, elements))
       allocate (frame%member(elements), frame%from(elements), frame%length(elements), frame%axis(2, elements))
@@ -63,19 +77,27 @@ contains
       do m = 1, size(members)
          frame%first(m) = e + 1
          line = corners(:, members(m)%ends(2)) - corners(:, members(m)%ends(1))
-         length = norm2(line)/members(m)%divisions
+         x = nodes_of(m)
+         uniform = .true.
+         if (present(acted)) uniform = .not. any(acted%member == m)
          from = members(m)%ends(1)
-         do i = 1, members(m)%divisions
+         do i = 1, size(x) - 1
             e = e + 1
             to = members(m)%ends(2)
-            if (i < members(m)%divisions) then
+            if (i < size(x) - 1) then
                nodes = nodes + 1
                to = nodes
                frame%place(:, to) = corners(:, members(m)%ends(1)) + line*i/members(m)%divisions
+               if (.not. uniform) frame%place(:, to) = corners(:, members(m)%ends(1)) + line*(x(i + 1)/norm2(line))
+            end if
+            length = norm2(line)/members(m)%divisions
+            frame%from(e) = (i - 1)*length
+            if (.not. uniform) then
+               length = x(i + 1) - x(i)
+               frame%from(e) = x(i)
             end if
             frame%ends(:, e) = [from, to]
             frame%member(e) = m
-            frame%from(e) = (i - 1)*length
             frame%length(e) = length
             frame%axis(:, e) = line/norm2(line)
             frame%ea(e) = members(m)%ea
@@ -86,6 +108,23 @@ contains
          end do
       end do
       frame%first(size(members) + 1) = e + 1
+
+   contains
+
+      !> Places of the nodes along a member, its ends included [length].
+      pure function nodes_of(m) result(x)
+         integer, intent(in) :: m
+         real(wp), allocatable :: x(:)
+         real(wp) :: length
+         integer :: k
+         length = norm2(corners(:, members(m)%ends(2)) - corners(:, members(m)%ends(1)))
+         allocate (x, source=[(length*k/members(m)%divisions, k=0, members(m)%divisions)])
+         if (.not. present(acted)) return
+         do k = 1, size(acted)
+            if (acted(k)%member == m) x = with_node(x, pack(acted(:k - 1)%x, acted(:k - 1)%member == m), acted(k)%x)
+         end do
+      end function nodes_of
+
    end function new_frame
 
    !> A straight beam as a frame of one member along its x axis, with the shapes of its coordinates (3, nodes, n).

@@ -9,7 +9,8 @@ module limber_flex_mesh
    implicit none
    private
    public :: beam_type, support_type, field_type, new_support, mesh_beam, count_bending_modes, count_axial_modes
-   public :: concentrate, bending_modes, axial_modes, nodal_masses, nodal_inertias, deflection_at, slope_at, extension_at
+   public :: concentrate, put_nodes, with_node, bending_modes, axial_modes, nodal_masses, nodal_inertias, deflection_at
+   public :: slope_at, extension_at
    public :: element_length, field_bytes
 
    !> A straight uniform beam along the body's x axis and its division into elements
@@ -20,8 +21,8 @@ module limber_flex_mesh
       real(wp) :: length = 0.0_wp
       !> Number of elements for the modes
       integer :: elements = 0
-      !> Of a beam with concentrated masses: places of the nodes, which need not be equally far from each other, mass and moment
-      !> of inertia added to each (0:elements); otherwise unallocated
+      !> Of a beam with concentrated masses, or on which something acts between the nodes: places of the nodes, which need not be
+      !> equally far from each other, mass and moment of inertia added to each (0:elements); otherwise unallocated
       real(wp), allocatable :: place(:), mass(:), inertia(:)
    end type beam_type
 
@@ -116,6 +117,69 @@ contains
       beam%mass(i) = beam%mass(i) + mass
       beam%inertia(i) = beam%inertia(i) + inertia
    end subroutine concentrate
+
+   !> Puts nodes of a beam where something acts: within an element the bending moment has no jump, and no bend.
+   pure subroutine put_nodes(beam, x)
+      type(beam_type), intent(inout) :: beam
+      !> Coordinates along the beam [length]
+      real(wp), intent(in) :: x(:)
+      real(wp), allocatable :: place(:), mass(:), inertia(:), held(:)
+      integer :: i, k
+      if (allocated(beam%place)) then
+         allocate (place, source=[beam%place])
+         allocate (held, source=pack([beam%place], [beam%mass > 0.0_wp .or. beam%inertia > 0.0_wp]))
+      else
+         allocate (place, source=[(beam%length*i/beam%elements, i=0, beam%elements)])
+         allocate (held(0))
+      end if
+      do i = 1, size(x)
+         place = with_node(place, held, x(i))
+         held = [held, x(i)]
+      end do
+      if (.not. allocated(beam%place)) then
+         if (size(place) == beam%elements + 1) then
+            if (all(abs(place - [(beam%length*i/beam%elements, i=0, beam%elements)]) <= 0.0_wp)) return
+         end if
+      end if
+      allocate (mass(size(place)), inertia(size(place)))
+      mass = 0.0_wp
+      inertia = 0.0_wp
+      do i = 0, beam%elements
+         if (.not. allocated(beam%place)) exit
+         if (.not. beam%mass(i) + beam%inertia(i) > 0.0_wp) cycle
+         k = minloc(abs(place - beam%place(i)), dim=1)
+         mass(k) = beam%mass(i)
+         inertia(k) = beam%inertia(i)
+      end do
+      if (allocated(beam%place)) deallocate (beam%place, beam%mass, beam%inertia)
+      beam%elements = size(place) - 1
+      allocate (beam%place(0:beam%elements), beam%mass(0:beam%elements), beam%inertia(0:beam%elements))
+      beam%place(:) = place
+      beam%mass(:) = mass
+      beam%inertia(:) = inertia
+   end subroutine put_nodes
+
+   !> Places of nodes with one at x: an inner one that is so near that an element between them would be too short moves there.
+   pure function with_node(place, held, x) result(places)
+      !> In ascending order, those of them that stay, and the new one [length]
+      real(wp), intent(in) :: place(:), held(:), x
+      real(wp), allocatable :: places(:)
+      !> Parts of the length: places that are the same; shortest element
+      real(wp), parameter :: same = 1.0e-9_wp, shortest = 1.0e-3_wp
+      real(wp) :: gap, length
+      integer :: k
+      allocate (places, source=place)
+      length = place(size(place)) - place(1)
+      k = minloc(abs(place - x), dim=1)
+      gap = abs(place(k) - x)
+      if (gap <= same*length) return
+      if (gap > shortest*length) then
+         k = count(place < x)
+         places = [place(:k), x, place(k + 1:)]
+      else if (k > 1 .and. k < size(place) .and. .not. any(abs(held - place(k)) <= same*length)) then
+         places(k) = x
+      end if
+   end function with_node
 
    !> Puts a value before entry i of a list that begins with 0.
    pure subroutine insert(list, i, value)

@@ -1,35 +1,22 @@
 !> What the mesh of a flexible body says beside its coordinates: the axial forces in all members under the loads and the inertia
 !> that act, what these do to the coordinates, what the coordinates cannot carry of the loads, and what the lumped masses make of
 !> each. A straight beam is a frame of one member here. Made once, before the first step. Floor: flex.
-!> Source: doc/theory, section 43, eqs. (R2)-(R7).
+!> Source: doc/theory, section 43, eqs. (R2)-(R5).
 !>
 !>     call new_survey(mesh, shape, omega2, load, survey, error)
 !>     call axial_work(survey, amplitude, work)            ! of the axial forces on rotation and coordinates
-!>     call find_response(survey, amplitude, omega2, base, rotation2, u, held, lower)  ! what a mode leaves out
 module limber_flex_survey
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_base_finite, only: dgetrf, dgetrs, dsyev
    use limber_flex_beam, only: beam_stiffness
-   use limber_flex_frame, only: frame_type, element_forces, element_stiffness, own_displacements
+   use limber_flex_frame, only: frame_type, element_forces, own_displacements
    use limber_flex_frame_solver, only: solver_type, new_solver, solve_static
    implicit none
    private
-   public :: survey_type, new_survey, axial_work, mass_error, find_response
+   public :: survey_type, new_survey, axial_work, mass_error
 
    !> Most coordinates that are looked at: those of the lowest frequencies
    integer, parameter :: most = 40
-
-   !> Motions beyond a mode that are looked for
-   integer, parameter :: motions = 6
-
-   !> What keeps the places of a mesh where they are: the displacements of which stay, the motions without strain and those of unit
-   !> forces (3, nodes, .), the factored equations of the forces
-   type :: holder_type
-      integer, allocatable :: row(:), pivot(:)
-      real(wp), allocatable :: motion(:, :, :), own(:, :, :), matrix(:, :)
-      logical :: done = .false.
-   end type holder_type
 
    !> The constants of one body
    type :: survey_type
@@ -243,182 +230,5 @@ contains
          if (abs(amplitude(i)) > 0.0_wp) work = work + amplitude(i)*survey%work(:, :, i)
       end do
    end subroutine axial_work
-
-   !> What the mesh does in a mode that the coordinates cannot: with its places held where the mode has them, it moves on under
-   !> what is not in balance in the mode, and on under the inertia of that, eqs. (R6), (R7).
-   subroutine find_response(survey, amplitude, omega2, base, rotation2, u, held, lower)
-      type(survey_type), intent(in) :: survey
-      !> Amplitudes of the loads that make the axial forces
-      real(wp), intent(in) :: amplitude(:)
-      !> Squares of the frequency of the mode, of that with all axial forces, and of the speed of a steady rotation [1/time^2]
-      real(wp), intent(in) :: omega2, base, rotation2
-      !> Displacements of the nodes, the motion of the body included (3, nodes)
-      real(wp), intent(in) :: u(:, :)
-      !> Which of the displacements of the places stay (3 places)
-      logical, intent(in) :: held(:)
-      !> By how much the squared frequency is lower with these motions, zero if nothing is held
-      real(wp), intent(out) :: lower
-      real(wp) :: d(3, size(u, 2), motions), force(3, size(u, 2), 0:motions), stiffness(0:motions, 0:motions), &
-         & mass(0:motions, 0:motions), size_of
-      type(holder_type) :: holder
-      integer :: i, j, n
-      lower = 0.0_wp
-      if (count(held) < 3) return
-      call new_holder(survey, held, holder)
-      if (.not. holder%done) return
-      force(:, :, 0) = stiffness_times(survey, amplitude, u) - rotation2*survey%mesh%mass*u
-      stiffness(0, 0) = base
-      mass(0, 0) = 1.0_wp
-      n = 0
-      do j = 1, motions
-         if (j == 1) d(:, :, 1) = omega2*survey%mesh%mass*u - force(:, :, 0)
-         if (j > 1) d(:, :, j) = (omega2 + rotation2)*survey%mesh%mass*d(:, :, j - 1) &
-            & - stiffness_times(survey, amplitude, d(:, :, j - 1), tension_only=.true.)
-         call respond(survey, holder, d(:, :, j))
-         size_of = sqrt(sum(survey%mesh%mass*d(:, :, j)**2))
-         if (.not. size_of > 1.0e-10_wp) exit
-         d(:, :, j) = d(:, :, j)/size_of
-         n = j
-         force(:, :, j) = stiffness_times(survey, amplitude, d(:, :, j)) - rotation2*survey%mesh%mass*d(:, :, j)
-         mass(0, j) = sum(d(:, :, j)*survey%mesh%mass*u)
-         stiffness(0, j) = sum(d(:, :, j)*force(:, :, 0))
-         do i = 1, j
-            mass(i, j) = sum(d(:, :, i)*survey%mesh%mass*d(:, :, j))
-            stiffness(i, j) = sum(d(:, :, i)*force(:, :, j))
-         end do
-      end do
-      if (n > 0) lower = base - nearest_value(stiffness(0:n, 0:n), mass(0:n, 0:n), base)
-   end subroutine find_response
-
-   !> The eigenvalue whose vector has most of the first unknown. The upper triangles of both matrices count.
-   real(wp) function nearest_value(stiffness, mass, otherwise) result(nearest)
-      real(wp), intent(in) :: stiffness(0:, 0:), mass(0:, 0:)
-      !> If there is none
-      real(wp), intent(in) :: otherwise
-      real(wp) :: vector(0:ubound(mass, 1), 0:ubound(mass, 1)), value(0:ubound(mass, 1)), room(8*size(mass, 1))
-      real(wp), allocatable :: base(:, :), own(:, :), full(:, :), part(:)
-      integer :: n, m, i, info
-      nearest = otherwise
-      n = size(mass, 1)
-      vector = mass
-      call dsyev('V', 'U', n, vector, n, value, room, size(room), info)
-      if (info /= 0) return
-      m = count(value > 1.0e-9_wp*value(n - 1))
-      allocate (base(0:n - 1, m), full(0:n - 1, 0:n - 1), own(m, m), part(m))
-      do i = 1, m
-         base(:, i) = vector(:, n - 1 - m + i)/sqrt(value(n - 1 - m + i))
-      end do
-      do i = 0, n - 1
-         full(:i, i) = stiffness(:i, i)
-         full(i, :i) = stiffness(:i, i)
-      end do
-      own = matmul(transpose(base), matmul(full, base))
-      call dsyev('V', 'U', m, own, m, value(0:m - 1), room, size(room), info)
-      if (info /= 0) return
-      do i = 0, n - 1
-         full(:i, i) = mass(:i, i)
-         full(i, :i) = mass(:i, i)
-      end do
-      part = abs(matmul(matmul(full(0, :), base), own))
-      nearest = value(maxloc(part, dim=1) - 1)
-   end function nearest_value
-
-   !> Factors what keeps the places where they are: their forces, and the motions without strain.
-   subroutine new_holder(survey, held, holder)
-      type(survey_type), intent(in) :: survey
-      logical, intent(in) :: held(:)
-      type(holder_type), intent(out) :: holder
-      integer :: i, j, n, info
-      allocate (holder%row, source=pack([(i, i=1, size(held))], held))
-      n = size(holder%row)
-      associate (nodes => size(survey%mesh%place, 2))
-         allocate (holder%motion(3, nodes, 3), holder%own(3, nodes, n), holder%matrix(n + 3, n + 3), holder%pivot(n + 3))
-      end associate
-      call rigid(survey%mesh, holder%motion)
-      associate (matrix => holder%matrix, row => holder%row)
-         matrix = 0.0_wp
-         do j = 1, n
-            call solve_static(survey%mesh, survey%solver, merge(survey%load(:, :, row(j)), 0.0_wp, survey%mesh%free), &
-               & holder%own(:, :, j))
-            do i = 1, n
-               matrix(i, j) = sum(survey%load(:, :, row(i))*holder%own(:, :, j))
-            end do
-            do i = 1, 3
-               matrix(n + i, j) = sum(holder%motion(:, :, i)*survey%load(:, :, row(j)))
-               matrix(j, n + i) = matrix(n + i, j)
-            end do
-         end do
-         call dgetrf(n + 3, n + 3, matrix, n + 3, holder%pivot, info)
-      end associate
-      holder%done = info == 0
-   end subroutine new_holder
-
-   !> Displacements of the nodes under a load on them, with the places held (3, nodes).
-   subroutine respond(survey, holder, d)
-      type(survey_type), intent(in) :: survey
-      type(holder_type), intent(in) :: holder
-      !> The load, then the displacements
-      real(wp), intent(inout) :: d(:, :)
-      real(wp) :: load(3, size(d, 2)), right(size(holder%pivot))
-      integer :: i, n, info
-      n = size(holder%row)
-      load = d
-      call solve_static(survey%mesh, survey%solver, merge(load, 0.0_wp, survey%mesh%free), d)
-      do i = 1, n
-         right(i) = -sum(survey%load(:, :, holder%row(i))*d)
-      end do
-      do i = 1, 3
-         right(n + i) = -sum(holder%motion(:, :, i)*load)
-      end do
-      call dgetrs('N', n + 3, 1, holder%matrix, n + 3, holder%pivot, right, n + 3, info)
-      do i = 1, n
-         d = d + right(i)*holder%own(:, :, i)
-      end do
-      do i = 1, 3
-         d = d + right(n + i)*holder%motion(:, :, i)
-      end do
-   end subroutine respond
-
-   !> The motions of the mesh without strain: along both axes, and about its middle.
-   pure subroutine rigid(mesh, motion)
-      type(frame_type), intent(in) :: mesh
-      real(wp), intent(out) :: motion(:, :, :)
-      real(wp) :: middle(2), size_of
-      integer :: k
-      do k = 1, 2
-         middle(k) = 0.5_wp*(minval(mesh%place(k, :)) + maxval(mesh%place(k, :)))
-      end do
-      size_of = maxval(abs(mesh%place - spread(middle, 2, size(mesh%place, 2))))
-      motion = 0.0_wp
-      motion(1, :, 1) = 1.0_wp
-      motion(2, :, 2) = 1.0_wp
-      motion(1, :, 3) = -(mesh%place(2, :) - middle(2))/size_of
-      motion(2, :, 3) = (mesh%place(1, :) - middle(1))/size_of
-      motion(3, :, 3) = 1.0_wp/size_of
-   end subroutine rigid
-
-   !> (K + K_G) u on all nodes, whatever the supports hold, with K_G of the axial forces of the loads (3, nodes).
-   pure function stiffness_times(survey, amplitude, u, tension_only) result(force)
-      type(survey_type), intent(in) :: survey
-      real(wp), intent(in) :: amplitude(:), u(:, :)
-      !> Whether K is left out
-      logical, intent(in), optional :: tension_only
-      real(wp) :: force(3, size(u, 2)), part(6), own(6), side(4)
-      integer :: e, k
-      force = 0.0_wp
-      associate (mesh => survey%mesh)
-         do e = 1, size(mesh%member)
-            part = 0.0_wp
-            if (.not. present(tension_only)) part = matmul(element_stiffness(mesh, e), &
-               & [u(:, mesh%ends(1, e)), u(:, mesh%ends(2, e))])
-            own = own_displacements(mesh, e, u)
-            side = dot_product(survey%pull(e, :), amplitude)*matmul(unit_tension(mesh%length(e)), own([2, 3, 5, 6]))
-            do k = 1, 2
-               force(:, mesh%ends(k, e)) = force(:, mesh%ends(k, e)) + part(3*k - 2:3*k) &
-                  & + [-mesh%axis(2, e)*side(2*k - 1), mesh%axis(1, e)*side(2*k - 1), side(2*k)]
-            end do
-         end do
-      end associate
-   end function stiffness_times
 
 end module limber_flex_survey

@@ -5,7 +5,7 @@ module limber_model_beam_choice
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_functions, only: attachment_type
-   use limber_flex_mesh, only: support_type, new_support, concentrate
+   use limber_flex_mesh, only: beam_type, support_type, new_support, concentrate, put_nodes
    use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_parts, only: is_part
@@ -51,7 +51,7 @@ contains
       call read_masses(deck, index, piece, pieces, body, rigid, diagnostics)
       associate (block => deck%blocks(index))
          body%choice = new_choice(block)
-         call choose_attachments(deck, index, piece, pieces, body%choice, diagnostics)
+         call choose_attachments(deck, index, piece, pieces, body%beam, body%choice, diagnostics)
          if (piece == 1 .and. (body%choice%origin < 0.0_wp .or. body%choice%origin > block%real('LENGTH'))) call diagnostics%add( &
             & block%origin_of('ORIGIN'), "the origin of the frame lies outside beam '"//body%name//"'", &
             & 'give a coordinate from 0 to '//as_text(block%real('LENGTH')))
@@ -144,16 +144,22 @@ contains
 
    !> The interface of Craig and Bampton, which is what *ATTACHMENT names or else all that acts on the beam; and what responses
    !> are wanted to besides: what *ATTACHMENT names, and all that acts with CORRECTIONS=YES.
-   subroutine choose_attachments(deck, index, piece, pieces, choice, diagnostics)
+   subroutine choose_attachments(deck, index, piece, pieces, beam, choice, diagnostics)
       type(deck_type), intent(in) :: deck
       !> Block of the beam; which piece, of how many
       integer, intent(in) :: index, piece, pieces
+      !> Gets nodes where something acts
+      type(beam_type), intent(inout) :: beam
       type(reduction_type), intent(inout) :: choice
       type(diagnostics_type), intent(inout) :: diagnostics
       type(attachment_type), allocatable :: named(:), acting(:)
       call read_attachments(deck, index, named, diagnostics)
       allocate (acting(0))
-      if (choice%craig_bampton .or. deck%blocks(index)%yes('CORRECTIONS')) call find_acting(deck, index, acting)
+      if (choice%fidelity /= fidelity_exact) then
+         call find_acting(deck, index, acting)
+         if (pieces == 1 .and. beam%length > 0.0_wp .and. beam%elements > 0) call put_nodes(beam, within([named%x, acting%x]))
+      end if
+      if (.not. (choice%craig_bampton .or. deck%blocks(index)%yes('CORRECTIONS'))) acting = acting(:0)
       if (.not. deck%blocks(index)%yes('CORRECTIONS') .and. size(named) > 0) acting = acting(:0)
       if (pieces > 1) then
          call keep_piece(named, piece, pieces, deck%blocks(index)%real('LENGTH')/pieces)
@@ -169,6 +175,16 @@ contains
       else
          allocate (choice%corrections, source=[named, others(acting, named)])
       end if
+
+   contains
+
+      !> Coordinates that are on the beam.
+      pure function within(x)
+         real(wp), intent(in) :: x(:)
+         real(wp), allocatable :: within(:)
+         allocate (within, source=pack(x, x >= 0.0_wp .and. x <= beam%length))
+      end function within
+
    end subroutine choose_attachments
 
    !> Attachments that lie on a piece, with their coordinates along it.

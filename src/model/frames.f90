@@ -5,7 +5,7 @@ module limber_model_frames
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_flex_frame, only: frame_type, new_frame, member_length
+   use limber_flex_frame, only: frame_type, acted_type, new_frame, member_length
    use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
    use limber_flex_frame_solver, only: connected_nodes
    use limber_flex_functions, only: attachment_type
@@ -92,6 +92,28 @@ contains
       call deck%set_number(index, 'MODES', real(min(max(least_modes, modes_of_member*size(draft%number)), most_modes), wp))
    end subroutine settle_options
 
+   !> Where something acts between the nodes of members: there they need nodes.
+   subroutine find_acted(deck, index, draft, acted)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(draft_type), intent(in) :: draft
+      type(acted_type), allocatable, intent(out) :: acted(:)
+      type(acting_type), allocatable :: points(:)
+      real(wp) :: x, place
+      integer :: i, member
+      logical :: found
+      allocate (acted(0))
+      call acting_points(deck, deck%blocks(index)%name(), points)
+      do i = 1, size(points)
+         call find_frame_point(deck, index, draft, trim(points(i)%name), member, x, found)
+         if (.not. found) cycle
+         associate (own => draft%members(member))
+            place = x/norm2(draft%place(:, own%ends(2)) - draft%place(:, own%ends(1)))*own%divisions
+         end associate
+         if (abs(place - nint(place)) > 1.0e-6_wp) acted = [acted, acted_type(member, x)]
+      end do
+   end subroutine find_acted
+
    !> The mesh, and what was chosen.
    subroutine mesh(deck, index, draft, body, diagnostics)
       type(deck_type), intent(inout) :: deck
@@ -100,6 +122,7 @@ contains
       type(draft_type), intent(in) :: draft
       type(body_type), intent(inout) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
+      type(acted_type), allocatable :: acted(:)
       logical, allocatable :: connected(:)
       integer :: i, available
       if (sum(real(draft%members(:)%divisions, wp)) > max_elements) then
@@ -107,7 +130,8 @@ contains
             & ' finite elements', 'use fewer DIVISIONS')
          return
       end if
-      body%mesh = new_frame(draft%place, draft%members)
+      call find_acted(deck, index, draft, acted)
+      body%mesh = new_frame(draft%place, draft%members, acted)
       allocate (body%strength, source=draft%strength)
       allocate (body%member_numbers, source=draft%number)
       do i = 1, size(draft%node)

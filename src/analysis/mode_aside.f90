@@ -1,0 +1,307 @@
+!> Whether the coordinates of flexible bodies are enough for the frequencies of a modal analysis: the scene is built aside with more
+!> of them, responses to all that acts and more modes, its vibrations about the same state are found, and both lists are compared in
+!> order. A remedy is tried before it is named. Floor: analysis. Source: doc/theory, section 43, eqs. (Y7), (Y8).
+module limber_analysis_mode_aside
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text, newline
+   use limber_analysis_richer, only: richer_deck, richer_words, can_enrich, project_coordinates, nothing_more, with_responses, &
+      & with_modes, with_both
+   use limber_analysis_scene, only: scene_type, build_scene
+   use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_model_scene, only: step_type
+   use limber_model_segments, only: name_in_deck
+   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium
+   use limber_system_system, only: system_type
+   use limber_system_tangent, only: tangent_type
+   use limber_system_tangent_products, only: times_mass
+   use limber_system_vibrations, only: vibrations_type, no_damping, gyroscopic, all_damping
+   implicit none
+   private
+   public :: compare_aside
+
+   !> Largest relative error of a frequency that is not told, and above which it is only told as more than that
+   real(wp), parameter :: little = 0.02_wp, beyond = 0.5_wp
+   !> A vibration with less of its modal mass than this in the modes of the list that are at most so much faster is not in the list
+   real(wp), parameter :: least_part = 0.5_wp, nearby = 1.3_wp
+   !> Vibrations beside those that are listed
+   integer, parameter :: beside = 6
+   !> Coordinates of a scene up to which each body gets as many modes as are listed; a few in any case
+   integer, parameter :: many = 600, few = 3
+
+   !> The scene with more coordinates, and its vibrations
+   type :: aside_type
+      type(scene_type) :: scene
+      type(equilibrium_type) :: balance
+      type(vibrations_type) :: vibrations
+      logical :: done = .false.
+   end type aside_type
+
+   !> What is wrong with a list
+   type :: verdict_type
+      !> Largest error of a frequency in order, of which mode, and the number of others that err too much
+      real(wp) :: error = 0.0_wp
+      integer :: mode = 0, others = 0
+      !> The first vibration that is not in the list at all; 0: none
+      integer :: lacking = 0
+   end type verdict_type
+
+contains
+
+   !> Compares the modes of a scene with those of more coordinates; text: a warning with size, body and remedy, or empty.
+   subroutine compare_aside(scene, step, balance, vibrations, text)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      !> Linearised at the state
+      type(equilibrium_type), intent(inout) :: balance
+      !> Those that are listed first, and some more
+      type(vibrations_type), intent(in) :: vibrations
+      character(:), allocatable, intent(out) :: text
+      type(vibrations_type) :: own
+      type(aside_type), allocatable :: rich
+      type(error_type), allocatable :: error
+      type(verdict_type) :: verdict
+      integer :: level(size(scene%system%model%bodies)), listed, extra, damping, body
+      text = ''
+      listed = min(step%modes, size(vibrations%frequency))
+      level = merge(with_both, nothing_more, can_enrich(scene%system%model%bodies))
+      if (listed == 0 .or. all(level == nothing_more)) return
+      damping = terms(step, balance)
+      own = vibrations
+      if (damping == all_damping) then
+         damping = merge(gyroscopic, no_damping, abs(balance%rotation) > 0.0_wp)
+         call lowest_vibrations(scene, balance, damping, step%modes, beside, own, error)
+         listed = min(listed, size(own%frequency))
+         if (allocated(error) .or. listed == 0) return
+      end if
+      extra = max(few, min(listed + beside, (many - scene%system%layout%nw)/count(level /= nothing_more)))
+      allocate (rich)
+      call look_aside(scene, step, damping, level, extra, rich)
+      if (.not. rich%done) return
+      call judge(scene%system, own, listed, rich, verdict)
+      if (verdict%error <= little) return
+      body = worst_body(scene%system, rich, merge(verdict%lacking, verdict%mode, verdict%lacking > 0))
+      text = words(scene, rich, verdict, body, step%name)//remedy()//newline
+
+   contains
+
+      !> The first of the remedies that cures the list.
+      function remedy() result(cure)
+         character(:), allocatable :: cure
+         type(aside_type), allocatable :: trial
+         integer :: choice
+         do choice = with_responses, with_modes
+            if (richer_words(scene, body, choice, extra) == '') cycle
+            level(body) = choice
+            allocate (trial)
+            call look_aside(scene, step, damping, level, extra, trial)
+            if (trial%done) trial%done = largest_error(trial%vibrations, rich%vibrations, listed) <= little
+            if (trial%done) exit
+            deallocate (trial)
+         end do
+         cure = '; use '//richer_words(scene, body, choice, extra)
+      end function remedy
+
+   end subroutine compare_aside
+
+   !> Builds the scene with more coordinates, places it where the scene is, and finds its vibrations there.
+   subroutine look_aside(scene, step, damping, level, extra, rich)
+      type(scene_type), intent(in) :: scene
+      type(step_type), intent(in) :: step
+      !> Velocity terms that count; what each body gets (bodies); number of additional modes
+      integer, intent(in) :: damping, level(:), extra
+      type(aside_type), intent(inout) :: rich
+      type(diagnostics_type) :: diagnostics
+      type(error_type), allocatable :: error
+      logical :: done
+      rich%scene%deck = richer_deck(scene, level, extra)
+      call build_scene(rich%scene, diagnostics, error)
+      if (allocated(error)) return
+      associate (new => rich%scene, t => step%dynamics%start)
+         if (new%system%nc /= scene%system%nc) return
+         call project_coordinates(scene%system, new%system, scene%q, new%q)
+         new%v = 0.0_wp
+         if (size(new%work%kinematics%angles) == size(scene%work%kinematics%angles)) &
+            & new%work%kinematics%angles = scene%work%kinematics%angles
+         new%system%model%dynamics = scene%system%model%dynamics
+         call new_equilibrium(new%system, rich%balance)
+         new%last%balanced = scene%last%balanced
+         new%last%rotation = scene%last%rotation
+         new%last%centre = scene%last%centre
+         if (new%last%balanced) then
+            allocate (new%last%lambda, source=scene%last%lambda)
+            rich%balance%rotation = new%last%rotation
+            rich%balance%centre = new%last%centre
+            call find_equilibrium(new%system, new%work, rich%balance, t, new%q, new%last%lambda, .true., done)
+         end if
+         call linearise_state(new, step, rich%balance, done, error)
+         if (.not. allocated(error)) call lowest_vibrations(new, rich%balance, damping, step%modes, beside, rich%vibrations, error)
+      end associate
+      rich%done = .not. allocated(error)
+   end subroutine look_aside
+
+   !> Largest relative error of frequencies in order.
+   pure real(wp) function largest_error(vibrations, others, listed) result(largest)
+      type(vibrations_type), intent(in) :: vibrations, others
+      !> How many are compared
+      integer, intent(in) :: listed
+      real(wp) :: error(min(listed, size(vibrations%frequency), size(others%frequency)))
+      error = errors_in_order(vibrations, others, size(error))
+      largest = maxval([0.0_wp, error])
+   end function largest_error
+
+   !> By how much the first frequencies are too high, relative, in order (number): more coordinates lower them. Zero for motions that
+   !> nothing resists.
+   pure function errors_in_order(vibrations, others, number) result(error)
+      type(vibrations_type), intent(in) :: vibrations, others
+      integer, intent(in) :: number
+      real(wp) :: error(number), own, other, none
+      integer :: j
+      error = 0.0_wp
+      none = 0.0_wp
+      do j = 1, number
+         none = max(none, 1.0e-5_wp*speed_of(vibrations, j))
+      end do
+      do j = 1, number
+         own = speed_of(vibrations, j)
+         other = speed_of(others, j)
+         if (max(own, other) <= none) cycle
+         error(j) = 2*beyond
+         if ((vibrations%frequency(j) > 0.0_wp .eqv. others%frequency(j) > 0.0_wp) .and. other > none) &
+            & error(j) = min(max(0.0_wp, own/other - 1), 2*beyond)
+      end do
+   end function errors_in_order
+
+   !> |s| of a vibration [1/time].
+   pure real(wp) function speed_of(vibrations, j) result(speed)
+      type(vibrations_type), intent(in) :: vibrations
+      integer, intent(in) :: j
+      speed = hypot(vibrations%frequency(j), vibrations%growth(j))
+   end function speed_of
+
+   !> Errors of the list in order, and the first vibration that has little of its modal mass in the modes near it: it is lacking, and
+   !> those behind it are one place too far.
+   subroutine judge(system, own, listed, rich, verdict)
+      type(system_type), intent(in) :: system
+      type(vibrations_type), intent(in) :: own
+      integer, intent(in) :: listed
+      type(aside_type), intent(in) :: rich
+      type(verdict_type), intent(out) :: verdict
+      real(wp) :: error(min(listed, size(rich%vibrations%frequency)))
+      complex(wp), allocatable :: mapped(:, :)
+      integer :: r, near
+      error = errors_in_order(own, rich%vibrations, size(error))
+      if (all(error <= little)) return
+      verdict%mode = maxloc(error, dim=1)
+      verdict%error = error(verdict%mode)
+      verdict%others = count(error > little) - 1
+      allocate (mapped, source=mapped_shapes(system, rich%scene%system, own%shape))
+      do r = 1, size(error)
+         if (error(r) <= little) cycle
+         near = count([(speed_of(own, near) <= nearby*speed_of(rich%vibrations, r), near=1, size(mapped, 2))])
+         if (sum(parts_of(rich%scene%system, rich%balance%tangent, mapped(:, :near), rich%vibrations%shape(:, r))) &
+            & >= least_part) cycle
+         verdict%lacking = r
+         return
+      end do
+   end subroutine judge
+
+   !> Shapes in the layout of more coordinates (nw, modes).
+   function mapped_shapes(system, richer, shape) result(mapped)
+      type(system_type), intent(in) :: system, richer
+      !> (nw, modes)
+      complex(wp), intent(in) :: shape(:, :)
+      complex(wp) :: mapped(richer%layout%nw, size(shape, 2))
+      real(wp) :: part(richer%layout%nw, 2)
+      integer :: j
+      do j = 1, size(shape, 2)
+         call project_coordinates(system, richer, real(shape(:, j), wp), part(:, 1), rates=.true.)
+         call project_coordinates(system, richer, aimag(shape(:, j)), part(:, 2), rates=.true.)
+         mapped(:, j) = cmplx(part(:, 1), part(:, 2), wp)
+      end do
+   end function mapped_shapes
+
+   !> Parts of the modal mass of a shape that are in others of unit modal mass.
+   function parts_of(system, tangent, shapes, shape) result(part)
+      type(system_type), intent(in) :: system
+      type(tangent_type), intent(in) :: tangent
+      !> (nw, modes), (nw)
+      complex(wp), intent(in) :: shapes(:, :), shape(:)
+      real(wp) :: part(size(shapes, 2)), product(size(shape), 2)
+      integer :: j
+      product = 0.0_wp
+      call times_mass(system, tangent, 1.0_wp, real(shape, wp), product(:, 1))
+      call times_mass(system, tangent, 1.0_wp, aimag(shape), product(:, 2))
+      do j = 1, size(part)
+         part(j) = abs(dot_product(shapes(:, j), cmplx(product(:, 1), product(:, 2), wp)))**2
+      end do
+   end function parts_of
+
+   !> The body that has most strain energy of a vibration in coordinates that it lacks.
+   integer function worst_body(system, rich, mode) result(body)
+      type(system_type), intent(in) :: system
+      type(aside_type), intent(in) :: rich
+      !> Index of the vibration
+      integer, intent(in) :: mode
+      real(wp) :: kept(rich%scene%system%layout%nw), energy(size(system%model%bodies)), shape(size(kept))
+      integer :: i, k, first, last
+      energy = 0.0_wp
+      associate (richer => rich%scene%system)
+         do k = 1, 2
+            if (k == 1) shape = real(rich%vibrations%shape(:, mode), wp)
+            if (k == 2) shape = aimag(rich%vibrations%shape(:, mode))
+            call keep_coordinates(system, richer, shape, kept)
+            do i = 1, size(energy)
+               if (.not. can_enrich(system%model%bodies(i))) cycle
+               first = richer%layout%w(i) + 3
+               last = first + richer%layout%n(i) - 1
+               energy(i) = energy(i) + sum(richer%model%bodies(i)%reduced%omega2*(shape(first:last) - kept(first:last))**2)
+            end do
+         end do
+      end associate
+      body = maxloc(energy, dim=1)
+   end function worst_body
+
+   !> What the fewer coordinates have of a motion in more of them.
+   subroutine keep_coordinates(system, richer, shape, kept)
+      type(system_type), intent(in) :: system, richer
+      !> In the layout of the rates (nw of more), both
+      real(wp), intent(in) :: shape(:)
+      real(wp), intent(out) :: kept(:)
+      real(wp) :: fewer(system%layout%nw)
+      call project_coordinates(richer, system, shape, fewer, rates=.true.)
+      call project_coordinates(system, richer, fewer, kept, rates=.true.)
+   end subroutine keep_coordinates
+
+   !> What is wrong, with which body.
+   function words(scene, rich, verdict, body, name) result(text)
+      type(scene_type), intent(in) :: scene
+      type(aside_type), intent(in) :: rich
+      type(verdict_type), intent(in) :: verdict
+      !> Its index; name of the analysis
+      integer, intent(in) :: body
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      associate (model => scene%system%model)
+         text = 'warning: mode '//as_text(verdict%mode)//" of *MODES '"//name//"'"
+         if (verdict%others > 0) text = text//' (and '//as_text(verdict%others)//' more)'
+         text = text//' errs in its frequency by '//size_of()//': '
+         if (verdict%lacking > 0) text = text//'the list lacks a mode at about '// &
+            & as_text(speed_of(rich%vibrations, verdict%lacking), 3)//' rad/'//model%units%time//'; '
+         text = text//trim(merge('frame', 'beam ', model%bodies(body)%is_frame))//" '"//name_in_deck(model, body)// &
+            & "' cannot take this shape with its "//as_text(model%bodies(body)%reduced%n)//' coordinates'
+      end associate
+
+   contains
+
+      function size_of() result(part)
+         character(:), allocatable :: part
+         part = 'about '
+         if (verdict%error > beyond) part = 'more than about '
+         part = part//as_text(100*min(verdict%error, beyond), 2)//' %'
+      end function size_of
+
+   end function words
+
+end module limber_analysis_mode_aside

@@ -1,0 +1,200 @@
+!> A scene with more coordinates of its flexible bodies: the deck that describes it, and the way of motions from one to the other.
+!> Floor: analysis. Source: doc/theory, section 43, eq. (Y7).
+module limber_analysis_richer
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_analysis_scene, only: scene_type
+   use limber_deck_content, only: deck_type
+   use limber_flex_frame_reduction, only: available_frame_modes
+   use limber_flex_mesh, only: nodal_masses, nodal_inertias
+   use limber_flex_reduction, only: available_modes
+   use limber_model_acting, only: acting_type, acting_points
+   use limber_model_scene, only: body_type
+   use limber_model_segments, only: name_in_deck
+   use limber_system_system, only: system_type
+   implicit none
+   private
+   public :: richer_deck, richer_words, can_enrich, project_coordinates
+
+   !> What a body gets: nothing, static responses to all that acts on it, more modes, both
+   integer, parameter, public :: nothing_more = 0, with_responses = 1, with_modes = 2, with_both = 3
+
+contains
+
+   !> Whether a body has modes, of which there may be more.
+   elemental logical function can_enrich(body)
+      type(body_type), intent(in) :: body
+      can_enrich = body%reduced%n > 0 .and. .not. body%reduced%is_exact
+   end function can_enrich
+
+   !> The deck with more coordinates of its bodies, without outputs and damping, and without given deflections, which mean the
+   !> coordinates that it has.
+   function richer_deck(scene, level, extra) result(deck)
+      type(scene_type), intent(in) :: scene
+      !> What each body gets (bodies), and the number of additional modes
+      integer, intent(in) :: level(:), extra
+      type(deck_type) :: deck
+      integer :: i, block, modes(2)
+      deck = scene%deck
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword == 'ASSEMBLY') deck%blocks(i)%lines = deck%blocks(i)%lines(:0)
+         ! Blocks keep their places: this becomes one that no model is made of
+         if (any(deck%blocks(i)%keyword == [character(7) :: 'OUTPUT', 'SCALAR', 'DAMPING'])) deck%blocks(i)%keyword = 'STUDY'
+      end do
+      do i = 1, size(level)
+         if (level(i) == nothing_more) cycle
+         block = block_of(scene, i)
+         if (any(level(i) == [with_responses, with_both])) call deck%set_option(block, 'CORRECTIONS', 'YES', given=.true.)
+         if (level(i) == with_responses) cycle
+         modes = more_modes(scene, i, extra)
+         call forget(deck, block, 'FREQUENCY LIMIT')
+         if (scene%system%model%bodies(i)%is_frame) then
+            call deck%set_number(block, 'MODES', real(sum(modes), wp), given=.true.)
+         else
+            call deck%set_number(block, 'BENDING MODES', real(modes(1), wp), given=.true.)
+            if (.not. scene%system%model%bodies(i)%choice%static_axial) &
+               & call deck%set_number(block, 'AXIAL MODES', real(modes(2), wp), given=.true.)
+         end if
+      end do
+   end function richer_deck
+
+   !> Leaves an option open.
+   pure subroutine forget(deck, block, name)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: block
+      character(*), intent(in) :: name
+      integer :: i
+      do i = 1, size(deck%blocks(block)%options)
+         associate (option => deck%blocks(block)%options(i))
+            if (option%name /= name) cycle
+            option%given = .false.
+            option%has_value = .false.
+            option%text = ''
+            option%value = 0.0_wp
+         end associate
+      end do
+   end subroutine forget
+
+   !> Index of the block of a body.
+   pure integer function block_of(scene, body) result(block)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: body
+      block = scene%deck%find_named('BEAM|FRAME', name_in_deck(scene%system%model, body))
+   end function block_of
+
+   !> Bending and axial modes of a beam, or modes of a frame (and 0): so many more than there are coordinates, but not all that the
+   !> mesh has, for its masses must let the responses be independent of them.
+   function more_modes(scene, body, extra) result(modes)
+      type(scene_type), intent(in) :: scene
+      !> Index of the body
+      integer, intent(in) :: body, extra
+      integer :: modes(2)
+      type(acting_type), allocatable :: points(:)
+      call acting_points(scene%deck, name_in_deck(scene%system%model, body), points)
+      associate (own => scene%system%model%bodies(body), forces => count(points%force), couples => count(points%couple))
+         if (own%is_frame) then
+            modes = [limited(available_frame_modes(own%mesh, own%frame_choice), own%reduced%n + extra, 2*forces + couples), 0]
+         else
+            modes = limited(available_modes(own%beam, own%choice), [own%reduced%bending + extra, &
+               & own%reduced%n - own%reduced%bending + max(2, extra/2)], [forces + couples, forces])
+         end if
+      end associate
+
+   contains
+
+      elemental integer function limited(available, wanted, responses)
+         integer, intent(in) :: available, wanted, responses
+         limited = min(wanted, max(available - responses, available/2))
+      end function limited
+
+   end function more_modes
+
+   !> What a body gets as options of its block; empty if it has them already.
+   function richer_words(scene, body, level, extra) result(text)
+      type(scene_type), intent(in) :: scene
+      !> Index of the body, what it gets, and the number of additional modes
+      integer, intent(in) :: body, level, extra
+      character(:), allocatable :: text
+      integer :: modes(2)
+      text = ''
+      associate (own => scene%system%model%bodies(body))
+         if (level /= with_modes .and. .not. scene%deck%blocks(block_of(scene, body))%yes('CORRECTIONS')) text = 'CORRECTIONS=YES'
+         if (level /= with_responses) then
+            modes = more_modes(scene, body, extra)
+            if (text /= '') text = text//', '
+            if (own%is_frame) then
+               text = text//'MODES='//as_text(modes(1))
+            else
+               text = text//'BENDING MODES='//as_text(modes(1))
+               if (.not. own%choice%static_axial) text = text//', AXIAL MODES='//as_text(modes(2))
+            end if
+         end if
+         if (text == '' .or. own%is_frame) return
+         ! Not the default any more with these options
+         if (own%choice%static_axial .and. .not. scene%deck%blocks(block_of(scene, body))%given('AXIAL BASIS')) &
+            & text = text//', AXIAL BASIS=STATIC'
+      end associate
+   end function richer_words
+
+   !> Coordinates or rates of a scene in the coordinates of another that differs by those of its flexible bodies, eq. (Y7).
+   subroutine project_coordinates(system, other, from, to, rates)
+      type(system_type), intent(in) :: system, other
+      !> (nq or nw of each)
+      real(wp), intent(in) :: from(:)
+      real(wp), intent(inout) :: to(:)
+      !> Whether they are rates
+      logical, intent(in), optional :: rates
+      integer :: i, a, b, head
+      do i = 1, size(system%model%bodies)
+         a = system%layout%q(i)
+         b = other%layout%q(i)
+         head = merge(4, 2, system%layout%framed(i))
+         if (present(rates)) then
+            a = system%layout%w(i)
+            b = other%layout%w(i)
+            head = system%layout%rates(i)
+         end if
+         to(b:b + head - 1) = from(a:a + head - 1)
+         associate (n => system%layout%n(i), m => other%layout%n(i))
+            if (m == 0) cycle
+            if (can_enrich(system%model%bodies(i))) then
+               to(b + head:b + head + m - 1) = matmul(overlap(other%model%bodies(i), system%model%bodies(i)), &
+                  & from(a + head:a + head + n - 1))
+            else
+               to(b + head:b + head + m - 1) = from(a + head:a + head + n - 1)
+            end if
+         end associate
+      end do
+   end subroutine project_coordinates
+
+   !> Products of the shapes of two reductions of a body in its mass (coordinates of a, of b).
+   function overlap(a, b) result(products)
+      type(body_type), intent(in) :: a, b
+      real(wp) :: products(a%reduced%n, b%reduced%n)
+      integer :: i, j, p, q
+      products = 0.0_wp
+      if (a%is_frame) then
+         do j = 1, size(products, 2)
+            do i = 1, size(products, 1)
+               products(i, j) = sum(a%mesh%mass*a%shape(:, :, i)*b%shape(:, :, j))
+            end do
+         end do
+         return
+      end if
+      p = a%reduced%bending
+      q = b%reduced%bending
+      associate (mass => nodal_masses(a%beam), inertia => nodal_inertias(a%beam))
+         do j = 1, q
+            do i = 1, p
+               products(i, j) = sum(mass*a%field%w(:, i)*b%field%w(:, j) + inertia*a%field%theta(:, i)*b%field%theta(:, j))
+            end do
+         end do
+         do j = 1, size(products, 2) - q
+            do i = 1, size(products, 1) - p
+               products(p + i, q + j) = sum(mass*a%field%u(:, i)*b%field%u(:, j))
+            end do
+         end do
+      end associate
+   end function overlap
+
+end module limber_analysis_richer

@@ -11,7 +11,7 @@ module limber_analysis_dynamics
    use limber_analysis_guard, only: guard_type
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_looks, only: look, observe_state
-   use limber_analysis_sudden_watch, only: at_start, in_motion, before_break, behind_break
+   use limber_analysis_function_sudden, only: at_start, in_motion, before_break, behind_break
    use limber_analysis_noise, only: noise_of
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
@@ -342,7 +342,8 @@ contains
             call count_crossing(crossings, scene%system, error)
             if (allocated(error)) return
          end if
-         call pass_break(scene, time, t, of_time, watch%speed, integrator, sample, outcome, error)
+         call pass_break(scene, time, t, of_time, of_time .or. crossings%found == found_jump, watch%speed, integrator, sample, &
+            & outcome, error)
          if (allocated(error)) return
          call start_watch(watch, time, sample%v)
          call start_turning(turning, scene%system, time, sample%q, sample%v, integrator%ends_on_samples)
@@ -468,12 +469,14 @@ contains
 
    !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
    !> by an impact; a position that it changes is an error.
-   subroutine pass_break(scene, t, last, of_time, fastest, integrator, sample, outcome, error)
+   subroutine pass_break(scene, t, last, of_time, jumps, fastest, integrator, sample, outcome, error)
       type(scene_type), intent(inout) :: scene
       !> The instant, and the time of the last step right before it
       real(wp), intent(in) :: t, last
       !> Whether a law of time changes there; else constraints are left only by what dense output errs
       logical, intent(in) :: of_time
+      !> Whether a load may jump there
+      logical, intent(in) :: jumps
       !> Largest speed so far [length/time]: where a motion turns back, what is left of its velocities is round-off
       real(wp), intent(in) :: fastest
       class(integrator_type), intent(inout) :: integrator
@@ -482,14 +485,23 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Relative residuals beyond which a position and a velocity have jumped
       real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
-      real(wp) :: residual, energy(2), before
+      !> Part of a step before its end at which a load has not jumped yet
+      real(wp), parameter :: aside = 1.0e-4_wp
+      real(wp) :: residual, energy(2), before, earlier
       integer :: culprit
       logical :: demanded, watched
       associate (system => scene%system, work => scene%work)
+         watched = size(outcome%indicators%functions%beams) > 0
+         if (watched .and. jumps) then
+            earlier = last
+            ! Where a law of the motion jumps, `last` is behind it
+            if (.not. of_time) earlier = last - aside*(last - integrator%t_before)
+            call integrator%interpolate(earlier, sample%q, sample%v, sample%w)
+            call integrator%complete(system, work, earlier, sample%q, sample%v)
+            call observe_state(scene, earlier, before_break, sample, outcome)
+         end if
          call integrator%interpolate(last, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, last, sample%q, sample%v)
-         watched = size(outcome%indicators%functions%beams) > 0 .and. of_time
-         if (watched) call observe_state(scene, last, before_break, sample, outcome)
          demanded = demanded_jump(system, work, t, sample%q)
          call linearise(system, work, t, sample%q, error)
          if (allocated(error)) return
@@ -510,7 +522,7 @@ contains
          if (largest_speed(system, sample%v - sample%change) > impact*max(fastest, largest_speed(system, sample%v)) .and. &
             & demanded) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for a driver changes'// &
             & ' its speed abruptly there; the energy changes by '//as_text(sum(energy) - before, 3))
-         if (watched) call observe_state(scene, t, behind_break, sample, outcome)
+         if (watched) call observe_state(scene, t, merge(behind_break, in_motion, jumps), sample, outcome)
          integrator%work_at_start = sample%w + sum(energy) - before
          associate (dynamics => system%model%dynamics)
             call integrator%start(system, work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)

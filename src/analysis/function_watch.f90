@@ -1,31 +1,24 @@
 !> Whether the functions of exact beams are enough: bending moment and axial force that equilibrium asks for, along the beam, against
-!> those that the functions make. What differs is what they leave out; the displacements that it makes are the size of that. Floor: analysis.
-!> Source: doc/theory, eqs. (X16), (X17).
+!> those that the functions make. What differs is what they leave out: displacements, vibrations under sudden loads, layers under much
+!> tension. All are looked at here, `limber_analysis_function_report` tells of them. Floor: analysis. Source: doc/theory, eqs. (X16), (X17).
 module limber_analysis_function_watch
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
-   use limber_base_text, only: as_text
    use limber_flex_exact, only: exact_type, sum_along
    use limber_flex_exact_profile, only: of_ei, of_ea, of_ga
    use limber_flex_mesh, only: support_type
    use limber_flex_recovery, only: recovery_type
-   use limber_model_quantities, only: quantity_u1
-   use limber_model_scene, only: model_type, driver_distance, effort_distance
-   use limber_analysis_sudden_watch, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
+   use limber_analysis_function_layers, only: layers_type, start_layers, observe_layers, join_layers
+   use limber_analysis_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
    use limber_model_stresses, only: recover_stations
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
+   use limber_output_joints, only: joint_force
    use limber_system_algebra, only: turn, along
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: function_watch_type, beam_watch_type, start_functions, observe_functions, join_functions, function_warnings
+   public :: function_watch_type, beam_watch_type, start_functions, observe_functions, join_functions
    public :: lacking_strains
-
-   !> Parts of the largest deflection that may be left out, by the functions of the angle and by those of the strain, and parts of
-   !> the length that are too small to count
-   real(wp), parameter :: allowed(2) = [2.0e-3_wp, 2.0e-3_wp], least(2) = [1.0e-6_wp, 1.0e-4_wp]
-   !> The latter for stretch of a beam whose displacements along it are asked for: against these then
-   real(wp), parameter :: least_along = 1.0e-10_wp
 
    !> What is left out of one beam
    type :: beam_watch_type
@@ -37,15 +30,18 @@ module limber_analysis_function_watch
       !> Largest displacements of the axis in the frame, and along it [length]; largest ones that are left out, of bending and shear
       !> and of stretch, and when
       real(wp) :: moved = 0.0_wp, moved_along = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
-      !> Vibrations that it does not follow
+      !> Vibrations that it does not follow, and layers
       type(sudden_type) :: sudden
+      type(layers_type) :: layers
    end type beam_watch_type
 
    !> All exact beams
    type :: function_watch_type
       type(beam_watch_type), allocatable :: beams(:)
-      !> What the next state is, see `limber_analysis_sudden_watch`
+      !> What the next state is, see `limber_analysis_function_sudden`
       integer :: kind = at_rest
+      !> Largest forces of the joints in motion (joints)
+      real(wp), allocatable :: reaction(:)
    contains
       procedure :: exchange
    end type function_watch_type
@@ -67,7 +63,9 @@ contains
          call start_effort(self%beams(k)%effort, system, i, self%beams(k)%recovery)
          call start_sudden(self%beams(k)%sudden, system%model%bodies(i)%reduced%exact, &
             & system%model%bodies(i)%choice%exact%support)
+         call start_layers(self%beams(k)%layers, system%model%bodies(i))
       end do
+      allocate (self%reaction(size(system%model%joints)), source=0.0_wp)
    end subroutine start_functions
 
    !> Takes in a state. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.
@@ -85,6 +83,10 @@ contains
             last = first - 1 + system%layout%n(beam%body)
             call compare(beam, system, self%kind, t, q(first:last), v(first:last), a(first:last))
          end associate
+      end do
+      if (size(self%beams) == 0 .or. self%kind == at_rest) return
+      do i = 1, size(self%reaction)
+         self%reaction(i) = max(self%reaction(i), norm2(joint_force(system, work, i)))
       end do
    end subroutine observe_functions
 
@@ -155,6 +157,7 @@ contains
          call find_lack(beam, system, eta, rate, lack)
          bend = lack(1, :)
          call observe_sudden(beam%sudden, exact, state, t, eta - exact%rest, acceleration, bend, beam%effort%exact)
+         call observe_layers(beam%layers, exact, t, eta, beam%effort%exact)
          do k = 1, exact%stations
             own = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
             associate (axis => [cos(own), sin(own)])
@@ -231,110 +234,11 @@ contains
                beam%when(kind) = own%when(kind)
             end do
             call join_sudden(own%sudden, beam%sudden)
+            call join_layers(own%layers, beam%layers)
          end associate
       end do
+      whole%reaction = max(whole%reaction, part%reaction)
    end subroutine join_functions
-
-   !> A warning for each beam that has too few functions, of the angle and of the strain. The pieces of a beam are told of as one,
-   !> with the largest of their parts: their displacements add up.
-   function function_warnings(self, model, times) result(text)
-      type(function_watch_type), intent(in) :: self
-      type(model_type), intent(in) :: model
-      !> How many times beyond its limit what is left out must be
-      real(wp), intent(in) :: times
-      character(:), allocatable :: text, name
-      character(27) :: beside
-      real(wp) :: part(2), moved, floor_of
-      integer :: i, first, last, kind, worst
-      text = ''
-      i = 0
-      do
-         first = i + 1
-         if (first > size(self%beams)) exit
-         i = first
-         associate (body => model%bodies(self%beams(first)%body))
-            name = body%name
-            if (body%whole > 0) name = model%wholes(body%whole)%name
-            do while (body%whole > 0 .and. i < size(self%beams))
-               if (model%bodies(self%beams(i + 1)%body)%whole /= body%whole) exit
-               i = i + 1
-            end do
-            last = i
-            do kind = 1, 2
-               moved = maxval(self%beams(first:last)%moved)*(last - first + 1)
-               floor_of = least(kind)*body%reduced%exact%total
-               beside = 'deflection'
-               if (kind == 2 .and. asks_along(model, body%whole, self%beams(first:last)%body)) then
-                  moved = maxval(self%beams(first:last)%moved_along)*(last - first + 1)
-                  floor_of = least_along*body%reduced%exact%total
-                  beside = 'displacement along its axis'
-               end if
-               worst = first - 1 + maxloc(self%beams(first:last)%left_out(kind), dim=1)
-               part(kind) = self%beams(worst)%left_out(kind)/max(moved, self%beams(worst)%left_out(kind), tiny(moved))
-               if (part(kind) <= times*allowed(kind) .or. self%beams(worst)%left_out(kind) <= floor_of) cycle
-               if (kind == 1) call tell('angle', 'FUNCTIONS=', 2*body%choice%exact%angles)
-               if (kind == 2) call tell('strain', 'STRAIN FUNCTIONS=', max(3, 2*body%choice%exact%strains))
-            end do
-         end associate
-      end do
-
-   contains
-
-      !> One of them.
-      subroutine tell(field, option, better)
-         character(*), intent(in) :: field, option
-         integer, intent(in) :: better
-         text = text//"warning: beam '"//name//"' has too few functions of the "//field//': they leave out about '// &
-            & as_text(100*part(kind), 2)//' % of its largest '//trim(beside)//' at t = '// &
-            & as_text(self%beams(worst)%when(kind), 4)//'; use '//option//as_text(better)//new_line('a')
-      end subroutine tell
-
-   end function function_warnings
-
-   !> Whether a channel asks for displacements along a beam, those of a frame being told in the axes of the frame, or the distance of
-   !> two of its points decides on a force.
-   pure logical function asks_along(model, whole, bodies)
-      type(model_type), intent(in) :: model
-      !> What the pieces of the beam belong to, 0 if it is in one; its bodies
-      integer, intent(in) :: whole, bodies(:)
-      integer :: i, k
-      asks_along = .false.
-      if (whole > 0) then
-         if (allocated(model%wholes(whole)%lean)) return
-      end if
-      do i = 1, size(model%channels)
-         associate (quantities => model%channels(i)%quantities)
-            do k = 1, size(quantities)
-               if (quantities(k)%kind /= quantity_u1) cycle
-               asks_along = asks_along .or. any(model%points(quantities(k)%of)%body == bodies)
-            end do
-         end associate
-      end do
-      do i = 1, size(model%drivers)
-         if (model%drivers(i)%kind == driver_distance) asks_along = asks_along .or. are_within(model%drivers(i)%points)
-      end do
-      do i = 1, size(model%springs)
-         if (model%springs(i)%stiffness > 0.0_wp) asks_along = asks_along .or. are_within(model%springs(i)%points)
-      end do
-      do i = 1, size(model%efforts)
-         associate (effort => model%efforts(i))
-            if (effort%along /= effort_distance .or. .not. effort%stiffness > 0.0_wp) cycle
-            asks_along = asks_along .or. are_within(effort%points)
-         end associate
-      end do
-
-   contains
-
-      pure logical function are_within(points)
-         integer, intent(in) :: points(2)
-         integer :: of(2)
-         are_within = .false.
-         if (any(points == 0)) return
-         of = model%points(points)%body
-         are_within = any(bodies == of(1)) .and. any(bodies == of(2))
-      end function are_within
-
-   end function asks_along
 
    !> Saves or restores it.
    subroutine exchange(self, snapshot)
@@ -349,7 +253,9 @@ contains
          call snapshot%exchange('when_1', self%beams(i)%when(1))
          call snapshot%exchange('when_2', self%beams(i)%when(2))
          call self%beams(i)%sudden%exchange(snapshot)
+         call self%beams(i)%layers%exchange(snapshot)
       end do
+      if (allocated(self%reaction)) call snapshot%keep('reaction', self%reaction)
    end subroutine exchange
 
 end module limber_analysis_function_watch

@@ -4,7 +4,6 @@ module limber_analysis_indicator_start
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_analysis_function_watch, only: start_functions
-   use limber_analysis_layer_watch, only: start_layers
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, set_type
    use limber_analysis_false_damping, only: start_false_damping
    use limber_analysis_phase, only: start_phase
@@ -41,7 +40,6 @@ contains
       integer :: first(size(system%model%bodies) + 1)
       integer :: i, k, count, most
       call start_functions(self%functions, system)
-      call start_layers(self%layers, system, self%functions)
       allocate (self%of(size(system%model%bodies)), self%place(size(system%model%points)))
       allocate (self%fixed(2, size(system%constraints)), self%turned(size(system%model%bodies)))
       self%turned = .false.

@@ -13,7 +13,6 @@ module limber_analysis_indicators
    use limber_base_snapshot, only: snapshot_type
    use limber_analysis_false_damping, only: false_damping_type, join_false_damping, lost_amplitude
    use limber_analysis_function_watch, only: function_watch_type, join_functions
-   use limber_analysis_layer_watch, only: layer_watch_type, join_layers
    use limber_analysis_membrane, only: membrane_type
    use limber_analysis_phase, only: phase_type, join_phases, phase_error
    use limber_analysis_surveys, only: surveys_type
@@ -170,8 +169,6 @@ module limber_analysis_indicators
       type(surveys_type) :: surveys
       !> What the functions of exact beams leave out
       type(function_watch_type) :: functions
-      !> Their moments under much tension
-      type(layer_watch_type) :: layers
    contains
       procedure :: exchange => exchange_indicators
    end type indicators_type
@@ -220,7 +217,6 @@ contains
          whole%bodies(i)%moving = max(whole%bodies(i)%moving, part%bodies(i)%moving)
       end do
       call join_functions(part%functions, whole%functions)
-      call join_layers(part%layers, whole%layers)
    end subroutine join_indicators
 
    !> Value of an indicator so far; zero where a body has none of its kind.
@@ -364,7 +360,6 @@ contains
          call self%bodies(i)%false_damping%exchange(snapshot)
       end do
       call self%functions%exchange(snapshot)
-      call self%layers%exchange(snapshot)
       call snapshot%exchange('observations', self%observations)
       call snapshot%exchange('swings', self%swings)
    end subroutine exchange_indicators

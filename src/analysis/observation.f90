@@ -11,7 +11,6 @@ module limber_analysis_observation
    use limber_flex_stations, only: stations_type
    use limber_analysis_false_damping, only: observe_false_damping
    use limber_analysis_function_watch, only: observe_functions
-   use limber_analysis_layer_watch, only: observe_layers
    use limber_analysis_phase, only: observe_phase, observe_swings
    use limber_analysis_frame_watch, only: observe_frames
    use limber_model_scene, only: body_type, ground
@@ -37,7 +36,6 @@ contains
       real(wp), intent(in) :: t, q(:), v(:), a(:)
       integer :: i, first, last
       call observe_functions(self%functions, system, work, t, q, v, a)
-      call observe_layers(self%layers, self%functions, system, t, q)
       if (size(self%bodies) == 0) return
       self%observations = self%observations + 1
       do i = 1, size(self%bodies)

@@ -5,9 +5,7 @@ module limber_analysis_ranges
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_function_watch, only: function_warnings
-   use limber_analysis_layer_watch, only: layer_warnings
-   use limber_analysis_sudden_report, only: sudden_warnings
+   use limber_analysis_function_report, only: function_warnings
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
       & indicator_names, indicator_meanings, peak_unstretched, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
@@ -148,8 +146,7 @@ contains
             text = text//' '//what_is_wrong(body, of, kind)//'; '//what_to_do(body, of, kind, most)//newline
          end associate
       end do
-      text = text//function_warnings(indicators%functions, model, least)//layer_warnings(indicators%layers, model, least) &
-         & //sudden_warnings(indicators%functions, model, least)
+      text = text//function_warnings(indicators%functions, model, least)
    end function range_warnings
 
    !> Whether another kind tells the same with a larger number: masses in the nodes are told once, and axial forces with the deflection

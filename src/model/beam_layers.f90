@@ -81,7 +81,7 @@ contains
                   if (.not. own%has('BODY') .or. size(own%lines) /= 1) cycle
                   if (own%name('BODY') /= block%name() .or. own%word('LEVEL') /= 'POSITION') cycle
                   do k = 1, instants
-                     rate = rate_at(own%lines(1)%fields(1)%expression, last*k/instants)
+                     rate = law_at(own%lines(1)%fields(1)%expression, last*k/instants, 1)
                      if (abs(rate) < sqrt(huge(rate))) tension = max(tension, rate**2*moment)
                   end do
                end select
@@ -118,29 +118,24 @@ contains
             axis = [cos(block%real('ANGLE')), sin(block%real('ANGLE'))]
             if (own%yes('FOLLOWER')) axis = [1.0_wp, 0.0_wp]
             do k = 1, instants
-               pull(k) = pull(k) + dot_product(axis, [value_at(own%lines(1)%fields(1)%expression, last*k/instants), &
-                  & value_at(own%lines(1)%fields(2)%expression, last*k/instants)])
+               pull(k) = pull(k) + dot_product(axis, [law_at(own%lines(1)%fields(1)%expression, last*k/instants, 0), &
+                  & law_at(own%lines(1)%fields(2)%expression, last*k/instants, 0)])
             end do
          end associate
       end do
       tension = max(0.0_wp, maxval(pull, pull < huge(1.0_wp)))
    end function by_forces
 
-   pure real(wp) function value_at(law, t) result(value)
+   !> A law, or its rate, at an instant.
+   pure real(wp) function law_at(law, t, order) result(value)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: t
+      !> 0: the law; 1: its rate
+      integer, intent(in) :: order
       type(jet_type) :: jet
       jet = law%evaluate_jet(t)
-      value = jet%value
-   end function value_at
-
-   pure real(wp) function rate_at(law, t) result(rate)
-      type(expression_type), intent(in) :: law
-      real(wp), intent(in) :: t
-      type(jet_type) :: jet
-      jet = law%evaluate_jet(t)
-      rate = jet%first
-   end function rate_at
+      value = merge(jet%first, jet%value, order == 1)
+   end function law_at
 
    !> Whether a law depends on nothing but the time.
    pure logical function of_time(law)

@@ -54,7 +54,7 @@ contains
       allocate (y, source=channel(reader, name))
       error = abs(y(size(y))/(-0.1_wp*truth) - 1)
       if (present(largest)) error = error*truth/largest
-      told = number_behind('leave out about ')/100
+      told = number_behind('; about ')/100
       call judge('deflection of '//held//as_text(functions), error, told)
       call reader%close()
    end subroutine check_sag

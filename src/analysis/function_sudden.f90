@@ -1,6 +1,6 @@
 !> Whether the functions of an exact beam follow loads that change suddenly or fast: vibrations that they have too late, or not at all,
 !> as parts of the largest deflection, bending moment and shear force. Floor: analysis. Source: doc/theory, eqs. (Q3) to (Q6).
-module limber_analysis_sudden_watch
+module limber_analysis_function_sudden
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_flex_exact, only: exact_type, sum_along, slope_along
@@ -199,4 +199,4 @@ contains
       call snapshot%keep('before', self%before)
    end subroutine exchange_sudden
 
-end module limber_analysis_sudden_watch
+end module limber_analysis_function_sudden

@@ -1,0 +1,295 @@
+!> What channels ask of an exact beam: displacements along it, places, bending moments, shear forces and reactions, those of bodies that
+!> joints connect with it among them; and the parts of these that sudden or fast loads make wrong. Floor: analysis.
+!> Source: doc/theory, eqs. (Q3) to (Q7).
+module limber_analysis_function_channels
+   use limber_base_kinds, only: wp
+   use limber_analysis_function_sudden, only: lost_moments, lost_shears
+   use limber_analysis_function_watch, only: function_watch_type, beam_watch_type
+   use limber_model_quantities, only: quantity_bending_moment, quantity_stress_top, quantity_stress_bottom, &
+      & quantity_shear_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
+      & quantity_torque, quantity_force, quantity_power, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_ax, &
+      & quantity_ay, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation
+   use limber_model_scene, only: model_type, quantity_type, driver_distance, effort_distance, ground
+   implicit none
+   private
+   public :: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, of_forces
+
+   !> Kinds of what errs
+   integer, parameter :: of_moments = 1, of_forces = 2
+   !> Part of the largest force below which one is none
+   real(wp), parameter :: nothing = 1.0e-4_wp
+   !> What is asked of the deflection of a beam
+   integer, parameter :: placed(*) = [quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_ax, quantity_ay, &
+      & quantity_deflection, quantity_u1, quantity_u2, quantity_rotation]
+   !> Of its bending moments
+   integer, parameter :: bent(*) = [quantity_bending_moment, quantity_stress_top, quantity_stress_bottom]
+
+contains
+
+   !> Whether a channel asks for displacements along a beam, those of a frame being told in the axes of the frame, or the distance of
+   !> two of its points decides on a force.
+   pure logical function asks_along(model, whole, bodies)
+      type(model_type), intent(in) :: model
+      !> What the pieces of the beam belong to, 0 if it is in one; its bodies
+      integer, intent(in) :: whole, bodies(:)
+      integer :: i, k
+      asks_along = .false.
+      if (whole > 0) then
+         if (allocated(model%wholes(whole)%lean)) return
+      end if
+      do i = 1, size(model%channels)
+         associate (quantities => model%channels(i)%quantities)
+            do k = 1, size(quantities)
+               if (quantities(k)%kind /= quantity_u1) cycle
+               asks_along = asks_along .or. any(model%points(quantities(k)%of)%body == bodies)
+            end do
+         end associate
+      end do
+      do i = 1, size(model%drivers)
+         if (model%drivers(i)%kind == driver_distance) asks_along = asks_along .or. are_within(model%drivers(i)%points)
+      end do
+      do i = 1, size(model%springs)
+         if (model%springs(i)%stiffness > 0.0_wp) asks_along = asks_along .or. are_within(model%springs(i)%points)
+      end do
+      do i = 1, size(model%efforts)
+         associate (effort => model%efforts(i))
+            if (effort%along /= effort_distance .or. .not. effort%stiffness > 0.0_wp) cycle
+            asks_along = asks_along .or. are_within(effort%points)
+         end associate
+      end do
+
+   contains
+
+      pure logical function are_within(points)
+         integer, intent(in) :: points(2)
+         integer :: of(2)
+         are_within = .false.
+         if (any(points == 0)) return
+         of = model%points(points)%body
+         are_within = any(bodies == of(1)) .and. any(bodies == of(2))
+      end function are_within
+
+   end function asks_along
+
+   !> Whether a channel asks for anything of a point on bodies, or on what hangs on them alone.
+   pure logical function shows_place(model, bodies)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: bodies(:)
+      integer :: i, k, body
+      shows_place = .false.
+      do i = 1, size(model%channels)
+         do k = 1, size(model%channels(i)%quantities)
+            associate (quantity => model%channels(i)%quantities(k))
+               if (.not. any(quantity%kind == placed)) cycle
+               body = model%points(quantity%of)%body
+               shows_place = shows_place .or. any(body == bodies) .or. hangs_on(model, body, bodies)
+            end associate
+         end do
+      end do
+   end function shows_place
+
+   !> Whether joints connect a body with nothing but some others.
+   pure logical function hangs_on(model, body, bodies) result(hangs)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body, bodies(:)
+      integer :: i, ends(2)
+      hangs = .false.
+      if (body == ground) return
+      do i = 1, size(model%joints)
+         ends = ends_of(model, i)
+         if (all(ends /= body)) cycle
+         hangs = any(ends(1) == bodies) .or. any(ends(2) == bodies)
+         if (.not. hangs) return
+      end do
+   end function hangs_on
+
+   !> The two bodies of a joint.
+   pure function ends_of(model, joint) result(bodies)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: joint
+      integer :: bodies(2), side
+      bodies = ground
+      do side = 1, 2
+         associate (point => model%joints(joint)%points(side))
+            if (point > 0) bodies(side) = model%points(point)%body
+         end associate
+      end do
+   end function ends_of
+
+   !> Bodies that joints connect with a body, not by the ground (bodies).
+   pure function connected_with(model, body) result(reached)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      logical :: reached(0:size(model%bodies)), changed
+      integer :: i, ends(2)
+      reached = .false.
+      reached(body) = .true.
+      changed = .true.
+      do while (changed)
+         changed = .false.
+         do i = 1, size(model%joints)
+            ends = ends_of(model, i)
+            if (any(ends == ground) .or. (reached(ends(1)) .eqv. reached(ends(2)))) cycle
+            reached(ends) = .true.
+            changed = .true.
+         end do
+      end do
+   end function connected_with
+
+   !> Whether a channel asks for bending moments, stresses or moments of joints of bodies.
+   pure logical function asks_moment(model, bodies)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: bodies(:)
+      integer :: i, k, ends(2)
+      asks_moment = any(model%bodies(bodies)%envelope)
+      do i = 1, size(model%channels)
+         do k = 1, size(model%channels(i)%quantities)
+            associate (quantity => model%channels(i)%quantities(k))
+               ends = ground
+               if (any(quantity%kind == bent)) ends = model%points(quantity%of)%body
+               if (quantity%kind == quantity_moment .and. .not. (quantity%of_load .or. quantity%of_coupler) .and. &
+                  & quantity%of <= size(model%joints)) ends = ends_of(model, quantity%of)
+               asks_moment = asks_moment .or. any(ends(1) == bodies) .or. any(ends(2) == bodies)
+            end associate
+         end do
+      end do
+   end function asks_moment
+
+   !> Parts of the bending moments and of the shear forces and reactions that channels ask of a beam, and of reactions and efforts of
+   !> drivers of bodies that joints connect with it, that are off (2), eq. (Q7).
+   function lost_of_channels(self, beam, model) result(lost)
+      type(function_watch_type), intent(in) :: self
+      type(beam_watch_type), intent(in) :: beam
+      type(model_type), intent(in) :: model
+      real(wp) :: lost(2)
+      real(wp), allocatable :: moments(:), shears(:)
+      logical :: reached(0:size(model%bodies))
+      real(wp) :: passed(2)
+      integer :: i, k
+      allocate (moments, source=lost_moments(beam%sudden))
+      allocate (shears, source=lost_shears(beam%sudden))
+      lost = 0.0_wp
+      reached = connected_with(model, beam%body)
+      passed = passed_on()
+      do i = 1, size(model%channels)
+         do k = 1, size(model%channels(i)%quantities)
+            call judge(model%channels(i)%quantities(k))
+         end do
+      end do
+      if (.not. model%bodies(beam%body)%envelope) return
+      do i = 1, size(moments)
+         call raise_moment(i)
+         call raise_force(i, beam%sudden%sheared)
+      end do
+
+   contains
+
+      !> What is off of the forces that the beam passes on by its joints, and the largest of these (2).
+      function passed_on() result(force)
+         real(wp) :: force(2)
+         integer :: joint, side, at
+         force = 0.0_wp
+         do joint = 1, size(model%joints)
+            do side = 1, 2
+               at = station_of(model%joints(joint)%points(side))
+               if (at == 0) cycle
+               force = max(force, [shears(at), beam%sudden%pushed(at)])
+            end do
+         end do
+      end function passed_on
+
+      !> Takes in what a channel asks.
+      subroutine judge(quantity)
+         type(quantity_type), intent(in) :: quantity
+         if (quantity%of_load .or. quantity%of_coupler) return
+         select case (quantity%kind)
+         case (quantity_bending_moment, quantity_stress_top, quantity_stress_bottom)
+            call raise_moment(station_of(quantity%of))
+         case (quantity_shear_force)
+            call raise_force(station_of(quantity%of), beam%sudden%sheared)
+         case (quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment)
+            if (quantity%of <= size(model%joints)) call of_joint(quantity%of, quantity%kind == quantity_moment)
+         case (quantity_torque, quantity_force, quantity_power)
+            if (quantity%of <= size(model%drivers)) call of_driver(quantity%of)
+         end select
+      end subroutine judge
+
+      !> Force or moment of a joint.
+      subroutine of_joint(joint, moment)
+         integer, intent(in) :: joint
+         logical, intent(in) :: moment
+         integer :: side, at
+         logical :: own
+         own = .false.
+         do side = 1, 2
+            at = station_of(model%joints(joint)%points(side))
+            own = own .or. at > 0
+            if (moment) call raise_moment(at)
+            if (.not. moment) call raise_force(at, beam%sudden%pushed)
+         end do
+         if (own .or. .not. any(reached(ends_of(model, joint)))) return
+         if (moment) call raise_passed(passed(2))
+         if (.not. moment) call raise_passed(self%reaction(joint))
+      end subroutine of_joint
+
+      !> Torque, force or power of a driver.
+      subroutine of_driver(driver)
+         integer, intent(in) :: driver
+         integer :: side
+         associate (own => model%drivers(driver))
+            if (own%body == beam%body) then
+               call raise_moment(nearest_station(model%bodies(beam%body)%choice%exact%origin))
+            else if (own%body > 0) then
+               if (reached(own%body)) call raise_passed(passed(2))
+            else if (own%joint > 0) then
+               if (any(reached(ends_of(model, own%joint)))) call raise_passed(passed(2))
+            else
+               do side = 1, 2
+                  if (own%points(side) == 0) cycle
+                  if (reached(model%points(own%points(side))%body)) call raise_passed(passed(2))
+               end do
+            end if
+         end associate
+      end subroutine of_driver
+
+      !> The station nearest to a point; 0 if that is not of the beam.
+      pure integer function station_of(point) result(at)
+         integer, intent(in) :: point
+         at = 0
+         if (point == 0) return
+         if (model%points(point)%body /= beam%body) return
+         at = nearest_station(model%points(point)%p0(1) + model%bodies(beam%body)%choice%exact%origin)
+      end function station_of
+
+      !> The station nearest to a coordinate along the beam.
+      pure integer function nearest_station(x) result(at)
+         real(wp), intent(in) :: x
+         at = minloc(abs(model%bodies(beam%body)%reduced%exact%s - x), dim=1)
+      end function nearest_station
+
+      subroutine raise_moment(at)
+         integer, intent(in) :: at
+         if (at == 0) return
+         if (.not. beam%sudden%bent(at) > nothing*maxval(beam%sudden%bent)) return
+         lost(of_moments) = max(lost(of_moments), moments(at)/beam%sudden%bent(at))
+      end subroutine raise_moment
+
+      subroutine raise_force(at, largest)
+         integer, intent(in) :: at
+         !> (stations)
+         real(wp), intent(in) :: largest(:)
+         if (at == 0) return
+         if (.not. largest(at) > nothing*maxval(largest)) return
+         lost(of_forces) = max(lost(of_forces), shears(at)/largest(at))
+      end subroutine raise_force
+
+      !> What is passed on, beside the largest force where it arrives.
+      subroutine raise_passed(largest)
+         real(wp), intent(in) :: largest
+         if (.not. largest > nothing*passed(2)) return
+         lost(of_forces) = max(lost(of_forces), passed(1)/largest)
+      end subroutine raise_passed
+
+   end function lost_of_channels
+
+end module limber_analysis_function_channels

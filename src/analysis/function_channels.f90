@@ -1,10 +1,10 @@
-!> What channels ask of an exact beam: displacements along it, places, bending moments, shear forces and reactions, those of bodies that
-!> joints connect with it among them; and the parts of these that sudden or fast loads make wrong. Floor: analysis.
+!> What channels ask of an exact beam: displacements along it, places, bending moments, shear forces and reactions, those of bodies
+!> that joints connect with it among them; and the parts of these that sudden or fast loads make wrong. Floor: analysis.
 !> Source: doc/theory, eqs. (Q3) to (Q7).
 module limber_analysis_function_channels
    use limber_base_kinds, only: wp
    use limber_analysis_function_sudden, only: lost_moments, lost_shears
-   use limber_analysis_function_watch, only: function_watch_type, beam_watch_type
+   use limber_analysis_function_watch, only: function_watch_type, beam_watch_type, station_of
    use limber_model_quantities, only: quantity_bending_moment, quantity_stress_top, quantity_stress_bottom, &
       & quantity_shear_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
       & quantity_torque, quantity_force, quantity_power, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_ax, &
@@ -26,8 +26,8 @@ module limber_analysis_function_channels
 
 contains
 
-   !> Whether a channel asks for displacements along a beam, those of a frame being told in the axes of the frame, or the distance of
-   !> two of its points decides on a force.
+   !> Whether a channel asks for displacements along a beam, those of a frame being told in the axes of the frame, or the distance
+   !> of two of its points decides on a force.
    pure logical function asks_along(model, whole, bodies)
       type(model_type), intent(in) :: model
       !> What the pieces of the beam belong to, 0 if it is in one; its bodies
@@ -155,8 +155,8 @@ contains
       end do
    end function asks_moment
 
-   !> Parts of the bending moments and of the shear forces and reactions that channels ask of a beam, and of reactions and efforts of
-   !> drivers of bodies that joints connect with it, that are off (2), eq. (Q7).
+   !> Parts of the bending moments and of the shear forces and reactions that channels ask of a beam, and of reactions and efforts
+   !> of drivers of bodies that joints connect with it, that are off (2), eq. (Q7).
    function lost_of_channels(self, beam, model) result(lost)
       type(function_watch_type), intent(in) :: self
       type(beam_watch_type), intent(in) :: beam
@@ -191,7 +191,7 @@ contains
          force = 0.0_wp
          do joint = 1, size(model%joints)
             do side = 1, 2
-               at = station_of(model%joints(joint)%points(side))
+               at = station_of(model, beam%body, model%joints(joint)%points(side))
                if (at == 0) cycle
                force = max(force, [shears(at), beam%sudden%pushed(at)])
             end do
@@ -204,33 +204,51 @@ contains
          if (quantity%of_load .or. quantity%of_coupler) return
          select case (quantity%kind)
          case (quantity_bending_moment, quantity_stress_top, quantity_stress_bottom)
-            call raise_moment(station_of(quantity%of))
+            call raise_moment(station_of(model, beam%body, quantity%of))
          case (quantity_shear_force)
-            call raise_force(station_of(quantity%of), beam%sudden%sheared)
+            call raise_force(station_of(model, beam%body, quantity%of), beam%sudden%sheared)
          case (quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment)
-            if (quantity%of <= size(model%joints)) call of_joint(quantity%of, quantity%kind == quantity_moment)
+            if (quantity%of > size(model%joints)) return
+            if (quantity%kind == quantity_moment) call of_moment(quantity%of)
+            if (quantity%kind /= quantity_moment) call of_force(quantity%of, quantity%kind)
          case (quantity_torque, quantity_force, quantity_power)
             if (quantity%of <= size(model%drivers)) call of_driver(quantity%of)
          end select
       end subroutine judge
 
-      !> Force or moment of a joint.
-      subroutine of_joint(joint, moment)
+      !> Component of the force of a joint: of a joint of the beam what is off there, of another one what the beam passes on.
+      subroutine of_force(joint, kind)
+         integer, intent(in) :: joint, kind
+         integer, parameter :: kinds(4) = [quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2]
+         integer :: component, which, at(2)
+         real(wp) :: off, largest
+         at = [station_of(model, beam%body, model%joints(joint)%points(1)), station_of(model, beam%body, &
+            & model%joints(joint)%points(2))]
+         off = passed(1)
+         if (any(at > 0)) off = shears(maxval(at))
+         if (all(at == 0) .and. .not. any(reached(ends_of(model, joint)))) return
+         component = maxloc(merge(1, 0, kinds == kind), dim=1)
+         do which = 1, size(self%reactions)
+            if (self%reactions(which)%joint /= joint) cycle
+            largest = self%reactions(which)%largest(component)
+            if (.not. largest > nothing*maxval(beam%sudden%pushed)) cycle
+            lost(of_forces) = max(lost(of_forces), off*beam%across(component, which)/largest)
+         end do
+      end subroutine of_force
+
+      !> Moment of a joint.
+      subroutine of_moment(joint)
          integer, intent(in) :: joint
-         logical, intent(in) :: moment
          integer :: side, at
          logical :: own
          own = .false.
          do side = 1, 2
-            at = station_of(model%joints(joint)%points(side))
+            at = station_of(model, beam%body, model%joints(joint)%points(side))
             own = own .or. at > 0
-            if (moment) call raise_moment(at)
-            if (.not. moment) call raise_force(at, beam%sudden%pushed)
+            call raise_moment(at)
          end do
-         if (own .or. .not. any(reached(ends_of(model, joint)))) return
-         if (moment) call raise_passed(passed(2))
-         if (.not. moment) call raise_passed(self%reaction(joint))
-      end subroutine of_joint
+         if (.not. own .and. any(reached(ends_of(model, joint)))) call raise_passed()
+      end subroutine of_moment
 
       !> Torque, force or power of a driver.
       subroutine of_driver(driver)
@@ -238,34 +256,21 @@ contains
          integer :: side
          associate (own => model%drivers(driver))
             if (own%body == beam%body) then
-               call raise_moment(nearest_station(model%bodies(beam%body)%choice%exact%origin))
+               associate (body => model%bodies(beam%body))
+                  call raise_moment(minloc(abs(body%reduced%exact%s - body%choice%exact%origin), dim=1))
+               end associate
             else if (own%body > 0) then
-               if (reached(own%body)) call raise_passed(passed(2))
+               if (reached(own%body)) call raise_passed()
             else if (own%joint > 0) then
-               if (any(reached(ends_of(model, own%joint)))) call raise_passed(passed(2))
+               if (any(reached(ends_of(model, own%joint)))) call raise_passed()
             else
                do side = 1, 2
                   if (own%points(side) == 0) cycle
-                  if (reached(model%points(own%points(side))%body)) call raise_passed(passed(2))
+                  if (reached(model%points(own%points(side))%body)) call raise_passed()
                end do
             end if
          end associate
       end subroutine of_driver
-
-      !> The station nearest to a point; 0 if that is not of the beam.
-      pure integer function station_of(point) result(at)
-         integer, intent(in) :: point
-         at = 0
-         if (point == 0) return
-         if (model%points(point)%body /= beam%body) return
-         at = nearest_station(model%points(point)%p0(1) + model%bodies(beam%body)%choice%exact%origin)
-      end function station_of
-
-      !> The station nearest to a coordinate along the beam.
-      pure integer function nearest_station(x) result(at)
-         real(wp), intent(in) :: x
-         at = minloc(abs(model%bodies(beam%body)%reduced%exact%s - x), dim=1)
-      end function nearest_station
 
       subroutine raise_moment(at)
          integer, intent(in) :: at
@@ -283,11 +288,9 @@ contains
          lost(of_forces) = max(lost(of_forces), shears(at)/largest(at))
       end subroutine raise_force
 
-      !> What is passed on, beside the largest force where it arrives.
-      subroutine raise_passed(largest)
-         real(wp), intent(in) :: largest
-         if (.not. largest > nothing*passed(2)) return
-         lost(of_forces) = max(lost(of_forces), passed(1)/largest)
+      !> What is off of the forces that are passed on.
+      subroutine raise_passed()
+         if (passed(2) > 0.0_wp) lost(of_forces) = max(lost(of_forces), passed(1)/passed(2))
       end subroutine raise_passed
 
    end function lost_of_channels

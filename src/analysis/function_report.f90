@@ -1,6 +1,6 @@
-!> What is told of exact beams whose functions are not enough: of the deflection, and of the bending moments, shear forces and reactions
-!> that channels ask for, with the cause (the shape that they cannot have, sudden or fast loads, much tension) and the remedy. All limits
-!> stand here. Floor: analysis. Source: doc/theory, eqs. (X16), (X17), (N1), (N2), (Q3) to (Q7).
+!> What is told of exact beams whose functions are not enough: of the deflection, and of the bending moments, shear forces and
+!> reactions that channels ask for, with the cause (the shape that they cannot have, sudden or fast loads, much tension) and the
+!> remedy. All limits stand here. Floor: analysis. Source: doc/theory, eqs. (X16), (X17), (N1), (N2), (Q3) to (Q7).
 module limber_analysis_function_report
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
@@ -19,7 +19,7 @@ module limber_analysis_function_report
    real(wp), parameter :: allowed(2) = [2.0e-3_wp, 2.0e-3_wp], least(2) = [1.0e-6_wp, 1.0e-4_wp]
    !> The latter for stretch of a beam whose displacements along it are asked for: against these then
    real(wp), parameter :: least_along = 1.0e-10_wp
-   !> Largest error of a deflection by vibrations, of moments, and of shear forces and reactions; error from which it is only a bound
+   !> Largest error of a deflection by vibrations, of moments, and of shear forces and reactions; error above which it is a bound
    real(wp), parameter :: little = 5.0e-3_wp, little_force(2) = [1.2e-2_wp, 1.5e-2_wp], all_of_it = 1.0_wp
    !> What recommended functions are to leave of sudden loads, and most of these
    real(wp), parameter :: aim = 2.0e-2_wp
@@ -32,8 +32,8 @@ module limber_analysis_function_report
       !> First and last of the watched beams; name
       integer :: first = 0, last = 0
       character(:), allocatable :: name
-      !> Parts beyond their limits that err, 0 for others: of the deflection by the shape and by vibrations, of moments in layers, of
-      !> moments and forces by vibrations; pieces of the first and the third
+      !> Parts beyond their limits that err, 0 for others: of the deflection by the shape and by vibrations, of moments in layers,
+      !> of moments and forces by vibrations; pieces of the first and the third
       real(wp) :: rest = 0.0_wp, late = 0.0_wp, layers = 0.0_wp, lost(2) = 0.0_wp
       integer :: worst = 0, taut = 0
       !> Causes, what errs, and remedies
@@ -42,8 +42,8 @@ module limber_analysis_function_report
 
 contains
 
-   !> A warning for each beam that has too few functions of the angle, and one for those of the strain. The pieces of a beam are told
-   !> of as one, with the largest of their parts: their displacements add up.
+   !> A warning for each beam that has too few functions of the angle, and one for those of the strain. The pieces of a beam are
+   !> told of as one, with the largest of their parts: their displacements add up.
    function function_warnings(self, model, times) result(text)
       type(function_watch_type), intent(in) :: self
       type(model_type), intent(in) :: model

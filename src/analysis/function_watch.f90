@@ -1,6 +1,7 @@
-!> Whether the functions of exact beams are enough: bending moment and axial force that equilibrium asks for, along the beam, against
-!> those that the functions make. What differs is what they leave out: displacements, vibrations under sudden loads, layers under much
-!> tension. All are looked at here, `limber_analysis_function_report` tells of them. Floor: analysis. Source: doc/theory, eqs. (X16), (X17).
+!> Whether the functions of exact beams are enough: bending moment and axial force that equilibrium asks for, along the beam,
+!> against those that the functions make. What differs is what they leave out: displacements, vibrations under sudden loads, layers
+!> under much tension. All are looked at here, `limber_analysis_function_report` tells of them. Floor: analysis.
+!> Source: doc/theory, eqs. (X16), (X17).
 module limber_analysis_function_watch
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -12,13 +13,15 @@ module limber_analysis_function_watch
    use limber_analysis_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
    use limber_model_stresses, only: recover_stations
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
-   use limber_output_joints, only: joint_force
-   use limber_system_algebra, only: turn, along
+   use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2
+   use limber_model_scene, only: model_type
+   use limber_output_joints, only: joint_force, joint_force_in_frame, frame_of
+   use limber_system_algebra, only: turn, along, cross
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
    public :: function_watch_type, beam_watch_type, start_functions, observe_functions, join_functions
-   public :: lacking_strains
+   public :: lacking_strains, reaction_type, station_of
 
    !> What is left out of one beam
    type :: beam_watch_type
@@ -33,15 +36,26 @@ module limber_analysis_function_watch
       !> Vibrations that it does not follow, and layers
       type(sudden_type) :: sudden
       type(layers_type) :: layers
+      !> Stations of its joints, and largest components of the normals to its sections there, along the axes of each reaction
+      !> (4, reactions)
+      integer, allocatable :: held_at(:)
+      real(wp), allocatable :: across(:, :)
    end type beam_watch_type
+
+   !> The force of a joint that channels ask for
+   type :: reaction_type
+      integer :: joint = 0
+      !> Largest components along the fixed axes, and along those of the second body's frame
+      real(wp) :: largest(4) = 0.0_wp
+   end type reaction_type
 
    !> All exact beams
    type :: function_watch_type
       type(beam_watch_type), allocatable :: beams(:)
       !> What the next state is, see `limber_analysis_function_sudden`
       integer :: kind = at_rest
-      !> Largest forces of the joints in motion (joints)
-      real(wp), allocatable :: reaction(:)
+      !> Forces in motion that channels ask for
+      type(reaction_type), allocatable :: reactions(:)
    contains
       procedure :: exchange
    end type function_watch_type
@@ -65,8 +79,49 @@ contains
             & system%model%bodies(i)%choice%exact%support)
          call start_layers(self%beams(k)%layers, system%model%bodies(i))
       end do
-      allocate (self%reaction(size(system%model%joints)), source=0.0_wp)
+      call start_reactions(self, system%model)
    end subroutine start_functions
+
+   !> The joints whose forces channels ask for, and where joints hold the beams.
+   subroutine start_reactions(self, model)
+      type(function_watch_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      logical :: asked(size(model%joints))
+      integer :: at(2*size(model%joints)), i, k
+      asked = .false.
+      do i = 1, size(model%channels)
+         do k = 1, size(model%channels(i)%quantities)
+            associate (quantity => model%channels(i)%quantities(k))
+               if (quantity%of_load .or. quantity%of_coupler .or. quantity%of > size(asked)) cycle
+               if (any(quantity%kind == [quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2])) &
+                  & asked(quantity%of) = .true.
+            end associate
+         end do
+      end do
+      if (size(self%beams) == 0) asked = .false.
+      allocate (self%reactions(count(asked)))
+      self%reactions%joint = pack([(i, i=1, size(asked))], asked)
+      do k = 1, size(self%beams)
+         do i = 1, size(model%joints)
+            at(2*i - 1) = station_of(model, self%beams(k)%body, model%joints(i)%points(1))
+            at(2*i) = station_of(model, self%beams(k)%body, model%joints(i)%points(2))
+         end do
+         self%beams(k)%held_at = pack(at, at > 0)
+         allocate (self%beams(k)%across(4, size(self%reactions)), source=0.0_wp)
+      end do
+   end subroutine start_reactions
+
+   !> The station of an exact beam that is nearest to a point; 0 if that is not of the beam.
+   pure integer function station_of(model, body, point) result(at)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body, point
+      at = 0
+      if (point == 0) return
+      if (model%points(point)%body /= body) return
+      associate (own => model%bodies(body))
+         at = minloc(abs(own%reduced%exact%s - own%choice%exact%origin - model%points(point)%p0(1)), dim=1)
+      end associate
+   end function station_of
 
    !> Takes in a state. Kinematics are placed and moved there; Jacobians and multipliers are those of the state.
    subroutine observe_functions(self, system, work, t, q, v, a)
@@ -84,11 +139,39 @@ contains
             call compare(beam, system, self%kind, t, q(first:last), v(first:last), a(first:last))
          end associate
       end do
-      if (size(self%beams) == 0 .or. self%kind == at_rest) return
-      do i = 1, size(self%reaction)
-         self%reaction(i) = max(self%reaction(i), norm2(joint_force(system, work, i)))
+      if (self%kind == at_rest) return
+      do i = 1, size(self%reactions)
+         call observe_reaction(self, system, work, q, i)
       end do
    end subroutine observe_functions
+
+   !> The force of a joint, and how beams that may pass errors on to it lie to its axes.
+   subroutine observe_reaction(self, system, work, q, which)
+      type(function_watch_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      real(wp), intent(in) :: q(:)
+      integer, intent(in) :: which
+      real(wp) :: axes(2), normal(2), angle
+      integer :: i, k, first
+      associate (own => self%reactions(which))
+         own%largest = max(own%largest, abs([joint_force(system, work, own%joint), &
+            & joint_force_in_frame(system, work, own%joint, q)]))
+         axes = frame_of(system, system%constraints(own%joint)%item%bodies(2), q)
+      end associate
+      do i = 1, size(self%beams)
+         first = system%layout%q(self%beams(i)%body)
+         associate (exact => system%model%bodies(self%beams(i)%body)%reduced%exact, across => self%beams(i)%across(:, which))
+            do k = 1, size(self%beams(i)%held_at)
+               associate (at => self%beams(i)%held_at(k))
+                  angle = exact%lean(at) + dot_product(exact%psi(:, at), q(first + 4:first + 3 + exact%angles))
+               end associate
+               normal = along(q(first + 2:first + 3), [-sin(angle), cos(angle)])
+               across = max(across, abs([normal, dot_product(axes, normal), cross(axes, normal)]))
+            end do
+         end associate
+      end do
+   end subroutine observe_reaction
 
    !> Strains that equilibrium asks for less those that the functions make: curvature, stretch, shear (3, stations), eq. (X16).
    !> Kinematics, Jacobians, multipliers as for `observe_functions`.
@@ -235,9 +318,12 @@ contains
             end do
             call join_sudden(own%sudden, beam%sudden)
             call join_layers(own%layers, beam%layers)
+            beam%across = max(beam%across, own%across)
          end associate
       end do
-      whole%reaction = max(whole%reaction, part%reaction)
+      do i = 1, size(whole%reactions)
+         whole%reactions(i)%largest = max(whole%reactions(i)%largest, part%reactions(i)%largest)
+      end do
    end subroutine join_functions
 
    !> Saves or restores it.
@@ -254,8 +340,12 @@ contains
          call snapshot%exchange('when_2', self%beams(i)%when(2))
          call self%beams(i)%sudden%exchange(snapshot)
          call self%beams(i)%layers%exchange(snapshot)
+         call snapshot%keep('across', self%beams(i)%across)
       end do
-      if (allocated(self%reaction)) call snapshot%keep('reaction', self%reaction)
+      if (.not. allocated(self%reactions)) return
+      do i = 1, size(self%reactions)
+         call snapshot%exchange('reaction', self%reactions(i)%largest)
+      end do
    end subroutine exchange
 
 end module limber_analysis_function_watch

@@ -9,7 +9,7 @@ module limber_output_joints
    implicit none
    private
    public :: joint_force, joint_force_in_frame, joint_moment, joint_displacement, joint_sliding, section_rotation, joint_spin
-   public :: driver_effort, driver_power, coupler_effort, coupler_power
+   public :: frame_of, driver_effort, driver_power, coupler_effort, coupler_power
 
 contains
 

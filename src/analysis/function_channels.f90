@@ -1,21 +1,21 @@
 !> What channels ask of an exact beam: displacements along it, places, bending moments, shear forces and reactions, those of bodies
 !> that joints connect with it among them; and the parts of these that sudden or fast loads make wrong. Floor: analysis.
-!> Source: doc/theory, eqs. (Q3) to (Q7).
+!> Source: doc/theory, eqs. (Q3) to (Q8).
 module limber_analysis_function_channels
    use limber_base_kinds, only: wp
-   use limber_analysis_function_sudden, only: lost_moments, lost_shears
+   use limber_analysis_function_sudden, only: lost_moments, lost_shears, lost_pulls
    use limber_analysis_function_watch, only: function_watch_type, beam_watch_type, station_of
    use limber_model_quantities, only: quantity_bending_moment, quantity_stress_top, quantity_stress_bottom, &
-      & quantity_shear_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment, &
-      & quantity_torque, quantity_force, quantity_power, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_ax, &
-      & quantity_ay, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation
+      & quantity_shear_force, quantity_axial_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, &
+      & quantity_moment, quantity_torque, quantity_force, quantity_power, quantity_x, quantity_y, quantity_vx, quantity_vy, &
+      & quantity_ax, quantity_ay, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation
    use limber_model_scene, only: model_type, quantity_type, driver_distance, effort_distance, ground
    implicit none
    private
-   public :: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, of_forces
+   public :: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, of_forces, of_pulls
 
    !> Kinds of what errs
-   integer, parameter :: of_moments = 1, of_forces = 2
+   integer, parameter :: of_moments = 1, of_forces = 2, of_pulls = 3
    !> Part of the largest force below which one is none
    real(wp), parameter :: nothing = 1.0e-4_wp
    !> What is asked of the deflection of a beam
@@ -155,19 +155,20 @@ contains
       end do
    end function asks_moment
 
-   !> Parts of the bending moments and of the shear forces and reactions that channels ask of a beam, and of reactions and efforts
-   !> of drivers of bodies that joints connect with it, that are off (2), eq. (Q7).
+   !> Parts of the bending moments, of forces across the beam and of forces along it that are off (3), of those that channels ask of
+   !> it, and of reactions and efforts of drivers of bodies that joints connect with it, eqs. (Q7), (Q8).
    function lost_of_channels(self, beam, model) result(lost)
       type(function_watch_type), intent(in) :: self
       type(beam_watch_type), intent(in) :: beam
       type(model_type), intent(in) :: model
-      real(wp) :: lost(2)
-      real(wp), allocatable :: moments(:), shears(:)
+      real(wp) :: lost(3)
+      real(wp), allocatable :: moments(:), shears(:), pulls(:)
       logical :: reached(0:size(model%bodies))
-      real(wp) :: passed(2)
+      real(wp) :: passed(3)
       integer :: i, k
       allocate (moments, source=lost_moments(beam%sudden))
       allocate (shears, source=lost_shears(beam%sudden))
+      allocate (pulls, source=lost_pulls(beam%sudden))
       lost = 0.0_wp
       reached = connected_with(model, beam%body)
       passed = passed_on()
@@ -179,22 +180,20 @@ contains
       if (.not. model%bodies(beam%body)%envelope) return
       do i = 1, size(moments)
          call raise_moment(i)
-         call raise_force(i, beam%sudden%sheared)
+         call raise_force(of_forces, i, shears, beam%sudden%sheared)
       end do
 
    contains
 
-      !> What is off of the forces that the beam passes on by its joints, and the largest of these (2).
-      function passed_on() result(force)
-         real(wp) :: force(2)
-         integer :: joint, side, at
+      !> What is off of the forces that the beam passes on by its joints, across and along it, and the largest of these (3).
+      pure function passed_on() result(force)
+         real(wp) :: force(3)
+         integer :: i
          force = 0.0_wp
-         do joint = 1, size(model%joints)
-            do side = 1, 2
-               at = station_of(model, beam%body, model%joints(joint)%points(side))
-               if (at == 0) cycle
-               force = max(force, [shears(at), beam%sudden%pushed(at)])
-            end do
+         do i = 1, size(beam%held_at)
+            associate (at => beam%held_at(i))
+               force = max(force, [shears(at), pulls(at), beam%sudden%pushed(at)])
+            end associate
          end do
       end function passed_on
 
@@ -206,7 +205,9 @@ contains
          case (quantity_bending_moment, quantity_stress_top, quantity_stress_bottom)
             call raise_moment(station_of(model, beam%body, quantity%of))
          case (quantity_shear_force)
-            call raise_force(station_of(model, beam%body, quantity%of), beam%sudden%sheared)
+            call raise_force(of_forces, station_of(model, beam%body, quantity%of), shears, beam%sudden%sheared)
+         case (quantity_axial_force)
+            call raise_force(of_pulls, station_of(model, beam%body, quantity%of), pulls, beam%sudden%drawn)
          case (quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, quantity_moment)
             if (quantity%of > size(model%joints)) return
             if (quantity%kind == quantity_moment) call of_moment(quantity%of)
@@ -221,18 +222,18 @@ contains
          integer, intent(in) :: joint, kind
          integer, parameter :: kinds(4) = [quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2]
          integer :: component, which, at(2)
-         real(wp) :: off, largest
+         real(wp) :: off(2), largest
          at = [station_of(model, beam%body, model%joints(joint)%points(1)), station_of(model, beam%body, &
             & model%joints(joint)%points(2))]
-         off = passed(1)
-         if (any(at > 0)) off = shears(maxval(at))
+         off = passed(:2)
+         if (any(at > 0)) off = [shears(maxval(at)), pulls(maxval(at))]
          if (all(at == 0) .and. .not. any(reached(ends_of(model, joint)))) return
          component = maxloc(merge(1, 0, kinds == kind), dim=1)
          do which = 1, size(self%reactions)
             if (self%reactions(which)%joint /= joint) cycle
             largest = self%reactions(which)%largest(component)
             if (.not. largest > nothing*maxval(beam%sudden%pushed)) cycle
-            lost(of_forces) = max(lost(of_forces), off*beam%across(component, which)/largest)
+            lost(of_forces:) = max(lost(of_forces:), off*[beam%across(component, which), beam%along(component, which)]/largest)
          end do
       end subroutine of_force
 
@@ -279,18 +280,18 @@ contains
          lost(of_moments) = max(lost(of_moments), moments(at)/beam%sudden%bent(at))
       end subroutine raise_moment
 
-      subroutine raise_force(at, largest)
-         integer, intent(in) :: at
+      subroutine raise_force(kind, at, off, largest)
+         integer, intent(in) :: kind, at
          !> (stations)
-         real(wp), intent(in) :: largest(:)
+         real(wp), intent(in) :: off(:), largest(:)
          if (at == 0) return
          if (.not. largest(at) > nothing*maxval(largest)) return
-         lost(of_forces) = max(lost(of_forces), shears(at)/largest(at))
+         lost(kind) = max(lost(kind), off(at)/largest(at))
       end subroutine raise_force
 
       !> What is off of the forces that are passed on.
       subroutine raise_passed()
-         if (passed(2) > 0.0_wp) lost(of_forces) = max(lost(of_forces), passed(1)/passed(2))
+         if (passed(3) > 0.0_wp) lost(of_forces:) = max(lost(of_forces:), passed(:2)/passed(3))
       end subroutine raise_passed
 
    end function lost_of_channels

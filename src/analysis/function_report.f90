@@ -1,10 +1,11 @@
 !> What is told of exact beams whose functions are not enough: of the deflection, and of the bending moments, shear forces and
 !> reactions that channels ask for, with the cause (the shape that they cannot have, sudden or fast loads, much tension) and the
-!> remedy. All limits stand here. Floor: analysis. Source: doc/theory, eqs. (X16), (X17), (N1), (N2), (Q3) to (Q7).
+!> remedy. All limits stand here. Floor: analysis. Source: doc/theory, eqs. (X16), (X17), (N1), (N2), (Q3) to (Q8).
 module limber_analysis_function_report
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_analysis_function_channels, only: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, of_forces
+   use limber_analysis_function_channels, only: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, &
+      & of_forces, of_pulls
    use limber_analysis_function_layers, only: layers_type, lost_in_layers
    use limber_analysis_function_sudden, only: lost_deflection
    use limber_analysis_function_watch, only: function_watch_type
@@ -19,8 +20,9 @@ module limber_analysis_function_report
    real(wp), parameter :: allowed(2) = [2.0e-3_wp, 2.0e-3_wp], least(2) = [1.0e-6_wp, 1.0e-4_wp]
    !> The latter for stretch of a beam whose displacements along it are asked for: against these then
    real(wp), parameter :: least_along = 1.0e-10_wp
-   !> Largest error of a deflection by vibrations, of moments, and of shear forces and reactions; error above which it is a bound
-   real(wp), parameter :: little = 5.0e-3_wp, little_force(2) = [1.2e-2_wp, 1.5e-2_wp], all_of_it = 1.0_wp
+   !> Largest error of a deflection by vibrations, of moments, and of forces across and along the beam; error beyond which it is one
+   !> of the size of the whole
+   real(wp), parameter :: little = 5.0e-3_wp, little_force(3) = [1.2e-2_wp, 1.5e-2_wp, 1.5e-2_wp], all_of_it = 1.0_wp
    !> What recommended functions are to leave of sudden loads, and most of these
    real(wp), parameter :: aim = 2.0e-2_wp
    integer, parameter :: most_functions = 40
@@ -34,7 +36,7 @@ module limber_analysis_function_report
       character(:), allocatable :: name
       !> Parts beyond their limits that err, 0 for others: of the deflection by the shape and by vibrations, of moments in layers,
       !> of moments and forces by vibrations; pieces of the first and the third
-      real(wp) :: rest = 0.0_wp, late = 0.0_wp, layers = 0.0_wp, lost(2) = 0.0_wp
+      real(wp) :: rest = 0.0_wp, late = 0.0_wp, layers = 0.0_wp, lost(3) = 0.0_wp
       integer :: worst = 0, taut = 0
       !> Causes, what errs, and remedies
       character(:), allocatable :: causes, what, remedies
@@ -60,7 +62,8 @@ contains
             if (body%whole > 0) report%name = model%wholes(body%whole)%name
          end associate
          call weigh(self, model, times, report)
-         text = text//angle_warning(self, model, report)//strain_warning(self, model, times, report)
+         text = text//angle_warning(self, model, report)//strain_warning(self, model, times, report) &
+            & //ring_warning(self, model, report)
       end do
    end function function_warnings
 
@@ -126,7 +129,7 @@ contains
       report%what = ''
       report%remedies = ''
       functions = model%bodies(self%beams(report%first)%body)%choice%exact%angles
-      sudden = max(report%late, maxval(report%lost))
+      sudden = max(report%late, maxval(report%lost(:of_forces)))
       moments = max(report%lost(of_moments), report%layers)
       if (max(report%rest, report%late, moments, report%lost(of_forces)) <= 0.0_wp) return
       if (report%rest > report%late) call add(report%causes, ' and ', 'all of its shape at t = '// &
@@ -244,5 +247,23 @@ contains
             & '; use STRAIN FUNCTIONS='//as_text(max(3, 2*body%choice%exact%strains))//newline
       end associate
    end function strain_warning
+
+   !> Of vibrations along the beam.
+   function ring_warning(self, model, report) result(text)
+      type(function_watch_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      type(report_type), intent(inout) :: report
+      character(:), allocatable :: text
+      text = ''
+      if (.not. report%lost(of_pulls) > 0.0_wp) return
+      report%what = ''
+      call add_error(report, report%lost(of_pulls), 'axial forces and reactions asked for')
+      associate (strains => model%bodies(self%beams(report%first)%body)%choice%exact%strains)
+         text = "warning: beam '"//report%name//"' vibrates along itself under sudden or fast loads in ways that its "// &
+            & as_text(strains)//' functions of the strain do not follow: '//report%what//' may be off; use STRAIN FUNCTIONS='// &
+            & as_text(max(3, 2*strains))//', STRAIN FUNCTIONS=0 to leave these vibrations out, or loads that change more slowly'// &
+            & newline
+      end associate
+   end function ring_warning
 
 end module limber_analysis_function_report

@@ -1,15 +1,16 @@
-!> Whether the functions of an exact beam follow loads that change suddenly or fast: vibrations that they have too late, or not at all,
-!> as parts of the largest deflection, bending moment and shear force. Floor: analysis. Source: doc/theory, eqs. (Q3) to (Q6).
+!> Whether the functions of an exact beam follow loads that change suddenly or fast: vibrations that they have too late, or not at
+!> all, as parts of the largest deflection, bending moment, shear force and axial force. Floor: analysis.
+!> Source: doc/theory, eqs. (Q3) to (Q8).
 module limber_analysis_function_sudden
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_flex_exact, only: exact_type, sum_along, slope_along
    use limber_flex_exact_held, only: held_type, new_held
-   use limber_flex_exact_profile, only: of_ei
+   use limber_flex_exact_profile, only: of_ei, of_ea
    use limber_flex_mesh, only: support_type
    implicit none
    private
-   public :: sudden_type, start_sudden, observe_sudden, join_sudden, lost_deflection, lost_moments, lost_shears
+   public :: sudden_type, start_sudden, observe_sudden, join_sudden, lost_deflection, lost_moments, lost_shears, lost_pulls
    public :: at_rest, in_motion, at_start, before_break, behind_break
 
    !> What a state is that is looked at: at rest; within a motion; its first one; on both sides of an instant at which loads jump
@@ -30,10 +31,15 @@ module limber_analysis_function_sudden
       !> the deflection that they make
       real(wp), allocatable :: moment(:), shear(:)
       real(wp) :: place = 0.0_wp
-      !> Largest bending moment, shear force, and force of both directions (stations)
-      real(wp), allocatable :: bent(:), sheared(:), pushed(:)
-      !> Curvature that the functions leave out before a jump (stations)
-      real(wp), allocatable :: before(:)
+      !> Largest bending moment, shear force, axial force, and force of both directions (stations)
+      real(wp), allocatable :: bent(:), sheared(:), drawn(:), pushed(:)
+      !> Curvature and stretch that the functions leave out before a jump (2, stations)
+      real(wp), allocatable :: before(:, :)
+      !> Squared frequencies of the functions of the strain, each alone (strains)
+      real(wp), allocatable :: omega2(:)
+      !> Squares of the jumps of what the functions leave out of the axial force, added up, and largest axial force of the
+      !> vibrations of the upper half of them (stations)
+      real(wp), allocatable :: pull(:), ring(:)
    contains
       procedure :: exchange => exchange_sudden
    end type sudden_type
@@ -45,12 +51,22 @@ contains
       type(sudden_type), intent(out) :: self
       type(exact_type), intent(in) :: exact
       type(support_type), intent(in) :: support
+      real(wp) :: place(exact%stations)
+      integer :: k
       self%support = support
       call new_held(exact, support, self%held)
       associate (n => self%held%count, m => exact%stations)
          allocate (self%most(n), self%late(n), source=0.0_wp)
-         allocate (self%moment(m), self%shear(m), self%bent(m), self%sheared(m), self%pushed(m), self%before(m), source=0.0_wp)
+         allocate (self%moment(m), self%shear(m), self%bent(m), self%sheared(m), self%drawn(m), self%pushed(m), self%pull(m), &
+            & self%ring(m), source=0.0_wp)
+         allocate (self%before(2, m), source=0.0_wp)
       end associate
+      allocate (self%omega2(exact%strains - exact%shears))
+      do k = 1, size(self%omega2)
+         place = sum_along(exact, exact%chi(1, k, :)) - sum(exact%base*exact%chi(1, k, :))
+         self%omega2(k) = sum(exact%weight*exact%section(of_ea, :)*exact%chi(1, k, :)**2) &
+            & /max(sum(exact%mass(:exact%stations)*place**2), tiny(place))
+      end do
    end subroutine start_sudden
 
    !> Takes a state.
@@ -61,14 +77,16 @@ contains
       integer, intent(in) :: kind
       !> Time; coordinates less those at rest, and their second derivatives (n)
       real(wp), intent(in) :: t, eta(:), acceleration(:)
-      !> Curvature that the functions leave out (stations); axial force, shear force, bending moment by equilibrium (3, stations)
-      real(wp), intent(in) :: lack(:), forces(:, :)
+      !> Curvature and stretch that the functions leave out (2, stations); axial force, shear force, bending moment by equilibrium
+      !> (3, stations)
+      real(wp), intent(in) :: lack(:, :), forces(:, :)
       real(wp) :: amplitude, present(self%held%count), load(self%held%count)
       integer :: j
       if (kind == at_rest) return
       if (.not. self%begun > -huge(t)) self%begun = t
       self%bent = max(self%bent, abs(forces(3, :)))
       self%sheared = max(self%sheared, abs(forces(2, :)))
+      self%drawn = max(self%drawn, abs(forces(1, :)))
       self%pushed = max(self%pushed, sqrt(forces(1, :)**2 + forces(2, :)**2))
       associate (held => self%held, a => exact%angles)
          do j = 1, held%count
@@ -78,19 +96,45 @@ contains
             self%most(j) = max(self%most(j), amplitude)
             self%late(j) = max(self%late(j), amplitude*min(opposite, sqrt(held%omega2(j))*held%error(j)*(t - self%begun)))
          end do
+         call observe_stretch(self, exact, kind, eta(a + 1:), acceleration(a + 1:), lack(2, :))
          select case (kind)
          case (at_start)
             ! Of what is in balance nothing vibrates
             j = (held%count + 1)/2
-            if (held%count > 0) call add_jump(self, exact, lack*share(sum(load(j:)*maxval(abs(held%moment(:, j:)), dim=1)), &
+            if (held%count > 0) call add_jump(self, exact, lack(1, :)*share(sum(load(j:)*maxval(abs(held%moment(:, j:)), dim=1)), &
                & sum(present(j:)*maxval(abs(held%moment(:, j:)), dim=1))))
          case (before_break)
             self%before = lack
          case (behind_break)
-            call add_jump(self, exact, lack - self%before)
+            call add_jump(self, exact, lack(1, :) - self%before(1, :))
          end select
       end associate
    end subroutine observe_sudden
+
+   !> The same along the axis, eq. (Q8): each function of the strain vibrates by itself, the upper half of them is late at once.
+   subroutine observe_stretch(self, exact, kind, eta, acceleration, lack)
+      type(sudden_type), intent(inout) :: self
+      type(exact_type), intent(in) :: exact
+      integer, intent(in) :: kind
+      !> Coordinates of the strain less those at rest, and their second derivatives (strains, then those of the shear)
+      real(wp), intent(in) :: eta(:), acceleration(:)
+      !> Stretch that the functions leave out (stations)
+      real(wp), intent(in) :: lack(:)
+      real(wp) :: ring(size(lack)), loads, presents
+      integer :: b
+      loads = 0.0_wp
+      presents = 0.0_wp
+      ring = 0.0_wp
+      do b = 1, size(self%omega2)
+         loads = loads + abs(acceleration(b))/self%omega2(b)*maxval(abs(exact%chi(1, b, :)))
+         presents = presents + abs(eta(b))*maxval(abs(exact%chi(1, b, :)))
+         if (2*b > size(self%omega2)) ring = ring + abs(acceleration(b)/self%omega2(b)*exact%chi(1, b, :))
+      end do
+      self%ring = max(self%ring, exact%section(of_ea, :)*ring)
+      if (size(self%omega2) == 0) return
+      if (kind == at_start) self%pull = self%pull + (exact%section(of_ea, :)*lack*share(loads, presents))**2
+      if (kind == behind_break) self%pull = self%pull + (exact%section(of_ea, :)*(lack - self%before(2, :)))**2
+   end subroutine observe_stretch
 
    pure real(wp) function share(part, rest)
       real(wp), intent(in) :: part, rest
@@ -141,7 +185,14 @@ contains
       lost = lost_forces(self, self%held%shear, self%shear)
    end function lost_shears
 
-   !> The same of either.
+   !> Axial forces that are off at most (stations).
+   pure function lost_pulls(self) result(lost)
+      type(sudden_type), intent(in) :: self
+      real(wp) :: lost(size(self%pull))
+      lost = opposite*self%ring + beyond*sqrt(maxval(self%pull))
+   end function lost_pulls
+
+   !> The same of moments and shear forces.
    pure function lost_forces(self, field, jump) result(lost)
       type(sudden_type), intent(in) :: self
       !> Of unit amplitudes (stations, vibrations); squares that jumped (stations)
@@ -180,7 +231,10 @@ contains
       whole%place = max(whole%place, part%place)
       whole%bent = max(whole%bent, part%bent)
       whole%sheared = max(whole%sheared, part%sheared)
+      whole%drawn = max(whole%drawn, part%drawn)
       whole%pushed = max(whole%pushed, part%pushed)
+      whole%pull = max(whole%pull, part%pull)
+      whole%ring = max(whole%ring, part%ring)
    end subroutine join_sudden
 
    !> Saves or restores it.
@@ -195,7 +249,10 @@ contains
       call snapshot%exchange('jump_place', self%place)
       call snapshot%keep('bent', self%bent)
       call snapshot%keep('sheared', self%sheared)
+      call snapshot%keep('drawn', self%drawn)
       call snapshot%keep('pushed', self%pushed)
+      call snapshot%keep('jump_pull', self%pull)
+      call snapshot%keep('ring', self%ring)
       call snapshot%keep('before', self%before)
    end subroutine exchange_sudden
 

@@ -36,10 +36,10 @@ module limber_analysis_function_watch
       !> Vibrations that it does not follow, and layers
       type(sudden_type) :: sudden
       type(layers_type) :: layers
-      !> Stations of its joints, and largest components of the normals to its sections there, along the axes of each reaction
-      !> (4, reactions)
+      !> Stations of its joints, and largest components of the axes of its sections there, along those of each reaction: of the axes
+      !> across the beam and of those along it (4, reactions)
       integer, allocatable :: held_at(:)
-      real(wp), allocatable :: across(:, :)
+      real(wp), allocatable :: across(:, :), along(:, :)
    end type beam_watch_type
 
    !> The force of a joint that channels ask for
@@ -107,7 +107,7 @@ contains
             at(2*i) = station_of(model, self%beams(k)%body, model%joints(i)%points(2))
          end do
          self%beams(k)%held_at = pack(at, at > 0)
-         allocate (self%beams(k)%across(4, size(self%reactions)), source=0.0_wp)
+         allocate (self%beams(k)%across(4, size(self%reactions)), self%beams(k)%along(4, size(self%reactions)), source=0.0_wp)
       end do
    end subroutine start_reactions
 
@@ -161,13 +161,15 @@ contains
       end associate
       do i = 1, size(self%beams)
          first = system%layout%q(self%beams(i)%body)
-         associate (exact => system%model%bodies(self%beams(i)%body)%reduced%exact, across => self%beams(i)%across(:, which))
-            do k = 1, size(self%beams(i)%held_at)
-               associate (at => self%beams(i)%held_at(k))
+         associate (exact => system%model%bodies(self%beams(i)%body)%reduced%exact, beam => self%beams(i))
+            do k = 1, size(beam%held_at)
+               associate (at => beam%held_at(k))
                   angle = exact%lean(at) + dot_product(exact%psi(:, at), q(first + 4:first + 3 + exact%angles))
                end associate
                normal = along(q(first + 2:first + 3), [-sin(angle), cos(angle)])
-               across = max(across, abs([normal, dot_product(axes, normal), cross(axes, normal)]))
+               beam%across(:, which) = max(beam%across(:, which), abs([normal, dot_product(axes, normal), cross(axes, normal)]))
+               normal = -turn(normal)
+               beam%along(:, which) = max(beam%along(:, which), abs([normal, dot_product(axes, normal), cross(axes, normal)]))
             end do
          end associate
       end do
@@ -239,7 +241,7 @@ contains
          a = exact%angles
          call find_lack(beam, system, eta, rate, lack)
          bend = lack(1, :)
-         call observe_sudden(beam%sudden, exact, state, t, eta - exact%rest, acceleration, bend, beam%effort%exact)
+         call observe_sudden(beam%sudden, exact, state, t, eta - exact%rest, acceleration, lack(:2, :), beam%effort%exact)
          call observe_layers(beam%layers, exact, t, eta, beam%effort%exact)
          do k = 1, exact%stations
             own = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
@@ -319,6 +321,7 @@ contains
             call join_sudden(own%sudden, beam%sudden)
             call join_layers(own%layers, beam%layers)
             beam%across = max(beam%across, own%across)
+            beam%along = max(beam%along, own%along)
          end associate
       end do
       do i = 1, size(whole%reactions)
@@ -341,6 +344,7 @@ contains
          call self%beams(i)%sudden%exchange(snapshot)
          call self%beams(i)%layers%exchange(snapshot)
          call snapshot%keep('across', self%beams(i)%across)
+         call snapshot%keep('along', self%beams(i)%along)
       end do
       if (.not. allocated(self%reactions)) return
       do i = 1, size(self%reactions)

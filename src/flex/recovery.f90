@@ -46,18 +46,51 @@ module limber_flex_recovery
 
 contains
 
-   !> Sections on both sides of all nodes, from the start of each member to its end; none if they are not wanted.
-   pure function all_sections(frame, wanted) result(sections)
+   !> Sections on both sides of all nodes, of the places given, and of as many even intervals of each member; from the start of each
+   !> member to its end.
+   pure function all_sections(frame, places, intervals) result(sections)
       type(frame_type), intent(in) :: frame
-      logical, intent(in) :: wanted
+      !> Where something acts, or the member changes: only `member` and `x` count
+      type(section_type), intent(in) :: places(:)
+      integer, intent(in) :: intervals
       type(section_type), allocatable :: sections(:)
-      integer :: e
-      allocate (sections(merge(2*size(frame%member), 0, wanted)))
-      do e = 1, size(sections)/2
-         sections(2*e - 1) = section_type(frame%member(e), frame%from(e), .true.)
-         sections(2*e) = section_type(frame%member(e), frame%from(e) + frame%length(e), .false.)
+      integer :: m, i
+      allocate (sections(0))
+      do m = 1, size(frame%first) - 1
+         associate (e => frame%first(m), last => frame%first(m + 1) - 1)
+            associate (end => frame%from(last) + frame%length(last))
+               sections = [sections, both_sides(m, different([frame%from(e:last), [(end*i/intervals, i=1, intervals)], &
+                  & pack(places%x, places%member == m)], end))]
+            end associate
+         end associate
       end do
    end function all_sections
+
+   !> The sections of a member on both sides of places, but before its start and behind its end.
+   pure function both_sides(member, x) result(sections)
+      integer, intent(in) :: member
+      !> [length]
+      real(wp), intent(in) :: x(:)
+      type(section_type) :: sections(2*size(x) - 2)
+      integer :: i
+      sections = [(section_type(member, x(i), .true.), section_type(member, x(i + 1), .false.), i=1, size(x) - 1)]
+   end function both_sides
+
+   !> Coordinates in their order, from 0 to the end, without those that lie at another one. Earlier ones of the list are kept.
+   pure function different(list, end) result(x)
+      !> [length]
+      real(wp), intent(in) :: list(:), end
+      real(wp), allocatable :: x(:)
+      !> Distance of places that are the same, of the length
+      real(wp), parameter :: near = 1.0e-9_wp
+      integer :: i, k
+      x = [0.0_wp, end]
+      do i = 1, size(list)
+         if (minval(abs(x - list(i))) <= near*end .or. list(i) < 0.0_wp .or. list(i) > end) cycle
+         k = count(x < list(i))
+         x = [x(:k), list(i), x(k + 1:)]
+      end do
+   end function different
 
    !> Makes the coefficients.
    subroutine new_recovery(frame, shape, body, sections, places, recovery, error)

@@ -7,7 +7,7 @@ module limber_model_stresses
    use limber_flex_frame, only: frame_type, beam_frame
    use limber_flex_recovery, only: section_type, load_place_type, recovery_type, new_recovery, exact_recovery, all_sections
    use limber_model_quantities, only: is_internal_force
-   use limber_model_scene, only: model_type
+   use limber_model_scene, only: model_type, joint_sliding
    use limber_model_spreads, only: spread_parts
    use limber_base_kinds, only: wp
    implicit none
@@ -46,7 +46,8 @@ contains
       !> Index of the body, and its number of sections at points
       integer, intent(in) :: index, count
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(section_type) :: sections(count)
+      type(section_type) :: at_points(count)
+      type(section_type), allocatable :: sections(:)
       type(load_place_type), allocatable :: places(:)
       type(frame_type) :: frame
       type(error_type), allocatable :: error
@@ -55,27 +56,68 @@ contains
       do i = 1, size(model%points)
          associate (point => model%points(i))
             if (point%body /= index .or. point%member == 0) cycle
-            if (point%section > 0) sections(point%section) = section_type(point%member, point%along, .not. point%along > 0.0_wp)
+            if (point%section > 0) at_points(point%section) = section_type(point%member, point%along, .not. point%along > 0.0_wp)
          end associate
       end do
+      sections = at_points
       allocate (places(own_points(model, index)))
-      call spread_places(model, index, sections, places)
       associate (body => model%bodies(index))
          if (body%is_frame) then
-            call new_recovery(body%mesh, body%shape, body%reduced, &
-               & [sections, all_sections(body%mesh, body%envelope)], places, body%recovery, error)
+            frame = body%mesh
+            shape = body%shape
          else
             call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
-            if (body%reduced%is_exact) then
-               call exact_recovery([sections, all_sections(frame, body%envelope)], places, body%recovery)
-               return
-            end if
-            call new_recovery(frame, shape, body%reduced, &
-               & [sections, all_sections(frame, body%envelope)], places, body%recovery, error)
          end if
+         if (body%envelope) sections = [sections, all_sections(frame, acted_places(model, index), envelope_intervals(model, index))]
+         call spread_places(model, index, sections, places)
+         if (body%reduced%is_exact) then
+            call exact_recovery(sections, places, body%recovery)
+            return
+         end if
+         call new_recovery(frame, shape, body%reduced, sections, places, body%recovery, error)
          if (allocated(error)) call diagnostics%add(origin_type(file=1), "internal forces of '"//body%name//"': "//error%message)
       end associate
    end subroutine add_recovery
+
+   !> Where internal forces and stresses of a body may jump or have a corner, to an envelope: its points, the ends of loads along
+   !> it, concentrated masses, changes of the cross-section.
+   pure function acted_places(model, index) result(places)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: index
+      type(section_type), allocatable :: places(:)
+      integer :: i, k
+      allocate (places(0))
+      do i = 1, size(model%points)
+         associate (point => model%points(i))
+            if (point%body /= index .or. point%member == 0) cycle
+            places = [places, section_type(point%member, point%along)]
+            do k = 1, size(model%spreads)
+               if (model%spreads(k)%point == i) places = [places, section_type(point%member, model%spreads(k)%ends(1)), &
+                  & section_type(point%member, model%spreads(k)%ends(2))]
+            end do
+         end associate
+      end do
+      associate (body => model%bodies(index))
+         if (allocated(body%fibres%at)) places = [places, [(section_type(1, body%fibres%at(i)), i=1, ubound(body%fibres%at, 1))]]
+         if (body%reduced%is_exact) places = [places, [(section_type(1, body%reduced%exact%lump_at(i)), &
+            & i=1, size(body%reduced%exact%lump_at))]]
+      end associate
+   end function acted_places
+
+   !> Even intervals of each member that an envelope looks at least at: that the top of a parabola or of the highest function is not
+   !> missed; more where a point slides along, whose force has no place of its own.
+   pure integer function envelope_intervals(model, index) result(intervals)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: index
+      integer, parameter :: least = 40, for_each = 4, for_slides = 200
+      integer :: i
+      intervals = least
+      if (model%bodies(index)%reduced%is_exact) intervals = max(least, for_each*model%bodies(index)%reduced%exact%angles)
+      do i = 1, size(model%joints)
+         if (model%joints(i)%kind /= joint_sliding) cycle
+         if (model%points(model%joints(i)%points(2))%body == index) intervals = max(intervals, for_slides)
+      end do
+   end function envelope_intervals
 
    !> Sections at all stations of an exact beam.
    subroutine recover_stations(model, index, recovery)

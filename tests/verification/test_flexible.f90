@@ -70,13 +70,13 @@ contains
       allocate (shear, source=channel(reader, 'shear_force_portal_left_foot'))
       allocate (stress, source=channel(reader, 'stress_top_portal_left_foot'))
       allocate (balance, source=channel(reader, 'balance'))
-      ! The envelope has 24 sections of each member, the first at its start, the last at its end
+      ! The envelope has two sections at each twelfth and fortieth of each member, the first at its start, the last at its end
       call reader%read_table('/bodies/portal/envelope/bending_moment', envelope, error)
       call check_no_error(error, 'portal: envelope')
-      call check(size(envelope, 1) == 2 .and. size(envelope, 2) == 96, 'portal: sections of the envelope')
+      call check(size(envelope, 1) == 2 .and. size(envelope, 2) == 384, 'portal: sections of the envelope')
       call check(maxval(abs(envelope(:, 1) - [minval(foot), maxval(foot)])) <= 1.0e-9_wp*maxval(abs(foot)), &
          & 'portal: envelope of the moment at the foot')
-      call check(all(envelope(1, :) <= envelope(2, :)) .and. maxval(abs(envelope(:, 2:22:2) - envelope(:, 3:23:2))) &
+      call check(all(envelope(1, :) <= envelope(2, :)) .and. maxval(abs(envelope(:, 2:94:2) - envelope(:, 3:95:2))) &
          & <= 1.0e-6_wp*maxval(abs(foot)), 'portal: the moment does not jump within a member')
       call reader%read_table('/bodies/portal/envelope/stress_top', envelope, error)
       call check_no_error(error, 'portal: envelope of the stress')

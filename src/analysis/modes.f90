@@ -1,5 +1,5 @@
 !> The modal analysis: frequencies, damping and shapes of small vibrations about the present state, at rest or in steady
-!> rotation, preloaded as a static analysis has left it. Floor: analysis. Source: doc/theory, eqs. (110)-(113).
+!> rotation, preloaded as a static analysis has left it. Floor: analysis. Source: doc/theory, eqs. (110)-(114).
 module limber_analysis_modes
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
@@ -77,6 +77,8 @@ contains
       if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
       if (allocated(error)) return
       report = table(scene, vibrations, step%damped)
+      if (size(vibrations%frequency) < step%modes .and. report /= '') report = report//newline// &
+         & '      these are all: nothing else in the scene can vibrate'
       call cpu_time(cpu)
       outcome%cpu = outcome%cpu + cpu
       outcome%wall = seconds_since(tick)

@@ -8,7 +8,7 @@ module limber_analysis_small_motions
    use limber_system_equilibrium, only: equilibrium_type, linearise_balance
    use limber_system_freedom, only: find_freedom, has_potential
    use limber_system_held, only: held_type, new_held, rest_multipliers
-   use limber_system_krylov, only: is_large
+   use limber_system_krylov, only: is_large, vectors_for
    use limber_system_system, only: system_type
    use limber_system_tangent, only: gather
    use limber_system_vibrations, only: vibrations_type, find_vibrations, find_large_vibrations, add_rotation_damping, &
@@ -38,11 +38,11 @@ contains
       end if
    end subroutine lowest_vibrations
 
-   !> Whether there are more free motions than wanted modes, as ARPACK needs it.
+   !> Whether there are more free motions than ARPACK takes vectors for the wanted modes.
    pure logical function has_enough(system, wanted)
       type(system_type), intent(in) :: system
       integer, intent(in) :: wanted
-      has_enough = system%layout%nw - system%nc > wanted
+      has_enough = system%layout%nw - system%nc > vectors_for(wanted)
    end function has_enough
 
    !> Velocity terms that count.

@@ -15,7 +15,7 @@ module limber_system_krylov
    use limber_system_tangent_products, only: times_mass
    implicit none
    private
-   public :: nearest_eigenvalues, sort, is_large, by_mass, by_scales
+   public :: nearest_eigenvalues, sort, is_large, vectors_for, by_mass, by_scales
 
    !> Metrics: K x = lambda M x [1/time^2]; K x = lambda diag(s)^-2 x [energy]
    integer, parameter :: by_mass = 1, by_scales = 2
@@ -30,8 +30,14 @@ contains
       is_large = system%layout%nw + system%nc > large
    end function is_large
 
+   !> Vectors that ARPACK takes for some eigenvalues.
+   pure integer function vectors_for(wanted)
+      integer, intent(in) :: wanted
+      vectors_for = max(2*wanted + 1, 20)
+   end function vectors_for
+
    !> The eigenvalues nearest to a shift, in ascending distance, with their motions.
-   subroutine nearest_eigenvalues(system, tangent, metric, shift, wanted, value, motion, done)
+   subroutine nearest_eigenvalues(system, tangent, metric, shift, wanted, value, motion, done, but)
       type(system_type), intent(in) :: system
       !> At the state; its matrix is filled and factored
       type(tangent_type), intent(inout) :: tangent
@@ -43,8 +49,11 @@ contains
       real(wp), intent(out) :: value(:), motion(:, :)
       !> False if the matrix is singular, ARPACK does not converge, or a signal asks for the end
       logical, intent(out) :: done
+      !> Motions (nw, number), orthonormal in the metric, beside which others are looked for
+      real(wp), intent(in), optional :: but(:, :)
       integer :: ido, ncv, iparam(11), ipntr(11), lworkl, info, from, to, i, n
-      real(wp), allocatable :: resid(:), basis(:, :), workd(:), workl(:), scale(:), solution(:), ritz(:), found(:, :)
+      real(wp), allocatable :: resid(:), basis(:, :), workd(:), workl(:), scale(:), solution(:), ritz(:), found(:, :), &
+         & weighted(:, :)
       integer, allocatable :: order(:)
       logical, allocatable :: select(:)
       logical :: singular
@@ -56,11 +65,17 @@ contains
       call tangent%matrix%factor(singular)
       done = .not. singular
       if (singular) return
-      ncv = min(n, max(2*wanted + 1, 20))
+      ncv = min(n, vectors_for(wanted))
       lworkl = ncv*(ncv + 8)
       allocate (resid(n), basis(n, ncv), workd(3*n), workl(lworkl), select(ncv), scale(n), solution(n + system%nc), ritz(wanted))
       allocate (order(wanted), found(n, wanted))
       scale = rate_scales(system)
+      if (present(but)) then
+         allocate (weighted(n, size(but, 2)))
+         do i = 1, size(but, 2)
+            call apply_metric(but(:, i), weighted(:, i))
+         end do
+      end if
       ! A start vector without symmetry, the same in every run, in the range of the operator
       workd(:n) = scale*[(modulo(i*golden, 1.0_wp) - 0.5_wp, i=1, n)]
       call apply_metric(workd(:n), workd(n + 1:2*n))
@@ -116,6 +131,7 @@ contains
          solution(n + 1:) = 0.0_wp
          call tangent%matrix%solve(solution)
          y = solution(:n)
+         if (present(but)) y = y - matmul(but, matmul(y, weighted))
       end subroutine apply_inverse
 
    end subroutine nearest_eigenvalues

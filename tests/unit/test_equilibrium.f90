@@ -8,6 +8,7 @@ program test_equilibrium
    use limber_model_scene, only: model_type, ground, joint_revolute
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: linearise, accelerations
+   use limber_system_eigenmodes, only: quadratic_modes, symmetric_modes
    use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, linearise_balance
    use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness
    use limber_system_held, only: held_type, new_held, held_position, held_motion
@@ -17,8 +18,7 @@ program test_equilibrium
    use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
    use limber_system_tangent_products, only: times_stiffness
-   use limber_system_vibrations, only: find_large_vibrations, find_vibrations, no_damping, quadratic_modes, symmetric_modes, &
-      & vibrations_type
+   use limber_system_vibrations, only: find_large_vibrations, find_vibrations, no_damping, vibrations_type
    use scenes, only: add_beam, add_driver, constant_law, derivative, empty_model, join, random, slider_crank
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -29,6 +29,12 @@ program test_equilibrium
    call test_freedom()
    call test_held()
    call test_eigenvalues()
+   call test_spectrum([0.0_wp, 269.0_wp, 819.0_wp, 1449.0_wp, 1.0e5_wp], 0)
+   call test_spectrum([0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 3.0_wp, 1.0e3_wp, 1.0e5_wp], 0)
+   call test_spectrum([0.0_wp, 0.0_wp, 2.0_wp, 5.0_wp, 700.0_wp], 2)
+   call test_spectrum([-3.0_wp, 0.0_wp, 2.0_wp, 5.0_wp, 1.0e4_wp], 1)
+   call test_spectrum([1.0e-2_wp, 5.0_wp, 1.0e3_wp], 3)
+   call test_spectrum([0.0_wp, 0.0_wp], 0)
    call test_large()
    call test_large_vibrations(.true.)
    call test_large_vibrations(.false.)
@@ -198,6 +204,57 @@ contains
       call check(size(value) == n, 'a free coordinate has a mode')
       call check_close(abs(value(1)), 0.0_wp, 1.0e-6_wp, 'of no frequency')
    end subroutine test_eigenvalues
+
+   !> Spectra that are known, K = M X diag(omega^2) X^T M with X^T M X = 1: free motions, motions without mass, and growth, beside
+   !> frequencies over eight decades. As many come out as go in.
+   subroutine test_spectrum(frequency, light)
+      !> Circular frequencies; negative: rates of growth
+      real(wp), intent(in) :: frequency(:)
+      !> Motions without mass
+      integer, intent(in) :: light
+      real(wp), allocatable :: shape(:, :), mass(:, :), stiffness(:, :), weighted(:, :)
+      complex(wp), allocatable :: value(:), vector(:, :)
+      real(wp) :: wanted, zero
+      integer :: n, i, j, k, way
+      ! The round-off of the largest
+      zero = 1.0e-12_wp*maxval(frequency)**2
+      n = size(frequency) + light
+      allocate (shape(n, n), mass(n, n), stiffness(n, n), weighted(n, n))
+      do j = 1, n
+         do i = 1, n
+            shape(i, j) = random() + merge(2.0_wp, 0.0_wp, i == j)
+         end do
+      end do
+      ! In coordinates y = shape x, of masses 0.01, 0.1, 1
+      mass = 0.0_wp
+      stiffness = 0.0_wp
+      do j = 1, n
+         weighted(:, j) = [(shape(i, j)*merge(10.0_wp**(-modulo(i, 3)), 0.0_wp, i > light), i=1, n)]
+      end do
+      mass = matmul(transpose(shape), weighted)
+      do j = 1, n
+         weighted(:, j) = 1.0e4_wp*shape(:, j)
+         do i = light + 1, n
+            k = i - light
+            weighted(i, j) = shape(i, j)*10.0_wp**(-modulo(i, 3))*frequency(k)*abs(frequency(k))
+         end do
+      end do
+      stiffness = matmul(transpose(shape), weighted)
+      do way = 1, 2
+         if (way == 1) call symmetric_modes(mass, stiffness, n, value, vector)
+         if (way == 2) call quadratic_modes(mass, 0*mass, stiffness, 2*n, value, vector)
+         call check(allocated(value), 'a spectrum is found')
+         if (.not. allocated(value)) return
+         call check(size(value) == size(frequency) .or. way == 2, 'as many modes as motions with mass')
+         do k = 1, size(frequency)
+            wanted = abs(frequency(k))
+            call check(any(abs(abs(value)**2 - wanted**2) <= 1.0e-7_wp*wanted**2 + zero), 'a mode of a known spectrum')
+         end do
+         ! Round-off may part s = 0 into a pair
+         call check(count(abs(value)**2 <= zero) == count(abs(frequency) <= 0.0_wp) .or. way == 2 .and. count(abs(value)**2 &
+            & <= zero) >= count(abs(frequency) <= 0.0_wp), 'as many free motions as there are')
+      end do
+   end subroutine test_spectrum
 
    !> A beam with many modes, clamped or hinged at its start.
    function cantilever(clamped) result(model)

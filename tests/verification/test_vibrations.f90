@@ -1,5 +1,5 @@
 !> Modal analysis against theory: rotating cantilever at many speeds, a damped oscillator, a free bar, a loaded column, shafts that
-!> turn freely.
+!> turn freely, see-saws.
 !> Usage, in tests/: test_vibrations RESULT_FILE
 program test_vibrations
    use limber_base_kinds, only: wp
@@ -23,6 +23,7 @@ program test_vibrations
    call check_column()
    call check_long()
    call check_free()
+   call check_see_saw()
    call finish()
 
 contains
@@ -99,6 +100,60 @@ contains
       call check_close(frequency(3), 615.14901972_wp, 1.0e-6_wp, 'gears: third frequency')
       call reader%close()
    end subroutine check_free
+
+   !> Beams on a hinge between their ends, of lengths at which the stiffness of the free motion was round-off of either sign: the zero
+   !> takes no other frequency away. They are roots of the equation of two beams that share the angle and the moment at the hinge.
+   subroutine check_see_saw()
+      real(wp), parameter :: lengths(6) = [1.3_wp, 1.9_wp, 2.0_wp, 2.2_wp, 2.6_wp, 2.7_wp], near = 2.0e-4_wp
+      character(6), parameter :: kinds(2) = [character(6) :: 'plain', 'damped']
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:)
+      character(20) :: changed(1)
+      integer :: i, j, k
+      do i = 1, size(lengths)
+         changed(1) = 'length = '//as_text(lengths(i), 3)
+         call run_changed('verification/see_saw.inp', trim(results), [character(20) :: 'length = 2.2'], changed, reader)
+         do j = 1, size(kinds)
+            call reader%read_numbers('/modes/'//trim(kinds(j))//'/frequency', frequency, error)
+            call check_no_error(error, 'see-saw')
+            call check(size(frequency) == 5, 'see-saw: all modes that are wanted')
+            call check_close(frequency(1), 0.0_wp, 0.0_wp, 'see-saw: it turns freely')
+            do k = 2, size(frequency)
+               call check(hinge(lengths(i), (1 - near)*frequency(k))*hinge(lengths(i), (1 + near)*frequency(k)) < 0.0_wp, &
+                  & 'see-saw: frequency '//as_text(k))
+            end do
+            call check(signs(lengths(i), (1 + near)*frequency(5)) == 4, 'see-saw: none is left out')
+         end do
+         call reader%close()
+      end do
+   end subroutine check_see_saw
+
+   !> Zero at a frequency of bending: the sum of what both parts oppose to an angle at the hinge, without the poles.
+   pure real(wp) function hinge(length, omega)
+      real(wp), intent(in) :: length, omega
+      real(wp), parameter :: hole = 0.3_wp
+      real(wp) :: part(2)
+      ! sqrt(EI/(rho A)) of a rectangle of height 0.044
+      part = sqrt(omega/(sqrt(2.0e11_wp/7800)*0.044_wp/sqrt(12.0_wp)))*[hole, length - hole]
+      hinge = turning(part(1))*(1 + cos(part(2))*cosh(part(2))) + turning(part(2))*(1 + cos(part(1))*cosh(part(1)))
+   end function hinge
+
+   pure real(wp) function turning(x)
+      real(wp), intent(in) :: x
+      turning = cos(x)*sinh(x) - sin(x)*cosh(x)
+   end function turning
+
+   !> Changes of sign of `hinge` below a frequency.
+   pure integer function signs(length, omega)
+      real(wp), intent(in) :: length, omega
+      integer, parameter :: parts = 2000
+      integer :: k
+      signs = 0
+      do k = 1, parts - 1
+         if (hinge(length, k*omega/parts)*hinge(length, (k + 1)*omega/parts) < 0.0_wp) signs = signs + 1
+      end do
+   end function signs
 
    !> Mass, spring and damper: s = -zeta omega + i omega sqrt(1 - zeta^2).
    subroutine check_oscillator()

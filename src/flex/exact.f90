@@ -10,8 +10,8 @@ module limber_flex_exact
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_finite, only: dsyev
-   use limber_flex_exact_functions, only: exact_choice_type, candidate_moments, count_of_places, layer_places, &
-      & legendre, sorted
+   use limber_flex_exact_functions, only: exact_choice_type, candidate_moments, count_of_places, axial_forces, &
+      & layer_places, legendre, sorted
    use limber_flex_exact_profile, only: profile_type, uniform_profile, profile_at, of_ea, of_ei, of_ga, of_mass, of_rotary, &
       & profile_values
    use limber_flex_mesh, only: beam_type
@@ -228,16 +228,15 @@ contains
       end do
    end subroutine integrate_angles
 
-   !> Strains of axial forces that are polynomials, then of the shear forces that go with the bending moments, eq. (X22).
+   !> Strains of axial forces, then of the shear forces that go with the bending moments, eq. (X22).
    pure subroutine strain_functions(choice, exact)
       type(exact_choice_type), intent(in) :: choice
       type(exact_type), intent(inout) :: exact
-      real(wp) :: axial(exact%stations, choice%strains), slopes(exact%stations, exact%angles), moment(exact%stations)
-      real(wp) :: stretch(choice%strains, exact%stations), slide(exact%angles, exact%stations)
+      real(wp) :: slopes(exact%stations, exact%angles), moment(exact%stations), slide(exact%angles, exact%stations)
+      real(wp), allocatable :: axial(:, :), stretch(:, :)
       integer :: i, taken
-      do i = 1, choice%strains
-         axial(:, i) = legendre(i - 1, 2*exact%s/exact%total - 1)
-      end do
+      allocate (axial, source=axial_forces(choice, exact%total, exact%s))
+      allocate (stretch(size(axial, 2), exact%stations))
       call take_independent(exact%weight, exact%section(of_ea, :), axial, stretch, taken)
       if (choice%shear) then
          do i = 1, exact%angles
@@ -248,11 +247,11 @@ contains
          end do
          call take_independent(exact%weight, exact%section(of_ga, :), slopes, slide, exact%shears)
       end if
-      exact%strains = choice%strains + exact%shears
+      exact%strains = taken + exact%shears
       allocate (exact%chi(2, exact%strains, exact%stations))
       exact%chi = 0.0_wp
-      exact%chi(1, :choice%strains, :) = stretch
-      exact%chi(2, choice%strains + 1:, :) = slide(:exact%shears, :)
+      exact%chi(1, :taken, :) = stretch(:taken, :)
+      exact%chi(2, taken + 1:, :) = slide(:exact%shears, :)
    end subroutine strain_functions
 
    !> Masses of the stations and of what is concentrated on the beam.

@@ -9,7 +9,7 @@ module limber_flex_exact_functions
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, count_bending_modes, slope_at
    implicit none
    private
-   public :: exact_choice_type, candidate_moments, count_of_places, layer_places, legendre, sorted
+   public :: exact_choice_type, candidate_moments, count_of_places, axial_forces, layer_places, legendre, sorted
 
    !> Polynomials up to this degree are taken by turns with the modes
    integer, parameter :: early_degree = 3
@@ -33,6 +33,8 @@ module limber_flex_exact_functions
       real(wp), allocatable :: kinks(:), steps(:)
       !> Places within the beam where a spread load begins or ends: the slope of the curvature has a kink there
       real(wp), allocatable :: corners(:)
+      !> Places within the beam where the axial force may jump, and joints feel how the parts between them stretch; unallocated: none
+      real(wp), allocatable :: pulls(:)
       !> Lengths in which bending dies away where a large tension keeps the beam straight, ascending; unallocated: no functions for
       !> that. Whether it does so at the start, at the end
       real(wp), allocatable :: layers(:)
@@ -216,6 +218,25 @@ contains
       number = size(sorted(choice%kinks, length)) + size(sorted(choice%steps, length)) + size(sorted(choice%corners, length))
       if (allocated(choice%layers)) number = number + size(choice%layers)*size(layer_places(choice, length))
    end function count_of_places
+
+   !> Axial forces at the stations: polynomials, as many as the deck counts, and those that jump where joints hold the beam, which
+   !> makes the stretch of each part between them right (stations, count). None for a beam that does not stretch. Eq. (X22).
+   pure function axial_forces(choice, length, s) result(forces)
+      type(exact_choice_type), intent(in) :: choice
+      !> Of the beam; coordinates of the stations [length]
+      real(wp), intent(in) :: length, s(:)
+      real(wp), allocatable :: forces(:, :), places(:)
+      integer :: i
+      allocate (places(0))
+      if (allocated(choice%pulls) .and. choice%strains > 0) places = sorted(choice%pulls, length)
+      allocate (forces(size(s), choice%strains + size(places)))
+      do i = 1, choice%strains
+         forces(:, i) = legendre(i - 1, 2*s/length - 1)
+      end do
+      do i = 1, size(places)
+         forces(:, choice%strains + i) = merge(1.0_wp, 0.0_wp, s > places(i))
+      end do
+   end function axial_forces
 
    !> One more candidate, with polynomials that make it meet the conditions.
    subroutine append_moment(natural, ends, moment, candidates)

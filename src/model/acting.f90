@@ -1,10 +1,11 @@
 !> Where joints, drivers and loads of a deck act on a body, known before its points are, for these need the coordinates that
 !> follow from it. Floor: model.
 module limber_model_acting
+   use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type
    implicit none
    private
-   public :: acting_type, acting_points
+   public :: acting_type, acting_points, find_shared
 
    !> A point that something acts on
    type :: acting_type
@@ -12,6 +13,9 @@ module limber_model_acting
       character(64) :: name = ''
       !> Whether forces and couples act there, and whether joints hold the point, and the section at it
       logical :: force = .false., couple = .false., held = .false., clamped = .false.
+      !> Whether joints hold this point within the body against another one of it, or a driver their distance: then the forces there
+      !> may depend on how the body stretches between them; whether both are held by one body, so that they do
+      logical :: shared = .false., firm = .false.
    end type acting_type
 
 contains
@@ -40,6 +44,132 @@ contains
          end associate
       end do
    end subroutine acting_points
+
+   !> Which points within a body are held against another point of it, by joints and bodies that close a loop, or by a driver of
+   !> their distance.
+   subroutine find_shared(deck, body, inner, points)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: body
+      !> Whether a point lies within the body, not at its ends (points)
+      logical, intent(in) :: inner(:)
+      type(acting_type), intent(inout) :: points(:)
+      !> The points that are held, and the nodes of the bodies at the other side
+      character(64), allocatable :: own(:)
+      integer, allocatable :: partner(:), first(:)
+      !> Of each block, and of the ground (0), the one that stands for all that is joined
+      integer :: node(0:size(deck%blocks))
+      character(64) :: names(2)
+      integer :: i, k
+      logical :: mine(2)
+      if (.not. any(inner .and. points%force)) return
+      allocate (own(0), partner(0))
+      node = [(i, i=0, size(deck%blocks))]
+      do i = 1, size(deck%blocks)
+         associate (block => deck%blocks(i))
+            select case (block%keyword)
+            case ('JOINT', 'BUSHING')
+               if (.not. has_pair(block)) cycle
+               if (block%keyword == 'JOINT') then
+                  if (.not. holds_along(deck, block, body)) cycle
+               end if
+               names = [character(64) :: block%lines(1)%text(1), block%lines(1)%text(2)]
+            case ('DRIVER')
+               if (.not. (block%has('POINT') .and. block%has('TO'))) cycle
+               names = [character(64) :: block%text('POINT'), block%text('TO')]
+            case default
+               cycle
+            end select
+            mine = [(body_of(names(k)) == body, k=1, 2)]
+            if (.not. any(mine)) call join(block_of(names(1)), block_of(names(2)))
+            do k = 1, 2
+               if (.not. mine(k)) cycle
+               own = [own, point_of(names(k))]
+               partner = [partner, block_of(names(3 - k))]
+            end do
+         end associate
+      end do
+      allocate (first, source=partner)
+      do i = 1, size(own)
+         partner(i) = last_of(partner(i))
+      end do
+      do i = 1, size(own)
+         points%shared = points%shared .or. (inner .and. points%name == own(i) .and. &
+            & any(partner == partner(i) .and. own /= own(i)))
+         points%firm = points%firm .or. (inner .and. points%name == own(i) .and. any(first == first(i) .and. own /= own(i)))
+      end do
+
+   contains
+
+      !> The block of the body that a point is one of; 0 for the ground.
+      integer function block_of(name)
+         character(*), intent(in) :: name
+         block_of = deck%find_named('RIGID BODY|BEAM|FRAME|POINT MASS', trim(body_of(name)))
+      end function block_of
+
+      !> The node that stands for all that one is joined to.
+      integer function last_of(from)
+         integer, intent(in) :: from
+         last_of = from
+         do while (node(last_of) /= last_of)
+            node(last_of) = node(node(last_of))
+            last_of = node(last_of)
+         end do
+      end function last_of
+
+      subroutine join(first, second)
+         integer, intent(in) :: first, second
+         node(last_of(first)) = last_of(second)
+      end subroutine join
+
+   end subroutine find_shared
+
+   !> Whether a joint may hold a point of a body along its x axis, as bodies are placed at first: no wheel does, and no line along
+   !> that axis.
+   logical function holds_along(deck, block, body) result(holds)
+      type(deck_type), intent(in) :: deck
+      !> Of the joint
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      !> Sine of the angle between line and axis that is none
+      real(wp), parameter :: nearly = 0.05_wp
+      real(wp) :: angle
+      holds = .false.
+      select case (block%word('TYPE'))
+      case ('GEAR', 'RACK', 'BELT', 'SLIDING')
+         return
+      case ('POINT ON LINE', 'TRANSLATIONAL')
+         angle = block%real('ANGLE') + first_angle(deck, body_of(block%lines(1)%text(2))) - first_angle(deck, body)
+         holds = abs(sin(angle)) > nearly
+      case default
+         holds = .true.
+      end select
+   end function holds_along
+
+   !> Angle at which the deck places a body; 0 for the ground.
+   real(wp) function first_angle(deck, body) result(angle)
+      type(deck_type), intent(in) :: deck
+      character(*), intent(in) :: body
+      integer :: at
+      angle = 0.0_wp
+      at = deck%find_named('RIGID BODY|BEAM|FRAME', trim(body))
+      if (at > 0) angle = deck%blocks(at)%real('ANGLE')
+   end function first_angle
+
+   !> The body of a point `body.point`, or of an origin, which is its name alone.
+   pure function body_of(text) result(name)
+      character(*), intent(in) :: text
+      character(64) :: name
+      name = text
+      if (index(text, '.') > 0) name = text(:index(text, '.') - 1)
+   end function body_of
+
+   !> The name of a point without that of its body.
+   pure function point_of(text) result(name)
+      character(*), intent(in) :: text
+      character(64) :: name
+      name = 'origin'
+      if (index(text, '.') > 0) name = text(index(text, '.') + 1:)
+   end function point_of
 
    subroutine of_joint(block, body, points)
       type(block_type), intent(in) :: block

@@ -7,7 +7,7 @@ module limber_model_beam_choice
    use limber_flex_functions, only: attachment_type
    use limber_flex_mesh, only: beam_type, support_type, new_support, concentrate, put_nodes
    use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
-   use limber_model_acting, only: acting_type, acting_points
+   use limber_model_acting, only: acting_type, acting_points, find_shared
    use limber_model_parts, only: is_part
    use limber_model_beam_layers, only: layer_lengths
    use limber_model_beam_features, only: read_features, refuse_features
@@ -64,6 +64,7 @@ contains
          usable = section > 0 .and. material > 0 .and. diagnostics%count == before .and. body%beam%length > 0.0_wp &
             & .and. body%beam%elements > 0 .and. body%choice%geometric_elements > 0
          if (usable) call check_modes(block, body, diagnostics)
+         if (usable .and. pieces == 1 .and. body%choice%fidelity /= fidelity_exact) call check_parts(deck, index, body, diagnostics)
          usable = usable .and. diagnostics%count == before
       end associate
    end subroutine read_beam
@@ -291,8 +292,10 @@ contains
             if (piece_at(x(i), length, pieces) /= piece) x(i) = -1.0_wp
             if (x(i) >= 0.0_wp) x(i) = max(x(i) - (piece - 1)*length, 0.0_wp)
          end do
-         choice%kinks = pack(x, points%force)
-         choice%steps = pack(x, points%couple)
+         call find_shared(deck, block%name(), x > 0.0_wp .and. x < length, points)
+         choice%kinks = [pack(x, points%force), attached(2)]
+         choice%steps = [pack(x, points%couple), attached(3)]
+         choice%pulls = [pack(x, points%shared), attached(1)]
          choice%corners = ends_of_spreads(deck, block, piece, pieces, length)
          if (allocated(body%beam%mass)) then
             choice%kinks = [choice%kinks, pack(body%beam%place, body%beam%mass > 0.0_wp)]
@@ -323,6 +326,15 @@ contains
 
    contains
 
+      !> Where *ATTACHMENT, or CORRECTIONS=YES, asks for the response to a force along or across the beam, or to a couple.
+      pure function attached(part) result(places)
+         integer, intent(in) :: part
+         real(wp), allocatable :: places(:)
+         associate (named => body%choice%corrections)
+            allocate (places, source=pack(named%x, named%part == part))
+         end associate
+      end function attached
+
       !> Whether any of the points where it may act is at an end.
       pure logical function acts(end, where)
          real(wp), intent(in) :: end
@@ -347,6 +359,36 @@ contains
       end function end_support
 
    end subroutine choose_exact
+
+   !> Joints between which the modes of a beam do not follow how it stretches.
+   subroutine check_parts(deck, index, body, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Block of the beam
+      integer, intent(in) :: index
+      type(body_type), intent(in) :: body
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(acting_type), allocatable :: points(:)
+      real(wp), allocatable :: x(:)
+      logical :: found
+      integer :: i
+      if (allocated(body%choice%interface)) return
+      associate (block => deck%blocks(index))
+         call acting_points(deck, block%name(), points)
+         allocate (x(size(points)), source=0.0_wp)
+         do i = 1, size(points)
+            call find_beam_point(block, trim(points(i)%name), x(i), found)
+         end do
+         call find_shared(deck, block%name(), x > 0.0_wp .and. x < body%beam%length, points)
+         do i = 1, size(points)
+            if (.not. points(i)%firm) cycle
+            if (any(body%choice%corrections%part == 1 .and. .not. abs(body%choice%corrections%x - x(i)) > 0.0_wp)) cycle
+            call diagnostics%warn(block%origin, "joints hold beam '"//block%name()//"' at '"//trim(points(i)%name)// &
+               & "' and elsewhere: its modes do not follow how it stretches between them, so that forces of these joints and"// &
+               & ' axial forces may be wrong', 'use GEOMETRIC=EXACT, or CORRECTIONS=YES')
+            return
+         end do
+      end associate
+   end subroutine check_parts
 
    !> Where spread loads begin and end within a beam, or a piece of it.
    function ends_of_spreads(deck, block, piece, pieces, length) result(places)

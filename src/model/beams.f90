@@ -171,6 +171,7 @@ contains
       if (allocated(choice%kinks)) text = text//'k'//numbers_text(choice%kinks)
       if (allocated(choice%steps)) text = text//'s'//numbers_text(choice%steps)
       if (allocated(choice%corners)) text = text//'c'//numbers_text(choice%corners)
+      if (allocated(choice%pulls)) text = text//'n'//numbers_text(choice%pulls)
       if (.not. allocated(choice%profile%value)) return
       text = text//'p'//numbers_text(choice%profile%at)
       do i = 1, size(choice%profile%value, 3)

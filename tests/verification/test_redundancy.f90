@@ -1,14 +1,20 @@
 !> Redundant constraints and folds against solutions with one degree of freedom: the parallelogram with five cranks, which moves
 !> like one pendulum, its joint forces against those of a free body; and the slider-crank of equal lengths, which passes
-!> a position where branches meet at every half turn; three cranks that are driven through folds. Usage, in tests/: test_redundancy RESULT_FILE
+!> a position where branches meet at every half turn; three cranks that are driven through folds; beams whose stretch between
+!> joints decides on reactions. Usage, in tests/: test_redundancy RESULT_FILE
 program test_redundancy
    use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel
-   use testing, only: check, check_close, finish
+   use bars, only: nl
+   use runs, only: run_changed, run_text, channel
+   use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: pi = acos(-1.0_wp), g = 9.81_wp
    character(256) :: results
+   !> Results of `run_bar`, and what it said
+   type(history_reader_type) :: bar
+   character(:), allocatable :: told
 
    call get_command_argument(1, results)
    call check_cranks('ADAMS', '1e-10', 1.0e-8_wp)
@@ -20,9 +26,91 @@ program test_redundancy
    ! Not every tolerance: where an evaluation falls on the fold itself ADAMS warns, which is luck
    call check_gravity('ADAMS', '3e-11')
    call check_driven()
+   call check_column('b.i, ground.i', '')
+   call check_column('b.i, q.i', '*RIGID BODY, NAME=q, MASS=1, INERTIA=1'//nl//' i, 0, 0.8'//nl// &
+      & '*JOINT, NAME=w, TYPE=WELD'//nl//' q.origin, ground.origin'//nl)
+   call check_strut()
+   call check_told()
    call finish()
 
 contains
+
+   !> A column on two pins, one of them within it, under its weight W and a force on its free end: the lower pin carries half of
+   !> the weight between them, the other one all else, whether it stands on the ground or on what is welded to it.
+   subroutine check_column(pin, more)
+      !> The points of the upper pin, and blocks for it
+      character(*), intent(in) :: pin, more
+      real(wp), parameter :: weight = 7800*0.05_wp**2*9.81_wp
+      real(wp), allocatable :: lower(:), upper(:)
+      integer :: n
+      call run_bar(more//'*GRAVITY'//nl//'*GROUND'//nl//' i, 0, 0.8'//nl//'*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=2, '// &
+         & 'ANGLE=pi/2'//nl//' i, 0.8'//nl//'*JOINT, NAME=low, TYPE=REVOLUTE'//nl//' b.start, ground.origin'//nl// &
+         & '*JOINT, NAME=up, TYPE=REVOLUTE'//nl//' '//pin//nl//'*FORCE, NAME=f, POINT=b.end'//nl//' 0, -1000'//nl// &
+         & '*STATICS'//nl//'*OUTPUT'//nl//' force_y(low), force_y(up)'//nl)
+      allocate (lower, source=channel(bar, 'force_y_low'))
+      allocate (upper, source=channel(bar, 'force_y_up'))
+      call bar%close()
+      n = size(lower)
+      call check_close(lower(n), 0.4_wp*weight, 1.0e-4_wp*weight, 'a column on two pins: the lower one, '//pin)
+      call check_close(upper(n), 1.6_wp*weight + 1000, 1.0e-4_wp*weight, 'a column on two pins: the upper one, '//pin)
+   end subroutine check_column
+
+   !> A beam on pins at its ends and a rod d at a = 0.8 of 2 m, under a force F there: with the stiffness K of the beam for that
+   !> place, along and across, the rod pushes by -(d K^-1 F)/(d K^-1 d).
+   subroutine check_strut()
+      real(wp), parameter :: ea = 2.0e11_wp*0.05_wp**2, ei = 2.0e11_wp*0.05_wp**4/12, a = 0.8_wp, b = 1.2_wp
+      real(wp), parameter :: stiffness(2) = [ea/a + ea/b, 6*ei/(a*b)**2], force(2) = [300.0_wp, -100.0_wp]
+      real(wp), parameter :: rod(2) = [0.8_wp, -0.6_wp]
+      real(wp), allocatable :: x(:), y(:)
+      real(wp) :: push, left
+      integer :: n
+      call run_bar('*GROUND'//nl//' e, 2, 0'//nl//' top, 0, 0.6'//nl//'*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=2'//nl// &
+         & ' i, 0.8'//nl//'*JOINT, NAME=first, TYPE=REVOLUTE'//nl//' b.start, ground.origin'//nl// &
+         & '*JOINT, NAME=second, TYPE=REVOLUTE'//nl//' b.end, ground.e'//nl//'*JOINT, NAME=rod, TYPE=ROD'//nl// &
+         & ' b.i, ground.top'//nl//'*FORCE, NAME=f, POINT=b.i'//nl//' 300, -100'//nl//'*STATICS'//nl//'*OUTPUT'//nl// &
+         & ' force_x(first), force_y(first), force_x(second)'//nl)
+      push = -sum(rod*force/stiffness)/sum(rod**2/stiffness)
+      ! What the pins at the start gets of the force along the beam
+      left = -(force(1) + push*rod(1))*b/(a + b)
+      allocate (x, source=channel(bar, 'force_x_first'))
+      allocate (y, source=channel(bar, 'force_x_second'))
+      call bar%close()
+      n = size(x)
+      print '(a,4es14.6)', 'strut: ', x(n), left, y(n), -(force(1) + push*rod(1)) - left
+      call check_close(x(n)/left, 1.0_wp, 1.0e-3_wp, 'a beam and a rod: the first pin')
+      call check_close(y(n)/(-(force(1) + push*rod(1)) - left), 1.0_wp, 1.0e-3_wp, 'a beam and a rod: the second pin')
+   end subroutine check_strut
+
+   !> The column in modes, which do not follow how its parts stretch: told, and right with the remedy that is told.
+   subroutine check_told()
+      character(*), parameter :: column = '*GRAVITY'//nl//'*GROUND'//nl//' i, 0, 0.8'//nl//'*JOINT, NAME=low, TYPE=REVOLUTE'//nl// &
+         & ' b.start, ground.origin'//nl//'*JOINT, NAME=up, TYPE=REVOLUTE'//nl//' b.i, ground.i'//nl//'*STATICS'//nl// &
+         & '*OUTPUT'//nl//' force_y(low)'//nl
+      character(*), parameter :: words = 'do not follow how it stretches between them'
+      real(wp), parameter :: weight = 7800*0.05_wp**2*9.81_wp
+      real(wp), allocatable :: lower(:)
+      call run_bar('*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=2, ANGLE=pi/2, GEOMETRIC=K_G'//nl//' i, 0.8'//nl//column)
+      call bar%close()
+      call check(index(told, words) > 0, 'parts of a column in modes: '//told)
+      call run_bar('*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=2, ANGLE=pi/2, GEOMETRIC=K_G, CORRECTIONS=YES'//nl// &
+         & ' i, 0.8'//nl//column)
+      allocate (lower, source=channel(bar, 'force_y_low'))
+      call bar%close()
+      call check(index(told, words) == 0, 'parts of a column with corrections: '//told)
+      call check_close(lower(size(lower)), 0.4_wp*weight, 1.0e-4_wp*weight, 'a column with corrections')
+   end subroutine check_told
+
+   !> Runs a deck with a steel bar of 50 mm by 50 mm; results in `bar`, what it says in `told`.
+   subroutine run_bar(scene)
+      character(*), intent(in) :: scene
+      type(error_type), allocatable :: error
+      call run_text('*MATERIAL, NAME=m, YOUNG=2e11, DENSITY=7800'//nl// &
+         & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.05, HEIGHT=0.05'//nl//scene, trim(results), told, error)
+      call check_no_error(error, scene)
+      if (allocated(error)) error stop 1
+      call bar%open(trim(results), error)
+      call check_no_error(error, scene)
+   end subroutine run_bar
 
    !> Motion of the five cranks, reactions of the coupler. (17/3) theta'' = -(13/2) g cos theta: five cranks of inertia 1/3 and
    !> moment 1/2, a coupler of 4 that does not turn.

@@ -1,6 +1,6 @@
 !> Scenes of textbooks, written with nothing of a beam but material, section and length: right to a hundredth without a warning.
 !> References: closed forms, linear finite elements with consistent masses, and chains of segments with springs between them (20
-!> and 10 to each beam, extrapolated). Usage, in tests/: test_textbook RESULT_FILE
+!> and 10 to each beam, 16 and 8 of the arm and the belt, extrapolated). Usage, in tests/: test_textbook RESULT_FILE
 program test_textbook
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -31,6 +31,8 @@ program test_textbook
    call check_crank()
    call check_four_bar()
    call check_moving_mass()
+   call check_arm()
+   call check_belt()
    call finish()
 
 contains
@@ -177,6 +179,33 @@ contains
       call judge('moving mass', 'car', [-0.0035932_wp, -0.0077836_wp, -0.012717_wp, -0.0187761_wp, -0.0245606_wp, -0.0291578_wp, &
          & -0.0312484_wp, -0.029885_wp, -0.0245368_wp, -0.0159864_wp, -0.0064505_wp, -0.0010242_wp], [(i, i=2, 13)])
    end subroutine check_moving_mass
+
+   !> An arm of two slender links, moved by its shoulder and its elbow.
+   subroutine check_arm()
+      character(*), parameter :: smooth = '*(t - sin(2*pi*t)/(2*pi))'
+      call run_scene('arm', unit_stuff//'*BEAM, NAME=one, MATERIAL=stuff, SECTION=bar, LENGTH=1'//nl// &
+         & '*BEAM, NAME=two, MATERIAL=stuff, SECTION=bar, LENGTH=1, X=1'//nl//'*JOINT, NAME=shoulder, TYPE=REVOLUTE'//nl// &
+         & ' one.start, ground.origin'//nl//'*JOINT, NAME=elbow, TYPE=REVOLUTE'//nl//' two.start, one.end'//nl// &
+         & '*DRIVER, NAME=first, TYPE=ANGLE, JOINT=shoulder'//nl//' 0.8'//smooth//nl//'*DRIVER, NAME=second, TYPE=ANGLE, '// &
+         & 'JOINT=elbow'//nl//' 1.2'//smooth//nl//'*DYNAMICS, END=1.2, OUTPUTS=12'//nl//'*OUTPUT'//nl// &
+         & ' bend = y(one.end), x = x(two.end), y = y(two.end)'//nl)
+      call judge('arm', 'bend', [-0.0167355_wp, -0.0688764_wp, -0.0651268_wp, 0.0472963_wp], [4, 7, 10, 13])
+      call judge('arm', 'x', [1.9975497_wp, 1.9379633_wp, 1.8374178_wp, 1.7566795_wp], [4, 7, 10, 13])
+      call judge('arm', 'y', [0.0028312_wp, 0.0657997_wp, 0.2752854_wp, 0.6222074_wp], [4, 7, 10, 13])
+   end subroutine check_arm
+
+   !> A motor turns a wheel with a beam on it by a belt, to and fro.
+   subroutine check_belt()
+      call run_scene('belt', unit_stuff//bar//'*GROUND'//nl//' motor, -0.5, 0'//nl// &
+         & '*RIGID BODY, NAME=small, MASS=1, INERTIA=0.05, X=-0.5'//nl//'*RIGID BODY, NAME=large, MASS=1, INERTIA=0.2'//nl// &
+         & '*JOINT, NAME=shaft, TYPE=REVOLUTE'//nl//' small.origin, ground.motor'//nl//'*JOINT, NAME=axle, TYPE=REVOLUTE'//nl// &
+         & ' large.origin, ground.origin'//nl//'*JOINT, NAME=clamp, TYPE=WELD, TURN=0'//nl//' bar.start, large.origin'//nl// &
+         & '*JOINT, NAME=belt, TYPE=BELT, FIRST RADIUS=0.1, SECOND RADIUS=0.2'//nl//' small.origin, large.origin'//nl// &
+         & '*TORQUE, NAME=motor, POINT=small.origin'//nl//' 0.2*sin(2*pi*t/1.2)'//nl//'*DYNAMICS, END=1.2, OUTPUTS=12'//nl// &
+         & '*OUTPUT'//nl//' y = y(bar.end), wheel = angle(large)'//nl)
+      call judge('belt', 'y', [-0.0010821_wp, 0.0173377_wp, 0.1114306_wp, 0.2087472_wp], [4, 7, 10, 13])
+      call judge('belt', 'wheel', [0.0194416_wp, 0.0909_wp, 0.1146037_wp, 0.071122_wp], [4, 7, 10, 13])
+   end subroutine check_belt
 
    !> Runs a scene; none is warned of, but for functions whose lack is told as some thousandths where that is allowed.
    subroutine run_scene(name, text, told)

@@ -6,6 +6,7 @@ module limber_analysis_dynamics
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_curve_watch, only: curve_watch_type, new_curve_watch, begin_curves, go_on_curves, find_hidden
+   use limber_analysis_costs, only: costs_type, watch_costs, stands_in
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_guard, only: guard_type
@@ -16,7 +17,7 @@ module limber_analysis_dynamics
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
-   use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_text
+   use limber_analysis_stiffening, only: stiffening_type, watch_stiffness
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
       & phase_warning, ringing_warning, slip_warning, largest_speed, find_weak
@@ -65,7 +66,7 @@ contains
    !> Runs from the start to the end.
    subroutine run_dynamics(scene, integrator, history, progress, outcome, error, guard)
       type(scene_type), intent(inout) :: scene
-      !> Another one behind if limber has chosen it and the run has turned stiff; the model's name of it then too
+      !> Another one behind if limber has chosen it and another costs less; the model's name of it then too
       class(integrator_type), allocatable, intent(inout) :: integrator
       !> Takes the samples: an open history with its channels defined, or memory
       class(sink_type), intent(inout) :: history
@@ -77,7 +78,7 @@ contains
       type(guard_type), intent(inout), optional :: guard
       type(recorder_type) :: recorder
       type(sample_type) :: sample
-      type(stiffening_type) :: stiffening
+      type(costs_type) :: costs
       integer(long) :: tick
       real(wp) :: cpu
       integer :: before(2)
@@ -103,12 +104,12 @@ contains
          call integrator%start(scene%system, scene%work, dynamics%start, &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, &
-            & stiffening, tick, cpu, outcome, error, guard)
+            & costs, tick, cpu, outcome, error, guard)
       end associate
       associate (dynamics => scene%system%model%dynamics)
-         if (stiffening%turned) then
-            dynamics%integrator = 'RADAU'
-            dynamics%reason = dynamics%reason//'; '//stiffness_text(stiffening, scene%system%model%units%time)
+         if (allocated(costs%now)) then
+            dynamics%integrator = costs%now
+            dynamics%reason = dynamics%reason//costs%story()
          end if
       end associate
       call settle_angles(scene%work%kinematics, .false.)
@@ -127,7 +128,7 @@ contains
 
    !> The time loop. Steps end at the breaks of the drivers and loads, and where laws of the motion change their formula; there the
    !> integrator starts anew.
-   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, stiffening, tick, cpu, outcome, &
+   subroutine advance(scene, dynamics, integrator, recorder, sample, history, progress, costs, tick, cpu, outcome, &
       & error, guard)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
@@ -136,7 +137,7 @@ contains
       type(sample_type), intent(inout) :: sample
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
-      type(stiffening_type), intent(inout) :: stiffening
+      type(costs_type), intent(inout) :: costs
       !> Clock and CPU clock at the start
       integer(long), intent(in) :: tick
       real(wp), intent(in) :: cpu
@@ -144,6 +145,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(guard_type), intent(inout), optional :: guard
       real(wp), allocatable :: breaks(:), stations(:)
+      type(stiffening_type) :: stiffening
       type(jump_watch_type) :: watch
       type(turning_type) :: turning
       type(crossings_type) :: crossings
@@ -153,7 +155,7 @@ contains
       !> up to which the last step counts
       real(wp) :: stop, barrier, near, t
       integer :: passed, seen, begun
-      logical :: at_station, cut, turns
+      logical :: at_station, cut, stiff, changes
       allocate (breaks, source=break_times(scene%system%model))
       allocate (stations, source=station_times(scene%system%model))
       passed = 0
@@ -198,7 +200,13 @@ contains
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
          stop = min(stop, crossings%hold)
          call integrator%step(scene%system, scene%work, stop, error)
-         if (allocated(error)) call name_weak()
+         if (allocated(error)) then
+            if (stands_in(costs, integrator)) then
+               call change_integrator()
+               if (.not. allocated(error)) cycle
+            end if
+            if (allocated(error)) call name_weak()
+         end if
          if (.not. allocated(error)) call history%check_limit(integrator%t, error, &
             & int(scene%work%evaluations - begun, long))
          if (allocated(error)) exit
@@ -228,7 +236,8 @@ contains
          if (size(crossings%loads) > 0 .and. .not. cut) call go_on(crossings, sample%q, sample%v, sample%w)
          if (size(curves%joints) > 0 .and. .not. cut) call go_on_curves(curves, t, sample%q, sample%v, sample%w)
          call look(scene, dynamics, integrator, in_motion, sample, outcome)
-         call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, outcome, turns)
+         call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, outcome, stiff)
+         call watch_costs(costs, scene%system, scene%work, dynamics, integrator, stiffening, stiff, sample%q, sample%v, changes)
          call check_deflections(scene%system, t, sample%q, sample%v, error)
          if (allocated(error)) exit
          call watch_velocities(watch, scene%system, scene%work, t, sample%q, sample%v, text)
@@ -252,7 +261,7 @@ contains
          end if
          if (allocated(error)) exit
          call record_before(t + near)
-         if (turns .and. .not. allocated(error)) call turn_stiff()
+         if (changes .and. .not. allocated(error)) call change_integrator()
          call progress%update(t)
          if (present(guard) .and. .not. allocated(error)) call look_at_guard()
       end do
@@ -364,13 +373,12 @@ contains
          call settle_angles(scene%work%kinematics, .not. integrator%ends_on_samples)
       end subroutine follow_turns
 
-      !> Goes on with RADAU from where ADAMS is.
-      subroutine turn_stiff()
+      !> Goes on with another integrator from where this one is.
+      subroutine change_integrator()
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, integrator%t, sample%q, sample%v)
-         call replace_integrator(scene, dynamics, integrator%t, sample, integrator, error)
-         stiffening%turned = .true.
-      end subroutine turn_stiff
+         call replace_integrator(scene, dynamics, costs, integrator%t, sample, integrator, error)
+      end subroutine change_integrator
 
       !> Writes a checkpoint if it is time, and ends the run if that is asked for.
       subroutine look_at_guard()
@@ -407,8 +415,9 @@ contains
          call snapshot%exchange('passed', passed)
          call sample%exchange(snapshot)
          call stiffening%exchange(snapshot)
-         if (snapshot%restoring .and. stiffening%turned) call replace_integrator(scene, dynamics, dynamics%start, sample, &
-            & integrator, error)
+         call costs%exchange(snapshot)
+         if (snapshot%restoring .and. allocated(costs%now)) call replace_integrator(scene, dynamics, costs, dynamics%start, &
+            & sample, integrator, error)
          if (allocated(error)) return
          call integrator%exchange(snapshot, scene%system)
          call scene%work%exchange(snapshot)
@@ -443,10 +452,12 @@ contains
 
    end subroutine advance
 
-   !> Puts RADAU in the place of an integrator, at the state of a sample.
-   subroutine replace_integrator(scene, dynamics, t, sample, integrator, error)
+   !> Puts another integrator in the place of one, at the state of a sample.
+   subroutine replace_integrator(scene, dynamics, costs, t, sample, integrator, error)
       type(scene_type), intent(inout) :: scene
       type(dynamics_type), intent(in) :: dynamics
+      !> What the other is
+      type(costs_type), intent(in) :: costs
       real(wp), intent(in) :: t
       !> With the work put in so far
       type(sample_type), intent(in) :: sample
@@ -455,7 +466,8 @@ contains
       class(integrator_type), allocatable :: other
       type(dynamics_type) :: choice
       choice = dynamics
-      choice%integrator = 'RADAU'
+      choice%integrator = costs%now
+      choice%tolerance = costs%tolerance(dynamics%tolerance)
       call new_integrator(choice, other)
       other%statistics = integrator%statistics
       other%work_at_start = sample%w

@@ -21,8 +21,8 @@ module limber_analysis_stiffening
       !> Steps before which there is no look; looks that found the run stiff, and others between them
       integer(long) :: next = 0
       integer :: hits = 0, misses = 0
-      !> Whether the deck's choice of ADAMS has been questioned; whether the run has gone over to RADAU
-      logical :: told = .false., turned = .false.
+      !> Whether the deck's choice of ADAMS has been questioned
+      logical :: told = .false.
       !> When it was found, the step there [time], fastest vibration [rad/time] and decay [1/time]
       real(wp) :: since = 0.0_wp, step = 0.0_wp, fastest = 0.0_wp, decay = 0.0_wp
    contains
@@ -135,7 +135,6 @@ contains
       call snapshot%exchange('hits', self%hits)
       call snapshot%exchange('misses', self%misses)
       call snapshot%exchange('told', self%told)
-      call snapshot%exchange('turned', self%turned)
       call snapshot%exchange('since', self%since)
       call snapshot%exchange('step', self%step)
       call snapshot%exchange('fastest', self%fastest)

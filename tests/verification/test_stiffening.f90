@@ -1,6 +1,8 @@
-!> Runs that turn stiff on their way: a block slides to rest under friction F tanh(v/eps) and a force P, and then creeps with
+!> Runs whose integrator changes on its way. A run turns stiff: a block slides to rest under friction F tanh(v/eps) and a force P, and then creeps with
 !> eps*atanh(P/F), its way being v0^2/(2 (F - P)). INTEGRATOR=AUTO begins with ADAMS and goes over to RADAU; ADAMS as the deck's
-!> choice is told what it costs; a damper that is there from the start begins with RADAU.
+!> choice is told what it costs; a damper that is there from the start begins with RADAU. And a run is not stiff after all: a
+!> vibration x = A cos(omega t), far faster than the motion beside it, that the tolerance asks for. AUTO begins with RADAU and goes
+!> over to ADAMS, which costs less than a third at the same error.
 !> Usage, in tests/: test_stiffening RESULT_FILE
 program test_stiffening
    use limber_base_kinds, only: wp
@@ -29,9 +31,41 @@ program test_stiffening
    call check_told(trim(argument))
    call check_damper(trim(argument))
    call compare_pieces('../tests/verification/friction', trim(argument), 5, 'eps = 1e-4', 'eps = 1e-3', 'OUTPUTS=20', 'OUTPUTS=20')
+   call check_vibration(trim(argument), '1e-4', '1000', 1.0e-4_wp, 12000)
+   call check_vibration(trim(argument), '1e-4', '2000', 2.0e-4_wp, 24000)
+   call check_vibration(trim(argument), '2e-4', '500', 2.0e-4_wp, 6000)
+   call compare_pieces('../tests/verification/vibration', trim(argument), 5, 'amplitude = 1e-4', 'amplitude = 2e-4', &
+      & 'OUTPUTS=20', 'OUTPUTS=20')
    call finish()
 
 contains
+
+   !> A vibration that RADAU begins and ADAMS follows for less, against its closed form; the deck's own choice is left alone.
+   subroutine check_vibration(results, amplitude, omega, within, most)
+      character(*), intent(in) :: results, amplitude, omega
+      !> Error of the speed that is allowed, and evaluations
+      real(wp), intent(in) :: within
+      integer, intent(in) :: most
+      character(:), allocatable :: report, label
+      real(wp), allocatable :: x(:), v(:)
+      real(wp) :: a, w
+      character(60) :: old(2), new(2)
+      read (amplitude, *) a
+      read (omega, *) w
+      label = 'vibration of '//amplitude//' at '//omega//': '
+      old = [character(60) :: 'amplitude = 1e-4, omega = 1000', 'TOLERANCE=1e-6']
+      new(1) = 'amplitude = '//amplitude//', omega = '//omega
+      new(2) = old(2)
+      call run_it(results, old, new, report, x, v, 'verification/vibration.inp')
+      call check(index(report, 'ADAMS, chosen: ') > 0 .and. index(report, 'RADAU up to t = ') > 0, label//'goes over to ADAMS')
+      call check_close(x(size(x)), a*cos(w), within/w, label//'place')
+      call check_close(v(size(v)), -a*w*sin(w), within, label//'speed')
+      call check(evaluations(report) < most, label//'costs little: '//as_text(evaluations(report)))
+      new(2) = 'TOLERANCE=1e-6, INTEGRATOR=RADAU'
+      call run_it(results, old, new, report, x, v, 'verification/vibration.inp')
+      call check(index(report, 'chosen: ') == 0 .and. evaluations(report) > 3*most, label//'RADAU as the deck asks for it: '// &
+         & as_text(evaluations(report)))
+   end subroutine check_vibration
 
    !> The motion, and what the report says of the integrators.
    subroutine check_friction(results, width, tolerance, sense)
@@ -96,13 +130,19 @@ contains
    end subroutine check_damper
 
    !> Runs the deck with texts exchanged.
-   subroutine run_it(results, old, new, report, x, v)
+   subroutine run_it(results, old, new, report, x, v, deck)
       character(*), intent(in) :: results, old(:), new(:)
       character(:), allocatable, intent(out) :: report
       real(wp), allocatable, intent(out) :: x(:), v(:)
+      !> That of friction if absent
+      character(*), intent(in), optional :: deck
       type(history_reader_type) :: reader
       type(error_type), allocatable :: error
-      call change_deck('verification/friction.inp', results//'.inp', old, new)
+      if (present(deck)) then
+         call change_deck(deck, results//'.inp', old, new)
+      else
+         call change_deck('verification/friction.inp', results//'.inp', old, new)
+      end if
       call run_deck(results//'.inp', results, .true., .true., report, error)
       call check_no_error(error, 'friction')
       call reader%open(results, error)

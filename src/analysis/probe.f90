@@ -88,7 +88,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(scene_type) :: rigid, flexible, exact
       type(track_type) :: track
-      real(wp), allocatable :: mobility(:, :), stiffness(:), square(:), vectors(:, :), eta(:, :)
+      real(wp), allocatable :: mobility(:, :), stiffness(:), square(:), vectors(:, :), eta(:, :), speed(:)
       real(wp) :: clock(2)
       logical :: done
       integer :: i
@@ -128,14 +128,15 @@ contains
          call find_mobility(flexible, mobility, stiffness, error)
          if (allocated(error)) return
          associate (n => size(stiffness))
-            allocate (square(n), vectors(n, n), eta(n, track%count))
+            allocate (square(n), vectors(n, n), eta(n, track%count), speed(n))
          end associate
          call vibration_modes(mobility, stiffness, square, vectors, done)
-         call follow_forces(track%times(:track%count), track%forces(:, :track%count), stiffness, square, vectors, eta)
+         call follow_forces(track%times(:track%count), track%forces(:, :track%count), stiffness, square, vectors, eta, &
+            & speed)
          do i = 1, size(probe%beams)
             call look_at_beam(flexible, track, mobility, stiffness, eta, probe%beams(i))
          end do
-         call look_at_channels(flexible, track, eta, probe)
+         call look_at_channels(flexible, track, eta, speed, probe)
       end if
       call cpu_time(clock(2))
       probe%cpu = clock(2) - clock(1)
@@ -391,10 +392,11 @@ contains
    end subroutine look_at_beam
 
    !> What each coordinate does to the channels.
-   subroutine look_at_channels(scene, track, eta, probe)
+   subroutine look_at_channels(scene, track, eta, speed, probe)
       type(scene_type), intent(inout) :: scene
       type(track_type), intent(in) :: track
-      real(wp), intent(in) :: eta(:, :)
+      !> Coordinates at the samples (n, samples), and the largest speed of each (n)
+      real(wp), intent(in) :: eta(:, :), speed(:)
       type(probe_type), intent(inout) :: probe
       type(recorder_type) :: recorder
       real(wp), allocatable :: values(:), moved(:), largest(:), slope(:, :), amplitude(:)
@@ -431,7 +433,7 @@ contains
 
    contains
 
-      !> Channels at the rigid place, with one coordinate moved by its amplitude.
+      !> Channels at the rigid place, with one coordinate moved by its amplitude, at its largest speed.
       subroutine evaluate(coordinate, values)
          integer, intent(in) :: coordinate
          real(wp), intent(inout) :: values(:)
@@ -453,6 +455,8 @@ contains
             before = q
             call close_positions(scene%system, scene%work, frames, track%times(k), q, done)
             if (.not. done) q = before
+            ! Bodies move with the vibration as they are moved by the deflection, eq. (L10)
+            v = v + speed(coordinate)/amplitude(coordinate)*(q - track%q(:, k))
          end if
          a = 0.0_wp
          call settle(scene%system, scene%work, track%times(k), q, v, scratch, recorder%needs_accelerations, residual, error)

@@ -32,13 +32,13 @@ contains
 
    !> Coordinates that forces make from rest: each mode answers a force that is linear between the samples
    !> exactly, eq. (171).
-   subroutine follow_forces(times, forces, stiffness, square, vectors, eta)
+   subroutine follow_forces(times, forces, stiffness, square, vectors, eta, speed)
       !> Times (samples); forces on the coordinates at each (n, samples)
       real(wp), intent(in) :: times(:), forces(:, :)
       !> Stiffness of the coordinates, modes of the scene (n), (n), (n, n)
       real(wp), intent(in) :: stiffness(:), square(:), vectors(:, :)
-      !> Coordinates (n, samples)
-      real(wp), intent(out) :: eta(:, :)
+      !> Coordinates (n, samples), and the largest speed of each (n)
+      real(wp), intent(out) :: eta(:, :), speed(:)
       real(wp) :: static(size(stiffness)), before(size(stiffness)), x(size(stiffness)), v(size(stiffness)), slope, h, omega, c, s
       real(wp) :: gap, shapes(size(stiffness), size(stiffness))
       integer :: i, k
@@ -50,6 +50,7 @@ contains
       before = matmul(forces(:, 1), shapes)
       static = before
       eta(:, 1) = 0.0_wp
+      speed = 0.0_wp
       do k = 2, size(times)
          static = matmul(forces(:, k), shapes)
          h = times(k) - times(k - 1)
@@ -65,6 +66,7 @@ contains
          end do
          before = static
          eta(:, k) = matmul(shapes, x)
+         speed = max(speed, abs(matmul(shapes, v)))
       end do
    end subroutine follow_forces
 

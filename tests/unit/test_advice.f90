@@ -32,6 +32,7 @@ contains
    subroutine test_following()
       integer, parameter :: samples = 40
       real(wp) :: mobility(2, 2), stiffness(2), square(2), vectors(2, 2), times(samples), forces(2, samples), eta(2, samples)
+      real(wp) :: speed(2), largest
       real(wp) :: mode(2, 2), lambda(2), t, x, part
       logical :: done
       integer :: i, k
@@ -47,7 +48,7 @@ contains
       times = [(0.3_wp*(k - 1), k=1, samples)]
       forces(1, :) = times
       forces(2, :) = 0.0_wp
-      call follow_forces(times, forces, stiffness, square, vectors, eta)
+      call follow_forces(times, forces, stiffness, square, vectors, eta, speed)
       do k = 1, samples
          t = times(k)
          do i = 1, 2
@@ -57,6 +58,10 @@ contains
             call check(abs(dot_product(mode(:, i), eta(:, k))/2 - x) < 1.0e-12_wp, 'a mode follows a ramp')
          end do
       end do
+      largest = maxval(abs(0.125_wp*(2 - cos(2*times) - cos(sqrt(12.0_wp)*times))))
+      call check_close(speed(1), largest, 1.0e-12_wp, 'largest speed of the first coordinate')
+      largest = maxval(abs(0.125_wp*(cos(2*times) - cos(sqrt(12.0_wp)*times))))
+      call check_close(speed(2), largest, 1.0e-12_wp, 'largest speed of the second coordinate')
    end subroutine test_following
 
    !> The first coordinate: a stiffness that the axial force doubles.

@@ -91,12 +91,14 @@ contains
    end subroutine search
 
    !> A channel that is off by more than the target and the difference of the references, relative to its largest value, is a
-   !> disagreement.
+   !> disagreement. What does not move is round-off.
    subroutine compare_promise(draft, plan, found, reference, other, verdict)
       type(draft_type), intent(in) :: draft
       type(plan_type), intent(in) :: plan
       type(trial_type), intent(in) :: found, reference, other
       type(verdict_type), intent(inout) :: verdict
+      !> Value below which a channel of motion is none, in the units of the deck
+      real(wp), parameter :: nothing = 1.0e-12_wp
       real(wp) :: error, doubt, scale
       integer :: i, k, row, at
       verdict%kind = 'same'
@@ -111,7 +113,7 @@ contains
             row = row + 1
             associate (x => found%values(row, :), y => reference%values(row, :))
                scale = maxval(abs(y))
-               if (.not. scale > 0.0_wp) cycle
+               if (.not. scale > nothing) cycle
                error = maxval(abs(x - y))
                doubt = maxval(abs(other%values(row, :) - y))
                at = maxloc(abs(x - y), 1)

@@ -11,7 +11,7 @@ module limber_analysis_dynamics
       & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_guard, only: guard_type
    use limber_analysis_indicator_start, only: start_indicators
-   use limber_analysis_looks, only: look, observe_state
+   use limber_analysis_looks, only: look, look_at_end, observe_state
    use limber_analysis_function_sudden, only: at_start, in_motion, before_break, behind_break
    use limber_analysis_noise, only: noise_of
    use limber_analysis_outcome, only: outcome_type, warn
@@ -269,6 +269,7 @@ contains
          if (guard%asks_at_end()) call write_checkpoint(.false.)
       end if
       outcome%reached = t
+      if (.not. allocated(error)) call look_at_end(scene, integrator, sample, outcome)
       text = scale_warning(watch, scene%system, integrator%tolerance, t)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       text = ''

@@ -6,6 +6,7 @@ module limber_analysis_function_report
    use limber_base_text, only: as_text, newline
    use limber_analysis_function_channels, only: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, &
       & of_forces, of_pulls
+   use limber_analysis_function_buckling, only: buckles_unseen
    use limber_analysis_function_layers, only: layers_type, lost_in_layers
    use limber_analysis_function_sudden, only: lost_deflection
    use limber_analysis_function_watch, only: function_watch_type
@@ -63,7 +64,7 @@ contains
          end associate
          call weigh(self, model, times, report)
          text = text//angle_warning(self, model, report)//strain_warning(self, model, times, report) &
-            & //ring_warning(self, model, report)
+            & //ring_warning(self, model, report)//buckling_warning(self, report)
       end do
    end function function_warnings
 
@@ -265,5 +266,25 @@ contains
             & newline
       end associate
    end function ring_warning
+
+   !> Of a beam that is compressed beyond Euler's load while nothing pushes it across, eqs. (N7), (N8).
+   function buckling_warning(self, report) result(text)
+      type(function_watch_type), intent(in) :: self
+      type(report_type), intent(in) :: report
+      character(:), allocatable :: text
+      integer :: k, worst
+      text = ''
+      worst = 0
+      do k = report%first, report%last
+         if (.not. buckles_unseen(self%beams(k)%buckling)) cycle
+         if (worst == 0) worst = k
+         if (self%beams(k)%buckling%worst > self%beams(worst)%buckling%worst) worst = k
+      end do
+      if (worst == 0) return
+      text = "warning: beam '"//report%name//"' is compressed by "//as_text(self%beams(worst)%buckling%worst, 2)// &
+         & ' times its Euler load at t = '//as_text(self%beams(worst)%buckling%when, 4)//' and stays straight, since nothing'// &
+         & ' pushes it across: its buckling would begin with round-off. Give it what a real beam has, a CURVATURE or a small'// &
+         & ' force across; *STATICS finds the load at which it buckles'//newline
+   end function buckling_warning
 
 end module limber_analysis_function_report

@@ -1,6 +1,6 @@
 !> Whether the functions of exact beams are enough: bending moment and axial force that equilibrium asks for, along the beam,
 !> against those that the functions make. What differs is what they leave out: displacements, vibrations under sudden loads, layers
-!> under much tension. All are looked at here, `limber_analysis_function_report` tells of them. Floor: analysis.
+!> under much tension, buckling that nothing begins. All are looked at here, `limber_analysis_function_report` tells of them. Floor: analysis.
 !> Source: doc/theory, eqs. (X16), (X17).
 module limber_analysis_function_watch
    use limber_base_kinds, only: wp
@@ -9,6 +9,7 @@ module limber_analysis_function_watch
    use limber_flex_exact_profile, only: of_ei, of_ea, of_ga
    use limber_flex_mesh, only: support_type
    use limber_flex_recovery, only: recovery_type
+   use limber_analysis_function_buckling, only: buckling_type, start_buckling, observe_buckling, join_buckling
    use limber_analysis_function_layers, only: layers_type, start_layers, observe_layers, join_layers
    use limber_analysis_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
    use limber_model_stresses, only: recover_stations
@@ -36,6 +37,8 @@ module limber_analysis_function_watch
       !> Vibrations that it does not follow, and layers
       type(sudden_type) :: sudden
       type(layers_type) :: layers
+      !> Compression while it stays straight
+      type(buckling_type) :: buckling
       !> Stations of its joints, and largest components of the axes of its sections there, along those of each reaction: of the axes
       !> across the beam and of those along it (4, reactions)
       integer, allocatable :: held_at(:)
@@ -78,6 +81,7 @@ contains
          call start_sudden(self%beams(k)%sudden, system%model%bodies(i)%reduced%exact, &
             & system%model%bodies(i)%choice%exact%support)
          call start_layers(self%beams(k)%layers, system%model%bodies(i))
+         call start_buckling(self%beams(k)%buckling, system%model, i)
       end do
       call start_reactions(self, system%model)
    end subroutine start_functions
@@ -260,6 +264,8 @@ contains
          call displace(exact, body%choice%exact%support, g, place)
          beam%moved = max(beam%moved, farthest(place))
          beam%moved_along = max(beam%moved_along, maxval(abs(place(:, 1))))
+         if (state /= at_rest) call observe_buckling(beam%buckling, t, &
+            & -sum(exact%weight*beam%effort%exact(1, :))/exact%total, maxval(abs(place(:, 2))), exact%total)
          call displace(exact, body%choice%exact%support, slide, place)
          call note(1, farthest(place))
          ! Beams stretch between their ends, too
@@ -320,6 +326,7 @@ contains
             end do
             call join_sudden(own%sudden, beam%sudden)
             call join_layers(own%layers, beam%layers)
+            call join_buckling(own%buckling, beam%buckling)
             beam%across = max(beam%across, own%across)
             beam%along = max(beam%along, own%along)
          end associate
@@ -343,6 +350,7 @@ contains
          call snapshot%exchange('when_2', self%beams(i)%when(2))
          call self%beams(i)%sudden%exchange(snapshot)
          call self%beams(i)%layers%exchange(snapshot)
+         call self%beams(i)%buckling%exchange(snapshot)
          call snapshot%keep('across', self%beams(i)%across)
          call snapshot%keep('along', self%beams(i)%along)
       end do

@@ -6,12 +6,13 @@ module limber_analysis_looks
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_sampling, only: sample_type
    use limber_analysis_scene, only: scene_type
+   use limber_analysis_function_sudden, only: in_motion
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: dynamics_type
    use limber_system_dynamics, only: linearise, accelerations
    implicit none
    private
-   public :: look, observe_state
+   public :: look, look_at_end, observe_state
 
 contains
 
@@ -36,6 +37,18 @@ contains
       sample%next_look = integrator%t + (dynamics%end - dynamics%start)/parts
       call observe_state(scene, integrator%t, kind, sample, outcome)
    end subroutine look
+
+   !> Observes them at the end of a run of so few steps that hardly any other state has been seen.
+   subroutine look_at_end(scene, integrator, sample, outcome)
+      type(scene_type), intent(inout) :: scene
+      class(integrator_type), intent(in) :: integrator
+      !> With the last state
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      integer, parameter :: few = 32
+      if (size(outcome%indicators%bodies) + size(outcome%indicators%functions%beams) == 0) return
+      if (integrator%statistics%steps < few) call observe_state(scene, integrator%t, in_motion, sample, outcome)
+   end subroutine look_at_end
 
    !> Observes the flexible bodies at a state; the evaluations are not counted.
    subroutine observe_state(scene, t, kind, sample, outcome)

@@ -22,6 +22,7 @@ program test_exact_functions
    call check_spreads()
    call check_parts()
    call check_missing()
+   call check_straight()
    call finish()
 
 contains
@@ -233,6 +234,30 @@ contains
       b = min(a, 1 - a)
       influence = b*(0.75_wp - b**2)/12
    end function influence
+
+   !> A clamped bar with a mass on its end, under a weight of 3 and of 0.3 times Euler's load, which grow slowly: it stays straight,
+   !> which is told where the bar would buckle; not of an end that moves up and down, and not of a bar that is curved.
+   subroutine check_straight()
+      call check_bar(3.0_wp, '', .true.)
+      call check_bar(0.3_wp, '', .false.)
+      call check_bar(3.0_wp, ', CURVATURE=1e-3', .false.)
+   end subroutine check_straight
+
+   subroutine check_bar(load, option, expected)
+      !> In units of Euler's load
+      real(wp), intent(in) :: load
+      !> Of the beam; whether a warning is due
+      character(*), intent(in) :: option
+      logical, intent(in) :: expected
+      type(error_type), allocatable :: error
+      call run_text('*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'// &
+         & nl//'*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH=1, STRAIN FUNCTIONS=0'//option//nl//wall// &
+         & '*POINT MASS, NAME=head, MASS=1, X=1'//nl//'*JOINT, NAME=top, TYPE=REVOLUTE'//nl//' head, bar.end'//nl// &
+         & '*FORCE, NAME=push, POINT=bar.end'//nl//' -'//as_text(load*0.25_wp*pi**2)//'*smoothstep(t), 0'//nl// &
+         & '*DYNAMICS, END=4, OUTPUTS=4'//nl//'*OUTPUT'//nl//' y = y(bar.end)'//nl, trim(results), report, error)
+      call check_no_error(error, 'a bar under a push')
+      call check((index(report, 'times its Euler load') > 0) .eqv. expected, 'a bar under a push, straight: '//report)
+   end subroutine check_bar
 
    !> Number in the report behind some words; 0 without them.
    real(wp) function number_behind(words) result(number)

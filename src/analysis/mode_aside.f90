@@ -5,14 +5,14 @@ module limber_analysis_mode_aside
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_richer, only: richer_deck, richer_words, can_enrich, project_coordinates, nothing_more, with_responses, &
-      & with_modes, with_both
-   use limber_analysis_scene, only: scene_type, build_scene
+   use limber_analysis_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
+   use limber_analysis_richer, only: richer_words, can_enrich, project_coordinates, nothing_more, with_responses, with_modes, &
+      & with_both
+   use limber_analysis_scene, only: scene_type
    use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
-   use limber_deck_diagnostics, only: diagnostics_type
    use limber_model_scene, only: step_type
    use limber_model_segments, only: name_in_deck
-   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium
+   use limber_system_equilibrium, only: equilibrium_type
    use limber_system_system, only: system_type
    use limber_system_tangent, only: tangent_type
    use limber_system_tangent_products, only: times_mass
@@ -27,16 +27,12 @@ module limber_analysis_mode_aside
    real(wp), parameter :: least_part = 0.5_wp, nearby = 1.3_wp
    !> Vibrations beside those that are listed
    integer, parameter :: beside = 6
-   !> Coordinates of a scene up to which each body gets as many modes as are listed; a few in any case
-   integer, parameter :: many = 600, few = 3
 
    !> The scene with more coordinates, and its vibrations
-   type :: aside_type
-      type(scene_type) :: scene
-      type(equilibrium_type) :: balance
+   type, extends(aside_type) :: rich_type
       type(vibrations_type) :: vibrations
       logical :: done = .false.
-   end type aside_type
+   end type rich_type
 
    !> What is wrong with a list
    type :: verdict_type
@@ -59,7 +55,7 @@ contains
       type(vibrations_type), intent(in) :: vibrations
       character(:), allocatable, intent(out) :: text
       type(vibrations_type) :: own
-      type(aside_type), allocatable :: rich
+      type(rich_type), allocatable :: rich
       type(error_type), allocatable :: error
       type(verdict_type) :: verdict
       integer :: level(size(scene%system%model%bodies)), listed, extra, damping, body
@@ -75,7 +71,7 @@ contains
          listed = min(listed, size(own%frequency))
          if (allocated(error) .or. listed == 0) return
       end if
-      extra = max(few, min(listed + beside, (many - scene%system%layout%nw)/count(level /= nothing_more)))
+      extra = additional_modes(scene%system, level, listed + beside)
       allocate (rich)
       call look_aside(scene, step, damping, level, extra, rich)
       if (.not. rich%done) return
@@ -89,7 +85,7 @@ contains
       !> The first of the remedies that cures the list.
       function remedy() result(cure)
          character(:), allocatable :: cure
-         type(aside_type), allocatable :: trial
+         type(rich_type), allocatable :: trial
          integer :: choice
          do choice = with_responses, with_modes
             if (richer_words(scene, body, choice, extra) == '') cycle
@@ -111,30 +107,17 @@ contains
       type(step_type), intent(in) :: step
       !> Velocity terms that count; what each body gets (bodies); number of additional modes
       integer, intent(in) :: damping, level(:), extra
-      type(aside_type), intent(inout) :: rich
-      type(diagnostics_type) :: diagnostics
+      type(rich_type), intent(inout) :: rich
       type(error_type), allocatable :: error
+      real(wp), allocatable :: lambda(:)
       logical :: done
-      rich%scene%deck = richer_deck(scene, level, extra)
-      call build_scene(rich%scene, diagnostics, error)
-      if (allocated(error)) return
-      associate (new => rich%scene, t => step%dynamics%start)
-         if (new%system%nc /= scene%system%nc) return
-         call project_coordinates(scene%system, new%system, scene%q, new%q)
-         new%v = 0.0_wp
-         if (size(new%work%kinematics%angles) == size(scene%work%kinematics%angles)) &
-            & new%work%kinematics%angles = scene%work%kinematics%angles
-         new%system%model%dynamics = scene%system%model%dynamics
-         call new_equilibrium(new%system, rich%balance)
-         new%last%balanced = scene%last%balanced
-         new%last%rotation = scene%last%rotation
-         new%last%centre = scene%last%centre
-         if (new%last%balanced) then
-            allocate (new%last%lambda, source=scene%last%lambda)
-            rich%balance%rotation = new%last%rotation
-            rich%balance%centre = new%last%centre
-            call find_equilibrium(new%system, new%work, rich%balance, t, new%q, new%last%lambda, .true., done)
-         end if
+      call build_aside(scene, level, extra, .false., rich%aside_type, done)
+      if (.not. done) return
+      associate (last => scene%last, new => rich%scene)
+         allocate (lambda(scene%system%nc), source=0.0_wp)
+         if (last%balanced) lambda = last%lambda
+         call place_aside(scene, step%dynamics%start, scene%q, lambda, last%balanced, last%rotation, last%centre, &
+            & rich%aside_type, done)
          call linearise_state(new, step, rich%balance, done, error)
          if (.not. allocated(error)) call lowest_vibrations(new, rich%balance, damping, step%modes, beside, rich%vibrations, error)
       end associate
@@ -186,7 +169,7 @@ contains
       type(system_type), intent(in) :: system
       type(vibrations_type), intent(in) :: own
       integer, intent(in) :: listed
-      type(aside_type), intent(in) :: rich
+      type(rich_type), intent(in) :: rich
       type(verdict_type), intent(out) :: verdict
       real(wp) :: error(min(listed, size(rich%vibrations%frequency)))
       complex(wp), allocatable :: mapped(:, :)
@@ -241,43 +224,20 @@ contains
    !> The body that has most strain energy of a vibration in coordinates that it lacks.
    integer function worst_body(system, rich, mode) result(body)
       type(system_type), intent(in) :: system
-      type(aside_type), intent(in) :: rich
+      type(rich_type), intent(in) :: rich
       !> Index of the vibration
       integer, intent(in) :: mode
-      real(wp) :: kept(rich%scene%system%layout%nw), energy(size(system%model%bodies)), shape(size(kept))
-      integer :: i, k, first, last
+      real(wp) :: energy(size(system%model%bodies))
       energy = 0.0_wp
-      associate (richer => rich%scene%system)
-         do k = 1, 2
-            if (k == 1) shape = real(rich%vibrations%shape(:, mode), wp)
-            if (k == 2) shape = aimag(rich%vibrations%shape(:, mode))
-            call keep_coordinates(system, richer, shape, kept)
-            do i = 1, size(energy)
-               if (.not. can_enrich(system%model%bodies(i))) cycle
-               first = richer%layout%w(i) + 3
-               last = first + richer%layout%n(i) - 1
-               energy(i) = energy(i) + sum(richer%model%bodies(i)%reduced%omega2*(shape(first:last) - kept(first:last))**2)
-            end do
-         end do
-      end associate
+      call add_missed(system, rich%scene%system, real(rich%vibrations%shape(:, mode), wp), energy)
+      call add_missed(system, rich%scene%system, aimag(rich%vibrations%shape(:, mode)), energy)
       body = maxloc(energy, dim=1)
    end function worst_body
-
-   !> What the fewer coordinates have of a motion in more of them.
-   subroutine keep_coordinates(system, richer, shape, kept)
-      type(system_type), intent(in) :: system, richer
-      !> In the layout of the rates (nw of more), both
-      real(wp), intent(in) :: shape(:)
-      real(wp), intent(out) :: kept(:)
-      real(wp) :: fewer(system%layout%nw)
-      call project_coordinates(richer, system, shape, fewer, rates=.true.)
-      call project_coordinates(system, richer, fewer, kept, rates=.true.)
-   end subroutine keep_coordinates
 
    !> What is wrong, with which body.
    function words(scene, rich, verdict, body, name) result(text)
       type(scene_type), intent(in) :: scene
-      type(aside_type), intent(in) :: rich
+      type(rich_type), intent(in) :: rich
       type(verdict_type), intent(in) :: verdict
       !> Its index; name of the analysis
       integer, intent(in) :: body

@@ -7,7 +7,7 @@ module limber_analysis_richer
    use limber_deck_content, only: deck_type
    use limber_flex_frame_reduction, only: available_frame_modes
    use limber_flex_mesh, only: nodal_masses, nodal_inertias
-   use limber_flex_reduction, only: available_modes
+   use limber_flex_reduction, only: available_modes, point_shape
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_scene, only: body_type
    use limber_model_segments, only: name_in_deck
@@ -19,6 +19,9 @@ module limber_analysis_richer
    !> What a body gets: nothing, static responses to all that acts on it, more modes, both
    integer, parameter, public :: nothing_more = 0, with_responses = 1, with_modes = 2, with_both = 3
 
+   !> Additional axial modes of a beam, at least
+   integer, parameter :: few_axial = 4
+
 contains
 
    !> Whether a body has modes, of which there may be more.
@@ -27,19 +30,22 @@ contains
       can_enrich = body%reduced%n > 0 .and. .not. body%reduced%is_exact
    end function can_enrich
 
-   !> The deck with more coordinates of its bodies, without outputs and damping, and without given deflections, which mean the
+   !> The deck with more coordinates of its bodies, without damping and scalars, and without given deflections, which mean the
    !> coordinates that it has.
-   function richer_deck(scene, level, extra) result(deck)
+   function richer_deck(scene, level, extra, with_outputs) result(deck)
       type(scene_type), intent(in) :: scene
       !> What each body gets (bodies), and the number of additional modes
       integer, intent(in) :: level(:), extra
+      !> Whether it keeps its outputs
+      logical, intent(in) :: with_outputs
       type(deck_type) :: deck
       integer :: i, block, modes(2)
       deck = scene%deck
       do i = 1, size(deck%blocks)
          if (deck%blocks(i)%keyword == 'ASSEMBLY') deck%blocks(i)%lines = deck%blocks(i)%lines(:0)
          ! Blocks keep their places: this becomes one that no model is made of
-         if (any(deck%blocks(i)%keyword == [character(7) :: 'OUTPUT', 'SCALAR', 'DAMPING'])) deck%blocks(i)%keyword = 'STUDY'
+         if (any(deck%blocks(i)%keyword == [character(7) :: 'SCALAR', 'DAMPING'])) deck%blocks(i)%keyword = 'STUDY'
+         if (deck%blocks(i)%keyword == 'OUTPUT' .and. .not. with_outputs) deck%blocks(i)%keyword = 'STUDY'
       end do
       do i = 1, size(level)
          if (level(i) == nothing_more) cycle
@@ -52,8 +58,9 @@ contains
             call deck%set_number(block, 'MODES', real(sum(modes), wp), given=.true.)
          else
             call deck%set_number(block, 'BENDING MODES', real(modes(1), wp), given=.true.)
-            if (.not. scene%system%model%bodies(i)%choice%static_axial) &
-               & call deck%set_number(block, 'AXIAL MODES', real(modes(2), wp), given=.true.)
+            call deck%set_number(block, 'AXIAL MODES', real(modes(2), wp), given=.true.)
+            call deck%set_option(block, 'AXIAL BASIS', 'MODES')
+            call deck%set_number(block, 'ELEMENTS', real(elements_for(scene, i, modes), wp))
          end if
       end do
    end function richer_deck
@@ -82,8 +89,8 @@ contains
       block = scene%deck%find_named('BEAM|FRAME', name_in_deck(scene%system%model, body))
    end function block_of
 
-   !> Bending and axial modes of a beam, or modes of a frame (and 0): so many more than there are coordinates, but not all that the
-   !> mesh has, for its masses must let the responses be independent of them.
+   !> Bending and axial modes of a beam, or modes of a frame (and 0): so many more than there are coordinates; of a frame not all that
+   !> its mesh has, for its masses must let the responses be independent of them.
    function more_modes(scene, body, extra) result(modes)
       type(scene_type), intent(in) :: scene
       !> Index of the body
@@ -95,8 +102,7 @@ contains
          if (own%is_frame) then
             modes = [limited(available_frame_modes(own%mesh, own%frame_choice), own%reduced%n + extra, 2*forces + couples), 0]
          else
-            modes = limited(available_modes(own%beam, own%choice), [own%reduced%bending + extra, &
-               & own%reduced%n - own%reduced%bending + max(2, extra/2)], [forces + couples, forces])
+            modes = [own%reduced%bending + extra, own%reduced%n - own%reduced%bending + max(few_axial, extra/2)]
          end if
       end associate
 
@@ -109,13 +115,28 @@ contains
 
    end function more_modes
 
+   !> Elements of a beam that let so many modes, and responses, be.
+   integer function elements_for(scene, body, modes) result(elements)
+      type(scene_type), intent(in) :: scene
+      !> Index of the body; modes of both kinds (2)
+      integer, intent(in) :: body, modes(2)
+      type(acting_type), allocatable :: points(:)
+      integer :: available(2)
+      call acting_points(scene%deck, name_in_deck(scene%system%model, body), points)
+      elements = scene%deck%blocks(block_of(scene, body))%integer('ELEMENTS')
+      associate (own => scene%system%model%bodies(body))
+         available = available_modes(own%beam, own%choice)
+      end associate
+      if (any(available < modes + 2*size(points))) elements = max(elements, 2*(maxval(modes) + 2*size(points)))
+   end function elements_for
+
    !> What a body gets as options of its block; empty if it has them already.
    function richer_words(scene, body, level, extra) result(text)
       type(scene_type), intent(in) :: scene
       !> Index of the body, what it gets, and the number of additional modes
       integer, intent(in) :: body, level, extra
       character(:), allocatable :: text
-      integer :: modes(2)
+      integer :: modes(2), elements
       text = ''
       associate (own => scene%system%model%bodies(body))
          if (level /= with_modes .and. .not. scene%deck%blocks(block_of(scene, body))%yes('CORRECTIONS')) text = 'CORRECTIONS=YES'
@@ -125,14 +146,18 @@ contains
             if (own%is_frame) then
                text = text//'MODES='//as_text(modes(1))
             else
-               text = text//'BENDING MODES='//as_text(modes(1))
-               if (.not. own%choice%static_axial) text = text//', AXIAL MODES='//as_text(modes(2))
+               text = text//'BENDING MODES='//as_text(modes(1))//', AXIAL MODES='//as_text(modes(2))
+               elements = elements_for(scene, body, modes)
+               if (elements > scene%deck%blocks(block_of(scene, body))%integer('ELEMENTS')) &
+                  & text = text//', ELEMENTS='//as_text(elements)
+               if (scene%deck%blocks(block_of(scene, body))%given('AXIAL BASIS') .and. own%choice%static_axial) &
+                  & text = text//', AXIAL BASIS=MODES'
             end if
+         else if (text /= '' .and. own%choice%static_axial .and. .not. own%is_frame .and. &
+            & .not. scene%deck%blocks(block_of(scene, body))%given('AXIAL BASIS')) then
+            ! Not the default any more with this option
+            text = text//', AXIAL BASIS=STATIC'
          end if
-         if (text == '' .or. own%is_frame) return
-         ! Not the default any more with these options
-         if (own%choice%static_axial .and. .not. scene%deck%blocks(block_of(scene, body))%given('AXIAL BASIS')) &
-            & text = text//', AXIAL BASIS=STATIC'
       end associate
    end function richer_words
 
@@ -171,7 +196,8 @@ contains
    function overlap(a, b) result(products)
       type(body_type), intent(in) :: a, b
       real(wp) :: products(a%reduced%n, b%reduced%n)
-      integer :: i, j, p, q
+      real(wp), allocatable :: mass(:), inertia(:), phi(:, :), psi(:)
+      integer :: i, j, k, p, q
       products = 0.0_wp
       if (a%is_frame) then
          do j = 1, size(products, 2)
@@ -183,18 +209,17 @@ contains
       end if
       p = a%reduced%bending
       q = b%reduced%bending
-      associate (mass => nodal_masses(a%beam), inertia => nodal_inertias(a%beam))
+      allocate (mass(0:a%beam%elements), source=nodal_masses(a%beam))
+      allocate (inertia(0:a%beam%elements), source=nodal_inertias(a%beam))
+      do k = 0, a%beam%elements
+         call point_shape(b%field, a%field%s(k), phi, psi)
          do j = 1, q
-            do i = 1, p
-               products(i, j) = sum(mass*a%field%w(:, i)*b%field%w(:, j) + inertia*a%field%theta(:, i)*b%field%theta(:, j))
-            end do
+            products(:p, j) = products(:p, j) + mass(k)*a%field%w(k, :)*phi(2, j) + inertia(k)*a%field%theta(k, :)*psi(j)
          end do
-         do j = 1, size(products, 2) - q
-            do i = 1, size(products, 1) - p
-               products(p + i, q + j) = sum(mass*a%field%u(:, i)*b%field%u(:, j))
-            end do
+         do j = q + 1, size(products, 2)
+            products(p + 1:, j) = products(p + 1:, j) + mass(k)*a%field%u(k, :)*phi(1, j)
          end do
-      end associate
+      end do
    end function overlap
 
 end module limber_analysis_richer

@@ -14,6 +14,7 @@ module limber_analysis_statics
    use limber_analysis_ranges, only: likely_cause
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_analysis_static_aside, only: static_aside_type, sample_type, start_static_aside, compare_sample, static_warning
    use limber_model_scene, only: step_type, leave_unstable, stop_unstable
    use limber_output_channels, only: new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
@@ -48,6 +49,7 @@ contains
       !> No equilibrium: what moves, and when
       type(error_type), allocatable, intent(out) :: error
       type(statics_type) :: statics
+      type(static_aside_type), allocatable :: aside
       integer(long) :: tick
       real(wp) :: cpu
       call system_clock(tick)
@@ -57,8 +59,11 @@ contains
       allocate (outcome%indicators)
       call start_indicators(outcome%indicators, scene%system)
       call start(scene, statics)
-      call pass_increments(scene, step, statics, history, progress, outcome, error)
-      if (.not. allocated(error) .and. statics%stable .and. statics%report == '') call check_state(scene, step, statics, outcome)
+      allocate (aside)
+      call start_static_aside(aside, scene)
+      call pass_increments(scene, step, statics, aside, history, progress, outcome, error)
+      if (.not. allocated(error) .and. statics%stable .and. statics%report == '') &
+         & call check_state(scene, step, statics, aside, outcome)
       call load_scene(scene, step, 1.0_wp, statics)
       scene%system%model%gravity = statics%gravity
       call scale_loads(scene, .false., 1.0_wp)
@@ -95,10 +100,12 @@ contains
    end subroutine start
 
    !> All increments, with a sample at the end of each.
-   subroutine pass_increments(scene, step, statics, history, progress, outcome, error)
+   subroutine pass_increments(scene, step, statics, aside, history, progress, outcome, error)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       type(statics_type), intent(inout) :: statics
+      !> Compared with at each sample
+      type(static_aside_type), intent(inout) :: aside
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
       type(outcome_type), intent(inout) :: outcome
@@ -116,6 +123,8 @@ contains
          call advance_to(scene, step, real(k, wp)/step%dynamics%outputs, statics, history, takes_time, outcome, error)
          if (allocated(error) .or. statics%stopped) exit
          if (takes_time .or. k == step%dynamics%outputs) call sample(scene, step, statics, history, outcome, error)
+         if (aside%used .and. statics%stable .and. .not. allocated(error) .and. outcome%samples > 0) &
+            & call compare_sample(aside, scene, sample_of(step, statics))
          call progress%update(outcome%reached)
       end do
       if (statics%balance%unseen) call tell(statics, 'loads without a potential, as forces that follow what they push, can make'// &
@@ -123,6 +132,20 @@ contains
       if (.not. allocated(error) .and. statics%stopped .and. .not. takes_time) &
          & call sample(scene, step, statics, history, outcome, error)
    end subroutine pass_increments
+
+   !> The last sample, for the scene aside.
+   pure function sample_of(step, statics) result(sample)
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(in) :: statics
+      type(sample_type) :: sample
+      sample%t = time_of(step, statics%part)
+      sample%rotation = statics%balance%rotation
+      sample%centre = statics%balance%centre
+      allocate (sample%q, source=statics%q)
+      allocate (sample%lambda, source=statics%lambda)
+      allocate (sample%angle, source=statics%recorder%turns%angle)
+      allocate (sample%values, source=statics%values)
+   end function sample_of
 
    !> Equilibrium at a part of the step; increments are divided where the branch of equilibria cannot be followed.
    subroutine advance_to(scene, step, target, statics, history, takes_time, outcome, error)
@@ -295,16 +318,18 @@ contains
          & statics%lambda, motion)
    end subroutine check_load
 
-   !> Warns where exact beams are too stiff under the last loads.
-   subroutine check_state(scene, step, statics, outcome)
+   !> Warns where exact beams are too stiff under the last loads, and of what bodies with modes lack in the channels.
+   subroutine check_state(scene, step, statics, aside, outcome)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       type(statics_type), intent(inout) :: statics
+      type(static_aside_type), intent(in) :: aside
       type(outcome_type), intent(inout) :: outcome
       call load_scene(scene, step, statics%part, statics)
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//function_state_warning(scene%system, scene%work, statics%balance, &
          & time_of(step, statics%part), statics%q, statics%lambda)
+      if (aside%used) outcome%warnings = outcome%warnings//static_warning(aside, scene, step%name, sample_of(step, statics))
    end subroutine check_state
 
    !> Why there is no equilibrium beyond the present state: a body at the end of its model, or else what is asked.

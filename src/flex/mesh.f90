@@ -165,7 +165,7 @@ contains
       real(wp), intent(in) :: place(:), held(:), x
       real(wp), allocatable :: places(:)
       !> Parts of the length: places that are the same; shortest element
-      real(wp), parameter :: same = 1.0e-9_wp, shortest = 1.0e-3_wp
+      real(wp), parameter :: same = 1.0e-9_wp, shortest = 3.0e-4_wp
       real(wp) :: gap, length
       integer :: k
       allocate (places, source=place)

@@ -69,7 +69,7 @@ contains
       end if
    end subroutine check_rank
 
-   !> What helps where constraints hold an exact beam that does not stretch; nothing if they hold none.
+   !> What helps where constraints hold a beam or frame that does not stretch between them; nothing if they hold none.
    function stretch_remedy(system, mask) result(text)
       type(system_type), intent(in) :: system
       !> Of the constraints
@@ -82,7 +82,14 @@ contains
          do j = 1, 2
             if (system%constraints(i)%item%bodies(j) == ground) cycle
             associate (body => system%model%bodies(system%constraints(i)%item%bodies(j)))
-               if (.not. body%reduced%is_exact) cycle
+               if (body%reduced%n == 0) cycle
+               if (.not. body%reduced%is_exact) then
+                  text = '; or let '//trim(merge('frame', 'beam ', body%is_frame))//" '"//body%name// &
+                     & "' stretch, with CORRECTIONS=YES"
+                  if (body%is_frame .and. body%frame_choice%accelerations) text = ''
+                  if (text /= '') return
+                  cycle
+               end if
                if (body%reduced%exact%strains > body%reduced%exact%shears) cycle
                text = "; or let beam '"//body%name//"' stretch, with STRAIN FUNCTIONS=1"
                return

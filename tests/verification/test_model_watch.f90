@@ -18,6 +18,7 @@ program test_model_watch
    call check_modes()
    call check_size()
    call check_inner()
+   call check_statics()
    call check_weight()
    call check_ends()
    call check_phase()
@@ -168,6 +169,39 @@ contains
       if (cure /= '') call check_warning(reader, cure, 'cure of a body at an inner point, '//name)
       call reader%close()
    end subroutine judge_inner
+
+   !> Channels of statics: a truss with one member too many against linear finite elements of another program; the moment at the
+   !> clamp of a cantilever whose middle a spring of 1000 EI/L keeps from turning: 1 - 0.375*1000/501 of force times length.
+   subroutine check_statics()
+      real(wp), parameter :: truss(2) = [3.307e-4_wp, 1.265e-4_wp], sprung(2) = [1.0e-4_wp*(1 - 375.0_wp/501), 2.5e-5_wp]
+      call judge_static('truss of 40 modes', 'watch_truss', '', truss, "channel 'N' of *STATICS")
+      call judge_static('truss with responses', 'watch_truss', 'MODES=40 > CORRECTIONS=YES', truss, '')
+      call judge_static('sprung cantilever', 'watch_sprung', '', sprung, "channel 'M1' of *STATICS 'statics' errs by about 5.")
+      call judge_static('sprung, with responses', 'watch_sprung', 'ELEMENTS=40 > ELEMENTS=40, CORRECTIONS=YES', sprung, '')
+   end subroutine check_statics
+
+   subroutine judge_static(name, deck, words, truth, warning)
+      character(*), intent(in) :: name, deck, words, warning
+      !> Of the first two channels
+      real(wp), intent(in) :: truth(2)
+      character(*), parameter :: channels(2, 2) = reshape([character(6) :: 'pull', 'N', 'M1', 'M2'], [2, 2])
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: values(:)
+      real(wp) :: off
+      integer :: i
+      call run_words('verification/'//deck//'.inp', words, reader)
+      off = 0.0_wp
+      do i = 1, 2
+         if (allocated(values)) deallocate (values)
+         allocate (values, source=channel(reader, trim(channels(i, merge(1, 2, deck == 'watch_truss')))))
+         off = max(off, abs(values(size(values)) - truth(i))/max(abs(truth(i)), 0.1_wp*maxval(truth)))
+      end do
+      print '(2a,es12.4)', name, ': largest error of two channels', off
+      if (warning == '') call check(off < 0.01_wp, name//': right to 1 %')
+      if (warning /= '') call check(off > 0.04_wp, name//': wrong')
+      call check_warning(reader, warning, name)
+      call reader%close()
+   end subroutine judge_static
 
    !> A mass at rest on a stiff spring is in equilibrium: its weight and the force of the spring cancel but for rounding.
    subroutine check_weight()

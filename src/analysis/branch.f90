@@ -38,6 +38,8 @@ module limber_analysis_branch
       logical :: stopped = .false., flutters = .false.
       !> The last increment that was taken, and the change of the scene in it by its length; zero: none
       real(wp) :: increment = 0.0_wp, pace = 0.0_wp
+      !> Load whose law has kept the last increments short; 0: none
+      integer :: culprit = 0
       !> Weight of the deck (2), and rotation at the start of the step
       real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
       !> What the user is told
@@ -188,7 +190,8 @@ contains
             call load_scene(scene, step, part, statics)
             if (.not. done) return
             if (part - statics%part > kink_part*part) then
-               if (skips_law(system, work, time_of(step, statics%part), time_of(step, part), statics%q, statics%trial)) then
+               if (skips_law(system, work, time_of(step, statics%part), time_of(step, part), statics%q, statics%trial, &
+                  & statics%culprit)) then
                   done = .false.
                   return
                end if

@@ -6,11 +6,11 @@ module limber_analysis_skipped
    use limber_deck_range, only: range_type
    use limber_system_efforts, only: effort_load_type
    use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_moments, only: moment_type, new_moment, read_moment, watched_loads, law_excess, law_within
+   use limber_system_moments, only: moment_type, new_moment, read_moment, watched_loads, law_excess, law_noise, law_within
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: skips_law
+   public :: skips_law, bent_law
 
    !> A law along the way
    type :: way_type
@@ -18,6 +18,8 @@ module limber_analysis_skipped
       real(wp), allocatable :: from(:), to(:)
       !> Values at both ends, and rates along the way
       type(jet_type) :: first, last
+      !> What is round-off of its values at equilibrium, where it may cancel with all else
+      real(wp) :: noise = 0.0_wp
       !> Looks that are left
       integer :: looks = 0
    end type way_type
@@ -25,12 +27,16 @@ module limber_analysis_skipped
 contains
 
    !> Whether a law is something between two states that its values and slopes there do not show. Kinematics are left at the second.
-   logical function skips_law(system, work, before, after, from, to) result(skips)
+   logical function skips_law(system, work, before, after, from, to, culprit) result(skips)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Times of both states; coordinates (nq)
       real(wp), intent(in) :: before, after, from(:), to(:)
+      !> Index of its load; unchanged if there is none
+      integer, intent(inout) :: culprit
       integer, parameter :: most_looks = 500
+      !> Known places, relative to the scales times 1000
+      real(wp), parameter :: known = 1.0e-5_wp
       type(moment_type) :: ends(2)
       type(way_type) :: way
       real(wp) :: rest(size(from))
@@ -55,12 +61,50 @@ contains
                way%first = value_at(load, way, 0.0_wp)
                way%last = value_at(load, way, 1.0_wp)
                way%looks = most_looks
-               if (abs(load%factor) > 0.0_wp) call search(load, way, 0.0_wp, 1.0_wp, way%first%value, way%last%value, skips)
+               if (.not. abs(load%factor) > 0.0_wp) cycle
+               way%noise = max(law_noise(system, loads, i, ends(1), known, 1.0_wp, 1.0_wp), &
+                  & law_noise(system, loads, i, ends(2), known, 1.0_wp, 1.0_wp))/abs(load%factor)
+               call search(load, way, 0.0_wp, 1.0_wp, way%first%value, way%last%value, skips)
             end select
-            if (skips) return
+            if (.not. skips) cycle
+            culprit = loads(i)
+            return
          end do
       end associate
    end function skips_law
+
+   !> The first load whose law bends or jumps right beside a state; 0: none.
+   integer function bent_law(system, work, t, q) result(culprit)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time, coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      !> What is beside it, relative to values, the length of the scene or a radian
+      real(wp), parameter :: beside = 1.0e-4_wp
+      type(moment_type) :: here
+      type(range_type) :: range
+      real(wp) :: rest(size(q))
+      real(wp), allocatable :: aside(:)
+      integer :: i
+      culprit = 0
+      associate (loads => watched_loads(system))
+         rest = 0.0_wp
+         call new_moment(size(loads), here)
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         call move_frames(system%model, system%layout, q, rest, work%kinematics)
+         call read_moment(system, loads, work%kinematics, here)
+         do i = 1, size(loads)
+            select type (load => system%loads(loads(i))%item)
+            type is (effort_load_type)
+               associate (place => here%place(:size(load%slots), i))
+                  aside = beside*(abs(place) + max(1.0_wp, system%model%length))
+                  range = law_within(load, place - aside, place + aside)
+                  if (.not. range%whole .and. culprit == 0) culprit = loads(i)
+               end associate
+            end select
+         end do
+      end associate
+   end function bent_law
 
    !> The law at a part of the way, with its rate along it.
    pure type(jet_type) function value_at(load, way, s) result(jet)
@@ -88,14 +132,14 @@ contains
       range = law_within(load, way%from + a*(way%to - way%from), way%from + b*(way%to - way%from))
       largest = max(abs(way%first%value), abs(way%last%value))
       if (range%defined) largest = max(largest, abs(range%low), abs(range%high))
-      if (law_excess(range, of_a, of_b) <= little*largest .or. way%looks == 0 .or. b - a < shortest) return
+      if (law_excess(range, of_a, of_b) <= little*largest + way%noise .or. way%looks == 0 .or. b - a < shortest) return
       s = 0.5_wp*(a + b)
       middle = value_at(load, way, s)
       way%looks = way%looks - 1
       cubic = (1 - s)**2*((1 + 2*s)*way%first%value + s*way%first%first) + s**2*((3 - 2*s)*way%last%value - &
          & (1 - s)*way%last%first)
       largest = max(abs(way%first%value), abs(way%last%value), abs(middle%value))
-      skips = abs(middle%value - cubic) > tolerance*largest
+      skips = abs(middle%value - cubic) > tolerance*largest + way%noise
       if (.not. skips) call search(load, way, a, s, of_a, middle%value, skips)
       if (.not. skips) call search(load, way, s, b, middle%value, of_b, skips)
    end subroutine search

@@ -15,6 +15,7 @@ module limber_analysis_statics
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_static_aside, only: static_aside_type, sample_type, start_static_aside, compare_sample, static_warning
+   use limber_analysis_skipped, only: bent_law
    use limber_model_scene, only: step_type, leave_unstable, stop_unstable
    use limber_output_channels, only: new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
@@ -24,6 +25,7 @@ module limber_analysis_statics
    use limber_system_freedom, only: motion_text
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_layout, only: advance
+   use limber_system_moments, only: describe_law
    use limber_system_multiplier, only: update_jacobians
    use limber_system_turn_counts, only: driven_turn
    implicit none
@@ -32,8 +34,9 @@ module limber_analysis_statics
 
    !> Increment, beside the part of the step that is done, below which it is not divided further; and the least of a step
    real(wp), parameter :: least_part = 1.0e-9_wp, least_of_step = 1.0e-13_wp
-   !> Most attempts in a row without an equilibrium
-   integer, parameter :: most_tries = 3000
+   !> Most attempts for a part of what is left of an increment; what the search behind an instability counts
+   integer, parameter :: most_tries = 3000, tries_of_search = 30
+   real(wp), parameter :: least_way = 1.0e-3_wp
 
 contains
 
@@ -158,9 +161,11 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: text, reason
-      real(wp) :: increment, next, least
+      real(wp) :: increment, next, least, mark
       integer :: tries
       logical :: done
+      mark = statics%part
+      statics%culprit = 0
       increment = target - statics%part
       if (statics%increment > 0.0_wp) increment = min(increment, 4*statics%increment)
       tries = 0
@@ -171,7 +176,7 @@ contains
          tries = tries + 1
          if (tries > most_tries) then
             text = motion_text(scene%system, statics%balance%change)
-            call explain(scene, step, statics, outcome, '; does a law of a load jump?', reason)
+            call explain(scene, step, statics, outcome, law_text(scene, step, statics, 'does a law of a load jump?'), reason)
             call raise(error, 'equilibrium cannot be followed beyond t = '//as_text(time_of(step, statics%part), 8)//': '// &
                & text//' by leaps, however small the increment'//reason)
             return
@@ -191,11 +196,15 @@ contains
             statics%pace = extent(statics%balance, statics%balance%change)/statics%increment
             call accept(scene, statics, next)
             increment = min(2*increment, target - statics%part)
-            tries = 0
+            if (statics%part - mark >= least_way*(target - mark)) then
+               mark = statics%part
+               tries = 0
+            end if
             cycle
          end if
          call pass_instability(scene, step, next, target, done, statics, history, takes_time, outcome, error)
          if (allocated(error) .or. statics%stopped) return
+         tries = tries + tries_of_search
          statics%increment = 0.0_wp
          statics%pace = 0.0_wp
          increment = target - statics%part
@@ -277,7 +286,8 @@ contains
       if (allocated(error)) return
       if (.not. done) then
          text = motion_text(scene%system, statics%balance%softest)
-         call explain(scene, step, statics, outcome, '; is something missing that holds it?', reason)
+         call explain(scene, step, statics, outcome, law_text(scene, step, statics, 'is something missing that holds it?'), &
+            & reason)
          call raise(error, 'no stable equilibrium is found at t = '//as_text(time_of(step, goal), 8)//': '// &
             & text//' without end, or back and forth'//reason)
          return
@@ -344,6 +354,21 @@ contains
       reason = likely_cause(outcome%indicators, scene%system%model)
       if (reason == '') reason = question
    end subroutine explain
+
+   !> The law that bends or jumps at the present state, or that has kept increments short, for messages; else a question.
+   function law_text(scene, step, statics, question) result(text)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(in) :: statics
+      character(*), intent(in) :: question
+      character(:), allocatable :: text
+      integer :: culprit
+      culprit = bent_law(scene%system, scene%work, time_of(step, statics%part), statics%q)
+      if (culprit == 0) culprit = statics%culprit
+      text = '; '//question
+      if (culprit > 0) text = '; '//describe_law(scene%system, culprit)//' jumps or bends there: does it hold'// &
+         & ' the scene behind that place? Round it off (smoothstep, tanh), or use *DYNAMICS'
+   end function law_text
 
    !> Goes on along an equilibrium about which vibrations grow, at the present state: there is no other one to go to.
    subroutine stay_in_flutter(scene, step, statics)

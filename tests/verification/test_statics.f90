@@ -5,7 +5,7 @@ program test_statics
    use limber_base_error, only: error_type
    use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, change_deck, channel
+   use runs, only: run_changed, change_deck, channel, run_text
    use testing, only: check, check_close, finish
    implicit none
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -17,6 +17,7 @@ program test_statics
    call check_pendulum()
    call check_extension()
    call check_free()
+   call check_corners()
    call check_dead_centre()
    call check_redundant()
    call check_end_shapes()
@@ -133,6 +134,41 @@ contains
       if (allocated(error)) call check(index(error%message, "no stable equilibrium is found") > 0 &
          & .and. index(error%message, "body 'bar' turns") > 0, 'what turns: '//error%message)
    end subroutine check_free
+
+   !> Laws of place that hold a scene alone, with corners: closed form at half and all of the load; where a law holds nothing behind
+   !> its corner, the error names it.
+   subroutine check_corners()
+      character(60), parameter :: laws(8) = [character(60) :: '10*t - x(m) - 100*max(0, x(m) - 1)', &
+         & '10*t - x(m) - 100*max(0, x(m))', '10*t + bend(x(m))', '10*t - 5*abs(x(m) - 0.3) - x(m) + 1.5', &
+         & 't - x(m) - 100*max(0, x(m) - 1)', '-10*t - x(m) - 100*min(0, x(m) + 1)', '10*t - x(m) - 100*step(x(m) - 1)', &
+         & '10*t - min(x(m), 1)']
+      real(wp), parameter :: places(2, 6) = reshape([105/101.0_wp, 110/101.0_wp, 5/101.0_wp, 10/101.0_wp, 1.04_wp, 1.09_wp, &
+         & 4/3.0_wp, 13/6.0_wp, 0.5_wp, 1.0_wp, -105/101.0_wp, -110/101.0_wp], [2, 6])
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      character(1), parameter :: nl = new_line('a')
+      real(wp), allocatable :: x(:)
+      integer :: i
+      do i = 1, size(laws)
+         call run_text('*TABLE, NAME=bend'//nl//' -10, 10'//nl//' 0, 0'//nl//' 1, -1'//nl//' 2, -101'//nl// &
+            & '*POINT MASS, NAME=m, MASS=1'//nl//'*JOINT, NAME=g, TYPE=POINT ON LINE'//nl//' m, ground.origin'//nl//'*FORCE, NAME=push, POINT=m'//nl// &
+            & ' '//trim(laws(i))//', 0'//nl//'*STATICS, INCREMENTS=2'//nl//'*OUTPUT'//nl//' x = x(m)'//nl, trim(results), &
+            & report, error)
+         if (i > size(places, 2)) then
+            call check(allocated(error), 'behind its corner the law holds nothing: '//laws(i))
+            if (allocated(error)) call check(index(error%message, "the law of 'push' on body 'm' jumps or bends there") > 0, &
+               & 'the law is named: '//error%message)
+            cycle
+         end if
+         call check(.not. allocated(error), 'a law with a corner: '//laws(i))
+         if (allocated(error)) cycle
+         call reader%open(trim(results), error)
+         x = channel(reader, 'x')
+         call check_close(maxval(abs(x(size(x) - 1:) - places(:, i))), 0.0_wp, 1.0e-9_wp, laws(i))
+         call reader%close()
+      end do
+   end subroutine check_corners
 
    !> A slider-crank at its dead centre: pulled it stays, pushed it folds over and says so, without a load nothing holds it.
    subroutine check_dead_centre()

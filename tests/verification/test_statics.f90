@@ -152,9 +152,9 @@ contains
       integer :: i
       do i = 1, size(laws)
          call run_text('*TABLE, NAME=bend'//nl//' -10, 10'//nl//' 0, 0'//nl//' 1, -1'//nl//' 2, -101'//nl// &
-            & '*POINT MASS, NAME=m, MASS=1'//nl//'*JOINT, NAME=g, TYPE=POINT ON LINE'//nl//' m, ground.origin'//nl//'*FORCE, NAME=push, POINT=m'//nl// &
-            & ' '//trim(laws(i))//', 0'//nl//'*STATICS, INCREMENTS=2'//nl//'*OUTPUT'//nl//' x = x(m)'//nl, trim(results), &
-            & report, error)
+            & '*POINT MASS, NAME=m, MASS=1'//nl//'*JOINT, NAME=g, TYPE=POINT ON LINE'//nl//' m, ground.origin'//nl// &
+            & '*FORCE, NAME=push, POINT=m'//nl//' '//trim(laws(i))//', 0'//nl//'*STATICS, INCREMENTS=2'//nl// &
+            & '*OUTPUT'//nl//' x = x(m)'//nl, trim(results), report, error)
          if (i > size(places, 2)) then
             call check(allocated(error), 'behind its corner the law holds nothing: '//laws(i))
             if (allocated(error)) call check(index(error%message, "the law of 'push' on body 'm' jumps or bends there") > 0, &

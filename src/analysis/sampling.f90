@@ -95,7 +95,12 @@ contains
             call settle_place(system, work, t, sample%q, sample%change, may_stay(integrator%tolerance), residual, error)
          end if
          if (allocated(error)) return
-         call check_residuals(system, work, t, recorder%needs_velocities, sample%v, outcome)
+         if (recorder%needs_velocities) then
+            call check_residuals(system, work, t, .true., sample%v, outcome)
+         else if (system%nc > 0) then
+            ! They are those of the place reached
+            outcome%position_residual = max(outcome%position_residual, maxval(abs(work%phi)))
+         end if
          if (residual > may_stay(integrator%tolerance)) call check_place(system, work, t, residual, outcome)
          call check_joints(system, t, sample%q, outcome)
          if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
@@ -119,8 +124,7 @@ contains
    end subroutine show
 
    !> Whether samples within the last step may stay where they are interpolated, and need not be brought onto the joints: those that
-   !> show places only, of a motion that is computed roughly, where the interpolation keeps the joints in the middle of the step,
-   !> the place where it errs most.
+   !> show places only, where the interpolation keeps the joints in the middle of the step, the place where it errs most.
    subroutine look_between(scene, integrator, recorder, sample, outcome)
       type(scene_type), intent(inout) :: scene
       class(integrator_type), intent(inout) :: integrator
@@ -133,7 +137,6 @@ contains
       sample%good_to = -huge(t)
       associate (system => scene%system, work => scene%work)
          if (recorder%needs_velocities .or. recorder%needs_accelerations .or. integrator%ends_on_samples) return
-         if (.not. may_stay(integrator%tolerance) > 0.0_wp) return
          t = integrator%t_before + 0.5_wp*(integrator%t - integrator%t_before)
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, t, sample%q, sample%v)
@@ -146,13 +149,13 @@ contains
       end associate
    end subroutine look_between
 
-   !> Residual that samples may have which show places only: far below the error of a motion that is computed roughly. A projection
-   !> would cost as much as the motion there.
+   !> Residual that samples may have which show places only: far below the error of the motion. A projection would cost as much as
+   !> the motion there.
    pure real(wp) function may_stay(tolerance)
       !> Of the integrator
       real(wp), intent(in) :: tolerance
-      real(wp), parameter :: rough = 1.0e-4_wp, part = 1.0e-4_wp
-      may_stay = merge(part*tolerance, 0.0_wp, tolerance >= rough)
+      real(wp), parameter :: part = 1.0e-2_wp, most = 1.0e-6_wp
+      may_stay = min(part*tolerance, most)
    end function may_stay
 
    !> A warning if a sample could not be brought onto the constraints, once a run.

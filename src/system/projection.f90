@@ -21,6 +21,8 @@ module limber_system_projection
    real(wp), parameter, public :: harmless = 1.0e-9_wp
    !> And the one that is aimed at
    real(wp), parameter :: least_residual = 1.0e-14_wp
+   !> Most rounds of Newton's method
+   integer, parameter :: most_rounds = 6
 
    public :: project_position, project_velocity, settle, settle_position, settle_place, list_unplaced, place_known
 
@@ -41,7 +43,7 @@ contains
       !> Residual at first, with all frames of the tree in their places, and residual reached
       real(wp), intent(out) :: before, residual
       call put_together(system, work, t, q)
-      call project_placed(system, work, t, q, change, tolerance, before, residual)
+      call project_placed(system, work, t, q, change, tolerance, most_rounds, before, residual)
    end subroutine project_position
 
    !> Frames of unit length, all that follows, hangs or is driven in its place, and the kinematics there.
@@ -57,14 +59,15 @@ contains
    end subroutine put_together
 
    !> The rounds of `project_position`; kinematics are placed, and what hangs or is driven is in its place.
-   subroutine project_placed(system, work, t, q, change, tolerance, before, residual)
+   subroutine project_placed(system, work, t, q, change, tolerance, most, before, residual)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       real(wp), contiguous, intent(inout) :: q(:), change(:)
       real(wp), intent(in) :: tolerance
+      !> Most rounds
+      integer, intent(in) :: most
       real(wp), intent(out) :: before, residual
-      integer, parameter :: most = 6
       real(wp) :: last
       integer :: round, i
       residual = position_residual(system, work)
@@ -271,13 +274,13 @@ contains
       call place_tree(system, work, t, q)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
-      call project_placed(system, work, t, q, change, least_residual, before, residual)
+      call project_placed(system, work, t, q, change, least_residual, most_rounds, before, residual)
       if (before <= least_residual) before = 0.0_wp
       if (residual > harmless) call settle_plainly(system, work, t, q, residual, error)
    end subroutine settle_position
 
-   !> The same for coordinates alone, of which nothing else follows: without factors if they are near enough. Leaves the kinematics
-   !> placed.
+   !> The same for coordinates alone, of which nothing else follows: with no factors if they are near enough, else with those at
+   !> hand, which are of a state near by, and with factors of their own only where these do not do. Leaves the kinematics placed.
    subroutine settle_place(system, work, t, q, change, allowed, residual, error)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -290,9 +293,12 @@ contains
       real(wp), intent(in) :: allowed
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
+      !> Rounds that cost less than factors
+      integer, parameter :: few = 2
       real(wp) :: before
       call put_together(system, work, t, q)
-      residual = position_residual(system, work)
+      call project_placed(system, work, t, q, change, max(allowed, least_residual), merge(few, 0, allowed > 0.0_wp), before, &
+         & residual)
       if (residual > max(allowed, least_residual)) call settle_position(system, work, t, q, change, before, residual, error)
    end subroutine settle_place
 

@@ -9,7 +9,8 @@ module limber_integrator_adams
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_adams_errors, only: gamma_star, estimate_errors, weighted
-   use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, predict, finish_differences
+   use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, interpolate, predict, &
+      & finish_differences
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, energy_scale
    use limber_system_kinematics, only: place_frames
@@ -51,6 +52,8 @@ module limber_integrator_adams
       !> Scales of the local error, and those of y (weighed)
       type(scales_type) :: scales
       real(wp), allocatable :: scale(:)
+      !> Whether there are drivers, whose power asks for their multipliers
+      logical :: driven = .false.
       !> The bodies of an open chain or tree, whose accelerations need no matrix
       type(recursion_type) :: tree
       !> Next step, last step
@@ -95,6 +98,10 @@ contains
       self%nq = size(self%kept)
       self%whole = self%nq == size(q)
       self%steps_to_start = 15
+      self%driven = .false.
+      do i = 1, size(system%constraints)
+         self%driven = self%driven .or. system%constraints(i)%item%driven
+      end do
       self%ny = 2*self%nq + merge(1, 0, system%powered)
       self%weighed = merge(2*self%nq, self%ny, self%whole .and. .not. self%input%asked)
       if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change, self%q, self%v, self%a, self%scale)
@@ -198,7 +205,7 @@ contains
       integer :: nq, i
       nq = self%nq
       if (.not. self%whole) then
-         call accelerations(system, work, self%q, self%v, self%a)
+         call accelerations(system, work, self%q, self%v, self%a, self%driven)
          do i = 1, nq
             yp(nq + i) = self%a(self%kept(i))
          end do
@@ -210,7 +217,7 @@ contains
          call recursive_accelerations(self%tree, system%model%gravity, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq))
          work%evaluations = work%evaluations + 1
       else
-         call accelerations(system, work, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq))
+         call accelerations(system, work, y(:nq), y(nq + 1:2*nq), yp(nq + 1:2*nq), self%driven)
       end if
       yp(:nq) = y(nq + 1:2*nq)
       if (system%powered) yp(self%ny) = input_power(system, work, y(:nq), y(nq + 1:2*nq))
@@ -466,16 +473,13 @@ contains
       real(wp), contiguous, intent(out) :: q(:), v(:)
       real(wp), intent(out) :: w
       real(wp) :: g(most + 1), back
-      integer :: j, order, nq
+      integer :: order, nq
       nq = self%nq
       back = t - self%t
       order = self%k_last + 1
       if (.not. abs(back) > 0.0_wp) order = 0
       call interpolation_coefficients(order, back, self%psi, g)
-      self%p = self%y
-      do j = order, 1, -1
-         self%p = self%p + (back*g(j))*self%phi(:, j)
-      end do
+      call interpolate(self%ny, order, back, g, self%y, self%phi, self%p)
       if (self%whole) then
          q = self%p(:nq)
          v = self%p(nq + 1:2*nq)

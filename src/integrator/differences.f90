@@ -5,7 +5,7 @@ module limber_integrator_differences
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: step_coefficients, interpolation_coefficients, predict, finish_differences
+   public :: step_coefficients, interpolation_coefficients, interpolate, predict, finish_differences
 
    !> Highest order
    integer, parameter, public :: most = 12
@@ -75,6 +75,28 @@ contains
          term = psi(j - 1)
       end do
    end subroutine interpolation_coefficients
+
+   !> State between two steps, three differences at a time.
+   pure subroutine interpolate(ny, order, back, g, y, phi, p)
+      !> Number of components; differences that count
+      integer, intent(in) :: ny, order
+      !> As in `interpolation_coefficients`; last state, differences
+      real(wp), intent(in) :: back, g(most + 1), y(ny), phi(ny, most + 2)
+      !> State there
+      real(wp), intent(inout) :: p(ny)
+      real(wp) :: factor(3)
+      integer :: i, j
+      p = y
+      do j = order, 3, -3
+         factor = back*g(j - 2:j)
+         do i = 1, ny
+            p(i) = p(i) + factor(3)*phi(i, j) + factor(2)*phi(i, j - 1) + factor(1)*phi(i, j - 2)
+         end do
+      end do
+      do j = modulo(order, 3), 1, -1
+         p = p + (back*g(j))*phi(:, j)
+      end do
+   end subroutine interpolate
 
    !> Predicted state p; the differences become those at the new point (block 2).
    pure subroutine predict(ny, k, ns, h, beta, g, y, phi, p)

@@ -58,15 +58,20 @@ contains
    end subroutine linearise_placed
 
    !> Accelerations and multipliers at (t, q, v); `linearise` at the same (t, q) comes first.
-   subroutine accelerations(system, work, q, v, a)
+   subroutine accelerations(system, work, q, v, a, reactions)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Coordinates and velocities (nq)
       real(wp), contiguous, intent(in) :: q(:), v(:)
       !> Second derivatives of q (nq)
       real(wp), contiguous, intent(out) :: a(:)
+      !> Whether multipliers are asked for; if not given, they are
+      logical, intent(in), optional :: reactions
+      logical :: asked
       integer :: i, first
       real(wp) :: alpha
+      asked = .true.
+      if (present(reactions)) asked = reactions
       call move_frames(system%model, system%layout, q, v, work%kinematics)
       call sum_forces(system, work, q, v)
       do i = 1, size(system%constraints)
@@ -75,7 +80,7 @@ contains
          end associate
       end do
       call solve_multiplier_system(system, work, work%gamma, a, .false.)
-      call recover_multipliers(system, work)
+      if (asked) call recover_multipliers(system, work)
       do i = 1, size(work%bodies)
          if (.not. system%layout%framed(i)) cycle
          first = system%layout%q(i) + 2

@@ -278,7 +278,7 @@ contains
       if (.not. allocated(self%buffer)) then
          allocate (self%times(chunk_rows(self%width)), self%buffer(self%width*chunk_rows(self%width)))
       end if
-      call put_sample(self%channels%width, size(self%times), self%waiting, values, self%buffer)
+      call put_sample(self%channels, size(self%times), self%waiting, values, self%buffer)
       self%waiting = self%waiting + 1
       self%samples = self%samples + 1
       self%times(self%waiting) = t
@@ -291,20 +291,21 @@ contains
    end subroutine append
 
    !> Puts a sample behind those that wait.
-   pure subroutine put_sample(widths, capacity, waiting, values, buffer)
-      !> Numbers of each channel in a sample; samples that the buffer holds, and those in it
-      integer, intent(in) :: widths(:), capacity, waiting
+   pure subroutine put_sample(channels, capacity, waiting, values, buffer)
+      !> Channels; samples that the buffer holds, and those in it
+      type(series_type), intent(in) :: channels(:)
+      integer, intent(in) :: capacity, waiting
       !> All channels one after another
       real(wp), intent(in) :: values(:)
       !> Channel by channel
       real(wp), intent(inout) :: buffer(:)
       integer :: i, k, first
       first = 0
-      do i = 1, size(widths)
-         do k = 1, widths(i)
-            buffer(first*capacity + widths(i)*waiting + k) = values(first + k)
+      do i = 1, size(channels)
+         do k = 1, channels(i)%width
+            buffer(first*capacity + channels(i)%width*waiting + k) = values(first + k)
          end do
-         first = first + widths(i)
+         first = first + channels(i)%width
       end do
    end subroutine put_sample
 

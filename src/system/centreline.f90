@@ -240,21 +240,17 @@ contains
    pure subroutine gather(self, force, pull)
       class(centreline_type), intent(in) :: self
       !> (points, 2), (stations, 2)
-      real(wp), intent(in) :: force(:, :)
-      real(wp), intent(inout) :: pull(:, :)
-      real(wp) :: part(panel_stations), beyond, half
+      real(wp), contiguous, intent(in) :: force(:, :)
+      real(wp), contiguous, intent(inout) :: pull(:, :)
+      real(wp) :: beyond, half
       integer :: p, i, j, first
       do i = 1, 2
          beyond = 0.0_wp
          do p = size(self%panel), 1, -1
             first = panel_stations*(p - 1)
             half = 0.5_wp*self%panel(p)
-            part = gauss_weight*beyond
-            do j = 1, panel_stations
-               part = part + self%within(:, j)*force(first + j, i)
-            end do
-            pull(first + 1:first + panel_stations, i) = half*part
-            beyond = beyond + sum(force(first + 1:first + panel_stations, i))
+            call gather_panel(self%within, force(first + 1:, i), beyond, half, pull(first + 1:, i))
+            beyond = beyond + total(force(first + 1:, i))
          end do
          do j = 1, self%points - self%stations
             pull(:, i) = pull(:, i) + self%reach(:, j)*force(self%stations + j, i)
@@ -262,6 +258,25 @@ contains
          if (self%shifted) pull(:, i) = pull(:, i) - self%base*beyond
       end do
    end subroutine gather
+
+   !> The part of a panel: forces within it, and the sum of those beyond.
+   pure subroutine gather_panel(share, force, beyond, half, pull)
+      !> Integrals of Lagrange's polynomials: of polynomial j to station i (j, i)
+      real(wp), intent(in) :: share(panel_stations, panel_stations), force(panel_stations)
+      !> The sum, and half the length of the panel
+      real(wp), intent(in) :: beyond, half
+      real(wp), intent(inout) :: pull(panel_stations)
+      associate (w => share, f => force)
+         pull = half*(gauss_weight*beyond + (((w(:, 1)*f(1) + w(:, 2)*f(2)) + (w(:, 3)*f(3) + w(:, 4)*f(4))) &
+            & + ((w(:, 5)*f(5) + w(:, 6)*f(6)) + (w(:, 7)*f(7) + w(:, 8)*f(8)))))
+      end associate
+   end subroutine gather_panel
+
+   !> Sum over the stations of a panel, in parts that are independent of one another.
+   pure real(wp) function total(f)
+      real(wp), intent(in) :: f(panel_stations)
+      total = ((f(1) + f(2)) + (f(3) + f(4))) + ((f(5) + f(6)) + (f(7) + f(8)))
+   end function total
 
    !> Mass matrix of the frame and its coupling with the coordinates, eq. (X5).
    pure subroutine mass_matrix(self, u, frame, coupling)

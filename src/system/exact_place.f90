@@ -59,15 +59,17 @@ contains
       real(wp), contiguous, intent(in) :: eta(:)
       real(wp), intent(out) :: g(panel_stations, 2)
       real(wp) :: theta(panel_stations), c(panel_stations), s(panel_stations), sigma(panel_stations, 2)
-      integer :: k, i, a
+      integer :: k, i, a, m
       a = exact%angles
+      ! A panel, in words that let the compiler take sines of two stations at a time
+      m = min(panel_stations, exact%stations - first + 1)
       do k = 1, panel_stations
          theta(k) = exact%lean(first + k - 1)
          do i = 1, a
             theta(k) = theta(k) + exact%psi(i, first + k - 1)*eta(i)
          end do
       end do
-      do k = 1, panel_stations
+      do k = 1, m
          c(k) = cos(theta(k))
          s(k) = sin(theta(k))
       end do

@@ -18,6 +18,8 @@ program test_squeezer
    call read_columns('reference/andrews_squeezer.csv', exact)
    call check_angles('ADAMS', '1e-12')
    call check_angles('RADAU', '1e-10')
+   call check_samples('ADAMS', '1e-4')
+   call check_samples('ADAMS', '1e-6')
    call finish()
 
 contains
@@ -51,5 +53,33 @@ contains
       call check_close(maxval(abs(energy - energy(1))), 0.0_wp, 1.0e-9_wp, title//'balance of energy and work')
       call reader%close()
    end subroutine check_angles
+
+   !> Samples of places alone, which are moved onto the joints as far as the tolerance asks, are those of a run that moves each of them
+   !> all the way, for it shows a speed too.
+   subroutine check_samples(integrator, tolerance)
+      character(*), intent(in) :: integrator, tolerance
+      type(history_reader_type) :: reader
+      real(wp) :: places(size(names), 301), allowed, largest
+      character(80) :: old(4), new(4)
+      integer :: i
+      old = [character(80) :: 'INTEGRATOR=ADAMS', 'TOLERANCE=1e-8', 'spring_tension = tension(spring)', &
+         & 'energy = kinetic_energy(system) + potential_energy(system) - work(system)']
+      new = [character(80) :: 'INTEGRATOR='//integrator, 'TOLERANCE='//tolerance, 'now = t', 'later = t']
+      call run_changed('../input/andrews_squeezer.inp', trim(results), old, new, reader)
+      do i = 1, size(names)
+         places(i, :) = channel(reader, trim(names(i)))
+      end do
+      call reader%close()
+      new(4) = 'speed = spin(k1)'
+      call run_changed('../input/andrews_squeezer.inp', trim(results), old, new, reader)
+      largest = 0.0_wp
+      do i = 1, size(names)
+         largest = max(largest, maxval(abs(channel(reader, trim(names(i))) - places(i, :))))
+      end do
+      call reader%close()
+      read (tolerance, *) allowed
+      print '(4a,es10.2)', integrator, ' at ', tolerance, ': samples of places beside those on the joints', largest
+      call check_close(largest, 0.0_wp, 0.5_wp*allowed, integrator//' at '//tolerance//': samples of places')
+   end subroutine check_samples
 
 end program test_squeezer

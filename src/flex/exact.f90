@@ -17,7 +17,7 @@ module limber_flex_exact
    use limber_flex_mesh, only: beam_type
    implicit none
    private
-   public :: exact_type, new_exact, reach_of, angles_at, inside
+   public :: exact_type, new_exact, reach_of, angles_at
    public :: undeformed_place, lean_at, sum_along, slope_along
    public :: panel_stations, gauss_place, gauss_weight
 
@@ -45,6 +45,9 @@ module limber_flex_exact
       integer :: stations = 0, points = 0
       !> Coordinates of the stations [length] and their weights [length] (stations); lengths of the panels
       real(wp), allocatable :: s(:), weight(:), panel(:)
+      !> Integrals of Lagrange's polynomials to the stations of a panel of unit half length: of polynomial j to station i (j, i);
+      !> the same with i first
+      real(wp) :: within(panel_stations, panel_stations) = 0.0_wp, along_panel(panel_stations, panel_stations) = 0.0_wp
       !> Functions of the angle and of the curvature (angles, stations), of the strain in section axes (2, strains, stations)
       real(wp), allocatable :: psi(:, :), kappa(:, :), chi(:, :, :)
       !> Mass and moment of inertia of the points (points); of concentrated masses their reach (stations, masses)
@@ -149,6 +152,10 @@ contains
          end do
          from = from + exact%panel(p)
       end do
+      do j = 1, panel_stations
+         exact%within(:, j) = inside(gauss_place(j))
+      end do
+      exact%along_panel = transpose(exact%within)
    end subroutine place_stations
 
    !> Ends of panels to both sides of the places of layers; what lies beyond the beam is left out by `sorted`.
@@ -467,7 +474,7 @@ contains
          first = panel_stations*(p - 1)
          associate (part => field(first + 1:first + panel_stations))
             do i = 1, panel_stations
-               integral(first + i) = before + 0.5_wp*exact%panel(p)*dot_product(inside(gauss_place(i)), part)
+               integral(first + i) = before + 0.5_wp*exact%panel(p)*dot_product(exact%within(:, i), part)
             end do
             before = before + 0.5_wp*exact%panel(p)*dot_product(gauss_weight, part)
          end associate

@@ -8,7 +8,7 @@
 module limber_system_centreline
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
-   use limber_flex_exact, only: exact_type, panel_stations, inside, gauss_weight, gauss_place
+   use limber_flex_exact, only: exact_type, panel_stations, gauss_weight
    use limber_system_algebra, only: turn, along, cross
    implicit none
    private
@@ -17,9 +17,6 @@ module limber_system_centreline
    !> An exact beam at a state. Vectors are in the axes of its frame. Stations, or points, come first: they are many, the functions
    !> few
    type, extends(exact_type) :: centreline_type
-      !> Integrals of Lagrange's polynomials to the stations of a panel of unit half length: of polynomial j to station i (j, i);
-      !> the same with i first
-      real(wp) :: within(panel_stations, panel_stations) = 0.0_wp, along_panel(panel_stations, panel_stations) = 0.0_wp
       !> Functions of the angle (stations, angles), and of the strain (stations, 2, strains)
       real(wp), allocatable :: angle(:, :), stretch(:, :, :)
       !> g, and its derivatives by the coordinates, at the stations (stations, 2), (stations, n)
@@ -37,7 +34,7 @@ module limber_system_centreline
       !> stations (stations, 2)
       real(wp), allocatable :: hx(:, :), hy(:, :), ax(:, :), ay(:, :), field(:, :), force(:, :), pull(:, :)
    contains
-      procedure :: place, move, place_stations, move_stations, mass_matrix, eta_mass, forces, kinetic, moment, momenta
+      procedure :: place, place_axis, move, place_stations, move_stations, mass_matrix, eta_mass, forces, kinetic, moment, momenta
       procedure :: spread_points, add_curvature, add_bend, drift_of, accelerations, exchange => exchange_centreline
    end type centreline_type
 
@@ -65,10 +62,6 @@ contains
          line%bias = 0.0_wp
          line%speed = 0.0_wp
       end associate
-      do i = 1, panel_stations
-         line%within(:, i) = inside(gauss_place(i))
-      end do
-      line%along_panel = transpose(line%within)
    end subroutine new_centreline
 
    !> Places stations and points at the coordinates.
@@ -79,6 +72,15 @@ contains
       call self%place_stations(eta)
       call spread_points(self)
    end subroutine place
+
+   !> Places stations and points, without their derivatives: all that energies ask for.
+   pure subroutine place_axis(self, eta)
+      class(centreline_type), intent(inout) :: self
+      !> (n)
+      real(wp), contiguous, intent(in) :: eta(:)
+      call self%place_stations(eta)
+      call integrate(self, 2, self%g, self%p)
+   end subroutine place_axis
 
    !> Velocities of stations and points at the placed coordinates.
    pure subroutine move(self, rate)
@@ -476,12 +478,13 @@ contains
       class(centreline_type), intent(in) :: self
       !> Velocity of the frame's origin in its axes (2), angular velocity, rates of the coordinates (n)
       real(wp), intent(in) :: velocity(2), omega, rate(:)
-      real(wp) :: v(2)
+      real(wp) :: x, y
       integer :: k
       energy = 0.5_wp*sum(self%inertia)*omega**2
       do k = 1, self%points
-         v = velocity + omega*turn(self%p(k, :)) + self%speed(k, :)
-         energy = energy + 0.5_wp*self%mass(k)*(v(1)**2 + v(2)**2)
+         x = velocity(1) - omega*self%p(k, 2) + self%speed(k, 1)
+         y = velocity(2) + omega*self%p(k, 1) + self%speed(k, 2)
+         energy = energy + 0.5_wp*self%mass(k)*(x**2 + y**2)
       end do
       if (.not. self%spinning) return
       energy = energy + omega*dot_product(self%rotary, rate(:self%angles)) &

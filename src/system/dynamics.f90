@@ -432,7 +432,7 @@ contains
             omega = dot_product(turn(u), v(first + 2:first + 3))
             if (reduced%is_exact) then
                associate (line => work%bodies(i)%line)
-                  call line%place(q(first + 4:last))
+                  call line%place_axis(q(first + 4:last))
                   call line%move(v(first + 4:last))
                   kinetic = kinetic + line%kinetic(along(v(first:first + 1), [u(1), -u(2)]), omega, v(first + 4:last))
                   potential = potential - dot_product(system%model%gravity, reduced%mass*q(first:first + 1) &

@@ -154,8 +154,8 @@ contains
    pure real(wp) function may_stay(tolerance)
       !> Of the integrator
       real(wp), intent(in) :: tolerance
-      real(wp), parameter :: part = 1.0e-2_wp, most = 1.0e-6_wp
-      may_stay = min(part*tolerance, most)
+      real(wp), parameter :: part = 1.0e-4_wp
+      may_stay = part*tolerance
    end function may_stay
 
    !> A warning if a sample could not be brought onto the constraints, once a run.

@@ -14,7 +14,7 @@ module limber_analysis_function_report
    use limber_model_scene, only: model_type
    implicit none
    private
-   public :: function_warnings
+   public :: function_warnings, ring_warnings
 
    !> Parts of the largest deflection that may be left out, by the functions of the angle and by those of the strain, and parts of
    !> the length that are too small to count
@@ -56,17 +56,39 @@ contains
       type(report_type) :: report
       text = ''
       do while (report%last < size(self%beams))
-         report%first = report%last + 1
-         report%last = last_piece(self, model, report%first)
-         associate (body => model%bodies(self%beams(report%first)%body))
-            report%name = body%name
-            if (body%whole > 0) report%name = model%wholes(body%whole)%name
-         end associate
+         call next_beam(self, model, report)
          call weigh(self, model, times, report)
          text = text//angle_warning(self, model, report)//strain_warning(self, model, times, report) &
             & //ring_warning(self, model, report)//buckling_warning(self, report)
       end do
    end function function_warnings
+
+   !> The warnings of vibrations along beams alone.
+   function ring_warnings(self, model) result(text)
+      type(function_watch_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      character(:), allocatable :: text
+      type(report_type) :: report
+      text = ''
+      do while (report%last < size(self%beams))
+         call next_beam(self, model, report)
+         call weigh(self, model, 1.0_wp, report)
+         text = text//ring_warning(self, model, report)
+      end do
+   end function ring_warnings
+
+   !> The next beam, all its pieces.
+   subroutine next_beam(self, model, report)
+      type(function_watch_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      type(report_type), intent(inout) :: report
+      report%first = report%last + 1
+      report%last = last_piece(self, model, report%first)
+      associate (body => model%bodies(self%beams(report%first)%body))
+         report%name = body%name
+         if (body%whole > 0) report%name = model%wholes(body%whole)%name
+      end associate
+   end subroutine next_beam
 
    !> The last piece of a beam, whose first one is given.
    pure integer function last_piece(self, model, first) result(last)
@@ -261,9 +283,9 @@ contains
       call add_error(report, report%lost(of_pulls), 'axial forces and reactions asked for')
       associate (strains => model%bodies(self%beams(report%first)%body)%choice%exact%strains)
          text = "warning: beam '"//report%name//"' vibrates along itself under sudden or fast loads in ways that its "// &
-            & as_text(strains)//' functions of the strain do not follow: '//report%what//' may be off; use STRAIN FUNCTIONS='// &
-            & as_text(max(3, 2*strains))//', STRAIN FUNCTIONS=0 to leave these vibrations out, or loads that change more slowly'// &
-            & newline
+            & as_text(strains)//trim(merge(' function ', ' functions', strains == 1))//' of the strain do not follow: '// &
+            & report%what//' may be off; use STRAIN FUNCTIONS='//as_text(max(3, 2*strains))// &
+            & ', STRAIN FUNCTIONS=0 to leave these vibrations out, or loads that change more slowly'//newline
       end associate
    end function ring_warning
 

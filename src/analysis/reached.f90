@@ -40,6 +40,8 @@ module limber_analysis_reached
       type(shown_type) :: shown
       !> What the deck fixes of beams, and the error of that, relative; models that nothing verifies. Empty: there are none
       character(:), allocatable :: fixed, unverified
+      !> Whether beams vibrate along themselves in ways that their functions of the strain do not follow; finer runs do not show it
+      logical :: rings = .false.
       !> Whether a beam is rigid in the finest run too, as nothing is expected of its bending
       logical :: believed = .false.
       real(wp) :: of_fixed = 0.0_wp

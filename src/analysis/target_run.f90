@@ -11,6 +11,7 @@ module limber_analysis_target_run
    use limber_analysis_dynamics, only: new_integrator
    use limber_analysis_estimate, only: kept_type
    use limber_analysis_estimate_report, only: record_estimate, estimate_table
+   use limber_analysis_function_report, only: ring_warnings
    use limber_analysis_ranges, only: range_warnings
    use limber_analysis_reached, only: reached_type
    use limber_analysis_record, only: open_history, record_outcome
@@ -69,9 +70,7 @@ contains
       if (allocated(error)) return
       batch%error = reached%error
       if (allocated(reached%outcome%warnings)) scene%warnings = scene%warnings//reached%outcome%warnings
-      ! What finer runs have verified needs no range; a rigid beam that none has shown to bend does
-      if (allocated(reached%outcome%indicators) .and. (reached%unverified /= '' .or. reached%believed .or. &
-         & .not. reached%done)) scene%warnings = scene%warnings//range_warnings(reached%outcome%indicators, scene%system%model)
+      if (allocated(reached%outcome%indicators)) call add_ranges(reached, scene)
       if (reached%done) scene%warnings = scene%warnings//unverified_warning(reached)
       call record_target(reached, history%history_type, error)
       if (allocated(error)) return
@@ -101,6 +100,20 @@ contains
          & scalar_lines(scene%system%model, history)//newline//advice_table(reached%advice, scene)//reached%path// &
          & verified_line(reached)//newline//table
    end subroutine run_to_target
+
+   !> Warnings of the ranges of models. What finer runs have verified needs none; a rigid beam that none has shown to bend does, and
+   !> functions of the strain, of which no run has many.
+   subroutine add_ranges(reached, scene)
+      type(reached_type), intent(inout) :: reached
+      type(scene_type), intent(inout) :: scene
+      character(:), allocatable :: rings
+      associate (indicators => reached%outcome%indicators, model => scene%system%model)
+         rings = ring_warnings(indicators%functions, model)
+         reached%rings = rings /= ''
+         if (reached%unverified /= '' .or. reached%believed .or. .not. reached%done) rings = range_warnings(indicators, model)
+      end associate
+      scene%warnings = scene%warnings//rings
+   end subroutine add_ranges
 
    !> What a search had found when a signal ended it, and what can be done with that.
    function interruption_text(reached, scene) result(text)
@@ -153,7 +166,8 @@ contains
       text = text//' modes and elements; damp by RAYLEIGH BETA'//newline
    end function unverified_warning
 
-   !> What was asked for, and whether it is kept, in words: 'kept', 'of the integration only', 'not kept'.
+   !> What was asked for, and whether it is kept, in words: 'kept', 'kept but for vibrations along beams', 'of the
+   !> integration only', 'not kept'.
    subroutine record_target(reached, history, error)
       type(reached_type), intent(in) :: reached
       type(history_type), intent(inout) :: history
@@ -171,6 +185,7 @@ contains
       text = 'kept'
       if (reached%unverified /= '') text = 'of the integration only'
       if (reached%unverified /= '' .and. size(reached%advice%rungs) > 0) text = 'of the integration and of chosen models only'
+      if (reached%rings) text = text//' but for vibrations along beams'
       if (.not. reached%done) text = 'not kept'
    end function status_words
 

@@ -17,7 +17,7 @@ module limber_analysis_rungs
    character(6), parameter :: level_words(3) = ['LINEAR', 'K_G   ', 'EXACT ']
    !> The rungs above the rigid one: functions of the section angle, or bending modes; functions of the strain where it matters, or
    !> axial modes
-   integer, parameter :: ladder(2, 10) = reshape([1, 1, 2, 1, 3, 2, 5, 2, 7, 3, 10, 3, 14, 5, 20, 5, 28, 8, 40, 12], [2, 10])
+   integer, parameter :: ladder(2, 10) = reshape([1, 1, 2, 1, 3, 2, 5, 2, 7, 3, 10, 4, 14, 5, 20, 6, 28, 8, 40, 12], [2, 10])
    !> Rungs from which on the next one verifies them, else the one after it; most coordinates of a beam that something slides along
    integer, parameter :: close_steps = 4, most_under_slider = 24
    !> Elements and their geometric parts of a beam whose modes are chosen: of no cost in the time loop

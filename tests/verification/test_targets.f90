@@ -31,6 +31,7 @@ program test_targets
    call test_rope()
    call test_instability()
    call test_forgotten()
+   call test_wave()
    call finish()
 
 contains
@@ -157,14 +158,28 @@ contains
       call check(.not. shown%is_forgotten(none, missed, [1.0_wp], 0.1_wp), 'a pulse that the target does not ask for')
    end subroutine test_forgotten
 
+   !> A bar that a force pulls from one instant on: the axial force at its pin is a square wave, 0 and twice the force, which no small
+   !> number of functions follows.
+   subroutine test_wave()
+      call run_for('a wave', 'LENGTH=1'//newline//'*JOINT, NAME=hub, TYPE=REVOLUTE'//newline//' bar.start, ground.origin'// &
+         & newline//'*FORCE, NAME=pull, POINT=bar.end'//newline//' 1, 0'//newline//'*DYNAMICS, END=8e-3, OUTPUTS=80'//newline, &
+         & '1e-2', '', ', N = axial_force(bar.start)')
+      call check(status == 'not kept', 'a wave along a bar: '//status//report)
+   end subroutine test_wave
+
    !> Runs a beam or another deck for a target and takes what it says.
-   subroutine run_for(name, beam, target, deck)
+   subroutine run_for(name, beam, target, deck, more)
       character(*), intent(in) :: name
       !> Options of the beam and what follows it; or the whole deck
       character(*), intent(in) :: beam, target, deck
+      !> More channels
+      character(*), intent(in), optional :: more
       type(history_reader_type) :: reader
       type(error_type), allocatable :: failure, error
-      character(*), parameter :: output = newline//'*OUTPUT'//newline//' x = x(bar.end), y = y(bar.end)'//newline
+      character(:), allocatable :: output
+      output = newline//'*OUTPUT'//newline//' x = x(bar.end), y = y(bar.end)'
+      if (present(more)) output = output//more
+      output = output//newline
       if (deck == '') then
          call write_deck(unit_beam//beam//'*ACCURACY, TARGET='//target//output)
       else

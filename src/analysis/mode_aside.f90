@@ -231,7 +231,7 @@ contains
       energy = 0.0_wp
       call add_missed(system, rich%scene%system, real(rich%vibrations%shape(:, mode), wp), energy)
       call add_missed(system, rich%scene%system, aimag(rich%vibrations%shape(:, mode)), energy)
-      body = maxloc(energy, dim=1)
+      body = maxloc(energy, dim=1, mask=can_enrich(system%model%bodies))
    end function worst_body
 
    !> What is wrong, with which body.

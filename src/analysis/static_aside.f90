@@ -43,6 +43,8 @@ module limber_analysis_static_aside
       !> force
       real(wp), allocatable :: difference(:), size(:), last(:)
       real(wp) :: force = 0.0_wp
+      !> Coordinates at which the scene was assembled (nq of the scene aside)
+      real(wp), allocatable :: assembled(:)
       !> Strain energy that is missed at the sample with the largest differences (bodies)
       real(wp), allocatable :: missed(:)
       !> Whether anything is compared
@@ -74,6 +76,7 @@ contains
          self%size = 0.0_wp
          self%missed = 0.0_wp
          self%last = 0.0_wp
+         allocate (self%assembled, source=straight_place(self%aside%scene%system, self%aside%scene%q))
       end associate
    end subroutine start_static_aside
 
@@ -90,18 +93,20 @@ contains
       type(static_aside_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       type(sample_type), intent(in) :: sample
-      real(wp) :: straight(size(self%difference)), off(size(straight)), change(self%aside%scene%system%layout%nw)
+      real(wp) :: straight(size(self%difference)), first(size(self%difference)), off(size(self%difference))
+      real(wp) :: change(self%aside%scene%system%layout%nw)
       logical :: done
       call place_aside(scene, sample%t, sample%q, sample%lambda, .true., sample%rotation, sample%centre, self%aside, done)
       if (.not. done) return
       associate (new => self%aside%scene)
-         ! Without deflections: what remains of places and angles are those of the frames
+         ! Places and angles without deflections, in the present frames and in those of the assembly
+         call take_channels(self, sample, self%assembled, first)
          call take_channels(self, sample, straight_place(new%system, new%q), straight)
          call take_channels(self, sample, new%q, self%last)
          off = abs(self%last - sample%values(:size(off)))
          self%force = max(self%force, largest_force(new%system, new%work))
          where (is_place(new%system%model))
-            self%size = max(self%size, abs(self%last - straight))
+            self%size = max(self%size, abs(self%last - straight), abs(self%last - first))
          elsewhere
             self%size = max(self%size, abs(self%last))
          end where
@@ -217,7 +222,7 @@ contains
       allocate (error, source=self%difference/least)
       worst = maxloc(error, dim=1)
       if (.not. error(worst) > little) return
-      body = maxloc(self%missed, dim=1)
+      body = maxloc(self%missed, dim=1, mask=can_enrich(scene%system%model%bodies))
       associate (model => scene%system%model)
          text = "warning: channel '"//model%channels(worst)%name//"' of *STATICS '"//name//"'"
          if (count(error > little) > 1) text = text//' (and '//as_text(count(error > little) - 1)//' more)'

@@ -134,8 +134,8 @@ contains
       largest = maxval([0.0_wp, error])
    end function largest_error
 
-   !> By how much the first frequencies are too high, relative, in order (number): more coordinates lower them. Zero for motions that
-   !> nothing resists.
+   !> By how much the first frequencies are too high, relative, in order (number): more coordinates lower them. Zero for motions
+   !> that nothing resists.
    pure function errors_in_order(vibrations, others, number) result(error)
       type(vibrations_type), intent(in) :: vibrations, others
       integer, intent(in) :: number
@@ -163,8 +163,8 @@ contains
       speed = hypot(vibrations%frequency(j), vibrations%growth(j))
    end function speed_of
 
-   !> Errors of the list in order, and the first vibration that has little of its modal mass in the modes near it: it is lacking, and
-   !> those behind it are one place too far.
+   !> Errors of the list in order, and the first vibration that has little of its modal mass in the modes near it: it is lacking,
+   !> and those behind it are one place too far.
    subroutine judge(system, own, listed, rich, verdict)
       type(system_type), intent(in) :: system
       type(vibrations_type), intent(in) :: own

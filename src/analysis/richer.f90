@@ -89,8 +89,8 @@ contains
       block = scene%deck%find_named('BEAM|FRAME', name_in_deck(scene%system%model, body))
    end function block_of
 
-   !> Bending and axial modes of a beam, or modes of a frame (and 0): so many more than there are coordinates; of a frame not all that
-   !> its mesh has, for its masses must let the responses be independent of them.
+   !> Bending and axial modes of a beam, or modes of a frame (and 0): so many more than there are coordinates; of a frame not all
+   !> that its mesh has, for its masses must let the responses be independent of them.
    function more_modes(scene, body, extra) result(modes)
       type(scene_type), intent(in) :: scene
       !> Index of the body

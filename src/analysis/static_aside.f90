@@ -39,8 +39,8 @@ module limber_analysis_static_aside
       type(recorder_type) :: recorder
       integer, allocatable :: level(:)
       integer :: extra = 0
-      !> Largest differences, the largest of what bends or of the channel, and the channels at the last sample (channels); the largest
-      !> force
+      !> Largest differences, the largest of what bends or of the channel, and the channels at the last sample (channels); the
+      !> largest force
       real(wp), allocatable :: difference(:), size(:), last(:)
       real(wp) :: force = 0.0_wp
       !> Coordinates at which the scene was assembled (nq of the scene aside)
@@ -51,8 +51,8 @@ module limber_analysis_static_aside
       logical :: used = .false.
    end type static_aside_type
 
-   !> A sample of the scene: time, coordinates (nq) and multipliers (nc) of an equilibrium, angles of frames (bodies) [rad], channels,
-   !> steady rotation and its centre
+   !> A sample of the scene: time, coordinates (nq) and multipliers (nc) of an equilibrium, angles of frames (bodies) [rad],
+   !> channels, steady rotation and its centre
    type :: sample_type
       real(wp) :: t = 0.0_wp, rotation = 0.0_wp, centre(2) = 0.0_wp
       real(wp), allocatable :: q(:), lambda(:), angle(:), values(:)
@@ -205,7 +205,7 @@ contains
 
    end function largest_force
 
-   !> The channel that errs most, the body that misses most, and a remedy, which is tried at the last sample; empty if all are right.
+   !> The channel that errs most, the body that misses most, and a remedy, tried at the last sample; empty if all are right.
    function static_warning(self, scene, name, sample) result(text)
       type(static_aside_type), intent(in) :: self
       type(scene_type), intent(in) :: scene

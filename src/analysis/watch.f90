@@ -254,12 +254,15 @@ contains
       call ringing%worst(system, least*system%model%length/(dynamics%end - dynamics%start)**2, body, share, lost, &
          & omega)
       if (share <= allowed) return
-      accelerations = ', accelerations by about '//as_text(lost, 2)//' '//system%model%units%length//'/'// &
-         & system%model%units%time//'^2'
+      associate (units => system%model%units)
+         accelerations = ', accelerations by about '//as_text(lost, 2)//' '//units%length//'/'//units%time//'^2,'// &
+            & ' reactions and section forces by at most the mass of the body times that, '// &
+            & as_text(lost*system%model%bodies(body)%reduced%mass, 2)//' '//units%mass//' '//units%length//'/'//units%time//'^2'
+      end associate
       if (is_adams) then
          text = "ADAMS keeps up a vibration of body '"//system%model%bodies(body)%name//"' (about "//as_text(omega, 2)// &
             & ' rad/'//system%model%units%time//') at the limit of its steps, whose deflection is below the tolerance, but not'// &
-            & ' its acceleration: accelerations, reactions and section forces there may err by '//as_text(100*share, 2)// &
+            & ' its acceleration: accelerations there may err by '//as_text(100*share, 2)// &
             & ' % of the largest acceleration that loads and inertia make'//accelerations// &
             & '; use INTEGRATOR=RADAU, or a smaller TOLERANCE'
          return

@@ -245,9 +245,9 @@ module limber_deck_keywords
       & option_spec_type('DYNAMICS', 'VELOCITIES', kind_word, 'KEPT|REST|DECK', &
       &    '', '', 'after another analysis: those at its end (default), none, or those that the deck gives the bodies'), &
       & option_spec_type('ACCURACY', 'ESTIMATE', kind_yes, '', &
-      &    '', 'NO', 'a dataset beside each channel with its error of time integration, from runs at other tolerances'), &
+      &    '', 'NO', 'error of time integration beside each channel, by runs at other tolerances; no analysis but one *DYNAMICS'), &
       & option_spec_type('ACCURACY', 'TARGET', kind_positive, '', &
-      &    '', '', 'error of every channel relative to its largest value: limber chooses the fidelity that keeps it, and checks'), &
+      &    '', '', 'error of channels by their largest values, for which limber chooses a model; of one *DYNAMICS alone'), &
       & option_spec_type('STUDY', 'REPEATS', kind_counting, '', &
       &    '', '3', 'runs of each setting that can be worth its time; their median counts', most=1000), &
       & option_spec_type('STUDY', 'REFERENCE', kind_path, '', &

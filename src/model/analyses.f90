@@ -46,10 +46,10 @@ contains
       if (count > 0) model%dynamics = model%steps(1)%dynamics
       if (model%accuracy%target > 0.0_wp .and. count > 0 .and. .not. single_dynamics(model)) call diagnostics%add( &
          & deck%blocks(deck%find('ACCURACY'))%origin_of('TARGET'), 'an accuracy can be asked of a single *DYNAMICS only', &
-         & 'a deck with TARGET has no other analysis')
+         & 'remove TARGET or the other analyses; *ASSEMBLY, INITIAL DEFLECTIONS=STATIC starts with loads in balance')
       if (model%accuracy%estimate .and. count > 0 .and. .not. single_dynamics(model)) call diagnostics%add( &
          & deck%blocks(deck%find('ACCURACY'))%origin_of('ESTIMATE'), 'errors are estimated of a single *DYNAMICS only', &
-         & 'a deck whose results are estimated has no other analysis')
+         & 'remove ESTIMATE or the other analyses; *ASSEMBLY, INITIAL DEFLECTIONS=STATIC starts with loads in balance')
    end subroutine add_analyses
 
    !> Whether a model has one analysis only, a dynamic one.

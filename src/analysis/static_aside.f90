@@ -243,29 +243,37 @@ contains
          do choice = with_responses, with_modes
             words = richer_words(scene, body, choice, self%extra)
             if (words == '') cycle
-            if (cures(choice)) return
+            if (cures(self, scene, sample, body, choice, least)) return
          end do
          words = richer_words(scene, body, with_both, self%extra)
       end function remedy
 
-      logical function cures(choice)
-         integer, intent(in) :: choice
-         type(static_aside_type), allocatable :: trial
-         real(wp) :: channel(size(error))
-         allocate (trial)
-         trial%extra = self%extra
-         allocate (trial%level, source=self%level)
-         trial%level(body) = choice
-         call build(trial, scene)
-         cures = trial%used
-         if (.not. cures) return
-         call place_aside(scene, sample%t, sample%q, sample%lambda, .true., sample%rotation, sample%centre, trial%aside, cures)
-         if (.not. cures) return
-         call take_channels(trial, sample, trial%aside%scene%q, channel)
-         cures = all(abs(channel - self%last) <= little*least)
-      end function cures
-
    end function static_warning
+
+   !> Whether a remedy makes all channels at the last sample what the richer scene makes of them.
+   logical function cures(self, scene, sample, body, choice, least)
+      type(static_aside_type), intent(in) :: self
+      type(scene_type), intent(in) :: scene
+      !> The last one
+      type(sample_type), intent(in) :: sample
+      !> The body that gets the remedy, and which
+      integer, intent(in) :: body, choice
+      !> What differences are compared with (channels)
+      real(wp), intent(in) :: least(:)
+      type(static_aside_type), allocatable :: trial
+      real(wp) :: channel(size(least))
+      allocate (trial)
+      trial%extra = self%extra
+      allocate (trial%level, source=self%level)
+      trial%level(body) = choice
+      call build(trial, scene)
+      cures = trial%used
+      if (.not. cures) return
+      call place_aside(scene, sample%t, sample%q, sample%lambda, .true., sample%rotation, sample%centre, trial%aside, cures)
+      if (.not. cures) return
+      call take_channels(trial, sample, trial%aside%scene%q, channel)
+      cures = all(abs(channel - self%last) <= little*least)
+   end function cures
 
    !> What differences are compared with: the size of the channel, parts of the largest of its unit, and what is nothing (channels),
    !> eq. (Y9).

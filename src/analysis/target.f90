@@ -229,6 +229,9 @@ contains
          aim = part_time*target
          if (stalls .and. does_for(truth, advice%rungs, advice%tolerance, target) .and. &
             & .not. any(truth%rungs%stretches .and. .not. advice%rungs%stretches)) then
+            ! Beside a truth of a much smaller tolerance it may be the integration that is left
+            if (advice%open_tolerance .and. truth%tolerance < 0.5_wp*ladder*advice%tolerance) call tighten(ladder)
+            if (climbed) return
             ! Few functions may all lack the same shape, and the truth has it
             do i = 1, size(advice%rungs)
                call put(i, richer(advice%rungs(i), max(1, truth%rungs(i)%step - 1 - advice%rungs(i)%step), .false.))
@@ -267,8 +270,12 @@ contains
          reached%tolerance_before = reached%advice%tolerance
          reached%of_time_before = reached%of_time
          reached%advice%tolerance = max(least_verified, factor*reached%advice%tolerance)
-         reached%path = reached%path//newline//'   the integration had an error of '//as_text(reached%of_time, 2)// &
-            & ': TOLERANCE='//as_text(reached%advice%tolerance, 2)
+         if (stalls) then
+            reached%path = reached%path//newline//'   the model hardly changed an error of '//as_text(reached%of_model, 2)
+         else
+            reached%path = reached%path//newline//'   the integration had an error of '//as_text(reached%of_time, 2)
+         end if
+         reached%path = reached%path//': TOLERANCE='//as_text(reached%advice%tolerance, 2)
          climbed = .true.
       end subroutine tighten
 

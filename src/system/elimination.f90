@@ -9,6 +9,8 @@ module limber_system_elimination
 
    !> Least part of the largest entry of its column, rows divided by their largest entries, that a pivot is
    real(wp), parameter :: threshold = 0.1_wp
+   !> Largest multiplier, of rows so divided, up to which pivots serve again: behind a search multipliers are far below
+   real(wp), parameter :: largest_multiplier = 1.0e3_wp
    !> Order of elimination of one pattern, and the factors: rows of pivots one behind the other, each with its multipliers, the
    !> reciprocal pivot and the rest of its row, in the order of the pivots
    type :: elimination_type
@@ -23,7 +25,7 @@ module limber_system_elimination
       !> Of each multiplier: place of the first product that is taken away with it where all these stand side by side, else zero
       !> (places); places of all others, in the order of the elimination
       integer, allocatable, private :: begin(:), target(:)
-      !> Factor of each multiplier in `growth`: of rows divided by their largest entries (places)
+      !> Factor of each multiplier for the comparison with `largest_multiplier` (places)
       real(wp), allocatable, private :: weight(:)
       !> Factors, reciprocal pivots on the diagonal (places), and those of a complex matrix, real and imaginary parts (places, 2);
       !> scratch (n), (n, 2)
@@ -227,26 +229,25 @@ contains
    end function products_of
 
    !> Factors of other values with these pivots.
-   pure subroutine renew(self, values, growth)
+   pure subroutine renew(self, values, unfit)
       class(elimination_type), intent(inout) :: self
       real(wp), contiguous, intent(in) :: values(:)
-      !> Largest multiplier, of rows divided by their largest entries; `huge` where a pivot is zero and there are
-      !> no factors
-      real(wp), intent(out) :: growth
+      !> True if the pivots are unfit for them: there are no factors
+      logical, intent(out) :: unfit
       call factor(self%n, size(values), size(self%fills), size(self%column), size(self%target), self%place, self%fills, &
-         & self%first, self%diagonal, self%column, self%begin, self%target, self%weight, values, self%a, growth)
+         & self%first, self%diagonal, self%column, self%begin, self%target, self%weight, values, self%a, unfit)
    end subroutine renew
 
    !> The factors of real values.
    pure subroutine factor(n, entries, zeros, places, products, place, fills, first, diagonal, column, begin, target, &
-      & weight, values, a, growth)
+      & weight, values, a, unfit)
       integer, intent(in) :: n, entries, zeros, places, products
       integer, intent(in) :: place(entries), fills(zeros), first(n + 1), diagonal(n), column(places), begin(places), &
          & target(products)
       real(wp), intent(in) :: weight(places), values(entries)
       real(wp), intent(inout) :: a(places)
-      real(wp), intent(out) :: growth
-      real(wp) :: multiplier, worst
+      logical, intent(out) :: unfit
+      real(wp) :: multiplier
       integer :: i, k, p, q, step
       do k = 1, zeros
          a(fills(k)) = 0.0_wp
@@ -254,15 +255,14 @@ contains
       do k = 1, entries
          a(place(k)) = values(k)
       end do
-      worst = 0.0_wp
       step = 0
-      growth = huge(growth)
+      unfit = .true.
       do i = 1, n
          do p = first(i), diagonal(i) - 1
             k = column(p)
             multiplier = a(p)*a(diagonal(k))
             a(p) = multiplier
-            worst = max(worst, abs(multiplier)*weight(p))
+            if (abs(multiplier)*weight(p) > largest_multiplier) return
             if (begin(p) > 0) then
                q = first(k + 1) - 1 - diagonal(k)
                call take(q, multiplier, a(diagonal(k) + 1), a(begin(p)))
@@ -273,10 +273,10 @@ contains
                a(target(step)) = a(target(step)) - multiplier*a(q)
             end do
          end do
-         if (.not. abs(a(diagonal(i))) >= tiny(worst)) return
+         if (abs(a(diagonal(i))) < tiny(multiplier)) return
          a(diagonal(i)) = 1/a(diagonal(i))
       end do
-      growth = worst
+      unfit = .false.
    end subroutine factor
 
    !> Takes a multiple of a row from another one.
@@ -291,18 +291,18 @@ contains
    end subroutine take
 
    !> The same as `renew` of a complex matrix.
-   pure subroutine renew_complex(self, values, growth)
+   pure subroutine renew_complex(self, values, unfit)
       class(elimination_type), intent(inout) :: self
       complex(wp), contiguous, intent(in) :: values(:)
-      real(wp), intent(out) :: growth
+      logical, intent(out) :: unfit
       call factor_complex(self%n, size(values), size(self%fills), size(self%column), size(self%target), self%place, self%fills, &
          & self%first, self%diagonal, self%column, self%begin, self%target, self%weight, values, self%z(:, 1), self%z(:, 2), &
-         & growth)
+         & unfit)
    end subroutine renew_complex
 
    !> The factors of complex values.
    pure subroutine factor_complex(n, entries, zeros, places, products, place, fills, first, diagonal, column, begin, target, &
-      & weight, values, a, b, growth)
+      & weight, values, a, b, unfit)
       integer, intent(in) :: n, entries, zeros, places, products
       integer, intent(in) :: place(entries), fills(zeros), first(n + 1), diagonal(n), column(places), begin(places), &
          & target(products)
@@ -310,8 +310,8 @@ contains
       complex(wp), intent(in) :: values(entries)
       !> Real and imaginary parts
       real(wp), intent(inout) :: a(places), b(places)
-      real(wp), intent(out) :: growth
-      real(wp) :: s, t, u, v, worst
+      logical, intent(out) :: unfit
+      real(wp) :: s, t, u, v
       integer :: i, k, p, q, step
       do k = 1, zeros
          a(fills(k)) = 0.0_wp
@@ -321,9 +321,8 @@ contains
          a(place(k)) = real(values(k), wp)
          b(place(k)) = aimag(values(k))
       end do
-      worst = 0.0_wp
       step = 0
-      growth = huge(growth)
+      unfit = .true.
       do i = 1, n
          do p = first(i), diagonal(i) - 1
             k = column(p)
@@ -332,7 +331,7 @@ contains
             t = a(p)*b(q) + b(p)*a(q)
             a(p) = s
             b(p) = t
-            worst = max(worst, (abs(s) + abs(t))*weight(p))
+            if ((abs(s) + abs(t))*weight(p) > largest_multiplier) return
             if (begin(p) > 0) then
                call take_complex(first(k + 1) - 1 - q, s, t, a(q + 1), b(q + 1), a(begin(p)), b(begin(p)))
                cycle
@@ -346,10 +345,10 @@ contains
             end do
          end do
          p = diagonal(i)
-         if (.not. abs(a(p)) + abs(b(p)) >= tiny(worst)) return
+         if (abs(a(p)) + abs(b(p)) < tiny(s)) return
          call invert(a(p), b(p))
       end do
-      growth = worst
+      unfit = .false.
    end subroutine factor_complex
 
    !> Takes s + i t times a complex row a + i b from another one.

@@ -19,9 +19,8 @@ module limber_system_sparse
    integer, parameter :: seldom = 8
    !> Most unknowns of a matrix that is eliminated on the spot
    integer, parameter :: few = 6
-   !> Most unknowns of one that KLU is not needed for, and the largest multiplier up to which its pivots serve again
+   !> Most unknowns of one that KLU is not needed for
    integer, parameter :: some = 40
-   real(wp), parameter :: largest_multiplier = 1.0e3_wp
 
    !> A square matrix by columns. `mark` all entries, `analyse`, then fill `values` through `place` and factor.
    type :: sparse_type
@@ -213,42 +212,44 @@ contains
    subroutine factor_own(self, singular)
       class(sparse_type), intent(inout) :: self
       logical, intent(out) :: singular
-      real(wp) :: growth
+      logical :: unfit
       singular = .false.
       if (self%own%n > 0) then
-         call self%own%renew(self%values, growth)
+         call self%own%renew(self%values, unfit)
          self%renewed(1) = .true.
+         if (.not. unfit) return
          ! Where values are no numbers no pivots are better
-         if (growth <= largest_multiplier .or. .not. all(abs(self%values) <= huge(1.0_wp))) return
+         singular = .not. all(abs(self%values) <= huge(1.0_wp))
+         if (singular) return
       end if
       self%searches = self%searches + 1
       self%searched = self%values
       self%renewed(1) = .false.
       call self%own%seek(self%n, self%first, self%row, cmplx(self%values, 0.0_wp, wp), singular)
       if (singular) return
-      call self%own%renew(self%values, growth)
-      singular = growth >= huge(growth)
+      call self%own%renew(self%values, singular)
    end subroutine factor_own
 
    !> Factors its present complex values.
    subroutine factor_complex_own(self, singular)
       class(sparse_type), intent(inout) :: self
       logical, intent(out) :: singular
-      real(wp) :: growth
+      logical :: unfit
       singular = .false.
       if (self%complex_own%n > 0) then
-         call self%complex_own%renew_complex(self%complex_values, growth)
+         call self%complex_own%renew_complex(self%complex_values, unfit)
          self%renewed(2) = .true.
-         if (growth <= largest_multiplier .or. .not. all(abs(real(self%complex_values, wp)) + abs(aimag(self%complex_values)) &
-            & <= huge(1.0_wp))) return
+         if (.not. unfit) return
+         singular = .not. (all(abs(real(self%complex_values, wp)) <= huge(1.0_wp)) .and. &
+            & all(abs(aimag(self%complex_values)) <= huge(1.0_wp)))
+         if (singular) return
       end if
       self%searches = self%searches + 1
       self%complex_searched = self%complex_values
       self%renewed(2) = .false.
       call self%complex_own%seek(self%n, self%first, self%row, self%complex_values, singular)
       if (singular) return
-      call self%complex_own%renew_complex(self%complex_values, growth)
-      singular = growth >= huge(growth)
+      call self%complex_own%renew_complex(self%complex_values, singular)
    end subroutine factor_complex_own
 
    !> Factors a small matrix by Gauss: each pivot is the largest of its column beside the largest entry of its row.

@@ -3,14 +3,14 @@
 !> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E7), (H4).
 module limber_analysis_crossings
    use limber_base_kinds, only: wp, long
-   use limber_base_error, only: error_type, raise
+   use limber_base_error, only: error_type
    use limber_base_snapshot, only: snapshot_type
-   use limber_base_text, only: as_text
+   use limber_analysis_sticking, only: sticking_type, note_step, count_jump, crawl
    use limber_deck_range, only: range_type
    use limber_integrator_integrator, only: integrator_type
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_moments, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, &
-      & law_effect, law_turn, law_bend, law_excess, law_is_steep, quartic, describe_law
+      & law_effect, law_turn, law_bend, law_excess, law_is_steep, quartic
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -21,13 +21,6 @@ module limber_analysis_crossings
 
    !> Looks at most before the rest of a step is taken as it is, and steps without such looks after that at most
    integer, parameter :: most_looks = 100, most_rest = 64
-   !> Jumps to and fro that count as sticking, and the part of the time before in which each comes
-   integer, parameter :: most_returns = 12
-   real(wp), parameter :: tight = 0.01_wp
-   !> Steps in a row behind a jump that count as sticking, and what part of the whole time each of these is at most; in them pulses
-   !> are no matter
-   integer, parameter :: most_crawls = 200
-   real(wp), parameter :: crawl = 1.0e-9_wp
    !> Depth of the halving; parts of a step: in which a crossing is found, and which are halved without one
    integer, parameter :: deepest = 60
    real(wp), parameter :: fine = 1.0e-10_wp, coarse = 1.0e-7_wp
@@ -75,10 +68,8 @@ module limber_analysis_crossings
       integer :: looks = 0, rest = 0, next_rest = 1
       !> Whether the integrator starts anew with the next step
       logical :: anew = .true.
-      !> The last jumps: law, time, time before it that counts as long, and how often it has gone to and fro; steps in a row that
-      !> are next to nothing
-      integer :: law = 0, returns = 0, crawls = 0
-      real(wp) :: jumped = 0.0_wp, long = 0.0_wp
+      !> The last jumps, and steps in a row that are next to nothing
+      type(sticking_type) :: sticking
       !> Of the whole analysis: its length, and what local error is allowed
       real(wp) :: duration = 0.0_wp, tolerance = 0.0_wp
       !> What was found: kind, law, time; whether that is so near to the start of the step that the step must be done again
@@ -105,7 +96,7 @@ contains
       integer :: i, n
       self%loads = watched_loads(system)
       n = size(self%loads)
-      self%jumped = start
+      self%sticking%jumped = start
       self%duration = duration
       self%tolerance = tolerance
       if (n == 0) return
@@ -199,7 +190,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       class(integrator_type), intent(inout) :: integrator
-      !> Something sticks where a law jumps
+      !> Something sticks where a law jumps, or steps do not get on
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: h
       integer :: i
@@ -209,11 +200,8 @@ contains
       self%steps = min(self%steps, huge(self%steps) - 1) + 1
       h = integrator%t - self%quarters(0)%t
       if (.not. h > 0.0_wp) return
-      self%crawls = merge(self%crawls + 1, 0, h < crawl*self%duration)
-      if (self%crawls > most_crawls .and. self%law > 0) then
-         call raise_sticking(self, system, error)
-         return
-      end if
+      call note_step(self%sticking, system, self%loads, integrator%t, h, self%duration, error)
+      if (allocated(error)) return
       call look(self, system, work, integrator, integrator%t, self%quarters(4))
       if (is_plain(self, system, integrator%ends_on_samples)) return
       if (integrator%ends_on_samples .and. .not. integrator%fixed_step > 0.0_wp) call find_turn(self, system, h)
@@ -334,7 +322,7 @@ contains
          width = maxval(f) - minval(f)
          self%width(i) = width
          self%allowed(i) = min(little*max(self%largest(i), level*maxval(self%largest)), self%felt(i)) + part*width
-         if (self%crawls > 0 .or. self%idle(i)) self%allowed(i) = huge(width)
+         if (self%sticking%crawls > 0 .or. self%idle(i)) self%allowed(i) = huge(width)
          if (.not. self%idle(i)) self%allowed(i) = max(self%allowed(i), self%nothing(i))
          difference = abs(f(0) - 4*f(1) + 6*f(2) - 4*f(3) + f(4))
          self%smooth(i) = all([(self%quarters(k)%branches(i) == self%quarters(0)%branches(i), k=1, 4)])
@@ -543,31 +531,9 @@ contains
       type(crossings_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: since
       self%steps(self%which) = 0
-      if (self%found /= found_jump) return
-      since = self%t - self%jumped
-      if (self%law == self%which .and. since < tight*self%long) then
-         self%returns = self%returns + 1
-      else
-         self%returns = 0
-         self%long = max(since, 1.0e-3_wp*self%duration)
-      end if
-      self%law = self%which
-      self%jumped = self%t
-      if (self%returns < most_returns) return
-      call raise_sticking(self, system, error)
+      if (self%found == found_jump) call count_jump(self%sticking, system, self%loads, self%which, self%t, self%duration, error)
    end subroutine count_crossing
-
-   !> Which law, on which body, when, and what to write in its place.
-   subroutine raise_sticking(self, system, error)
-      type(crossings_type), intent(in) :: self
-      type(system_type), intent(in) :: system
-      type(error_type), allocatable, intent(out) :: error
-      call raise(error, describe_law(system, self%loads(self%law))//' jumps to and fro at t = '//as_text(self%jumped, 8)// &
-         & ', for what it drives sticks where it jumps; write a smooth law, such as tanh(v/eps) with a small speed eps in place'// &
-         & ' of 2*step(v) - 1')
-   end subroutine raise_sticking
 
    !> Saves or restores what is remembered between steps.
    subroutine exchange_crossings(self, snapshot)
@@ -590,11 +556,7 @@ contains
       call snapshot%exchange('crossing_anew', self%anew)
       call snapshot%exchange('crossing_rest', self%rest)
       call snapshot%exchange('crossing_next_rest', self%next_rest)
-      call snapshot%exchange('crossing_law', self%law)
-      call snapshot%exchange('crossing_returns', self%returns)
-      call snapshot%exchange('crossing_crawls', self%crawls)
-      call snapshot%exchange('crossing_jumped', self%jumped)
-      call snapshot%exchange('crossing_long', self%long)
+      call self%sticking%exchange(snapshot)
    end subroutine exchange_crossings
 
 end module limber_analysis_crossings

@@ -27,6 +27,8 @@ module limber_integrator_adams
    integer, parameter :: many_low = 20
    !> Step in radians of the fastest vibration from which methods of middle orders are at the limit of their stability
    real(wp), parameter :: near_limit = 0.4_wp
+   !> Part of the whole time below which a step is next to nothing
+   real(wp), parameter :: short = 1.0e-9_wp
    !> Least number of bodies whose accelerations are found by recursion
    integer, parameter :: many = 10
    !> Memory of the method, in the names of Shampine and Gordon
@@ -47,6 +49,8 @@ module limber_integrator_adams
       real(wp), allocatable :: phi(:, :)
       !> Scratch (all coordinates)
       real(wp), allocatable :: change(:)
+      !> What coordinates have lost by round-off in steps that are next to nothing (nq)
+      real(wp), allocatable :: lost(:)
       !> Accelerations in the layout of the rates, where vibrations are noted (nw)
       real(wp), allocatable :: rates(:)
       !> Scales of the local error, and those of y (weighed)
@@ -104,14 +108,17 @@ contains
       end do
       self%ny = 2*self%nq + merge(1, 0, system%powered)
       self%weighed = merge(2*self%nq, self%ny, self%whole .and. .not. self%input%asked)
-      if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change, self%q, self%v, self%a, self%scale)
-      allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(size(q)))
+      if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change, self%q, self%v, self%a, self%scale, &
+         & self%lost)
+      allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(size(q)), &
+         & self%lost(self%nq))
       allocate (self%q(size(q)), self%v(size(q)), self%a(size(q)), self%scale(self%weighed))
       if (.not. allocated(self%rates)) allocate (self%rates(system%layout%nw), source=0.0_wp)
       self%q = q
       self%v = v
       self%a = 0.0_wp
       self%y = 0.0_wp
+      self%lost = 0.0_wp
       self%y(:self%nq) = q(self%kept)
       self%y(self%nq + 1:2*self%nq) = v(self%kept)
       if (system%powered) self%y(self%ny) = self%work_at_start
@@ -261,6 +268,8 @@ contains
          if (allocated(error)) return
          call estimate_errors(self%ny, self%weighed, self%k, self%h, self%g, self%sig, self%scale, self%yp, self%phi, estimate, &
             & err, k_next)
+         if (err > self%bound .and. self%weighed > 2*self%nq .and. self%h <= self%last_digits()) call estimate_errors(self%ny, &
+            & 2*self%nq, self%k, self%h, self%g, self%sig, self%scale(:2*self%nq), self%yp, self%phi, estimate, err, k_next)
          accepted = err <= self%bound .or. self%fixed_step > 0.0_wp
          if (accepted) then
             call correct(self, system, work, t, accepted, error)
@@ -379,6 +388,7 @@ contains
       integer :: nq
       nq = self%nq
       self%p = self%p + self%h*self%g(self%k + 1)*(self%yp - self%phi(:, 1))
+      if (self%h < short*self%duration) call add_lost(nq, self%h, self%y, self%p, self%lost)
       if (self%tree%usable) then
          accepted = .true.
          call recursive_settle(self%tree, self%p(:nq), self%p(nq + 1:2*nq))
@@ -400,6 +410,27 @@ contains
       self%y = self%p
       call differentiate(self, system, work, self%y, self%yp)
    end subroutine correct
+
+   !> Adds to coordinates what they have lost by round-off in steps that are next to nothing: one that moves less in a step than its
+   !> last digit would never get to where a law changes. The mean velocity tells how far it goes.
+   pure subroutine add_lost(nq, h, y, p, lost)
+      !> Number of coordinates; length of the step; state before it
+      integer, intent(in) :: nq
+      real(wp), intent(in) :: h, y(:)
+      !> State behind it; what the coordinates still lack (nq)
+      real(wp), intent(inout) :: p(:), lost(:)
+      real(wp) :: way
+      integer :: i
+      do i = 1, nq
+         way = 0.5_wp*h*(y(nq + i) + p(nq + i)) + lost(i)
+         if (abs(way - (p(i) - y(i))) > 4*spacing(p(i))) then
+            lost(i) = 0.0_wp
+         else
+            p(i) = y(i) + way
+            lost(i) = way - (p(i) - y(i))
+         end if
+      end do
+   end subroutine add_lost
 
    !> The same where not all coordinates are integrated.
    subroutine correct_kept(self, system, work, t, accepted, error)
@@ -516,6 +547,7 @@ contains
       call snapshot%keep('yp', self%yp)
       call snapshot%keep('phi', self%phi)
       call snapshot%keep('change', self%change)
+      call snapshot%keep('lost', self%lost)
       call self%scales%exchange(snapshot)
       call snapshot%keep('scale', self%scale)
       if (self%tree%usable) call self%tree%exchange(snapshot)

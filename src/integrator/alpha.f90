@@ -391,6 +391,7 @@ contains
          return
       end if
       s = (t - self%t_before)/h
+      h = self%length_of_step()
       call cubic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%e, q, v)
       w = self%input%within(s)
    end subroutine alpha_interpolate

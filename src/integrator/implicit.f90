@@ -8,8 +8,9 @@ module limber_integrator_implicit
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, across_allowed
    use limber_integrator_integrator, only: integrator_type, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale
+   use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, input_power
-   use limber_system_layout, only: layout_type, rates_of
+   use limber_system_layout, only: layout_type, rates_of, advance
    use limber_system_motion, only: linearise_motion, place_motion
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, new_tangent
@@ -23,6 +24,9 @@ module limber_integrator_implicit
       real(wp), allocatable :: q(:), v(:), w(:), a(:), lambda(:)
       !> Coordinates and rates at the beginning of the last step, its increment of the coordinates (nw)
       real(wp), allocatable :: q_before(:), w_before(:), increment(:)
+      !> What coordinates have lost by round-off in steps that are next to nothing (nw), and the length of the whole analysis
+      real(wp), allocatable :: lost(:)
+      real(wp) :: duration = 0.0_wp
       !> Scratch (nq)
       real(wp), allocatable :: change(:)
       type(tangent_type) :: tangent
@@ -40,8 +44,8 @@ module limber_integrator_implicit
       !> that of friction near rest, eq. (L3)
       real(wp) :: strictness = 1.0_wp
    contains
-      procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, heed_failure, pass_fold, &
-         & singular_matrix, exchange_implicit
+      procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, heed_failure, pass_fold, length_of_step, &
+         & add_lost, singular_matrix, exchange_implicit
    end type implicit_type
 
 contains
@@ -58,11 +62,14 @@ contains
       if (.not. allocated(self%q)) then
          associate (nq => system%layout%nq, nw => system%layout%nw)
             allocate (self%q(nq), self%v(nq), self%w(nw), self%a(nw), self%lambda(system%nc), self%q_before(nq), &
-               & self%w_before(nw), self%increment(nw), self%change(nq), self%scale_x(nw), self%scale_w(nw))
+               & self%w_before(nw), self%increment(nw), self%change(nq), self%scale_x(nw), self%scale_w(nw), &
+               & self%lost(nw))
          end associate
          self%scales = new_scales(system, duration, .true.)
       end if
       self%h_last = 0.0_wp
+      self%lost = 0.0_wp
+      self%duration = duration
       call self%ringing%forget()
       self%fresh = .false.
       self%q = q
@@ -144,6 +151,39 @@ contains
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
    end subroutine renew_scales
 
+   !> Adds to the coordinates at the end of a step that is next to nothing what they have lost by round-off in it and before it: one
+   !> that moves less in a step than its last digit would never get to where a law changes.
+   subroutine add_lost(self, x, q)
+      class(implicit_type), intent(inout) :: self
+      !> Increment of the step (nw); coordinates before it are those of the state, and those behind it (nq)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(inout) :: q(:)
+      !> Part of the whole time below which a step is next to nothing
+      real(wp), parameter :: short = 1.0e-9_wp
+      integer :: i, k, from, to
+      if (self%h >= short*self%duration) return
+      self%lost = self%lost + x
+      call advance(self%layout, self%q, self%lost, q)
+      do i = 1, size(self%layout%q)
+         from = self%layout%q(i)
+         to = self%layout%w(i)
+         self%lost(to:to + 1) = self%lost(to:to + 1) - (q(from:from + 1) - self%q(from:from + 1))
+         if (.not. self%layout%framed(i)) cycle
+         self%lost(to + 2) = self%lost(to + 2) - cross(self%q(from + 2:from + 3), q(from + 2:from + 3))
+         do k = 1, self%layout%n(i)
+            self%lost(to + 2 + k) = self%lost(to + 2 + k) - (q(from + 3 + k) - self%q(from + 3 + k))
+         end do
+      end do
+   end subroutine add_lost
+
+   !> Length of the last step for its dense output: the one that the increments belong to. The difference of the times has their
+   !> round-off, which of a step that is next to nothing is a part that counts.
+   pure real(wp) function length_of_step(self) result(h)
+      class(implicit_type), intent(in) :: self
+      h = self%t - self%t_before
+      if (abs(self%h_last - h) <= 8*spacing(self%t)) h = self%h_last
+   end function length_of_step
+
    !> After Newton's method has failed: passes a fold if there is one ahead, and takes over the state behind it.
    subroutine pass_fold(self, system, work, stop, away, passed)
       class(implicit_type), intent(inout) :: self
@@ -222,6 +262,8 @@ contains
       call snapshot%keep('q_before', self%q_before)
       call snapshot%keep('w_before', self%w_before)
       call snapshot%keep('increment', self%increment)
+      call snapshot%keep('lost', self%lost)
+      call snapshot%exchange('duration', self%duration)
       call snapshot%keep('change', self%change)
       if (sparse) call self%tangent%exchange(snapshot)
       call self%crossing%exchange(snapshot)

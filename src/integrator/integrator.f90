@@ -53,7 +53,7 @@ module limber_integrator_integrator
       procedure :: complete => complete_nothing
       !> Saves or restores its memory; behind `start`, which makes room for it
       procedure(exchange_interface), deferred :: exchange
-      procedure :: count_step, least_step, step_too_small, exchange_common
+      procedure :: count_step, least_step, last_digits, step_too_small, exchange_common
    end type integrator_type
 
    abstract interface
@@ -156,6 +156,12 @@ contains
       real(wp), parameter :: part = 1.0e-8_wp
       least_step = 4*spacing(max(abs(self%t), part*abs(stop)))
    end function least_step
+
+   !> Steps so short that their work is taken as it is: across a jump of the power nothing makes it more exact.
+   pure real(wp) function last_digits(self) result(h)
+      class(integrator_type), intent(in) :: self
+      h = 256*spacing(abs(self%t))
+   end function last_digits
 
    !> Error of a step that has shrunk to nothing: which constraint, which body, when, what to try.
    subroutine step_too_small(self, system, work, body, error)

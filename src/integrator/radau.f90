@@ -302,7 +302,7 @@ contains
       call find_stage_power(self, system, work)
       call self%input%try_stages(self%h, self%stage_power, energy_scale(system, self%scales), own)
       own = own*bound(self)/bound_of(self%input%allowed(self%tolerance))
-      good = self%fixed_step > 0.0_wp
+      good = self%fixed_step > 0.0_wp .or. self%h <= self%last_digits()
       if (.not. good) good = self%input%is_within(own, bound(self))
       if (.not. (good .and. own > bound(self))) err = max(err, own)
    end subroutine integrate_power
@@ -481,6 +481,7 @@ contains
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
       call place_stage(self, system, 3)
+      call self%add_lost(self%x(:, 3), self%stage_q)
       self%q_stage_end = self%stage_q
       call settle(system, work, t, self%stage_q, self%stage_v, self%change, .false., residual, error)
       if (allocated(error)) return
@@ -528,7 +529,8 @@ contains
       end if
    end subroutine cross_fold
 
-   !> Increment of the coordinates over the step, the projection included.
+   !> Increment of the coordinates over the step, the projection included where it is more than round-off. Differences of the
+   !> coordinates are not taken: divided by a step that is next to nothing, their round-off would be velocities.
    subroutine keep_increment(self, system)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -538,13 +540,24 @@ contains
          from = system%layout%q(i)
          to = system%layout%w(i)
          n = system%layout%n(i)
-         self%increment(to:to + 1) = self%stage_q(from:from + 1) - self%q(from:from + 1)
+         call add_projection(self%q_stage_end(from:from + 1), self%stage_q(from:from + 1), self%scale_x(to:to + 1), &
+            & self%increment(to:to + 1))
          if (.not. system%layout%framed(i)) cycle
          self%increment(to + 2) = self%increment(to + 2) + cross(self%q_stage_end(from + 2:from + 3), &
             & self%stage_q(from + 2:from + 3))
-         self%increment(to + 3:to + 2 + n) = self%stage_q(from + 4:from + 3 + n) - self%q(from + 4:from + 3 + n)
+         call add_projection(self%q_stage_end(from + 4:from + 3 + n), self%stage_q(from + 4:from + 3 + n), &
+            & self%scale_x(to + 3:to + 2 + n), self%increment(to + 3:to + 2 + n))
       end do
    end subroutine keep_increment
+
+   !> Adds what the projection has changed.
+   elemental subroutine add_projection(before, behind, scale, increment)
+      !> Coordinate before the projection and behind it, and its scale
+      real(wp), intent(in) :: before, behind, scale
+      real(wp), intent(inout) :: increment
+      real(wp), parameter :: round_off = 64*epsilon(1.0_wp)
+      if (abs(behind - before) > round_off*max(abs(before), scale)) increment = increment + (behind - before)
+   end subroutine add_projection
 
    !> Quintic through coordinates, rates and accelerations at both ends of the step; its derivative for the rates.
    subroutine radau_interpolate(self, t, q, v, w)
@@ -561,6 +574,7 @@ contains
          return
       end if
       s = (t - self%t_before)/h
+      h = self%length_of_step()
       call quintic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%a_before, self%a_end, &
          & self%stage_a, self%e, q, v)
       w = self%input%within(s)

@@ -9,7 +9,7 @@ program test_crossings
    use limber_base_error, only: error_type
    use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, change_deck, channel
+   use runs, only: run_changed, run_text, change_deck, channel
    use testing, only: check, check_close, finish
    implicit none
 
@@ -30,7 +30,13 @@ program test_crossings
       call check_passed(integrators(i), 'tol = 1e-4')
       call check_passed(integrators(i), 'tol = 1e-6')
       call check_turning_back(integrators(i))
+      call check_grazed(integrators(i), '1e-6', 1.0e-7_wp, 1.0e-3_wp)
    end do
+   call check_grazed('INTEGRATOR=RADAU', '1e-4', 1.0e-9_wp, 1.0e-4_wp)
+   call check_grazed('INTEGRATOR=RADAU', '1e-8', 1.0e-9_wp, 1.0e-5_wp)
+   call check_grazed('INTEGRATOR=RADAU', '1e-10', 1.0e-9_wp, 1.0e-6_wp)
+   call check_grazed('INTEGRATOR=ADAMS', '1e-6', 1.0e-8_wp, 1.0e-5_wp)
+   call check_grazed('INTEGRATOR=ADAMS', '1e-10', 1.0e-9_wp, 1.0e-6_wp)
    call check_peak()
    call check_round_off()
    call check_drag()
@@ -66,6 +72,36 @@ program test_crossings
    call finish()
 
 contains
+
+   !> A mass thrown up by 1/2 that a force along x pushes in the last d of its way, 2 sqrt(2 d) long, to twice its speed: both ways
+   !> through the law lie next to each other, and the coordinate moves by next to nothing between them.
+   subroutine check_grazed(integrator, tolerance, d, most)
+      character(*), intent(in) :: integrator, tolerance
+      !> Height above the law, and the error of the speed
+      real(wp), intent(in) :: d, most
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      character(400) :: text
+      character(24) :: force, height
+      real(wp), allocatable :: v(:)
+      integer :: asked
+      write (force, '(es24.16)') 1/(2*sqrt(2*d))
+      write (height, '(es24.16)') 0.5_wp - d
+      do asked = 0, 1
+         text = '*GRAVITY, Y=-1'//new_line('a')//'*POINT MASS, NAME=p, MASS=1, VX=1, VY=1'//new_line('a')// &
+            & '*FORCE, NAME=f, POINT=p'//new_line('a')//trim(adjustl(force))//'*step(y(p) - '//trim(adjustl(height))//'), 0'// &
+            & new_line('a')//'*DYNAMICS, END=2, OUTPUTS=10, TOLERANCE='//tolerance//', '//trim(integrator)//new_line('a')// &
+            & '*OUTPUT'//new_line('a')//' vx = vx(p)'//trim(merge(', w = work(system)', '                  ', asked == 1))
+         call run_text(trim(text)//new_line('a'), trim(results), report, error)
+         call check(.not. allocated(error), 'grazed: '//trim(text))
+         if (allocated(error)) cycle
+         call reader%open(trim(results), error)
+         v = channel(reader, 'vx')
+         call check_close(v(size(v)), 2.0_wp, most, 'grazed: '//trim(text))
+         call reader%close()
+      end do
+   end subroutine check_grazed
 
    !> Heights of wheel and body 50 ms behind the beginning of the bump.
    subroutine check_bump(integrator, tolerance, most)

@@ -529,33 +529,34 @@ contains
       end if
    end subroutine cross_fold
 
-   !> Increment of the coordinates over the step, the projection included where it is more than round-off. Differences of the
-   !> coordinates are not taken: divided by a step that is next to nothing, their round-off would be velocities.
+   !> Increment of the coordinates over the step, the projection included, in steps that are next to nothing where it is more than
+   !> round-off. Differences of the coordinates are not taken: divided by such a step, their round-off would be velocities.
    subroutine keep_increment(self, system)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      real(wp) :: none
       integer :: i, from, to, n
+      none = merge(64*epsilon(none), 0.0_wp, self%h < 1.0e-9_wp*self%duration)
       self%increment = self%x(:, 3)
       do i = 1, size(system%layout%q)
          from = system%layout%q(i)
          to = system%layout%w(i)
          n = system%layout%n(i)
-         call add_projection(self%q_stage_end(from:from + 1), self%stage_q(from:from + 1), self%scale_x(to:to + 1), &
+         call add_projection(none, self%q_stage_end(from:from + 1), self%stage_q(from:from + 1), self%scale_x(to:to + 1), &
             & self%increment(to:to + 1))
          if (.not. system%layout%framed(i)) cycle
          self%increment(to + 2) = self%increment(to + 2) + cross(self%q_stage_end(from + 2:from + 3), &
             & self%stage_q(from + 2:from + 3))
-         call add_projection(self%q_stage_end(from + 4:from + 3 + n), self%stage_q(from + 4:from + 3 + n), &
+         call add_projection(none, self%q_stage_end(from + 4:from + 3 + n), self%stage_q(from + 4:from + 3 + n), &
             & self%scale_x(to + 3:to + 2 + n), self%increment(to + 3:to + 2 + n))
       end do
    end subroutine keep_increment
 
    !> Adds what the projection has changed.
-   elemental subroutine add_projection(before, behind, scale, increment)
-      !> Coordinate before the projection and behind it, and its scale
-      real(wp), intent(in) :: before, behind, scale
+   elemental subroutine add_projection(round_off, before, behind, scale, increment)
+      !> Part of a coordinate that is none; coordinate before the projection and behind it, and its scale
+      real(wp), intent(in) :: round_off, before, behind, scale
       real(wp), intent(inout) :: increment
-      real(wp), parameter :: round_off = 64*epsilon(1.0_wp)
       if (abs(behind - before) > round_off*max(abs(before), scale)) increment = increment + (behind - before)
    end subroutine add_projection
 

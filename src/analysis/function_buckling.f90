@@ -21,7 +21,7 @@ module limber_analysis_function_buckling
       real(wp) :: euler = 0.0_wp, euler_between = 0.0_wp, pace = 0.0_wp, pace_between = 0.0_wp
       !> Compression at the last state in motion in units of Euler's load, and when; largest one while it was straight, and when;
       !> growth of a deflection so far, as a logarithm
-      real(wp) :: last = 0.0_wp, last_time = 0.0_wp, worst = 0.0_wp, when = 0.0_wp, growth = 0.0_wp
+      real(wp) :: last = 0.0_wp, last_time = huge(1.0_wp), worst = 0.0_wp, when = 0.0_wp, growth = 0.0_wp
    contains
       procedure :: exchange => exchange_buckling
    end type buckling_type
@@ -117,7 +117,8 @@ contains
       if (.not. self%euler > 0.0_wp) return
       now = push/self%euler
       if (across > straight*length) now = 0.0_wp
-      if (t > self%last_time .and. max(now, self%last) > beyond) self%growth = self%growth + (t - self%last_time)* &
+      ! It stays straight from one state to the next
+      if (t > self%last_time .and. min(now, self%last) > 0.0_wp) self%growth = self%growth + (t - self%last_time)* &
          & 0.5_wp*(rate(now) + rate(self%last))
       if (now > self%worst) then
          self%worst = now

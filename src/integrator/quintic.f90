@@ -2,10 +2,11 @@
 !> rates. Floor: integrator. Source: Hermite interpolation; rotations by `advance`; doc/theory, eq. (45).
 module limber_integrator_quintic
    use limber_base_kinds, only: wp
+   use limber_system_algebra, only: cross
    use limber_system_layout, only: layout_type, velocities_of, advance
    implicit none
    private
-   public :: quintic_state
+   public :: quintic_state, add_projection
 
 contains
 
@@ -38,5 +39,36 @@ contains
       call advance(layout, q_before, change, q)
       call velocities_of(layout, q, rates, v)
    end subroutine quintic_state
+
+   !> Adds what a projection has changed to the increment of a step, where it is more than round-off. Differences of the coordinates
+   !> over the step are not taken: divided by a step that is next to nothing, their round-off would be velocities.
+   pure subroutine add_projection(layout, round_off, before, behind, scales, increment)
+      type(layout_type), intent(in) :: layout
+      !> Part of a coordinate that is none
+      real(wp), intent(in) :: round_off
+      !> Coordinates before the projection and behind it (nq); their scales, and the increment (nw)
+      real(wp), contiguous, intent(in) :: before(:), behind(:), scales(:)
+      real(wp), contiguous, intent(inout) :: increment(:)
+      integer :: i, from, to, n
+      do i = 1, size(layout%q)
+         from = layout%q(i)
+         to = layout%w(i)
+         n = layout%n(i)
+         call add(before(from:from + 1), behind(from:from + 1), scales(to:to + 1), increment(to:to + 1))
+         if (.not. layout%framed(i)) cycle
+         increment(to + 2) = increment(to + 2) + cross(before(from + 2:from + 3), behind(from + 2:from + 3))
+         call add(before(from + 4:from + 3 + n), behind(from + 4:from + 3 + n), scales(to + 3:to + 2 + n), &
+            & increment(to + 3:to + 2 + n))
+      end do
+
+   contains
+
+      pure elemental subroutine add(x, y, scale, sum)
+         real(wp), intent(in) :: x, y, scale
+         real(wp), intent(inout) :: sum
+         if (abs(y - x) > round_off*max(abs(x), scale)) sum = sum + (y - x)
+      end subroutine add
+
+   end subroutine add_projection
 
 end module limber_integrator_quintic

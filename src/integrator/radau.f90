@@ -10,11 +10,10 @@ module limber_integrator_radau
    use limber_integrator_implicit, only: implicit_type
    use limber_integrator_lasting, only: lasting_type, motion_time
    use limber_integrator_integrator, only: constraint_limit
-   use limber_integrator_quintic, only: quintic_state
+   use limber_integrator_quintic, only: quintic_state, add_projection
    use limber_integrator_scales, only: energy_scale
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_t, radau_ti, radau_inverse, radau_weights, &
       & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
-   use limber_system_algebra, only: cross
    use limber_system_dynamics, only: input_power, power_at
    use limber_system_layout, only: velocities_of, advance
    use limber_system_motion, only: motion_residual
@@ -488,7 +487,9 @@ contains
       accepted = residual <= constraint_limit
       if (.not. accepted) return
       self%statistics%position_residual = max(self%statistics%position_residual, residual)
-      call keep_increment(self, system)
+      self%increment = self%x(:, 3)
+      call add_projection(system%layout, merge(64*epsilon(t), 0.0_wp, self%h < 1.0e-9_wp*self%duration), self%q_stage_end, &
+         & self%stage_q, self%scale_x, self%increment)
       self%q_before = self%q
       self%w_before = self%w
       self%a_before = self%a_end
@@ -528,37 +529,6 @@ contains
          self%h = 0.5_wp*self%h
       end if
    end subroutine cross_fold
-
-   !> Increment of the coordinates over the step, the projection included, in steps that are next to nothing where it is more than
-   !> round-off. Differences of the coordinates are not taken: divided by such a step, their round-off would be velocities.
-   subroutine keep_increment(self, system)
-      class(radau_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      real(wp) :: none
-      integer :: i, from, to, n
-      none = merge(64*epsilon(none), 0.0_wp, self%h < 1.0e-9_wp*self%duration)
-      self%increment = self%x(:, 3)
-      do i = 1, size(system%layout%q)
-         from = system%layout%q(i)
-         to = system%layout%w(i)
-         n = system%layout%n(i)
-         call add_projection(none, self%q_stage_end(from:from + 1), self%stage_q(from:from + 1), self%scale_x(to:to + 1), &
-            & self%increment(to:to + 1))
-         if (.not. system%layout%framed(i)) cycle
-         self%increment(to + 2) = self%increment(to + 2) + cross(self%q_stage_end(from + 2:from + 3), &
-            & self%stage_q(from + 2:from + 3))
-         call add_projection(none, self%q_stage_end(from + 4:from + 3 + n), self%stage_q(from + 4:from + 3 + n), &
-            & self%scale_x(to + 3:to + 2 + n), self%increment(to + 3:to + 2 + n))
-      end do
-   end subroutine keep_increment
-
-   !> Adds what the projection has changed.
-   elemental subroutine add_projection(round_off, before, behind, scale, increment)
-      !> Part of a coordinate that is none; coordinate before the projection and behind it, and its scale
-      real(wp), intent(in) :: round_off, before, behind, scale
-      real(wp), intent(inout) :: increment
-      if (abs(behind - before) > round_off*max(abs(before), scale)) increment = increment + (behind - before)
-   end subroutine add_projection
 
    !> Quintic through coordinates, rates and accelerations at both ends of the step; its derivative for the rates.
    subroutine radau_interpolate(self, t, q, v, w)

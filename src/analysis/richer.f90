@@ -153,10 +153,9 @@ contains
                if (scene%deck%blocks(block_of(scene, body))%given('AXIAL BASIS') .and. own%choice%static_axial) &
                   & text = text//', AXIAL BASIS=MODES'
             end if
-         else if (text /= '' .and. own%choice%static_axial .and. .not. own%is_frame .and. &
-            & .not. scene%deck%blocks(block_of(scene, body))%given('AXIAL BASIS')) then
+         else if (text /= '' .and. own%choice%static_axial .and. .not. own%is_frame) then
             ! Not the default any more with this option
-            text = text//', AXIAL BASIS=STATIC'
+            if (.not. scene%deck%blocks(block_of(scene, body))%given('AXIAL BASIS')) text = text//', AXIAL BASIS=STATIC'
          end if
       end associate
    end function richer_words

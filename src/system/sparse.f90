@@ -202,7 +202,8 @@ contains
       end if
       call order(self)
       self%searches = self%searches + 1
-      self%searched = self%values
+      if (.not. allocated(self%searched)) allocate (self%searched(size(self%values)))
+      self%searched(:) = self%values
       self%renewed(1) = .false.
       self%numeric = klu_factor(self%first, self%row, self%values, self%symbolic, self%common)
       singular = .not. c_associated(self%numeric) .or. self%common%status /= 0
@@ -223,7 +224,8 @@ contains
          if (singular) return
       end if
       self%searches = self%searches + 1
-      self%searched = self%values
+      if (.not. allocated(self%searched)) allocate (self%searched(size(self%values)))
+      self%searched(:) = self%values
       self%renewed(1) = .false.
       call self%own%seek(self%n, self%first, self%row, cmplx(self%values, 0.0_wp, wp), singular)
       if (singular) return
@@ -245,7 +247,8 @@ contains
          if (singular) return
       end if
       self%searches = self%searches + 1
-      self%complex_searched = self%complex_values
+      if (.not. allocated(self%complex_searched)) allocate (self%complex_searched(size(self%complex_values)))
+      self%complex_searched(:) = self%complex_values
       self%renewed(2) = .false.
       call self%complex_own%seek(self%n, self%first, self%row, self%complex_values, singular)
       if (singular) return
@@ -387,7 +390,8 @@ contains
       end if
       call order(self)
       self%searches = self%searches + 1
-      self%complex_searched = self%complex_values
+      if (.not. allocated(self%complex_searched)) allocate (self%complex_searched(size(self%complex_values)))
+      self%complex_searched(:) = self%complex_values
       self%renewed(2) = .false.
       self%complex_numeric = klu_z_factor(self%first, self%row, self%complex_values, self%symbolic, self%common)
       singular = .not. c_associated(self%complex_numeric) .or. self%common%status /= 0

@@ -305,6 +305,8 @@ contains
       integer :: k, power
       unit = 0.0_wp
       do k = 1, size(model%channels(channel)%quantities)
+         ! A parameter or the like has no kind
+         if (model%channels(channel)%quantities(k)%kind == 0) cycle
          associate (dimension => quantities(model%channels(channel)%quantities(k)%kind)%dimension)
             if (any(dimension(2:3) /= [-2, 1])) cycle
             power = dimension(1) - 1

@@ -21,6 +21,12 @@ contains
       if (size(block%lines) /= 1) return
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
+      if (model%bodies(body)%whole > 0) then
+         call diagnostics%add(block%origin_of('BODY'), "'"//block%name('BODY')//"' has no one floating frame that *MOTION could"// &
+            & ' move: its segments, or members with LARGE=YES, have frames of their own', &
+            & 'drive joints at it, or points of it, by *DRIVER; or leave out SEGMENTS or LARGE')
+         return
+      end if
       associate (line => block%lines(1), turns => model%bodies(body)%kind /= body_point)
          if (line%count() == 3 .and. .not. turns) then
             call diagnostics%add(line%origin_of(3), "'"//model%bodies(body)%name//"' is a point mass and has no angle", &

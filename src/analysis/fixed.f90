@@ -19,7 +19,7 @@ module limber_analysis_fixed
    !> Options of the fidelity of beams beside those of modes; EXACT is the highest model and fixes nothing
    character(18), parameter :: options_of_fidelity(*) = [character(18) :: 'GEOMETRIC', 'FUNCTIONS', 'STRAIN FUNCTIONS', 'ELEMENTS']
    !> Options without a value where they are not given
-   character(20), parameter :: valueless(*) = [character(20) :: 'AXIAL BASIS', 'BENDING MODES', 'AXIAL MODES', 'FREQUENCY LIMIT']
+   character(20), parameter :: valueless(*) = [character(20) :: 'AXIAL BASIS', 'BENDING MODES', 'AXIAL MODES']
 
 contains
 

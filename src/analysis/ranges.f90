@@ -293,7 +293,7 @@ contains
          text = 'use GEOMETRIC ELEMENTS='//as_text(ceiling(1.2_wp*indicators%elements*sqrt(over)))
          text = text//', or GEOMETRIC INTEGRAL=LINEAR, or GEOMETRIC=EXACT'
       case (indicator_residual, indicator_buckling)
-         text = 'use GEOMETRIC=EXACT, or more BENDING MODES, END SHAPES=YES, or a SUPPORT that is like its joints'
+         text = 'use GEOMETRIC=EXACT, more BENDING MODES, CORRECTIONS=YES, or a SUPPORT that is like its joints'
       case (indicator_lumping, indicator_phase)
          text = 'use ELEMENTS='//as_text(ceiling(1.2_wp*body%beam%elements*sqrt(over)))
       case default; text = 'use GEOMETRIC=EXACT'

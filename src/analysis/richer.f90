@@ -53,8 +53,8 @@ contains
          if (any(level(i) == [with_responses, with_both])) call deck%set_option(block, 'CORRECTIONS', 'YES', given=.true.)
          if (level(i) == with_responses) cycle
          modes = more_modes(scene, i, extra)
-         call forget(deck, block, 'FREQUENCY LIMIT')
          if (scene%system%model%bodies(i)%is_frame) then
+            call forget(deck, block, 'FREQUENCY LIMIT')
             call deck%set_number(block, 'MODES', real(sum(modes), wp), given=.true.)
          else
             call deck%set_number(block, 'BENDING MODES', real(modes(1), wp), given=.true.)

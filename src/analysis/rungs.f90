@@ -80,8 +80,7 @@ contains
             if (block%given('FUNCTIONS')) rung%functions = block%integer('FUNCTIONS')
             if (block%given('STRAIN FUNCTIONS')) rung%strains = block%integer('STRAIN FUNCTIONS')
          else
-            rung%open_functions = .not. gives_any(block, [character(15) :: 'MODES', 'BENDING MODES', 'AXIAL MODES', &
-               & 'FREQUENCY LIMIT'])
+            rung%open_functions = .not. gives_any(block, [character(13) :: 'MODES', 'BENDING MODES', 'AXIAL MODES'])
          end if
          if (rung%step == 0) then
             rung%open_functions = .false.

@@ -7,11 +7,6 @@ module limber_deck_body_options
 
    character(*), parameter :: supports = 'PINNED-ROLLER|PINNED-PINNED|CLAMPED-FREE|CLAMPED-ROLLER|CLAMPED-PINNED' &
       & //'|CLAMPED-CLAMPED|FREE-FREE'
-   character(*), parameter :: bases = 'VIBRATION|CRAIG-BAMPTON'
-   character(*), parameter :: basis_meaning = &
-      & 'modes under the supports, or with an interface held, and its shapes: of *ATTACHMENT, else of all that acts'
-   character(*), parameter :: correction_meaning = &
-      & 'YES: responses to what joints, drivers and loads exert on its points, beside the modes'
    character(*), parameter :: of_frame = 'frame that they belong to; default the last *FRAME above'
 
    !> Rigid bodies and point masses
@@ -86,15 +81,8 @@ module limber_deck_body_options
       & option_spec_type('BEAM', 'AXIAL MODES', kind_count, '', &
       &    '', '', 'number of axial modes; without BENDING MODES, MODES is the number of bending modes', &
       &    most=1000, models='MODES'), &
-      & option_spec_type('BEAM', 'FREQUENCY LIMIT', kind_positive, '', &
-      &    'rad/s', '', 'all modes below it, at most BENDING MODES and AXIAL MODES; given, it replaces MODES', models='MODES'), &
-      & option_spec_type('BEAM', 'BASIS', kind_word, bases, &
-      &    '', 'VIBRATION', basis_meaning, models='MODES'), &
       & option_spec_type('BEAM', 'CORRECTIONS', kind_yes, '', &
-      &    '', 'NO', correction_meaning, models='MODES'), &
-      & option_spec_type('BEAM', 'END SHAPES', kind_yes, '', &
-      &    '', '', 'YES: shapes of forces and moments at the ends beside the bending modes, for beams that are welded', &
-      &    models='MODES'), &
+      &    '', 'NO', 'YES: responses to what joints, drivers and loads exert on its points, beside the modes', models='MODES'), &
       & option_spec_type('BEAM', 'GEOMETRIC ELEMENTS', kind_counting, '', &
       &    '', '2', 'elements for the geometric part, independent of ELEMENTS', most=1000, models='MODES'), &
       & option_spec_type('BEAM', 'GEOMETRIC INTEGRAL', kind_word, 'NODAL|EXACT|LINEAR', &
@@ -128,8 +116,9 @@ module limber_deck_body_options
       &    most=1000, models='MODES'), &
       & option_spec_type('FRAME', 'FREQUENCY LIMIT', kind_positive, '', &
       &    'rad/s', '', 'all modes below it; given, it replaces MODES', models='MODES'), &
-      & option_spec_type('FRAME', 'BASIS', kind_word, bases, &
-      &    '', 'VIBRATION', basis_meaning, models='MODES'), &
+      & option_spec_type('FRAME', 'BASIS', kind_word, 'VIBRATION|CRAIG-BAMPTON', &
+      &    '', 'VIBRATION', 'modes under the supports, or with an interface held, and its shapes: of *ATTACHMENT, else of all '// &
+      &    'that acts', models='MODES'), &
       & option_spec_type('FRAME', 'CORRECTIONS', kind_yes, '', &
       &    '', '', 'responses to what joints, drivers and loads exert on it, and to its accelerations; default YES with K_G', &
       &    models='MODES'), &

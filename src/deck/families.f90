@@ -38,7 +38,6 @@ contains
    pure logical function counts_modes(block)
       type(block_type), intent(in) :: block
       counts_modes = block%given('MODES') .or. block%given('BENDING MODES') .or. block%given('AXIAL MODES') &
-         & .or. block%given('FREQUENCY LIMIT') .or. block%word('BASIS') == 'CRAIG-BAMPTON' &
          & .or. block%yes('CORRECTIONS')
    end function counts_modes
 

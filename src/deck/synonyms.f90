@@ -105,6 +105,9 @@ module limber_deck_synonyms
       & advice_type('END FORCE', gone_with_full), &
       & advice_type('CENTRIFUGAL', gone_with_full), &
       & advice_type('MODAL DERIVATIVES', gone_with_full), &
+      & advice_type('END SHAPES', 'write CORRECTIONS=YES, or leave it out with GEOMETRIC=EXACT'), &
+      & advice_type('BASIS', 'a *BEAM has CORRECTIONS=YES, a *FRAME has BASIS'), &
+      & advice_type('FREQUENCY LIMIT', 'a *BEAM has BENDING MODES and AXIAL MODES, a *FRAME has FREQUENCY LIMIT'), &
       & advice_type('AXIAL DYNAMICS', 'an EXACT beam with STRAIN FUNCTIONS=0 has no axial vibrations')]
 
 contains

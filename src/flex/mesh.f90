@@ -5,7 +5,7 @@ module limber_flex_mesh
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
    use limber_flex_beam, only: axial_stiffness, bending_stiffness, lumped_mass, bending_shape
-   use limber_flex_modes, only: lowest_modes, count_held_modes
+   use limber_flex_modes, only: lowest_modes, count_modes
    implicit none
    private
    public :: beam_type, support_type, field_type, new_support, mesh_beam, count_bending_modes, count_axial_modes
@@ -233,36 +233,17 @@ contains
    end function element_length
 
    !> Number of bending modes that the lumped mass gives under these supports.
-   integer function count_bending_modes(beam, support, held) result(modes)
+   integer function count_bending_modes(beam, support) result(modes)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
-      !> Rows of displacements that are held besides, on deflection and rotation of each node (2 nodes, number)
-      real(wp), intent(in), optional :: held(:, :)
-      logical :: free(2*(beam%elements + 1))
-      real(wp) :: none(2*(beam%elements + 1), 0)
-      free = bending_free(beam, support)
-      if (present(held)) then
-         modes = count_held_modes(pack(bending_masses(beam), free), bending_motions(beam, support), packed(held, free))
-      else
-         modes = count_held_modes(pack(bending_masses(beam), free), bending_motions(beam, support), packed(none, free))
-      end if
+      modes = count_modes(pack(bending_masses(beam), bending_free(beam, support)), rigid_bending(support))
    end function count_bending_modes
 
    !> Number of axial modes that the lumped mass gives under these supports.
-   integer function count_axial_modes(beam, support, held) result(modes)
+   integer function count_axial_modes(beam, support) result(modes)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
-      !> Rows of displacements that are held besides (nodes, number)
-      real(wp), intent(in), optional :: held(:, :)
-      logical :: free(beam%elements + 1)
-      real(wp) :: rigid(count(axial_free(beam, support)), rigid_axial(support)), none(beam%elements + 1, 0)
-      free = axial_free(beam, support)
-      rigid = 1.0_wp
-      if (present(held)) then
-         modes = count_held_modes(pack(nodal_masses(beam), free), rigid, packed(held, free))
-      else
-         modes = count_held_modes(pack(nodal_masses(beam), free), rigid, packed(none, free))
-      end if
+      modes = count_modes(pack(nodal_masses(beam), axial_free(beam, support)), rigid_axial(support))
    end function count_axial_modes
 
    !> The free entries of columns (free, number).
@@ -292,7 +273,7 @@ contains
    end function bending_motions
 
    !> Adds the lowest bending modes to the fields.
-   subroutine bending_modes(beam, support, wanted, field, error, held)
+   subroutine bending_modes(beam, support, wanted, field, error)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
       !> Number of modes
@@ -300,8 +281,6 @@ contains
       !> From `mesh_beam`; receives w, theta and their frequencies
       type(field_type), intent(inout) :: field
       type(error_type), allocatable, intent(out) :: error
-      !> Rows of displacements that are held besides, on deflection and rotation of each node (2 nodes, number)
-      real(wp), intent(in), optional :: held(:, :)
       real(wp), allocatable :: band(:, :), phi(:, :), whole(:, :), mass(:)
       logical :: free(2*(beam%elements + 1))
       real(wp) :: k(4, 4, beam%elements), shift
@@ -317,12 +296,7 @@ contains
       band = assemble_band(beam%elements, 2, k, free)
       if (allocated(field%omega2_bending)) deallocate (field%omega2_bending)
       allocate (field%omega2_bending(wanted))
-      if (present(held)) then
-         call lowest_modes(band, mass, bending_motions(beam, support), shift, wanted, field%omega2_bending, phi, error, &
-            & packed(held, free))
-      else
-         call lowest_modes(band, mass, bending_motions(beam, support), shift, wanted, field%omega2_bending, phi, error)
-      end if
+      call lowest_modes(band, mass, bending_motions(beam, support), shift, wanted, field%omega2_bending, phi, error)
       if (allocated(error)) return
       do j = 1, wanted
          whole(:, j) = unpack(phi(:, j), free, 0.0_wp)
@@ -334,7 +308,7 @@ contains
    end subroutine bending_modes
 
    !> Adds the lowest axial modes to the fields.
-   subroutine axial_modes(beam, support, wanted, field, error, held)
+   subroutine axial_modes(beam, support, wanted, field, error)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
       !> Number of modes
@@ -342,8 +316,6 @@ contains
       !> From `mesh_beam`; receives u and its frequencies
       type(field_type), intent(inout) :: field
       type(error_type), allocatable, intent(out) :: error
-      !> Rows of displacements that are held besides (nodes, number)
-      real(wp), intent(in), optional :: held(:, :)
       real(wp), allocatable :: band(:, :), rigid(:, :), phi(:, :), mass(:)
       logical :: free(beam%elements + 1)
       real(wp) :: k(2, 2, beam%elements), shift
@@ -359,11 +331,7 @@ contains
       band = assemble_band(beam%elements, 1, k, free)
       if (allocated(field%omega2_axial)) deallocate (field%omega2_axial)
       allocate (field%omega2_axial(wanted))
-      if (present(held)) then
-         call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_axial, phi, error, packed(held, free))
-      else
-         call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_axial, phi, error)
-      end if
+      call lowest_modes(band, mass, rigid, shift, wanted, field%omega2_axial, phi, error)
       if (allocated(error)) return
       deallocate (field%u)
       allocate (field%u(0:beam%elements, wanted))

@@ -11,8 +11,7 @@ module limber_flex_reduction
    use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_frame, only: frame_type, beam_frame, beam_nodes
    use limber_flex_frame_solver, only: solver_type, new_solver, remove_motion
-   use limber_flex_functions, only: attachment_type, attachment_loads, static_responses, constraint_functions, add_functions, &
-      & left_out_note
+   use limber_flex_functions, only: attachment_type, attachment_loads, static_responses, add_functions, left_out_note
    use limber_flex_geometric, only: mean_slopes, slope_moments, mean_strains, strain_moments, joined_strains, element_ends, &
       & project_cubic
    use limber_flex_mesh, only: beam_type, support_type, field_type, mesh_beam, bending_modes, axial_modes, nodal_masses, &
@@ -22,11 +21,6 @@ module limber_flex_reduction
    implicit none
    private
    public :: reduction_type, reduce_beam, available_modes, point_shape, exact_shape
-
-   !> Modes that are looked for at first if their number is not given but a limit of their frequencies
-   integer, parameter :: first_search = 8
-   !> Most modes below a limit of frequency
-   integer, parameter :: max_limited = 1000
 
    !> Fidelities of a flexible body
    integer, parameter, public :: fidelity_linear = 1, fidelity_kg = 2, fidelity_exact = 3
@@ -39,12 +33,8 @@ module limber_flex_reduction
       integer :: modes = -1
       !> Bending and axial modes apart; -1 where `modes` decides
       integer :: bending = -1, axial = -1
-      !> Circular frequency above which modes are left out, whatever their number; zero: none [1/time]
-      real(wp) :: frequency_limit = 0.0_wp
-      !> Whether the modes are those with the interface held, and its shapes join them (Craig and Bampton)
-      logical :: craig_bampton = .false.
-      !> The interface; and what else acts on the beam, the responses to which join the coordinates
-      type(attachment_type), allocatable :: interface(:), corrections(:)
+      !> What acts on the beam, the responses to which join the coordinates
+      type(attachment_type), allocatable :: corrections(:)
       !> fidelity_linear, fidelity_kg or fidelity_exact
       integer :: fidelity = fidelity_kg
       !> Number of k_G elements
@@ -55,8 +45,6 @@ module limber_flex_reduction
       logical :: linear = .false.
       !> True: axial functions are static responses; false: vibration modes
       logical :: static_axial = .false.
-      !> Whether the shapes that forces and moments at the ends make join the bending modes
-      logical :: end_shapes = .false.
       !> Coordinate along the beam of the floating frame's origin [length]
       real(wp) :: origin = 0.0_wp
       !> Of an exact beam
@@ -70,31 +58,8 @@ contains
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
       integer :: available(2)
-      real(wp), allocatable :: bending(:, :), axial(:, :)
-      call held_rows(beam, choice, bending, axial)
-      available = [count_bending_modes(beam, choice%support, bending), count_axial_modes(beam, choice%support, axial)]
+      available = [count_bending_modes(beam, choice%support), count_axial_modes(beam, choice%support)]
    end function available_modes
-
-   !> Displacements that are held while the modes are computed: those of the interface of Craig and Bampton, else none.
-   subroutine held_rows(beam, choice, bending, axial)
-      type(beam_type), intent(in) :: beam
-      type(reduction_type), intent(in) :: choice
-      !> On deflection and rotation of each node (2 nodes, number), and on the axial displacements (nodes, number)
-      real(wp), allocatable, intent(out) :: bending(:, :), axial(:, :)
-      type(frame_type) :: frame
-      type(attachment_type), allocatable :: own(:), other(:)
-      real(wp), allocatable :: load(:, :, :), shape(:, :, :)
-      integer :: node(0:beam%elements)
-      call split(choice, own, other)
-      allocate (bending(2*(beam%elements + 1), size(own)), axial(beam%elements + 1, size(own)))
-      if (size(own) == 0) return
-      call beam_frame(beam, choice%support, choice%origin, mesh_beam(beam), frame, shape)
-      allocate (load, source=attachment_loads(frame, own))
-      node = beam_nodes(frame)
-      axial(:, :) = load(1, node, :)
-      bending(1::2, :) = load(2, node, :)
-      bending(2::2, :) = load(3, node, :)
-   end subroutine held_rows
 
    !> Reduces a beam.
    subroutine reduce_beam(beam, choice, body, field, error, note)
@@ -254,9 +219,9 @@ contains
    pure function axial_places(choice) result(x)
       type(reduction_type), intent(in) :: choice
       real(wp), allocatable :: x(:)
-      type(attachment_type), allocatable :: own(:), other(:)
-      call split(choice, own, other)
-      allocate (x, source=[pack(own%x, own%part == 1), pack(other%x, other%part == 1)])
+      type(attachment_type), allocatable :: acting(:)
+      call find_acting(choice, acting)
+      allocate (x, source=pack(acting%x, acting%part == 1))
    end function axial_places
 
    !> Where the centrifugal load grows from: the frame's origin, or the middle of a beam that nothing holds.
@@ -267,101 +232,51 @@ contains
       if (.not. (choice%support%u_start .or. choice%support%u_end)) load_origin = 0.5_wp*beam%length
    end function load_origin
 
-   !> The interface of Craig and Bampton, and what else acts; both empty if there is none.
-   pure subroutine split(choice, own, other)
+   !> What acts on the beam; empty if nothing does.
+   pure subroutine find_acting(choice, acting)
       type(reduction_type), intent(in) :: choice
-      type(attachment_type), allocatable, intent(out) :: own(:), other(:)
+      type(attachment_type), allocatable, intent(out) :: acting(:)
       integer :: count
       count = 0
-      if (choice%craig_bampton .and. allocated(choice%interface)) count = size(choice%interface)
-      allocate (own(count))
-      if (count > 0) own(:) = choice%interface
-      count = 0
       if (allocated(choice%corrections)) count = size(choice%corrections)
-      allocate (other(count))
-      if (count > 0) other(:) = choice%corrections
-   end subroutine split
+      allocate (acting(count))
+      if (count > 0) acting(:) = choice%corrections
+   end subroutine find_acting
 
-   !> The modes, vibrations under the supports or with the interface held as well: so many of each kind as asked for, or the
-   !> lowest of both kinds together; none above the limit.
+   !> The modes, vibrations under the supports: so many of each kind as asked for, or the lowest of both kinds together.
    subroutine compute_modes(beam, choice, field, error)
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
       type(field_type), intent(inout) :: field
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: held_bending(:, :), held_axial(:, :)
-      integer :: available(2), bending, axial, wanted
-      logical :: limited
-      limited = choice%frequency_limit > 0.0_wp
-      call held_rows(beam, choice, held_bending, held_axial)
-      available = [count_bending_modes(beam, choice%support, held_bending), count_axial_modes(beam, choice%support, held_axial)]
+      integer :: available(2), bending, axial
       bending = choice%bending
       axial = choice%axial
       if (choice%modes >= 0) then
-         if (choice%modes > sum(available) .and. .not. limited) then
+         available = available_modes(beam, choice)
+         if (choice%modes > sum(available)) then
             call raise(error, 'the lumped mass gives '//as_text(sum(available))//' modes, '// &
                & as_text(choice%modes)//' are asked for')
             return
          end if
          bending = min(choice%modes, available(1))
          axial = min(choice%modes, available(2))
-      else if (limited) then
-         bending = min(bending, available(1))
-         axial = min(axial, available(2))
       end if
-      call compute_bending(bending)
+      call bending_modes(beam, choice%support, bending, field, error)
       if (allocated(error)) return
-      if (choice%modes >= 0 .or. .not. choice%static_axial) call compute_axial(axial)
+      if (choice%modes >= 0 .or. .not. choice%static_axial) call axial_modes(beam, choice%support, axial, field, error)
       if (allocated(error)) return
       bending = size(field%omega2_bending)
       axial = size(field%omega2_axial)
       if (choice%modes >= 0) then
-         wanted = min(choice%modes, bending + axial)
-         bending = lowest_of(field%omega2_bending, field%omega2_axial, wanted)
-         axial = wanted - bending
+         bending = lowest_of(field%omega2_bending, field%omega2_axial, choice%modes)
+         axial = choice%modes - bending
       end if
       if (choice%static_axial) axial = 0
       call keep(field, bending, axial)
-
-   contains
-
-      !> At most so many; if there is a limit by and by until it is passed.
-      subroutine compute_bending(most)
-         integer, intent(in) :: most
-         integer :: number
-         number = most
-         if (limited) number = min(most, first_search)
-         do
-            call bending_modes(beam, choice%support, number, field, error, held_bending)
-            if (allocated(error) .or. .not. limited) return
-            if (number == most .or. any(field%omega2_bending > choice%frequency_limit**2)) exit
-            if (number > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
-            if (allocated(error)) return
-            number = min(most, 2*number)
-         end do
-         call keep(field, count(field%omega2_bending <= choice%frequency_limit**2), size(field%u, 2))
-      end subroutine compute_bending
-
-      subroutine compute_axial(most)
-         integer, intent(in) :: most
-         integer :: number
-         number = most
-         if (limited) number = min(most, first_search)
-         do
-            call axial_modes(beam, choice%support, number, field, error, held_axial)
-            if (allocated(error) .or. .not. limited) return
-            if (number == most .or. any(field%omega2_axial > choice%frequency_limit**2)) exit
-            if (number > max_limited) call raise(error, 'more than '//as_text(max_limited)//' modes lie below FREQUENCY LIMIT')
-            if (allocated(error)) return
-            number = min(most, 2*number)
-         end do
-         call keep(field, size(field%w, 2), count(field%omega2_axial <= choice%frequency_limit**2))
-      end subroutine compute_axial
-
    end subroutine compute_modes
 
-   !> Static functions beside the modes: shapes of a displaced interface and of displaced ends, and the responses to what acts
-   !> elsewhere. Bending and axial ones do not couple.
+   !> Static functions beside the modes: the responses to what acts. Bending and axial ones do not couple.
    subroutine add_static(beam, choice, field, left_out, error)
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
@@ -369,13 +284,13 @@ contains
       !> Functions that depend on others: bending and axial ones
       integer, intent(inout) :: left_out(2)
       type(error_type), allocatable, intent(out) :: error
-      type(attachment_type), allocatable :: own(:), other(:), held(:)
+      type(attachment_type), allocatable :: acting(:)
       type(frame_type) :: frame
       type(solver_type) :: solver
       real(wp), allocatable :: shape(:, :, :), part(:, :, :), omega2(:)
       integer :: node(0:beam%elements), i, modes
-      call split(choice, own, other)
-      if (size(own) + size(other) == 0 .and. .not. choice%end_shapes) return
+      call find_acting(choice, acting)
+      if (size(acting) == 0) return
       call beam_frame(beam, choice%support, choice%origin, field, frame, shape)
       call new_solver(frame, solver, error)
       if (allocated(error)) return
@@ -386,16 +301,8 @@ contains
       modes = size(field%w, 2)
       allocate (part, source=shape(:, :, :modes))
       allocate (omega2, source=field%omega2_bending)
-      allocate (held, source=pack(own, own%part /= 1))
-      if (choice%end_shapes) held = [held, attachment_type(1, 0.0_wp, 2), attachment_type(1, 0.0_wp, 3), &
-         & attachment_type(1, beam%length, 2), attachment_type(1, beam%length, 3)]
-      call add_kind(frame, solver, held, pack(other, other%part /= 1), part, omega2, left_out(1), error)
+      call add_responses(frame, solver, pack(acting, acting%part /= 1), part, omega2, left_out(1), error)
       if (allocated(error)) return
-      if (choice%end_shapes .and. size(omega2) == modes) then
-         call raise(error, 'END SHAPES adds no coordinate to '//as_text(modes)//' modes: both ends are clamped, or the modes'// &
-            & ' are all that there are')
-         return
-      end if
       deallocate (field%w, field%theta, field%omega2_bending)
       allocate (field%w(0:beam%elements, size(omega2)), field%theta(0:beam%elements, size(omega2)))
       allocate (field%omega2_bending, source=omega2)
@@ -405,7 +312,7 @@ contains
       deallocate (part, omega2)
       allocate (part, source=shape(:, :, modes + 1:))
       allocate (omega2, source=field%omega2_axial)
-      call add_kind(frame, solver, pack(own, own%part == 1), pack(other, other%part == 1), part, omega2, left_out(2), error)
+      call add_responses(frame, solver, pack(acting, acting%part == 1), part, omega2, left_out(2), error)
       if (allocated(error)) return
       deallocate (field%u, field%omega2_axial)
       allocate (field%u(0:beam%elements, size(omega2)))
@@ -413,27 +320,21 @@ contains
       field%u(:, :) = part(1, node, :)
    end subroutine add_static
 
-   !> Static functions of one kind.
-   subroutine add_kind(frame, solver, held, acting, shape, omega2, left_out, error)
+   !> Responses to what acts in one way, across or along the beam.
+   subroutine add_responses(frame, solver, acting, shape, omega2, left_out, error)
       type(frame_type), intent(in) :: frame
       type(solver_type), intent(in) :: solver
-      !> What is displaced, and what acts elsewhere
-      type(attachment_type), intent(in) :: held(:), acting(:)
+      type(attachment_type), intent(in) :: acting(:)
       !> Of the modes (3, nodes, n) and (n); receive those of all
       real(wp), allocatable, intent(inout) :: shape(:, :, :), omega2(:)
       integer, intent(inout) :: left_out
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: functions(:, :, :), responses(:, :, :)
-      if (size(held) > 0) then
-         call constraint_functions(frame, solver, attachment_loads(frame, held), functions)
-         call add_functions(frame, functions, .true., shape, omega2, left_out, error)
-         if (allocated(error)) return
-      end if
+      real(wp), allocatable :: responses(:, :, :)
       if (size(acting) == 0) return
       allocate (responses(3, size(frame%place, 2), size(acting)))
       call static_responses(frame, solver, attachment_loads(frame, acting), responses)
-      call add_functions(frame, responses, size(held) > 0, shape, omega2, left_out, error)
-   end subroutine add_kind
+      call add_functions(frame, responses, .false., shape, omega2, left_out, error)
+   end subroutine add_responses
 
    !> How many of the lowest `wanted` values of two ascending lists stand in the first.
    pure integer function lowest_of(a, b, wanted) result(count)

@@ -143,8 +143,7 @@ contains
       end select
    end subroutine find_beam_point
 
-   !> The interface of Craig and Bampton, which is what *ATTACHMENT names or else all that acts on the beam; and what responses
-   !> are wanted to besides: what *ATTACHMENT names, and all that acts with CORRECTIONS=YES.
+   !> What responses are wanted to: what *ATTACHMENT names, and all that acts with CORRECTIONS=YES.
    subroutine choose_attachments(deck, index, piece, pieces, beam, choice, diagnostics)
       type(deck_type), intent(in) :: deck
       !> Block of the beam; which piece, of how many
@@ -160,22 +159,12 @@ contains
          call find_acting(deck, index, acting)
          if (pieces == 1 .and. beam%length > 0.0_wp .and. beam%elements > 0) call put_nodes(beam, within([named%x, acting%x]))
       end if
-      if (.not. (choice%craig_bampton .or. deck%blocks(index)%yes('CORRECTIONS'))) acting = acting(:0)
-      if (.not. deck%blocks(index)%yes('CORRECTIONS') .and. size(named) > 0) acting = acting(:0)
+      if (.not. deck%blocks(index)%yes('CORRECTIONS')) acting = acting(:0)
       if (pieces > 1) then
          call keep_piece(named, piece, pieces, deck%blocks(index)%real('LENGTH')/pieces)
          call keep_piece(acting, piece, pieces, deck%blocks(index)%real('LENGTH')/pieces)
       end if
-      if (choice%craig_bampton) then
-         if (size(named) > 0) then
-            call move_alloc(named, choice%interface)
-            allocate (choice%corrections, source=others(acting, choice%interface))
-         else
-            call move_alloc(acting, choice%interface)
-         end if
-      else
-         allocate (choice%corrections, source=[named, others(acting, named)])
-      end if
+      allocate (choice%corrections, source=[named, others(acting, named)])
 
    contains
 
@@ -371,7 +360,6 @@ contains
       real(wp), allocatable :: x(:)
       logical :: found
       integer :: i
-      if (allocated(body%choice%interface)) return
       associate (block => deck%blocks(index))
          call acting_points(deck, block%name(), points)
          allocate (x(size(points)), source=0.0_wp)
@@ -430,18 +418,12 @@ contains
       type(block_type), intent(in) :: block
       type(reduction_type) :: choice
       choice%support = new_support(block%word('SUPPORT'))
-      choice%frequency_limit = block%real('FREQUENCY LIMIT')
-      choice%craig_bampton = block%word('BASIS') == 'CRAIG-BAMPTON'
       if (block%given('BENDING MODES') .or. block%given('AXIAL MODES')) then
          choice%bending = block%integer('BENDING MODES')
          choice%axial = block%integer('AXIAL MODES')
          if (.not. block%given('BENDING MODES')) choice%bending = block%integer('MODES')
-         ! With a limit, those whose number is not given are all below it
-         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('BENDING MODES')) choice%bending = huge(1)
-         if (block%given('FREQUENCY LIMIT') .and. .not. block%given('AXIAL MODES')) choice%axial = huge(1)
       else
          choice%modes = block%integer('MODES')
-         if (block%given('FREQUENCY LIMIT')) choice%modes = huge(1)
       end if
       select case (block%word('GEOMETRIC'))
       case ('LINEAR'); choice%fidelity = fidelity_linear
@@ -451,7 +433,6 @@ contains
       choice%geometric_elements = block%integer('GEOMETRIC ELEMENTS')
       choice%nodal = block%word('GEOMETRIC INTEGRAL') == 'NODAL'
       choice%linear = block%word('GEOMETRIC INTEGRAL') == 'LINEAR'
-      choice%end_shapes = block%yes('END SHAPES')
       choice%static_axial = block%word('AXIAL BASIS') == 'STATIC'
       choice%origin = block%real('ORIGIN')
    end function new_choice
@@ -462,7 +443,7 @@ contains
       type(body_type), intent(in) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: available(2)
-      if (body%choice%frequency_limit > 0.0_wp .or. body%choice%fidelity == fidelity_exact) return
+      if (body%choice%fidelity == fidelity_exact) return
       available = available_modes(body%beam, body%choice)
       call check_count('MODES', body%choice%modes, sum(available), 'bending and axial')
       call check_count('BENDING MODES', body%choice%bending, available(1), 'bending')

@@ -144,11 +144,8 @@ contains
       associate (beam => body%beam, choice => body%choice)
          write (buffer, '(5(z16, 1x), 6(i0, 1x), 10l1)') beam%ea, beam%ei, beam%rho_a, beam%length, choice%origin, beam%elements, &
             & choice%modes, choice%bending, choice%axial, choice%fidelity, choice%geometric_elements, &
-            & choice%support, choice%nodal, choice%end_shapes, choice%linear, choice%static_axial
-         text = trim(buffer)
-         write (buffer, '(1x, l1, 1x, z16)') choice%craig_bampton, choice%frequency_limit
-         text = text//trim(buffer)//exact_text(choice%exact)// &
-            & attachments_text(choice%interface)//attachments_text(choice%corrections)
+            & choice%support, choice%nodal, choice%linear, choice%static_axial
+         text = trim(buffer)//exact_text(choice%exact)//attachments_text(choice%corrections)
          if (.not. allocated(beam%place)) return
          do i = 0, beam%elements
             write (buffer, '(3(1x, z16))') beam%place(i), beam%mass(i), beam%inertia(i)

@@ -318,7 +318,7 @@ contains
       case (9); text = text//', GEOMETRIC=LINEAR, BENDING MODES=2, AXIAL MODES=1, CORRECTIONS=YES'
       case (10); text = text//', GEOMETRIC=K_G, BENDING MODES=2, AXIAL BASIS=STATIC'
       end select
-      if (likely(4) .and. index(text, 'MODES') > 0 .and. support == 'CLAMPED') text = text//', END SHAPES=YES'
+      if (likely(4) .and. index(text, 'MODES') > 0 .and. support == 'CLAMPED') text = text//', CORRECTIONS=YES'
    end function rung_of
 
    !> An exact beam.

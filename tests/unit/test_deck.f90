@@ -52,7 +52,7 @@ contains
          call check(block%integer('MODES') == 4 .and. block%given('MODES'), 'whole number')
          call check(block%integer('ELEMENTS') == 10 .and. .not. block%given('ELEMENTS'), 'default')
          call check(block%has('ELEMENTS') .and. .not. block%has('BENDING MODES'), 'option without a value')
-         call check(block%yes('END SHAPES') .and. .not. block%yes('CORRECTIONS'), 'yes and no')
+         call check(block%yes('CORRECTIONS'), 'an option without a word: YES')
          call check_text(block%word('GEOMETRIC'), 'K_G', 'the model that a number of modes asks for')
          call check_text(block%word('AXIAL BASIS'), 'MODES', 'and its axial functions')
          call check(same(block%origin_of('MODES'), origin_type(1, 18, 10, 10)), 'origin of an option in a continued line')

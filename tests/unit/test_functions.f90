@@ -6,11 +6,12 @@ program test_functions
    use limber_base_kinds, only: wp
    use limber_flex_frame, only: beam_frame, frame_type, member_type, new_frame, strain_energy
    use limber_flex_frame_reduction, only: available_frame_modes, frame_choice_type, reduce_frame
-   use limber_flex_frame_solver, only: new_solver, solve_static, solver_type
+   use limber_flex_frame_solver, only: frame_band, new_solver, on_equations, rigid_motions, solve_static, solver_type
    use limber_flex_functions, only: attachment_loads, attachment_type
-   use limber_flex_mesh, only: beam_type, bending_modes, concentrate, count_bending_modes, field_type, mesh_beam, new_support
+   use limber_flex_mesh, only: beam_type, concentrate, field_type, mesh_beam, new_support
+   use limber_flex_modes, only: lowest_modes
    use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: available_modes, fidelity_linear, reduce_beam, reduction_type
+   use limber_flex_reduction, only: fidelity_linear, reduce_beam, reduction_type
    use testing, only: check, check_close, check_no_error, check_text, finish
    implicit none
    real(wp), parameter :: ea = 5.0e3_wp, ei = 2.0_wp, rho_a = 0.7_wp, length = 1.5_wp
@@ -27,7 +28,6 @@ program test_functions
    call test_two_spans()
    call test_star()
    call test_dependent()
-   call test_limit()
    call test_portal()
    call finish()
 
@@ -123,43 +123,40 @@ contains
       deallocate (choice%corrections)
    end subroutine test_corrections
 
-   !> All modes with the interface held and its shapes span what all vibrations do: the frequencies are the same.
+   !> All modes with the interface held and its shapes span what all vibrations do: the frequencies are the same. A beam as frame.
    subroutine test_interface(name)
       character(*), intent(in) :: name
       type(beam_type) :: beam
-      type(reduction_type) :: choice
+      type(frame_choice_type) :: choice
       type(reduced_type) :: all_modes, body
-      type(field_type) :: field
       type(error_type), allocatable :: error
       type(frame_type) :: frame
       real(wp), allocatable :: shape(:, :, :)
-      integer :: available(2)
       beam = uneven_beam()
-      choice = reduction_type(support=new_support(name), fidelity=fidelity_linear)
-      available = available_modes(beam, choice)
-      choice%modes = sum(available)
-      call reduce_beam(beam, choice, all_modes, field, error)
+      call beam_frame(beam, new_support(name), 0.0_wp, mesh_beam(beam), frame, shape)
+      choice%fidelity = fidelity_linear
+      choice%modes = available_frame_modes(frame)
+      call reduce_frame(frame, choice, all_modes, shape, error)
       call check_no_error(error, name)
       choice%craig_bampton = .true.
       allocate (choice%interface(4))
       choice%interface = [attachment_type(1, 0.0_wp, 2), attachment_type(1, 0.62_wp, 1), attachment_type(1, 0.62_wp, 2), &
          & attachment_type(1, 0.9_wp, 2)]
-      choice%modes = sum(available_modes(beam, choice))
-      call reduce_beam(beam, choice, body, field, error)
+      choice%modes = available_frame_modes(frame, choice)
+      call reduce_frame(frame, choice, body, shape, error)
       call check_no_error(error, name)
-      call check(body%n == all_modes%n .and. body%bending == all_modes%bending, name//': as many coordinates')
+      call check(body%n == all_modes%n, name//': as many coordinates')
       if (body%n /= all_modes%n) return
       call check(maxval(abs(body%omega2/all_modes%omega2 - 1.0_wp)) < 1.0e-7_wp, name//': the same frequencies')
       ! One mode only
       choice%modes = 1
-      call reduce_beam(beam, choice, body, field, error)
+      call reduce_frame(frame, choice, body, shape, error)
       call check_no_error(error, name)
-      call beam_frame(beam, choice%support, 0.0_wp, field, frame, shape)
       call check_basis(frame, shape, body%omega2, name//', Craig and Bampton')
       call check(body%omega2(1) >= all_modes%omega2(1)*(1 - 1.0e-9_wp), name//': no frequency is below the lowest')
       call check(body%omega2(1) <= all_modes%omega2(1)*merge(1.5_wp, 1.02_wp, name == 'FREE-FREE'), name//': nor far above it')
       choice%modes = 99
-      call reduce_beam(beam, choice, body, field, error)
+      call reduce_frame(frame, choice, body, shape, error)
       call check(allocated(error), name//': too many modes')
       deallocate (choice%interface)
    end subroutine test_interface
@@ -190,61 +187,68 @@ contains
       type(error_type), allocatable :: error
       real(wp), allocatable :: shape(:, :, :)
       real(wp) :: whole(1), left(1)
-      integer :: turn
       choice = reduction_type(support=new_support(support), bending=0, axial=0, fidelity=fidelity_linear)
-      do turn = 1, 2
-         if (turn == 1) then
-            allocate (choice%corrections(1))
-            choice%corrections = at
-         else
-            call move_alloc(choice%corrections, choice%interface)
-            choice%craig_bampton = .true.
-         end if
-         call reduce_beam(beam, choice, body, field, error)
-         call check_no_error(error, name)
-         call check(body%n == 1, name//': one coordinate')
-         call beam_frame(beam, choice%support, 0.0_wp, field, frame, shape)
-         call static_residual(frame, shape, body%omega2, [at], whole, left, error)
-         call check_close(whole(1), exact, 1.0e-9_wp*exact, name)
-         call check_close(whole(1) - left(1), exact, 1.0e-9_wp*exact, name//' by the coordinate')
-         deallocate (shape)
-      end do
-      deallocate (choice%interface)
+      allocate (choice%corrections(1))
+      choice%corrections = at
+      call reduce_beam(beam, choice, body, field, error)
+      call check_no_error(error, name)
+      call check(body%n == 1, name//': one coordinate')
+      call beam_frame(beam, choice%support, 0.0_wp, field, frame, shape)
+      call static_residual(frame, shape, body%omega2, [at], whole, left, error)
+      call check_close(whole(1), exact, 1.0e-9_wp*exact, name)
+      call check_close(whole(1) - left(1), exact, 1.0e-9_wp*exact, name//' by the coordinate')
+      deallocate (choice%corrections)
    end subroutine compare
 
    !> A beam held in its middle is two beams: clamped there each has the frequencies of a clamped and pinned one, twice; held
    !> against deflection alone they sway against each other as pinned ones, or together as clamped ones.
    subroutine test_two_spans()
-      type(beam_type), parameter :: beam = beam_type(ea=ea, ei=ei, rho_a=rho_a, length=length, elements=80)
       real(wp), parameter :: clamped(3) = [3.926602_wp, 7.068583_wp, 10.210176_wp]
-      real(wp) :: held(2*81, 2), unit
-      type(field_type) :: field
-      type(error_type), allocatable :: error
+      type(attachment_type), parameter :: middle(2) = [attachment_type(1, 0.5_wp*length, 2), attachment_type(1, 0.5_wp*length, 3)]
+      real(wp), allocatable :: omega2(:)
+      real(wp) :: unit
       integer :: j
       unit = ei/rho_a/(0.5_wp*length)**4
-      held = 0.0_wp
-      held(2*40 + 1, 1) = 1.0_wp
-      held(2*40 + 2, 2) = 1.0_wp
-      call check(count_bending_modes(beam, new_support('PINNED-ROLLER'), held) == 78, 'a held rotation has no mass')
-      field = mesh_beam(beam)
-      call bending_modes(beam, new_support('PINNED-ROLLER'), 6, field, error, held)
-      call check_no_error(error, 'two spans')
+      call held_frequencies('PINNED-ROLLER', middle, 6, omega2)
       do j = 1, 3
-         call check_close(field%omega2_bending(2*j)/field%omega2_bending(2*j - 1), 1.0_wp, 1.0e-8_wp, 'clamped: equal frequencies')
-         call check_close(sqrt(field%omega2_bending(2*j)/unit), clamped(j)**2, 1.0e-3_wp*clamped(j)**2, 'clamped: frequency')
+         call check_close(omega2(2*j)/omega2(2*j - 1), 1.0_wp, 1.0e-8_wp, 'clamped: equal frequencies')
+         call check_close(sqrt(omega2(2*j)/unit), clamped(j)**2, 1.0e-3_wp*clamped(j)**2, 'clamped: frequency')
       end do
-      call check(maxval(abs(field%w(40, :))) < 1.0e-9_wp*maxval(abs(field%w)), 'held deflection')
-      call check(maxval(abs(field%theta(40, :))) < 1.0e-9_wp*maxval(abs(field%theta)), 'held rotation')
-      call check_close(sum(field%w(:, 1)*field%w(:, 2)), 0.0_wp, 1.0e-9_wp*sum(field%w(:, 1)**2), 'equal ones are orthogonal')
-      call bending_modes(beam, new_support('PINNED-ROLLER'), 4, field, error, held(:, :1))
-      call check_no_error(error, 'two spans')
-      call check_close(sqrt(field%omega2_bending(1)/unit), pi**2, 1.0e-3_wp*pi**2, 'against each other')
-      call check_close(sqrt(field%omega2_bending(2)/unit), clamped(1)**2, 1.0e-3_wp*clamped(1)**2, 'together')
+      call held_frequencies('PINNED-ROLLER', middle(:1), 4, omega2)
+      call check_close(sqrt(omega2(1)/unit), pi**2, 1.0e-3_wp*pi**2, 'against each other')
+      call check_close(sqrt(omega2(2)/unit), clamped(1)**2, 1.0e-3_wp*clamped(1)**2, 'together')
       ! Free in space: what remains of the rigid motions about one held point is no mode
-      call bending_modes(beam, new_support('FREE-FREE'), 1, field, error, held(:, :1))
-      call check_no_error(error, 'free')
-      call check(field%omega2_bending(1) > 0.1_wp*unit, 'a rigid rotation is no mode')
+      call held_frequencies('FREE-FREE', middle(:1), 1, omega2)
+      call check(omega2(1) > 0.1_wp*unit, 'a rigid rotation is no mode')
    end subroutine test_two_spans
+
+   !> Squared frequencies of the modes of a beam that cannot stretch, with an interface held.
+   subroutine held_frequencies(support, interface, modes, omega2)
+      character(*), intent(in) :: support
+      type(attachment_type), intent(in) :: interface(:)
+      integer, intent(in) :: modes
+      real(wp), allocatable, intent(out) :: omega2(:)
+      type(beam_type), parameter :: beam = beam_type(ea=1.0e6_wp*ea, ei=ei, rho_a=rho_a, length=length, elements=80)
+      type(frame_type) :: frame
+      real(wp), allocatable :: band(:, :), rigid(:, :), held(:, :), shape(:, :, :), load(:, :, :), motion(:, :, :), phi(:, :)
+      type(error_type), allocatable :: error
+      integer, allocatable :: number(:, :)
+      integer :: i
+      call beam_frame(beam, new_support(support), 0.0_wp, mesh_beam(beam), frame, shape)
+      call frame_band(frame, number, band)
+      call rigid_motions(frame, motion)
+      allocate (rigid(maxval(number), size(motion, 3)), held(maxval(number), size(interface)), omega2(modes), &
+         & phi(maxval(number), modes))
+      do i = 1, size(motion, 3)
+         rigid(:, i) = on_equations(number, motion(:, :, i))
+      end do
+      allocate (load, source=attachment_loads(frame, interface))
+      do i = 1, size(interface)
+         held(:, i) = on_equations(number, load(:, :, i))
+      end do
+      call lowest_modes(band, on_equations(number, frame%mass), rigid, -ei/(rho_a*length**4), modes, omega2, phi, error, held)
+      call check_no_error(error, 'two spans')
+   end subroutine held_frequencies
 
    !> Four equal arms: frequencies come in pairs, and none is missed, however many are asked for.
    subroutine test_star()
@@ -305,34 +309,6 @@ contains
          & '1 axial function depends on others and is left out', 'all modes')
       deallocate (choice%corrections)
    end subroutine test_dependent
-
-   !> Modes below a frequency: (k pi)^2 of bending, (k - 1/2) pi of tension.
-   subroutine test_limit()
-      type(beam_type), parameter :: beam = beam_type(ea=ea, ei=ei, rho_a=rho_a, length=length, elements=60)
-      type(reduction_type) :: choice
-      type(reduced_type) :: body
-      type(field_type) :: field
-      type(error_type), allocatable :: error
-      real(wp) :: bending, axial
-      bending = pi**2*sqrt(ei/rho_a/length**4)
-      axial = pi*sqrt(ea/rho_a)/length
-      choice = reduction_type(support=new_support('PINNED-ROLLER'), modes=huge(1), fidelity=fidelity_linear)
-      choice%frequency_limit = bending*12.5_wp**2
-      call reduce_beam(beam, choice, body, field, error)
-      call check_no_error(error, 'limit')
-      call check(body%bending == 12, 'bending modes below a limit')
-      call check(body%n - body%bending == nint(choice%frequency_limit/axial), 'axial modes below a limit')
-      choice%frequency_limit = 0.5_wp*bending
-      call reduce_beam(beam, choice, body, field, error)
-      call check(body%n == 0, 'none below the first')
-      choice%modes = -1
-      choice%bending = 3
-      choice%axial = huge(1)
-      choice%frequency_limit = bending*12.5_wp**2
-      call reduce_beam(beam, choice, body, field, error)
-      call check_no_error(error, 'limit')
-      call check(body%bending == 3 .and. body%n - body%bending == nint(choice%frequency_limit/axial), 'a number and a limit')
-   end subroutine test_limit
 
    !> A clamped portal: with the knees as interface and all modes of the held members the frequencies are those of the mesh; few
    !> of them hold the lowest ones, and the sway under a force at a knee to round-off.

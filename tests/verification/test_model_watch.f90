@@ -93,7 +93,7 @@ contains
          & pi**2*sqrt(1001.0_wp), '')
       call judge_mode('modes of pins with a weld', '', 3.5160153_wp, 'cannot take this shape with its 7 coordinates; use'// &
          & ' CORRECTIONS=YES')
-      call judge_mode('the same with shapes of its ends', 'LENGTH=1 > LENGTH=1, END SHAPES=YES', 3.5160153_wp, '')
+      call judge_mode('the same with shapes of its ends', 'LENGTH=1 > LENGTH=1, CORRECTIONS=YES', 3.5160153_wp, '')
       call judge_mode('modes of a cantilever', 'LENGTH=1 > LENGTH=1, SUPPORT=CLAMPED-FREE', 3.5160153_wp, '')
       call judge_mode('two elements', 'LENGTH=1 > LENGTH=1, SUPPORT=CLAMPED-FREE, ELEMENTS=2, MODES=1', 3.5160153_wp, &
          & 'too few elements: its mass is in their nodes; use ELEMENTS=')
@@ -222,7 +222,7 @@ contains
          & ' how its joints hold it; use GEOMETRIC=EXACT', 'a column on functions that do not fit')
       call reader%close()
       call run_words('verification/watch_beam.inp', 'pull = 0 > pull = 49.348; push = 0 > push = 0.01; LENGTH=1 > LENGTH=1,'// &
-         & ' END SHAPES=YES; '//channels, reader)
+         & ' CORRECTIONS=YES; '//channels, reader)
       allocate (shear, source=channel(reader, 'v'))
       call check(abs(abs(shear(size(shear)))/0.01_wp - 1) > 0.05_wp, 'the shear force of a stretched cantilever is wrong')
       call check_warning(reader, 'shear forces there err by about', 'a stretched cantilever')
@@ -254,7 +254,7 @@ contains
    subroutine check_phase()
       character(*), parameter :: late = 'with the mass in the nodes its vibrations are late by ', clamped = 'SUPPORT=CLAMPED-FREE'
       call judge_phase('modes of a cantilever', clamped, 8.0_wp, late)
-      call judge_phase('modes of pins with shapes of its ends', 'END SHAPES=YES', 8.0_wp, late)
+      call judge_phase('modes of pins with shapes of its ends', 'CORRECTIONS=YES', 8.0_wp, late)
       call judge_phase('many elements', clamped//', ELEMENTS=100', 8.0_wp, '')
       call judge_swing('ten elements', 10, late)
       call judge_swing('eighty elements', 80, '')
@@ -293,7 +293,7 @@ contains
       type(history_reader_type) :: reader
       real(wp), allocatable :: angle(:)
       real(wp) :: off
-      call run_words('verification/watch_beam.inp', 'LENGTH=1 > LENGTH=1, GEOMETRIC=LINEAR, END SHAPES=YES,'// &
+      call run_words('verification/watch_beam.inp', 'LENGTH=1 > LENGTH=1, GEOMETRIC=LINEAR, CORRECTIONS=YES,'// &
          & ' ANGLE=-pi/2 + 0.05, ELEMENTS='//as_text(elements)//'; TYPE=WELD > TYPE=REVOLUTE; *FORCE > *GRAVITY@*FORCE;'// &
          & ' YOUNG=1e4 > YOUNG=1e7; *STATICS, NAME=loaded, INCREMENTS=1 > *DYNAMICS, INTEGRATOR=RADAU, TOLERANCE=1e-6, END='// &
          & as_text(duration, 4)//'; *MODES, NAME=small, NUMBER=1 > ** no modes; tip =  > swing = angle(beam), tip = ', reader)
@@ -364,8 +364,8 @@ contains
    !> Leipholz' column flutters at 40.05, whatever the basis is.
    subroutine check_follower()
       call judge_flutter('clamped', '')
-      call judge_flutter('pins, with the shapes of the ends', 'SUPPORT=CLAMPED-FREE > SUPPORT=PINNED-ROLLER, END SHAPES=YES')
-      call judge_flutter('free', 'SUPPORT=CLAMPED-FREE > SUPPORT=FREE-FREE, END SHAPES=YES')
+      call judge_flutter('pins, with the shapes of the ends', 'SUPPORT=CLAMPED-FREE > SUPPORT=PINNED-ROLLER, CORRECTIONS=YES')
+      call judge_flutter('free', 'SUPPORT=CLAMPED-FREE > SUPPORT=FREE-FREE, CORRECTIONS=YES')
    end subroutine check_follower
 
    subroutine judge_flutter(name, words)
@@ -391,7 +391,7 @@ contains
    !> The ratio of the modes as they are held, whatever the basis is; that of Rayleigh's mass is alpha/(2 omega).
    subroutine check_damping()
       character(*), parameter :: free = 'SUPPORT=CLAMPED-FREE > SUPPORT=FREE-FREE, CORRECTIONS=YES', &
-         & pins = 'SUPPORT=CLAMPED-FREE > SUPPORT=PINNED-ROLLER, END SHAPES=YES', heavy = 'load = 1e-9 > load = 2', &
+         & pins = 'SUPPORT=CLAMPED-FREE > SUPPORT=PINNED-ROLLER, CORRECTIONS=YES', heavy = 'load = 1e-9 > load = 2', &
          & mass = 'RATIO=0.05 > RAYLEIGH ALPHA=0.2', both = 'RATIO=0.05 > RAYLEIGH BETA=1e-3, RATIO=0.02'
       real(wp), parameter :: alone(3) = [3.5160153_wp, 22.0344916_wp, 61.6972144_wp]
       call judge_damping('clamped', '', [0.05_wp, 0.05_wp, 0.05_wp], 1.0e-6_wp)

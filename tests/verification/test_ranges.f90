@@ -88,7 +88,7 @@ contains
    subroutine check_loads()
       call judge('a couple on two modes', 'couple = 0 > couple = 0.05; MODES=4 > MODES=2', 'slope', 0.05_wp, 0.2_wp, &
          & 'residual', 0.2_wp, 'in ways that its 2 bending coordinates cannot')
-      call judge('with the shapes of its ends', 'couple = 0 > couple = 0.05; MODES=4 > MODES=2, END SHAPES=YES', &
+      call judge('with the shapes of its ends', 'couple = 0 > couple = 0.05; MODES=4 > MODES=2, CORRECTIONS=YES', &
          & 'slope', 0.05_wp, 0.003_wp, 'residual', 0.0_wp, '')
       call judge('modes of pins on a weld', 'CLAMPED-FREE > PINNED-ROLLER; '//pushed//'0.1', 'slope', 1/60.0_wp, 0.03_wp, &
          & 'residual', 0.13_wp, 'a SUPPORT that is like its joints')

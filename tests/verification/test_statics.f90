@@ -20,7 +20,7 @@ program test_statics
    call check_corners()
    call check_dead_centre()
    call check_redundant()
-   call check_end_shapes()
+   call check_no_mode()
    call check_first_deflections()
    call check_turning_mount()
    call check_crossed_elements()
@@ -214,18 +214,18 @@ contains
       call reader%close()
    end subroutine check_redundant
 
-   !> With the shapes of its ends and no mode at all a cantilever has the deflection and the slope of a load at its tip.
-   subroutine check_end_shapes()
+   !> With the responses to what acts and no mode at all a cantilever has the deflection and the slope of a load at its tip.
+   subroutine check_no_mode()
       type(history_reader_type) :: reader
       real(wp), allocatable :: y(:), slope(:)
       call run_changed('../input/cantilever_statics.inp', trim(results), [character(32) :: 'BENDING MODES=20'], &
-         & [character(32) :: 'BENDING MODES=0, END SHAPES=YES'], reader)
+         & [character(32) :: 'BENDING MODES=0, CORRECTIONS=YES'], reader)
       allocate (y, source=channel(reader, 'y_tip'))
       allocate (slope, source=channel(reader, 'slope'))
-      call check_close(y(10) - y(5), -0.01_wp*2.0_wp**3/3, 1.0e-12_wp, 'shapes of the ends: tip')
-      call check_close(slope(10) - slope(5), -0.01_wp*2.0_wp**2/2, 1.0e-12_wp, 'shapes of the ends: slope')
+      call check_close(y(10) - y(5), -0.01_wp*2.0_wp**3/3, 1.0e-12_wp, 'no mode: tip')
+      call check_close(slope(10) - slope(5), -0.01_wp*2.0_wp**2/2, 1.0e-12_wp, 'no mode: slope')
       call reader%close()
-   end subroutine check_end_shapes
+   end subroutine check_no_mode
 
    !> A beam on a hinge, let go from the horizontal with the deflection that its weight and its acceleration make: relative to its
    !> chord that of the load rho A g (1 - 3x/2L). Let go undeflected, it rings.
@@ -317,8 +317,8 @@ contains
    !> The reactions of a propped cantilever with a force in its middle, 5/16 F and 3/16 F L, with the remedies that warnings name.
    subroutine check_propped()
       type(history_reader_type) :: reader
-      character(40), parameter :: remedies(3) = [character(40) :: 'SUPPORT=PINNED-ROLLER, CORRECTIONS=YES', &
-         & 'SUPPORT=PINNED-ROLLER, END SHAPES=YES', 'SUPPORT=CLAMPED-FREE, CORRECTIONS=YES']
+      character(40), parameter :: remedies(2) = [character(40) :: 'SUPPORT=PINNED-ROLLER, CORRECTIONS=YES', &
+         & 'SUPPORT=CLAMPED-FREE, CORRECTIONS=YES']
       real(wp), allocatable :: roller(:), moment(:)
       integer :: k
       do k = 1, size(remedies)

@@ -15,7 +15,7 @@ module limber_analysis_function_watch
    use limber_model_stresses, only: recover_stations
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2
-   use limber_model_scene, only: model_type
+   use limber_model_scene, only: model_type, joint_revolute, joint_weld
    use limber_output_joints, only: joint_force, joint_force_in_frame, frame_of
    use limber_system_algebra, only: turn, along, cross
    use limber_system_system, only: system_type, workspace_type
@@ -156,13 +156,17 @@ contains
       type(workspace_type), intent(in) :: work
       real(wp), intent(in) :: q(:)
       integer, intent(in) :: which
-      real(wp) :: axes(2), normal(2), angle
+      real(wp) :: axes(2), normal(2), angle, force(2)
       integer :: i, k, first
+      logical :: guided
       associate (own => self%reactions(which))
-         own%largest = max(own%largest, abs([joint_force(system, work, own%joint), &
-            & joint_force_in_frame(system, work, own%joint, q)]))
+         force = joint_force(system, work, own%joint)
+         own%largest = max(own%largest, abs([force, joint_force_in_frame(system, work, own%joint, q)]))
          axes = frame_of(system, system%constraints(own%joint)%item%bodies(2), q)
+         ! All but hinges and welds take forces of one direction only
+         guided = all(system%model%joints(own%joint)%kind /= [joint_revolute, joint_weld])
       end associate
+      if (guided) force = force/max(norm2(force), tiny(force))
       do i = 1, size(self%beams)
          first = system%layout%q(self%beams(i)%body)
          associate (exact => system%model%bodies(self%beams(i)%body)%reduced%exact, beam => self%beams(i))
@@ -171,12 +175,23 @@ contains
                   angle = exact%lean(at) + dot_product(exact%psi(:, at), q(first + 4:first + 3 + exact%angles))
                end associate
                normal = along(q(first + 2:first + 3), [-sin(angle), cos(angle)])
-               beam%across(:, which) = max(beam%across(:, which), abs([normal, dot_product(axes, normal), cross(axes, normal)]))
-               normal = -turn(normal)
-               beam%along(:, which) = max(beam%along(:, which), abs([normal, dot_product(axes, normal), cross(axes, normal)]))
+               beam%across(:, which) = max(beam%across(:, which), components(normal))
+               beam%along(:, which) = max(beam%along(:, which), components(turn(normal)))
             end do
          end associate
       end do
+
+   contains
+
+      !> Components of a direction along the fixed axes and those of the second body, as far as the joint takes forces there.
+      pure function components(direction)
+         real(wp), intent(in) :: direction(2)
+         real(wp) :: components(4), taken(2)
+         taken = direction
+         if (guided) taken = force*dot_product(force, direction)
+         components = abs([taken, dot_product(axes, taken), cross(axes, taken)])
+      end function components
+
    end subroutine observe_reaction
 
    !> Strains that equilibrium asks for less those that the functions make: curvature, stretch, shear (3, stations), eq. (X16).

@@ -550,7 +550,8 @@ contains
       !> Time; coordinates (nq)
       real(wp), intent(in) :: t, q(:)
       real(wp), parameter :: little = 1.0e-7_wp
-      real(wp) :: before(system%nc), rest(size(q)), largest
+      real(wp) :: before(system%nc), rest(size(q)), slow(system%nc), largest
+      integer :: i
       jumps = .false.
       if (system%nc == 0) return
       rest = 0.0_wp
@@ -561,7 +562,13 @@ contains
       call place_frames(system%model, system%layout, t, q, work%kinematics)
       call update_jacobians(system, work)
       largest = velocity_residual(system, work, rest)
-      jumps = any(abs(work%gamma(:system%nc) - before) > little*max(abs(before), abs(work%gamma(:system%nc))))
+      ! A driver that turns back has no speed to compare with: then the scale of the constraint, once in the whole run
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            slow(item%first:item%first + item%rows - 1) = item%scale/(system%model%dynamics%end - system%model%dynamics%start)
+         end associate
+      end do
+      jumps = any(abs(work%gamma(:system%nc) - before) > little*max(abs(before), abs(work%gamma(:system%nc)), slow))
    end function demanded_jump
 
    !> Adds the wall and CPU seconds since some moment.

@@ -26,7 +26,7 @@ module limber_analysis_dynamics
    use limber_integrator_conserving, only: conserving_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_breaks, only: break_times, station_times
+   use limber_analysis_laws, only: find_instants
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, sample_width
    use limber_output_progress, only: progress_type
@@ -144,6 +144,8 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       type(guard_type), intent(inout), optional :: guard
+      !> Part of the way from one break to the next at which the first step ends at the latest
+      real(wp), parameter :: first_part = 0.125_wp
       real(wp), allocatable :: breaks(:), stations(:)
       type(stiffening_type) :: stiffening
       type(jump_watch_type) :: watch
@@ -155,9 +157,8 @@ contains
       !> up to which the last step counts
       real(wp) :: stop, barrier, near, t
       integer :: passed, seen, begun
-      logical :: at_station, cut, stiff, changes
-      allocate (breaks, source=break_times(scene%system%model))
-      allocate (stations, source=station_times(scene%system%model))
+      logical :: at_station, cut, stiff, changes, first
+      call find_instants(scene%system%model, breaks, stations, outcome)
       passed = 0
       seen = 0
       begun = scene%work%evaluations
@@ -196,6 +197,9 @@ contains
             seen = seen + 1
          end do
          if (seen < size(stations)) stop = min(stop, stations(seen + 1))
+         ! A law that is zero at this break and the next shows itself between them only
+         first = .not. integrator%t > integrator%t_before
+         if (first .and. passed < size(breaks)) stop = min(stop, integrator%t + first_part*(barrier - integrator%t))
          if (integrator%ends_on_samples) stop = min(stop, sample_time(dynamics, sample%next))
          if (.not. dynamics%fixed_step > 0.0_wp) stop = min(stop, integrator%t + turn_time(turning))
          stop = min(stop, crossings%hold)
@@ -224,6 +228,7 @@ contains
             if (allocated(error)) exit
             if (crossings%found /= found_nothing .and. integrator%ends_on_samples .and. crossings%t < t - near) &
                & crossings%again = .true.
+            if (first .and. crossings%found == found_bend .and. .not. crossings%again) call begin_shorter()
             if (crossings%again) then
                call do_again()
                if (allocated(error)) exit
@@ -323,6 +328,16 @@ contains
          call integrator%start(scene%system, scene%work, crossings%quarters(0)%t, dynamics%end - dynamics%start, crossings%q, &
             & crossings%v, error)
       end subroutine do_again
+
+      !> Shortens a first step that goes beyond a bend: a law of the motion that is zero at both ends shows itself between them only.
+      subroutine begin_shorter()
+         associate (begin => crossings%quarters(0)%t)
+            if (crossings%t - begin <= first_part*(t - begin) .or. crossings%t >= t - near) return
+            crossings%t = begin + first_part*(crossings%t - begin)
+            crossings%found = found_nothing
+            crossings%again = .true.
+         end associate
+      end subroutine begin_shorter
 
       !> Cuts the last step where something was found. An integrator whose promise holds at the ends of its steps ends one there,
       !> and needs no start at a bend.

@@ -1,5 +1,5 @@
-!> Laws of time that have no value somewhere in a motion are refused before it runs: no step can pass a pole, or end of a root.
-!> Floor: analysis.
+!> Laws of time before a motion runs: those without a value somewhere are refused, for no step can pass a pole or end of a root; and
+!> the instants at which steps must end. Floor: analysis. Source: doc/theory, eqs. (190), (191).
 module limber_analysis_laws
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -7,11 +7,12 @@ module limber_analysis_laws
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
    use limber_deck_origin, only: origin_type
-   use limber_model_breaks, only: undefined_at
+   use limber_analysis_outcome, only: outcome_type, warn
+   use limber_model_breaks, only: undefined_at, find_breaks, find_stations
    use limber_model_scene, only: model_type
    implicit none
    private
-   public :: check_laws
+   public :: check_laws, find_instants
 
 contains
 
@@ -53,5 +54,30 @@ contains
       end subroutine check_law
 
    end subroutine check_laws
+
+   !> Breaks and stations of all laws, and a warning where there are more.
+   subroutine find_instants(model, breaks, stations, outcome)
+      type(model_type), intent(in) :: model
+      real(wp), allocatable, intent(out) :: breaks(:), stations(:)
+      type(outcome_type), intent(inout) :: outcome
+      character(:), allocatable :: restless
+      call find_breaks(model, breaks, restless)
+      if (len(restless) > 0) call warn(outcome, "the law of '"//restless//"' changes its formula too often: "// &
+         & as_text(size(breaks))//' changes are met'//up_to(breaks)//', steps may pass over others; let END= come'// &
+         & ' earlier, or write a law with fewer bends and jumps')
+      call find_stations(model, stations, restless)
+      if (len(restless) > 0) call warn(outcome, "the law of '"//restless//"' has more short pulses than steps are led to"// &
+         & up_to(stations)//': others may be passed over; let END= come earlier, or write a law with fewer pulses')
+
+   contains
+
+      function up_to(times) result(text)
+         real(wp), intent(in) :: times(:)
+         character(:), allocatable :: text
+         text = ''
+         if (size(times) > 0) text = ' up to t = '//as_text(times(size(times)), 6)
+      end function up_to
+
+   end subroutine find_instants
 
 end module limber_analysis_laws

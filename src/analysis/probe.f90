@@ -11,7 +11,7 @@ module limber_analysis_probe
    use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes
    use limber_deck_content, only: deck_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_breaks, only: break_times
+   use limber_model_breaks, only: find_breaks
    use limber_model_quantities, only: is_internal_force, quantity_u1, quantity_u2, quantity_rotation
    use limber_model_scene, only: body_flexible
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
@@ -204,10 +204,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(integrator_type), allocatable :: integrator
       real(wp), allocatable :: breaks(:), q(:), v(:), a(:), change(:)
+      character(:), allocatable :: restless
       real(wp) :: barrier, near, w, residual
       integer :: passed, next
       associate (dynamics => rigid%system%model%dynamics, layout => flexible%system%layout, nq => rigid%system%layout%nq)
-         allocate (breaks, source=break_times(rigid%system%model))
+         call find_breaks(rigid%system%model, breaks, restless)
          associate (most => samples + 1 + 2*size(breaks))
             allocate (track%times(most), track%q(layout%nq, most), track%v(layout%nq, most), track%forces(sum(layout%n), most))
             allocate (track%spin(size(layout%n), most))

@@ -8,77 +8,101 @@ module limber_model_breaks
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: op_constant, op_slot
    use limber_deck_range, only: range_type, law_range
-   use limber_model_scene, only: model_type, effort_type
+   use limber_model_scene, only: model_type, effort_type, in_efforts
    implicit none
    private
-   public :: break_times, law_breaks, station_times, law_stations, undefined_at
+   public :: find_breaks, law_breaks, find_stations, law_stations, undefined_at
 
-   !> Equal parts of the time that are looked at whatever the bounds say
-   integer, parameter :: parts = 500
+   !> Equal parts of the time that are looked at whatever the bounds say; most of a law whose pulses are shorter
+   integer, parameter :: parts = 500, most_parts = 32000
    !> Part of the whole time within which two breaks are one
    real(wp), parameter :: apart = 1.0e-12_wp
-   !> Most breaks of one model: beyond them a law is taken for noise, which no step can follow
-   integer, parameter :: most = 1000
-   !> Most intervals of a law that are divided further: bounds that stay too wide end there
-   integer, parameter :: most_divided = 20000
+   !> Most breaks, and most stations, of one model: a law that has more is told
+   integer, parameter :: most_breaks = 5000, most_stations = 20000
+   !> Most intervals of a law that are divided further, in all and for each break: bounds that stay too wide end there
+   integer, parameter :: most_divided = 20000, divided_each = 100
    !> Changes of a law in one of the equal parts relative to all that it changes by: that of one which rests, and of one that needs
    !> stations, which a law has that rests for so much of the time
-   real(wp), parameter :: resting = 1.0e-4_wp, steep = 0.03_wp, mostly = 0.5_wp
-   !> Relative change between two stations, also relative to the way from where the law rests
-   real(wp), parameter :: change = 0.02_wp, near_rest = 0.75_wp
+   real(wp), parameter :: resting = 1.0e-4_wp, steep = 0.03_wp, restful = 0.2_wp
+   !> Relative change between two stations, also relative to the way from where the law rests; and of a law with more stations than
+   !> so many, which are those of many pulses
+   real(wp), parameter :: change = 0.02_wp, near_rest = 0.75_wp, coarse = 0.3_wp
+   integer, parameter :: many = 2000
+   !> Part of the way from one break to the next that a pulse may take and have no stations: steps end at the breaks
+   real(wp), parameter :: between = 0.25_wp
 
 contains
 
    !> The breaks of all drivers and loads of a model within its dynamic analysis, in order, each once.
-   function break_times(model) result(times)
+   subroutine find_breaks(model, times, restless)
       type(model_type), intent(in) :: model
-      real(wp), allocatable :: times(:)
+      real(wp), allocatable, intent(out) :: times(:)
+      !> Name of a driver, joint or load whose law has more than are looked for; empty if there is none
+      character(:), allocatable, intent(out) :: restless
       allocate (times(0))
-      call visit_laws(model, .false., times)
-   end function break_times
+      call visit_laws(model, .false., times, restless)
+   end subroutine find_breaks
 
    !> The stations of the same laws, in order.
-   function station_times(model) result(times)
+   subroutine find_stations(model, times, restless)
       type(model_type), intent(in) :: model
-      real(wp), allocatable :: times(:)
+      real(wp), allocatable, intent(out) :: times(:)
+      character(:), allocatable, intent(out) :: restless
       allocate (times(0))
-      call visit_laws(model, .true., times)
-   end function station_times
+      call visit_laws(model, .true., times, restless)
+   end subroutine find_stations
 
    !> Adds the instants of all laws of time.
-   subroutine visit_laws(model, stations, times)
+   subroutine visit_laws(model, stations, times, restless)
       type(model_type), intent(in) :: model
       !> Which ones
       logical, intent(in) :: stations
       real(wp), allocatable, intent(inout) :: times(:)
+      character(:), allocatable, intent(out) :: restless
       integer :: i, j
+      restless = ''
       do i = 1, size(model%drivers)
-         call visit(model%drivers(i)%law)
+         call visit(model%drivers(i)%law, model%drivers(i)%name)
       end do
       do i = 1, size(model%joints)
-         if (model%joints(i)%has_law) call visit(model%joints(i)%law)
+         if (model%joints(i)%has_law) call visit(model%joints(i)%law, model%joints(i)%name)
       end do
       do i = 1, size(model%forces)
          do j = 1, 2
-            call visit(model%forces(i)%law(j))
+            call visit(model%forces(i)%law(j), model%forces(i)%name)
          end do
       end do
       do i = 1, size(model%torques)
-         call visit(model%torques(i)%law)
+         call visit(model%torques(i)%law, model%torques(i)%name)
       end do
       do i = 1, size(model%efforts)
-         if (model%efforts(i)%driven) call visit(law_of_time(model%efforts(i)))
+         if (model%efforts(i)%driven) call visit(law_of_time(model%efforts(i)), name_of_effort(i))
       end do
 
    contains
 
-      subroutine visit(law)
+      !> Name of the load that an effort is part of.
+      function name_of_effort(effort) result(name)
+         integer, intent(in) :: effort
+         character(:), allocatable :: name
+         integer :: k
+         name = ''
+         do k = 1, size(model%loads)
+            if (model%loads(k)%list /= in_efforts) cycle
+            if (model%loads(k)%first <= effort .and. effort <= model%loads(k)%last) name = model%loads(k)%name
+         end do
+      end function name_of_effort
+
+      subroutine visit(law, name)
          type(expression_type), intent(in) :: law
+         character(*), intent(in) :: name
+         logical :: whole
          if (stations) then
-            call law_stations(law, model%dynamics%start, model%dynamics%end, times)
+            call law_stations(law, model%dynamics%start, model%dynamics%end, times, whole)
          else
-            call law_breaks(law, model%dynamics%start, model%dynamics%end, times)
+            call law_breaks(law, model%dynamics%start, model%dynamics%end, times, whole)
          end if
+         if (.not. whole) restless = name
       end subroutine visit
 
    end subroutine visit_laws
@@ -111,16 +135,20 @@ contains
    end function law_of_time
 
    !> Adds the breaks of one law to a list in order.
-   subroutine law_breaks(law, start, end, times)
+   subroutine law_breaks(law, start, end, times, whole)
       type(expression_type), intent(in) :: law
       !> First and last time; breaks at these two do not count
       real(wp), intent(in) :: start, end
       real(wp), allocatable, intent(inout) :: times(:)
+      !> False if it has more than are looked for
+      logical, intent(out), optional :: whole
       integer :: divided
+      if (present(whole)) whole = .true.
       if (size(law%slots) == 0) return
       if (law%branches(start) < 0) return
       divided = 0
       call search_parts(law, start, end, 0, parts, divided, times)
+      if (present(whole)) whole = size(times) < most_breaks .and. divided < most_divided + divided_each*size(times)
    end subroutine law_breaks
 
    !> Searches the equal parts from one edge to another by halves, and not where the bounds leave no room for a change.
@@ -134,8 +162,8 @@ contains
       type(range_type) :: range
       real(wp) :: left, right
       integer :: middle
-      left = part_end(start, end, from)
-      right = part_end(start, end, to)
+      left = part_end(start, end, from, parts)
+      right = part_end(start, end, to, parts)
       if (to - from == 1) then
          call search_breaks(law, start, end, left, right, divided, times)
          return
@@ -148,9 +176,9 @@ contains
    end subroutine search_parts
 
    !> End of one of the equal parts.
-   pure real(wp) function part_end(start, end, part)
+   pure real(wp) function part_end(start, end, part, parts)
       real(wp), intent(in) :: start, end
-      integer, intent(in) :: part
+      integer, intent(in) :: part, parts
       part_end = start + (end - start)*(real(part, wp)/parts)
       if (part == parts) part_end = end
    end function part_end
@@ -166,14 +194,14 @@ contains
       real(wp), allocatable, intent(inout) :: times(:)
       type(range_type) :: range
       real(wp) :: found, middle
-      if (size(times) >= most) return
+      if (size(times) >= most_breaks) return
       if (law%branches(left) /= law%branches(right)) then
          found = first_change(law, left, right)
          if (min(found - start, end - found) > apart*(end - start)) call insert(found, apart*(end - start), times)
          if (nearest(found, -1.0_wp) > left) call search_breaks(law, start, end, left, nearest(found, -1.0_wp), divided, times)
          if (found < right .and. found > left) call search_breaks(law, start, end, found, right, divided, times)
       else
-         if (right - left <= apart*(end - start) .or. divided >= most_divided) return
+         if (right - left <= apart*(end - start) .or. divided >= most_divided + divided_each*size(times)) return
          range = law_range(law, left, right)
          if (range%whole) return
          divided = divided + 1
@@ -201,77 +229,128 @@ contains
       end do
    end function first_change
 
-   !> Adds the stations of one law to a list in order. Only a law that rests most of the time has any; what is busy throughout the
+   !> Adds the stations of one law to a list in order. Only a law that rests for much of the time has any; what is busy throughout the
    !> error of each step shows. They lie where it changes steeply, and around that as far as it moves at all.
-   subroutine law_stations(law, start, end, times)
+   subroutine law_stations(law, start, end, times, whole)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
       real(wp), allocatable, intent(inout) :: times(:)
-      real(wp), allocatable :: breaks(:), edges(:)
+      !> False if it has more than are looked for
+      logical, intent(out), optional :: whole
+      real(wp), allocatable :: breaks(:), edges(:), before_this(:)
       type(range_type), allocatable :: ranges(:)
       logical, allocatable :: moving(:)
-      real(wp) :: whole, rest(2)
-      integer :: i, first, last, n, divided
+      real(wp) :: span
+      integer :: i, n, divided, cuts
+      if (present(whole)) whole = .true.
       if (size(law%slots) == 0) return
-      if (surely_moves(law, start, end)) return
+      if (.not. often_rests(law, start, end)) return
       allocate (breaks(0))
       call law_breaks(law, start, end, breaks)
-      call cut(start, end, breaks, edges)
-      n = size(edges) - 1
-      allocate (ranges(n), moving(n))
-      do i = 1, n
-         ranges(i) = law_range(law, edges(i), before(edges(i + 1), breaks))
+      cuts = parts
+      do
+         call cut(start, end, cuts, breaks, edges)
+         n = size(edges) - 1
+         if (allocated(ranges)) deallocate (ranges, moving)
+         allocate (ranges(n), moving(n))
+         do i = 1, n
+            ranges(i) = law_range(law, edges(i), before(edges(i + 1), breaks))
+         end do
+         if (.not. all(ranges%defined)) return
+         span = maxval(ranges%high) - minval(ranges%low)
+         moving = ranges%high - ranges%low > resting*span
+         if (sum(edges(2:) - edges(:n), mask=.not. moving) >= restful*(end - start)) exit
+         ! Pulses that come so fast that no part rests
+         cuts = 4*cuts
+         if (cuts <= most_parts) cycle
+         if (present(whole)) whole = .false.
+         return
       end do
-      if (.not. all(ranges%defined)) return
-      whole = maxval(ranges%high) - minval(ranges%low)
-      moving = ranges%high - ranges%low > resting*whole
-      if (sum(edges(2:) - edges(:n), mask=.not. moving) < mostly*(end - start)) return
-      divided = 0
-      last = 0
-      do while (last < n)
-         first = last + 1
-         last = first
-         if (.not. moving(first)) cycle
+      before_this = times
+      call place_stations(change, near_rest)
+      if (size(times) - size(before_this) > many) then
+         times = before_this
+         call place_stations(coarse, huge(coarse))
+      end if
+      if (present(whole)) whole = divided < most_divided .and. size(times) < most_stations
+
+   contains
+
+      !> Stations around each pulse.
+      subroutine place_stations(change, near_rest)
+         real(wp), intent(in) :: change, near_rest
+         real(wp) :: rest(2)
+         integer :: i, first, last
+         divided = 0
+         last = 0
          do while (last < n)
-            if (.not. moving(last + 1)) exit
-            last = last + 1
+            first = last + 1
+            last = first
+            if (.not. moving(first)) cycle
+            do while (last < n)
+               if (.not. moving(last + 1)) exit
+               last = last + 1
+            end do
+            if (.not. any(ranges(first:last)%high - ranges(first:last)%low > steep*span*parts/cuts)) cycle
+            rest = [law%evaluate([edges(first)]), law%evaluate([before(edges(last + 1), breaks)])]
+            do i = first, last
+               if (fills_piece(edges(i), edges(first), edges(last + 1))) cycle
+               call insert(edges(i), 0.0_wp, times)
+               call search_stations(law, end - start, edges(i), before(edges(i + 1), breaks), span, rest, change, near_rest, &
+                  & divided, times)
+            end do
+            if (.not. fills_piece(edges(last), edges(first), edges(last + 1))) call insert(edges(last + 1), 0.0_wp, times)
          end do
-         if (.not. any(ranges(first:last)%high - ranges(first:last)%low > steep*whole)) cycle
-         rest = [law%evaluate([edges(first)]), law%evaluate([before(edges(last + 1), breaks)])]
-         do i = first, last
-            call insert(edges(i), 0.0_wp, times)
-            call search_stations(law, end - start, edges(i), before(edges(i + 1), breaks), whole, rest, divided, times)
-         end do
-         call insert(edges(last + 1), 0.0_wp, times)
-      end do
+      end subroutine place_stations
+
+      !> Whether a pulse takes much of the way from break to break that a time is in.
+      pure logical function fills_piece(t, first, last)
+         !> Time; the pulse
+         real(wp), intent(in) :: t, first, last
+         real(wp) :: left, right
+         left = start
+         right = end
+         if (any(breaks <= t)) left = maxval(breaks, mask=breaks <= t)
+         if (any(breaks > t)) right = minval(breaks, mask=breaks > t)
+         fills_piece = min(last, right) - max(first, left) >= between*(right - left)
+      end function fills_piece
+
    end subroutine law_stations
 
-   !> Whether the law moves for too much of the time to have stations, as its values at the edges of the parts show: an end to the
-   !> search at little cost for most laws.
-   logical function surely_moves(law, start, end)
+   !> Whether the law has nearly one value at many instants, which lie as irregularly as no law repeats itself.
+   logical function often_rests(law, start, end)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: start, end
+      !> Part of the time between two instants, modulo 1
+      real(wp), parameter :: golden = 0.6180339887498949_wp
+      !> Of as many instants at first; most laws that move show it
+      integer, parameter :: few = 40
+      real(wp) :: value(parts), span
       type(range_type) :: range
-      real(wp) :: least, last, value
-      integer :: part, moving
-      surely_moves = .false.
+      integer :: i, near
+      often_rests = .false.
       range = law_range(law, start, end)
-      if (.not. range%defined) return
-      least = resting*(range%high - range%low)
-      moving = 0
-      last = law%evaluate([start])
-      do part = 1, parts
-         value = law%evaluate([part_end(start, end, part)])
-         if (abs(value - last) > least) moving = moving + 1
-         last = value
-         surely_moves = moving > (1 - mostly)*parts
-         if (surely_moves) return
+      near = 0
+      do i = 1, parts
+         value(i) = law%evaluate([start + modulo(i*golden, 1.0_wp)*(end - start)])
+         if (.not. abs(value(i)) <= huge(span)) return
       end do
-   end function surely_moves
+      span = maxval(value) - minval(value)
+      if (range%defined) span = range%high - range%low
+      do i = 1, parts
+         near = max(near, count(abs(value - value(i)) <= resting*span))
+         if (i == few .and. near <= restful*parts/4) return
+         if (near > restful*parts) exit
+      end do
+      often_rests = near > restful*parts
+   end function often_rests
 
    !> Edges of the equal parts and breaks, in order.
-   subroutine cut(start, end, breaks, edges)
-      real(wp), intent(in) :: start, end, breaks(:)
+   subroutine cut(start, end, parts, breaks, edges)
+      real(wp), intent(in) :: start, end
+      !> Number of parts
+      integer, intent(in) :: parts
+      real(wp), intent(in) :: breaks(:)
       real(wp), allocatable, intent(out) :: edges(:)
       integer :: i, k, part
       allocate (edges(parts + 1 + size(breaks)))
@@ -279,15 +358,15 @@ contains
       i = 1
       do part = 0, parts
          do while (i <= size(breaks))
-            if (breaks(i) > part_end(start, end, part)) exit
-            if (breaks(i) < part_end(start, end, part)) then
+            if (breaks(i) > part_end(start, end, part, parts)) exit
+            if (breaks(i) < part_end(start, end, part, parts)) then
                k = k + 1
                edges(k) = breaks(i)
             end if
             i = i + 1
          end do
          k = k + 1
-         edges(k) = part_end(start, end, part)
+         edges(k) = part_end(start, end, part, parts)
       end do
       edges = edges(:k)
    end subroutine cut
@@ -300,24 +379,26 @@ contains
    end function before
 
    !> Divides an interval until the law changes little in each piece, eq. (191); their ends are stations.
-   recursive subroutine search_stations(law, duration, left, right, whole, rest, divided, times)
+   recursive subroutine search_stations(law, duration, left, right, whole, rest, change, near_rest, divided, times)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: duration, left, right
       !> All that the law changes by, and its values where it rests before and after
       real(wp), intent(in) :: whole, rest(2)
+      !> Relative changes between two stations
+      real(wp), intent(in) :: change, near_rest
       integer, intent(inout) :: divided
       real(wp), allocatable, intent(inout) :: times(:)
       type(range_type) :: range
       real(wp) :: middle, way
       range = law_range(law, left, right)
       way = minval(max(0.0_wp, range%low - rest, rest - range%high))
-      if (range%high - range%low <= max(resting*whole, min(change*whole, near_rest*way))) return
-      if (right - left <= apart*duration .or. divided >= most_divided .or. size(times) >= most) return
+      if (range%high - range%low <= max(resting*whole, min(change*whole, near_rest*min(way, whole)))) return
+      if (right - left <= apart*duration .or. divided >= most_divided .or. size(times) >= most_stations) return
       divided = divided + 1
       middle = left + 0.5_wp*(right - left)
-      call search_stations(law, duration, left, middle, whole, rest, divided, times)
+      call search_stations(law, duration, left, middle, whole, rest, change, near_rest, divided, times)
       call insert(middle, 0.0_wp, times)
-      call search_stations(law, duration, middle, right, whole, rest, divided, times)
+      call search_stations(law, duration, middle, right, whole, rest, change, near_rest, divided, times)
    end subroutine search_stations
 
    !> The first instant from which on a law is not defined or grows without bound; beyond `end` if there is none.
@@ -336,7 +417,8 @@ contains
       call ieee_set_halting_mode(ieee_all, .false.)
       divided = 0
       do part = 1, parts
-         call search_undefined(law, end - start, part_end(start, end, part - 1), part_end(start, end, part), divided, found)
+         call search_undefined(law, end - start, part_end(start, end, part - 1, parts), part_end(start, end, part, parts), &
+            & divided, found)
          if (found <= end) exit
       end do
       call ieee_set_status(status)
@@ -399,6 +481,13 @@ contains
    subroutine insert(t, width, times)
       real(wp), intent(in) :: t, width
       real(wp), allocatable, intent(inout) :: times(:)
+      if (size(times) > 0) then
+         ! Most come in order
+         if (t - times(size(times)) > width) then
+            times = [times, t]
+            return
+         end if
+      end if
       if (any(abs(times - t) <= width)) return
       times = [pack(times, times < t), t, pack(times, times > t)]
    end subroutine insert

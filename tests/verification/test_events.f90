@@ -7,8 +7,9 @@ program test_events
    use limber_base_error, only: error_type
    use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, change_deck, channel
-   use testing, only: check, check_close, finish
+   use limber_base_text, only: newline
+   use runs, only: run_changed, run_text, change_deck, channel
+   use testing, only: check, check_close, check_no_error, finish
    implicit none
 
    character(256) :: results
@@ -18,6 +19,7 @@ program test_events
    call check_rotor('ADAMS', 1.0e-3_wp)
    call check_rotor('ALPHA', 1.0e-2_wp)
    call check_rotor('CONSERVING', 1.0e-2_wp)
+   call check_trains()
    call check_impact('ADAMS')
    call check_impact('RADAU')
    call check_impact('CONSERVING')
@@ -53,6 +55,51 @@ contains
       call check_close(maxval(abs(balance)), 0.0_wp, max(most, 1.0e-3_wp), integrator//': balance of energy and work')
       call reader%close()
    end subroutine check_rotor
+
+   !> A free mass under trains of pulses that steps could go over: its speed is the integral of the law, by the rule of midpoints.
+   subroutine check_trains()
+      character(10), parameter :: integrators(4) = [character(10) :: 'AUTO', 'RADAU', 'ALPHA', 'CONSERVING']
+      integer, parameter :: points = 2000000
+      real(wp), parameter :: end = 10.0_wp
+      real(wp) :: t, sums(4)
+      integer :: i
+      sums = 0.0_wp
+      do i = 1, points
+         t = (i - 0.5_wp)*end/points
+         sums = sums + [exp(20*(sin(60*t) - 1)), max(0.0_wp, sin(400*t)), abs(sin(400*t)), merge(1.0_wp, 0.0_wp, sin(700*t) >= 0)]
+      end do
+      sums = sums*end/points
+      do i = 1, size(integrators)
+         call check_train(trim(integrators(i)), 'exp(20*(sin(60*t) - 1))', sums(1))
+         call check_train(trim(integrators(i)), 'max(0, sin(400*t))', sums(2))
+         call check_train(trim(integrators(i)), 'abs(sin(400*t))', sums(3))
+         call check_train(trim(integrators(i)), 'step(sin(700*t))', sums(4))
+      end do
+      ! More breaks than are looked for
+      call check_train('ADAMS', 'step(sin(3000*t))', -1.0_wp)
+   end subroutine check_trains
+
+   subroutine check_train(integrator, law, speed)
+      character(*), intent(in) :: integrator, law
+      !> At the end; below zero: a warning is wanted
+      real(wp), intent(in) :: speed
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: v(:)
+      call run_text('*RIGID BODY, NAME=m, MASS=1, INERTIA=1'//newline//'*FORCE, NAME=f, POINT=m.origin'//newline//' '//law// &
+         & ', 0'//newline//'*DYNAMICS, END=10, OUTPUTS=100, INTEGRATOR='//integrator//newline//'*OUTPUT'//newline//' v = vx(m.origin)'// &
+         & newline, trim(results), report, error)
+      call check_no_error(error, law)
+      if (speed < 0.0_wp) then
+         call check(index(report, "the law of 'f' changes its formula too often") > 0, law//': told'//report)
+         return
+      end if
+      call reader%open(trim(results), error)
+      allocate (v, source=channel(reader, 'v'))
+      call check_close(v(size(v)), speed, 1.0e-3_wp*speed, integrator//': '//law)
+      call reader%close()
+   end subroutine check_train
 
    !> (t - t0)^power from t0 on.
    pure real(wp) function after(t, t0, power)

@@ -267,18 +267,20 @@ contains
          return
       end do
       before_this = times
-      call place_stations(change, near_rest)
-      if (size(times) - size(before_this) > many) then
+      call place_stations(change, near_rest, size(times) + many)
+      if (size(times) - size(before_this) >= many) then
          times = before_this
-         call place_stations(coarse, huge(coarse))
+         call place_stations(coarse, huge(coarse), most_stations)
       end if
       if (present(whole)) whole = divided < most_divided .and. size(times) < most_stations
 
    contains
 
       !> Stations around each pulse.
-      subroutine place_stations(change, near_rest)
+      subroutine place_stations(change, near_rest, most)
          real(wp), intent(in) :: change, near_rest
+         !> Stations at which it ends
+         integer, intent(in) :: most
          real(wp) :: rest(2)
          integer :: i, first, last
          divided = 0
@@ -294,10 +296,11 @@ contains
             if (.not. any(ranges(first:last)%high - ranges(first:last)%low > steep*span*parts/cuts)) cycle
             rest = [law%evaluate([edges(first)]), law%evaluate([before(edges(last + 1), breaks)])]
             do i = first, last
+               if (size(times) >= most) return
                if (fills_piece(edges(i), edges(first), edges(last + 1))) cycle
                call insert(edges(i), 0.0_wp, times)
                call search_stations(law, end - start, edges(i), before(edges(i + 1), breaks), span, rest, change, near_rest, &
-                  & divided, times)
+                  & most, divided, times)
             end do
             if (.not. fills_piece(edges(last), edges(first), edges(last + 1))) call insert(edges(last + 1), 0.0_wp, times)
          end do
@@ -379,13 +382,15 @@ contains
    end function before
 
    !> Divides an interval until the law changes little in each piece, eq. (191); their ends are stations.
-   recursive subroutine search_stations(law, duration, left, right, whole, rest, change, near_rest, divided, times)
+   recursive subroutine search_stations(law, duration, left, right, whole, rest, change, near_rest, most, divided, times)
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: duration, left, right
       !> All that the law changes by, and its values where it rests before and after
       real(wp), intent(in) :: whole, rest(2)
       !> Relative changes between two stations
       real(wp), intent(in) :: change, near_rest
+      !> Stations at which it ends
+      integer, intent(in) :: most
       integer, intent(inout) :: divided
       real(wp), allocatable, intent(inout) :: times(:)
       type(range_type) :: range
@@ -393,12 +398,12 @@ contains
       range = law_range(law, left, right)
       way = minval(max(0.0_wp, range%low - rest, rest - range%high))
       if (range%high - range%low <= max(resting*whole, min(change*whole, near_rest*min(way, whole)))) return
-      if (right - left <= apart*duration .or. divided >= most_divided .or. size(times) >= most_stations) return
+      if (right - left <= apart*duration .or. divided >= most_divided .or. size(times) >= most) return
       divided = divided + 1
       middle = left + 0.5_wp*(right - left)
-      call search_stations(law, duration, left, middle, whole, rest, change, near_rest, divided, times)
+      call search_stations(law, duration, left, middle, whole, rest, change, near_rest, most, divided, times)
       call insert(middle, 0.0_wp, times)
-      call search_stations(law, duration, middle, right, whole, rest, change, near_rest, divided, times)
+      call search_stations(law, duration, middle, right, whole, rest, change, near_rest, most, divided, times)
    end subroutine search_stations
 
    !> The first instant from which on a law is not defined or grows without bound; beyond `end` if there is none.

@@ -204,12 +204,7 @@ contains
       case (quantity_force_x, quantity_force_y)
          vector = joint_force(system, work, quantity%of)
       case (quantity_angle)
-         if (system%model%bodies(quantity%of)%whole > 0) then
-            value = turned_angle(recorder%turns, system, quantity%of, t, &
-               & whole_direction(system, system%model%bodies(quantity%of)%whole, q))
-         else
-            value = turned_angle(recorder%turns, system, quantity%of, t, q(system%layout%q(quantity%of) + 2:))
-         end if
+         value = frame_angle(recorder, system, quantity%of, t, q)
       case (quantity_spin)
          if (system%model%bodies(quantity%of)%whole > 0) then
             value = whole_spin(system, system%model%bodies(quantity%of)%whole, q, v)
@@ -268,6 +263,26 @@ contains
       case (quantity_y, quantity_vy, quantity_ay, quantity_force_y, quantity_u2, quantity_force_2); value = vector(2)
       end select
    end function quantity_value
+
+   !> Angle of the frame of a body as the deck knows it, accumulated over turns; a member of a frame has the turns of its own
+   !> frame, whose angle to the whole one may be half a turn.
+   pure real(wp) function frame_angle(recorder, system, body, t, q) result(angle)
+      type(recorder_type), intent(in) :: recorder
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      real(wp), intent(in) :: t, q(:)
+      logical :: leans
+      leans = .false.
+      associate (whole => system%model%bodies(body)%whole)
+         if (whole > 0) leans = allocated(system%model%wholes(whole)%lean)
+         if (whole > 0 .and. .not. leans) then
+            angle = turned_angle(recorder%turns, system, body, t, whole_direction(system, whole, q))
+            return
+         end if
+         angle = turned_angle(recorder%turns, system, body, t, q(system%layout%q(body) + 2:))
+         if (leans) angle = angle - system%model%wholes(whole)%lean(1)
+      end associate
+   end function frame_angle
 
    !> One of the internal forces at a point, or a stress in an extreme fibre.
    pure real(wp) function section_value(kind, force, system, point) result(value)

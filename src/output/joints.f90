@@ -3,6 +3,7 @@
 module limber_output_joints
    use limber_base_kinds, only: wp
    use limber_model_scene, only: ground, point_type, driver_angle
+   use limber_output_segments, only: whole_direction
    use limber_system_algebra, only: along, cross, turn
    use limber_system_point_motion, only: point_position, point_velocity
    use limber_system_system, only: system_type, workspace_type
@@ -219,7 +220,8 @@ contains
       end do
    end function coupler_power
 
-   !> Unit vector of a body's frame; of the ground and of a point mass the x axis (2).
+   !> Unit vector of the frame of a body as the deck knows it, whose angle the channel `angle` tells: of a piece of a beam and of a
+   !> member of a frame that of the whole; of the ground and of a point mass the x axis (2).
    pure function frame_of(system, body, q) result(u)
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
@@ -227,7 +229,11 @@ contains
       real(wp) :: u(2)
       u = [1.0_wp, 0.0_wp]
       if (body == ground) return
-      if (system%layout%framed(body)) u = q(system%layout%q(body) + 2:system%layout%q(body) + 3)
+      if (system%model%bodies(body)%whole > 0) then
+         u = whole_direction(system, system%model%bodies(body)%whole, q)
+      else if (system%layout%framed(body)) then
+         u = q(system%layout%q(body) + 2:system%layout%q(body) + 3)
+      end if
    end function frame_of
 
 end module limber_output_joints

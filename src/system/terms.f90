@@ -181,14 +181,15 @@ contains
       end do
    end subroutine find_bodies
 
-   !> Angle of an undeformed section in the first guess; nought of the ground and of a point mass.
+   !> Angle of an undeformed section in the first guess, at a point of a frame of exact beams that of the frame; nought of the ground
+   !> and of a point mass.
    real(wp) function guessed_section(system, point) result(angle)
       class(registry_type), intent(in) :: system
       integer, intent(in) :: point
       angle = 0.0_wp
       associate (body => system%model%points(point)%body)
          if (body == ground) return
-         if (system%layout%framed(body)) angle = guessed_turn(system, body)
+         if (system%layout%framed(body)) angle = guessed_turn(system, body) - system%model%points(point)%lean
       end associate
    end function guessed_section
 

@@ -14,7 +14,8 @@ module limber_deck_assembly
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_schema, only: option_spec_type, needed, kind_yes
    use limber_deck_keywords, only: keyword_table, keyword_options, find_keyword
-   use limber_deck_content, only: deck_type, block_type, line_type, resize_blocks, resize_lines, move_line
+   use limber_deck_content, only: deck_type, block_type, line_type, resize_blocks, resize_lines, move_line, &
+      & tell_block
    use limber_deck_values, only: read_option, suggestion
    use limber_deck_data_lines, only: read_line, expected_line
    implicit none
@@ -371,8 +372,7 @@ contains
          block%keyword = self%block%keyword
          block%origin = self%block%origin
          block%broken = diagnostics%count > self%errors
-         if (block%broken) call diagnostics%tell(self%block%name())
-         if (block%broken .and. block%keyword == 'GROUND') call diagnostics%tell('ground')
+         if (block%broken) call tell_block(self%block, diagnostics)
          call move_alloc(self%block%options, block%options)
          call move_alloc(self%block%lines, block%lines)
       end associate

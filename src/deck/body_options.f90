@@ -99,7 +99,7 @@ module limber_deck_body_options
       &    '', '', 'cross-section of members that are given no other'), &
       & option_spec_type('FRAME', 'LARGE', kind_yes, '', &
       &    '', 'NO', &
-      &    'YES: members are exact beams, which bend far; u1, u2, rotation: seen from the start of the first member'), &
+      &    'YES: members are exact beams, which bend far; angle, u1, u2, rotation: of the section at the start of member 1'), &
       & option_spec_type('FRAME', 'X', kind_real, '', &
       &    'm', '0', 'x of the floating frame at first, kept where the joints allow it'), &
       & option_spec_type('FRAME', 'Y', kind_real, '', 'm', '0', 'y of the floating frame at first'), &

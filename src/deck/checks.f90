@@ -8,7 +8,7 @@ module limber_deck_checks
    use limber_deck_parameters, only: name_length
    use limber_deck_schema, only: option_spec_type, field_spec_type, kind_name, kind_reference, form_channels
    use limber_deck_keywords, only: keyword_table, keyword_options, keyword_fields, find_keyword, contains_value
-   use limber_deck_content, only: deck_type
+   use limber_deck_content, only: deck_type, tell_block
    implicit none
    private
    public :: check_deck
@@ -36,7 +36,7 @@ contains
          call check_lines(deck, i, diagnostics)
          if (diagnostics%count == before) cycle
          deck%blocks(i)%broken = .true.
-         call diagnostics%tell(deck%blocks(i)%name())
+         call tell_block(deck%blocks(i), diagnostics)
       end do
       call check_ground(deck, diagnostics)
       call check_channels(deck, diagnostics)

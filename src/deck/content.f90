@@ -4,6 +4,7 @@ module limber_deck_content
    use limber_base_kinds, only: wp
    use limber_base_names, only: name_index_type
    use limber_base_text, only: as_text, lowercase
+   use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_deck_source, only: source_type
    use limber_deck_parameters, only: parameter_list_type
@@ -13,7 +14,7 @@ module limber_deck_content
    implicit none
    private
    public :: deck_type, block_type, option_type, line_type, field_type, repeat_type, resize_blocks, resize_lines, &
-      & move_line
+      & move_line, tell_block
 
    !> Longest name of an option
    integer, parameter :: option_length = 20
@@ -119,6 +120,22 @@ module limber_deck_content
    end type deck_type
 
 contains
+
+   !> Takes note of a block in error: what depends on an object that it makes is no error of its own.
+   subroutine tell_block(block, diagnostics)
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(6), parameter :: driven(3) = [character(6) :: '_x', '_y', '_angle']
+      character(:), allocatable :: name
+      integer :: i
+      name = block%name()
+      call diagnostics%tell(name)
+      if (block%keyword == 'GROUND') call diagnostics%tell('ground')
+      if (block%keyword /= 'MOTION' .or. name == '') return
+      do i = 1, size(driven)
+         call diagnostics%tell(name//trim(driven(i)))
+      end do
+   end subroutine tell_block
 
    !> Index of an option. A name that the keyword does not have is an error in the program and ends it: a pure procedure has no
    !> other way to do that than to deallocate what is not allocated.

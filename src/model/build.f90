@@ -2,7 +2,7 @@
 !> here, and every complaint points into the deck. Floor: model.
 module limber_model_build
    use limber_base_kinds, only: wp
-   use limber_deck_content, only: deck_type, block_type
+   use limber_deck_content, only: deck_type, block_type, tell_block
    use limber_deck_diagnostics, only: diagnostics_type, max_errors
    use limber_deck_origin, only: origin_type
    use limber_flex_library, only: library_type
@@ -79,7 +79,7 @@ contains
          case ('ACCURACY'); call read_accuracy(deck%blocks(i), model, diagnostics)
          end select
          if (has_angle(deck%blocks(i)%keyword)) call warn_of_degrees(deck, i, 'ANGLE', diagnostics)
-         call tell_broken(deck%blocks(i), before, diagnostics)
+         if (diagnostics%count > before) call tell_block(deck%blocks(i), diagnostics)
       end do
       call check_parts(deck, diagnostics)
       call trim_lists(model)
@@ -102,7 +102,7 @@ contains
          case ('DISTRIBUTED LOAD'); call add_distributed(deck%blocks(i), model, diagnostics)
          case ('DAMPING'); call add_damping(deck%blocks(i), model, diagnostics)
          end select
-         call tell_broken(deck%blocks(i), before, diagnostics)
+         if (diagnostics%count > before) call tell_block(deck%blocks(i), diagnostics)
       end do
       call trim_lists(model)
       do i = 1, size(deck%blocks)
@@ -115,7 +115,7 @@ contains
          case ('MOTION'); call add_motion(deck%blocks(i), model, diagnostics)
          case ('FRICTION'); call add_friction(deck%blocks(i), model, diagnostics)
          end select
-         call tell_broken(deck%blocks(i), before, diagnostics)
+         if (diagnostics%count > before) call tell_block(deck%blocks(i), diagnostics)
       end do
       call trim_lists(model)
       call resolve_laws(model, diagnostics)
@@ -140,17 +140,6 @@ contains
       character(*), intent(in) :: keyword
       has_angle = any([character(12) :: 'RIGID BODY', 'BEAM', 'FRAME', 'JOINT', 'BUSHING'] == keyword)
    end function has_angle
-
-   !> Takes note of a block that nothing could be built of: what depends on it is no error of its own.
-   subroutine tell_broken(block, before, diagnostics)
-      type(block_type), intent(in) :: block
-      !> Errors before it
-      integer, intent(in) :: before
-      type(diagnostics_type), intent(inout) :: diagnostics
-      if (diagnostics%count == before) return
-      call diagnostics%tell(block%name())
-      if (block%keyword == 'GROUND') call diagnostics%tell('ground')
-   end subroutine tell_broken
 
    !> Notes that an envelope of a body's internal forces is asked for.
    subroutine want_envelope(block, model, diagnostics)

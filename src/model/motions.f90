@@ -4,8 +4,9 @@ module limber_model_motions
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
-   use limber_model_points, only: find_body, find_named, enter_name
+   use limber_model_points, only: find_named, enter_name
    use limber_model_scene, only: model_type, driver_type, body_point, driver_x, driver_y, driver_angle
+   use limber_model_segments, only: find_frame
    implicit none
    private
    public :: add_motion
@@ -19,25 +20,20 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: body, origin
       if (size(block%lines) /= 1) return
-      body = find_body(model, block%name('BODY'))
+      body = find_frame(model, block%name('BODY'), block%origin_of('BODY'), diagnostics, &
+         & 'weld it to a rigid body and move that, or drive a joint or points of it by *DRIVER')
       if (body == 0) return
-      if (model%bodies(body)%whole > 0) then
-         call diagnostics%add(block%origin_of('BODY'), "'"//block%name('BODY')//"' has no one floating frame that *MOTION could"// &
-            & ' move: its segments, or members with LARGE=YES, have frames of their own', &
-            & 'drive joints at it, or points of it, by *DRIVER; or leave out SEGMENTS or LARGE')
-         return
-      end if
       associate (line => block%lines(1), turns => model%bodies(body)%kind /= body_point)
          if (line%count() == 3 .and. .not. turns) then
             call diagnostics%add(line%origin_of(3), "'"//model%bodies(body)%name//"' is a point mass and has no angle", &
                & 'give x and y alone')
             return
          else if (line%count() < 3 .and. turns) then
-            call diagnostics%add(line%origin, "motion '"//block%name()//"' gives no angle of body '"//model%bodies(body)%name// &
+            call diagnostics%add(line%origin, "motion '"//block%name()//"' gives no angle of body '"//block%name('BODY')// &
                & "'", 'add a third field; to leave it free, use *DRIVER of TYPE=X and TYPE=Y')
             return
          end if
-         origin = find_named(model, 'point', model%bodies(body)%name//'.origin')
+         origin = find_named(model, 'point', block%name('BODY')//'.origin')
          call add('_x', driver_x, line%fields(1)%expression)
          call add('_y', driver_y, line%fields(2)%expression)
          if (turns) call add('_angle', driver_angle, line%fields(3)%expression)

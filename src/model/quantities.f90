@@ -72,7 +72,7 @@ module limber_model_quantities
       & quantity_spec_type('tension', of_translational, [1, -2, 1], .false., &
       &    'pull of a spring and its damper on their points'), &
       & quantity_spec_type('force_1', of_joint, [1, -2, 1], .false., &
-      &    'force of a joint on its first body along the first axis of the second body''s frame'), &
+      &    'force of a joint on its first body along the first axis of the second body''s frame, as angle tells'), &
       & quantity_spec_type('force_2', of_joint, [1, -2, 1], .false., 'the same along the second axis'), &
       & quantity_spec_type('moment', of_pusher, [2, -2, 1], .false., &
       &    'moment of a joint on its first body about its first point; torque of a bushing on its first body'), &

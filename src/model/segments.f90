@@ -182,20 +182,27 @@ contains
    end function has_frame
 
    !> Index of the body of a name whose frame is meant; 0 if there is none, with a complaint if it is a beam in segments without
-   !> a frame of its own.
-   integer function find_frame(model, name, origin, diagnostics) result(body)
+   !> a frame of its own, or a frame of exact beams.
+   integer function find_frame(model, name, origin, diagnostics, instead) result(body)
       type(model_type), intent(in) :: model
       character(*), intent(in) :: name
       !> Where it is named
       type(origin_type), intent(in) :: origin
       type(diagnostics_type), intent(inout) :: diagnostics
+      !> What to write instead; default a point or a joint
+      character(*), intent(in), optional :: instead
+      character(:), allocatable :: remedy
       body = find_body(model, name)
       if (has_frame(model, body)) return
       if (allocated(model%wholes(model%bodies(body)%whole)%lean)) then
-         call diagnostics%add(origin, "frame '"//name//"' is LARGE and has no floating frame", 'name a point of it, or a joint')
+         remedy = 'name a point of it, or a joint'
+         if (present(instead)) remedy = instead
+         call diagnostics%add(origin, "frame '"//name//"' is LARGE and has no floating frame", remedy)
       else
+         remedy = 'name a point of it or a joint at its start'
+         if (present(instead)) remedy = instead
          call diagnostics%add(origin, "beam '"//name//"' is in segments and has no frame of its own", &
-            & 'name a point of it or a joint at its start, or give it SUPPORT=CLAMPED-FREE')
+            & remedy//', or give it SUPPORT=CLAMPED-FREE')
       end if
       body = 0
    end function find_frame

@@ -293,7 +293,7 @@ module limber_deck_keywords
       & option_spec_type('STATICS', 'INCREMENTS', kind_counting, '', &
       &    '', '10', 'equal parts of the time, a sample at the end of each; divided further where that is needed', most=10000000), &
       & option_spec_type('STATICS', 'RAMP', kind_yes, '', &
-      &    '', '', 'whether weight and constant loads grow from zero; default YES in the first analysis, else NO'), &
+      &    '', '', 'weight and constant loads grow from zero (not THERMAL STRAIN); default YES in the first analysis, else NO'), &
       & option_spec_type('STATICS', 'INSTABILITY', kind_word, 'LEAVE|STAY|STOP', &
       &    '', 'LEAVE', 'where equilibrium turns unstable: go on with a stable one, stay, or end the run'), &
       & option_spec_type('STATICS', 'ROTATION', kind_real, '', &

@@ -21,6 +21,7 @@ module limber_model_build
       & resolve_laws
    use limber_model_parts, only: check_parts
    use limber_model_points, only: add_point, find_body
+   use limber_model_ramps, only: warn_of_ramp
    use limber_model_scalars, only: add_scalars
    use limber_model_scene, only: model_type, body_flexible, ground
    use limber_model_segments, only: pieces_of
@@ -131,6 +132,7 @@ contains
          if (deck%blocks(i)%keyword == 'SCALAR' .and. whole) call add_scalars(deck%blocks(i), model, diagnostics)
       end do
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
+      if (diagnostics%count == 0) call warn_of_ramp(deck, model, diagnostics)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_blocks

@@ -13,7 +13,7 @@ program test_model
       & 'point_off_beam', 'points', 'section', 'section_missing', 'segments', 'spread_loads', 'too_many_bending_modes', &
       & 'too_many_modes', 'turns_apart', 'welds', 'large_frame', 'moved_whole']
    character(*), parameter :: warned(*) = [character(32) :: 'warn_no_tension', &
-      & 'warn_redundant_coupler', 'warn_redundant_joint', 'warn_redundant_beam', 'warn_singular']
+      & 'warn_redundant_coupler', 'warn_redundant_joint', 'warn_redundant_beam', 'warn_singular', 'warn_ramp', 'warn_ramp_load']
 
    do i = 1, size(refused)
       call check_refused(trim(refused(i)))

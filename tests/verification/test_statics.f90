@@ -6,7 +6,7 @@ program test_statics
    use limber_analysis_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, change_deck, channel, run_text
-   use testing, only: check, check_close, finish
+   use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: pi = acos(-1.0_wp)
    character(256) :: results
@@ -25,6 +25,7 @@ program test_statics
    call check_turning_mount()
    call check_crossed_elements()
    call check_propped()
+   call check_ramp()
    call finish()
 
 contains
@@ -330,5 +331,31 @@ contains
          call reader%close()
       end do
    end subroutine check_propped
+
+   !> A bar of 10 kg that a driver lifts by a quarter turn: with RAMP=NO its torque is that of the whole weight, with RAMP=YES of a
+   !> growing part, and by default a warning says so.
+   subroutine check_ramp()
+      character(*), parameter :: nl = new_line('a'), ramps(3) = [character(10) :: '', ', RAMP=NO', ', RAMP=YES']
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: torque(:)
+      integer :: i
+      do i = 1, 3
+         call run_text('*GRAVITY'//nl//'*RIGID BODY, NAME=bar, MASS=10, INERTIA=1, CENTRE X=0.5'//nl// &
+            & '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.origin, ground.origin'//nl// &
+            & '*DRIVER, NAME=motor, TYPE=ANGLE, BODY=bar'//nl//' pi/2*t'//nl//'*STATICS, INCREMENTS=4'//trim(ramps(i))//nl// &
+            & '*OUTPUT'//nl//' tq = torque(motor)'//nl, trim(results), report, error)
+         call check_no_error(error, 'ramp'//ramps(i))
+         if (allocated(error)) return
+         call check((index(report, "driver 'motor' moves the scene") > 0) .eqv. i == 1, 'ramp'//trim(ramps(i))//': '//report)
+         call reader%open(trim(results), error)
+         allocate (torque, source=channel(reader, 'tq'))
+         call check_close(torque(1), merge(49.05_wp, 0.0_wp, i == 2), 1.0e-9_wp, 'ramp'//trim(ramps(i))//': at first')
+         call check_close(torque(3), merge(1.0_wp, 0.5_wp, i == 2)*49.05_wp*cos(pi/4), 1.0e-9_wp, 'ramp'//trim(ramps(i)))
+         call reader%close()
+         deallocate (torque)
+      end do
+   end subroutine check_ramp
 
 end program test_statics

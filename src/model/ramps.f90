@@ -1,0 +1,153 @@
+!> The first *STATICS lets weight and constant loads grow from zero, unless the deck says RAMP=NO. That is one loading while nothing else
+!> changes, or loads grow along; where a driver moves the scene meanwhile, or a load follows a law of its own, samples before the end
+!> are of a scene that hardly anyone means: told unless the deck gives RAMP. Floor: model.
+module limber_model_ramps
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: deck_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_expression, only: expression_type
+   use limber_deck_operations, only: jet_type
+   use limber_model_laws, only: driven_motion
+   use limber_model_scene, only: model_type, named_load_type, step_statics, in_forces, in_torques, in_efforts
+   implicit none
+   private
+   public :: warn_of_ramp
+
+   !> Instants at which laws are looked at, and change relative to the largest value that is none
+   integer, parameter :: looks = 16
+   real(wp), parameter :: none = 1.0e-9_wp
+
+contains
+
+   !> Warns where constant loads grow while something moves, and the deck does not say that they shall.
+   subroutine warn_of_ramp(deck, model, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Complete
+      type(model_type), intent(in) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(:), allocatable :: growing, moving
+      if (.not. allocated(model%steps)) return
+      if (size(model%steps) == 0) return
+      associate (step => model%steps(1))
+         if (step%kind /= step_statics .or. .not. step%ramp) return
+         if (deck%blocks(step%block)%given('RAMP') .or. .not. step%dynamics%end > step%dynamics%start) return
+         growing = what_grows(model)
+         if (growing == '') return
+         moving = what_moves(model, step%dynamics%start, step%dynamics%end)
+         if (moving == '') return
+         call diagnostics%warn(deck%blocks(step%block)%origin, moving//' by a law of time, while '//growing// &
+            & ' from zero to its full size at t = '//as_text(step%dynamics%end, 6), &
+            & 'add RAMP=NO for its full size from the start; RAMP=YES if this is meant')
+      end associate
+   end subroutine warn_of_ramp
+
+   !> The weight or the first load that is constant, as the start of a sentence; empty: there is none.
+   function what_grows(model) result(text)
+      type(model_type), intent(in) :: model
+      character(:), allocatable :: text
+      integer :: i, k
+      text = ''
+      if (norm2(model%gravity) > 0.0_wp) then
+         text = 'the weight grows'
+         return
+      end if
+      do i = 1, size(model%loads)
+         associate (load => model%loads(i))
+            do k = load%first, load%last
+               select case (load%list)
+               case (in_forces)
+                  if (all([is_steady(model%forces(k)%law(1)), is_steady(model%forces(k)%law(2))]) .and. &
+                     & any([acts(model%forces(k)%law(1)), acts(model%forces(k)%law(2))])) text = load%name
+               case (in_torques); if (acts(model%torques(k)%law)) text = load%name
+               case (in_efforts)
+                  associate (effort => model%efforts(k))
+                     if (.not. effort%driven .or. effort%stiffness > 0.0_wp .or. effort%damping > 0.0_wp) cycle
+                     if (acts(effort%law) .and. abs(effort%factor) > 0.0_wp) text = load%name
+                  end associate
+               end select
+            end do
+         end associate
+         if (text == '') cycle
+         text = "the constant load '"//text//"' grows"
+         return
+      end do
+   end function what_grows
+
+   pure logical function is_steady(law)
+      type(expression_type), intent(in) :: law
+      is_steady = law%is_constant()
+   end function is_steady
+
+   !> Whether a law is constant, and not zero.
+   pure logical function acts(law)
+      type(expression_type), intent(in) :: law
+      acts = .false.
+      if (law%is_constant()) acts = abs(law%constant_value()) > 0.0_wp
+   end function acts
+
+   !> What changes between two times, other than in proportion to the time that has passed, as loads that grow along do; empty:
+   !> nothing does.
+   function what_moves(model, start, end) result(text)
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: start, end
+      character(:), allocatable :: text
+      type(jet_type) :: jet
+      real(wp) :: values(0:looks)
+      integer :: i, k, n
+      text = ''
+      do i = 1, size(model%drivers)
+         do n = 0, looks
+            jet = driven_motion(model%drivers(i), start + (end - start)*n/looks)
+            values(n) = jet%value
+         end do
+         if (maxval(values) - minval(values) <= none*maxval(abs(values))) cycle
+         text = "driver '"//model%drivers(i)%name//"' moves the scene"
+         return
+      end do
+      do i = 1, size(model%joints)
+         if (.not. model%joints(i)%has_law) cycle
+         if (law_moves(model%joints(i)%law, start, end, .false.)) text = "coupler '"//model%joints(i)%name//"' moves the scene"
+         if (text /= '') return
+      end do
+      do i = 1, size(model%loads)
+         associate (load => model%loads(i))
+            do k = load%first, load%last
+               select case (load%list)
+               case (in_forces)
+                  do n = 1, 2
+                     if (law_moves(model%forces(k)%law(n), start, end, .true.)) text = load%name
+                  end do
+               case (in_torques); if (law_moves(model%torques(k)%law, start, end, .true.)) text = load%name
+               case (in_efforts)
+                  if (.not. model%efforts(k)%driven) cycle
+                  if (law_moves(model%efforts(k)%law, start, end, .true.)) text = load%name
+               end select
+            end do
+         end associate
+         if (text == '') cycle
+         text = "load '"//text//"' changes"
+         return
+      end do
+   end function what_moves
+
+   !> Whether a law of the time alone changes between two times; of a load: other than in proportion to the time that has passed.
+   pure logical function law_moves(law, start, end, of_load) result(moves)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      logical, intent(in) :: of_load
+      real(wp) :: values(0:looks), parts(0:looks), t
+      integer :: n
+      moves = .false.
+      if (size(law%slots) /= 1) return
+      if (law%slots(1)%argument /= '' .or. law%slots(1)%name /= 't') return
+      do n = 0, looks
+         parts(n) = real(n, wp)/looks
+         t = start + (end - start)*parts(n)
+         values(n) = law%evaluate([t])
+      end do
+      moves = maxval(values) - minval(values) > none*maxval(abs(values))
+      if (moves .and. of_load) moves = maxval(abs(values - parts*values(looks))) > none*maxval(abs(values))
+   end function law_moves
+
+end module limber_model_ramps

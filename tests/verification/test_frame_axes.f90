@@ -57,7 +57,7 @@ contains
          & '*RIGID BODY, NAME=d, MASS=5, INERTIA=1'//place//'*BUSHING, NAME=mount, STIFFNESS X=1e4, STIFFNESS Y=2e4, '// &
          & 'STIFFNESS ROTATION=1e8, AXES=0.6, ANGLE='//trim(merge('-0.1', '0.1 ', order == 1))//nl// &
          & pair('d.origin', 'f.p', order)// &
-         & '*GRAVITY'//nl//'*STATICS, INCREMENTS=1'//nl//'*OUTPUT'//nl// &
+         & '*GRAVITY'//nl//'*STATICS, INCREMENTS=1, RAMP=YES'//nl//'*OUTPUT'//nl// &
          & ' af = angle(f), aa = angle(a), ab = angle(b), ac = angle(c), turn = joint_angle(weld)'//nl// &
          & ' w1 = force_1(weld), w2 = force_2(weld), v1 = force_1(wall), v2 = force_2(wall)'//nl// &
          & ' xb = x(b), yb = y(b), slide = displacement(guide), xd = x(d), yd = y(d)'//nl, reader)

@@ -6,10 +6,12 @@ module limber_model_spreads
    use limber_deck_content, only: block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
+   use limber_deck_origin, only: origin_type
    use limber_flex_frame, only: member_length
    use limber_flex_frame_reduction, only: frame_point_shape
    use limber_flex_exact, only: lean_at
    use limber_flex_reduction, only: point_shape, exact_shape
+   use limber_model_breaks, only: law_breaks, law_stations, undefined_at
    use limber_model_loads, only: new_effort, set_law, append_effort, name_load, constant
    use limber_model_points, only: add_point, find_body
    use limber_model_segments, only: pieces_of, piece_start
@@ -22,6 +24,9 @@ module limber_model_spreads
    real(wp), parameter :: quarter = 0.5_wp*acos(-1.0_wp)
    !> Bending coordinates for each interval of a load that follows the sections
    integer, parameter :: follower_coordinates = 3
+   !> Error of the integral of a load, relative to that of its magnitude; shortest interval, relative to all; most intervals
+   real(wp), parameter :: exactly = 1.0e-9_wp, shortest = 1.0e-9_wp
+   integer, parameter :: most_intervals = 5000
    !> Gauss's formula in an interval from -1 to 1
    real(wp), parameter :: points(5) = [-0.906179845938663993_wp, -0.538469310105683091_wp, 0.0_wp, 0.538469310105683091_wp, &
       & 0.906179845938663993_wp]
@@ -62,6 +67,7 @@ contains
       first = size(model%efforts) + 1
       do i = 1, size(block%lines)
          do k = 1, 2
+            if (.not. has_values(block%lines(i)%fields(k)%expression, block%lines(i)%fields(k)%origin)) cycle
             do body = pieces(1), pieces(2)
                call add_share(block, block%lines(i), k, body, member, piece_start(model, body), ends, model)
             end do
@@ -70,6 +76,26 @@ contains
       call name_load(block, load_distributed, in_efforts, first, model)
 
    contains
+
+      !> Whether a load has a value all along, and few enough bends, with a complaint if not.
+      logical function has_values(law, origin)
+         type(expression_type), intent(in) :: law
+         type(origin_type), intent(in) :: origin
+         real(wp), allocatable :: edges(:)
+         real(wp) :: place
+         place = undefined_at(law, ends(1), ends(2))
+         has_values = place > ends(2)
+         if (.not. has_values) then
+            call diagnostics%add(origin, "load '"//block%name()//"' has no value, or grows without bound, at s = "// &
+               & as_text(place, 6), 'let START= and END= keep it away, or write a law that is finite throughout')
+            return
+         end if
+         allocate (edges, source=ends)
+         call refine(law, 0.0_wp, 0.0_wp, edges)
+         has_values = size(edges) <= most_intervals
+         if (.not. has_values) call diagnostics%add(origin, "load '"//block%name()//"' changes more often along it than "// &
+            & as_text(most_intervals)//' intervals show', 'write a smoother law, or several loads with START= and END=')
+      end function has_values
 
       pure logical function is_large_frame()
          is_large_frame = model%bodies(body)%whole > 0
@@ -279,9 +305,11 @@ contains
       real(wp), intent(out) :: total, absolute, place, shape(:, :), reach(:)
       !> Whose part of the load is meant; without it the whole
       integer, intent(in), optional :: station
-      real(wp), allocatable :: s(:), q(:), phi(:, :), psi(:), own(:)
+      real(wp), allocatable :: edges(:), s(:), q(:), phi(:, :), psi(:), own(:)
       integer :: g
-      call sample(law, start, added, edges_of(body, member, ends), s, q)
+      allocate (edges, source=edges_of(body, member, ends))
+      call refine(law, start, added, edges)
+      call sample(law, start, added, edges, s, q)
       if (present(station)) q = q*part_of_station(station, ends, s)
       total = sum(q)
       absolute = sum(abs(q))
@@ -326,6 +354,7 @@ contains
       real(wp) :: cut
       integer :: i, k
       allocate (edges, source=edges_of(body, spread%member, spread%ends))
+      call refine(spread%law, spread%start, spread%added, edges)
       do i = 1, size(sections)
          cut = sections(i)
          if (cut <= edges(1) .or. cut >= edges(size(edges))) cycle
@@ -377,6 +406,56 @@ contains
       allocate (edges(2 + count(nodes > ends(1) .and. nodes < ends(2))))
       edges = [ends(1), pack(nodes, nodes > ends(1) .and. nodes < ends(2)), ends(2)]
    end function edges_of
+
+   !> Divides intervals of a load at its bends and around its short pulses, and by halves until Gauss's formula on both halves gives what
+   !> it gives on the whole. Ends with more than `most_intervals`.
+   subroutine refine(law, start, added, edges)
+      type(expression_type), intent(in) :: law
+      !> As for `weigh`
+      real(wp), intent(in) :: start, added
+      !> In order [length]
+      real(wp), allocatable, intent(inout) :: edges(:)
+      real(wp), allocatable :: bends(:), fine(:), s(:), q(:)
+      real(wp) :: scale
+      integer :: i, k
+      if (size(law%slots) == 0) return
+      allocate (bends(0))
+      associate (first => start + edges(1), last => start + edges(size(edges)))
+         call law_breaks(law, first, last, bends)
+         call law_stations(law, first, last, bends)
+      end associate
+      do i = 1, size(bends)
+         k = count(edges < bends(i) - start)
+         if (k == 0 .or. k == size(edges)) cycle
+         if (abs(edges(k + 1) - (bends(i) - start)) > 0.0_wp) edges = [edges(:k), bends(i) - start, edges(k + 1:)]
+      end do
+      call sample(law, start, added, edges, s, q)
+      scale = exactly*sum(abs(q))
+      allocate (fine, source=edges(:1))
+      do i = 1, size(edges) - 1
+         call divide(edges(i), edges(i + 1))
+         fine = [fine, edges(i + 1)]
+      end do
+      call move_alloc(fine, edges)
+
+   contains
+
+      !> Adds the edges that an interval needs within.
+      recursive subroutine divide(left, right)
+         real(wp), intent(in) :: left, right
+         real(wp) :: middle
+         real(wp), allocatable :: at(:), whole(:), halves(:)
+         if (size(fine) > most_intervals .or. right - left <= shortest*(edges(size(edges)) - edges(1))) return
+         middle = left + 0.5_wp*(right - left)
+         call sample(law, start, added, [left, right], at, whole)
+         call sample(law, start, added, [left, middle, right], at, halves)
+         if (abs(sum(whole) - sum(halves)) <= scale .and. abs(sum(abs(whole)) - sum(abs(halves))) <= scale) return
+         call divide(left, middle)
+         fine = [fine, middle]
+         call divide(middle, right)
+      end subroutine divide
+
+   end subroutine refine
 
    !> A load at the points of Gauss's formula in each interval, times the weights [force].
    subroutine sample(law, start, added, edges, s, q)

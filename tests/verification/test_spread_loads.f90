@@ -1,10 +1,12 @@
-!> Internal forces under loads along beams and members of frames, and between two points of one body, against statics and free-body diagrams. Usage, in tests/:
-!> test_spread_loads <file for results>
+!> Internal forces under loads along beams and members of frames, and between two points of one body, against statics and free-body
+!> diagrams; loads that bend, jump or are narrow, against their integrals. Usage, in tests/: test_spread_loads <file for results>
 program test_spread_loads
    use limber_base_kinds, only: wp
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel
-   use testing, only: check_close, finish
+   use limber_base_error, only: error_type
+   use limber_base_text, only: newline
+   use runs, only: run_changed, run_text, channel
+   use testing, only: check_close, check_no_error, finish
    implicit none
    character(512) :: results
 
@@ -12,6 +14,7 @@ program test_spread_loads
    call check_statics()
    call check_free_bar()
    call check_self_loads()
+   call check_narrow()
    call finish()
 
 contains
@@ -48,6 +51,51 @@ contains
       call last(reader, 'foot_y', -pull(2) + c*q*l**2/2, all)
       call reader%close()
    end subroutine check_statics
+
+   !> Loads that jump within an element, are narrower than one, or wave many times in one: the force of a weld and the tip, the sums of
+   !> forces q ds at a distance a, each of which bends the tip by a^2 (3 - a)/(6 E I) with the length 1.
+   subroutine check_narrow()
+      character(*), parameter :: laws(5) = [character(45) :: 'step(s - 0.37)', '10*exp(-((s - 0.2313)/1e-2)**2)', &
+         & '10*step(s - 0.5)*step(0.503 - s)', 'sin(1000*s)**2', 'exp(-((s - 0.6)/1e-3)**2)']
+      integer, parameter :: points = 1000000
+      real(wp) :: s, q(size(laws)), sums(size(laws)), bent(size(laws))
+      integer :: i
+      sums = 0.0_wp
+      bent = 0.0_wp
+      do i = 1, points
+         s = (i - 0.5_wp)/points
+         q = [merge(1.0_wp, 0.0_wp, s >= 0.37_wp), 10*exp(-min(600.0_wp, ((s - 0.2313_wp)/1.0e-2_wp)**2)), &
+            & merge(10.0_wp, 0.0_wp, s >= 0.5_wp .and. s <= 0.503_wp), sin(1000*s)**2, &
+            & exp(-min(600.0_wp, ((s - 0.6_wp)/1.0e-3_wp)**2))]/points
+         sums = sums + q
+         bent = bent + q*s**2*(3 - s)
+      end do
+      do i = 1, size(laws)
+         call check_load(trim(laws(i)), '', sums(i), bent(i))
+         call check_load(trim(laws(i)), ', SEGMENTS=4', sums(i), bent(i))
+         call check_load(trim(laws(i)), ', GEOMETRIC=LINEAR, SUPPORT=CLAMPED-FREE, BENDING MODES=6', sums(i), bent(i))
+      end do
+   end subroutine check_narrow
+
+   subroutine check_load(law, options, force, bent)
+      character(*), intent(in) :: law, options
+      !> Integrals of the load, and of it times s^2 (3 - s)
+      real(wp), intent(in) :: force, bent
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), parameter :: ei = 2.0e11_wp*0.02_wp**4/12
+      call run_text('*MATERIAL, NAME=m, YOUNG=2e11, DENSITY=7850'//newline//'*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.02, '// &
+         & 'HEIGHT=0.02'//newline//'*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=1'//options//newline// &
+         & '*JOINT, NAME=w, TYPE=WELD'//newline//' b.start, ground.origin'//newline//'*DISTRIBUTED LOAD, NAME=q, '// &
+         & 'BODY=b'//newline//' 0, '//law//newline//'*STATICS'//newline//'*OUTPUT'//newline// &
+         & ' f = force_y(w), y = y(b.end)'//newline, trim(results), report, error)
+      call check_no_error(error, law)
+      call reader%open(trim(results), error)
+      call last(reader, 'f', -force, force, 2.0e-5_wp)
+      call last(reader, 'y', bent/(6*ei), bent/(6*ei), 2.0e-3_wp)
+      call reader%close()
+   end subroutine check_load
 
    !> Springs, couples and a driver between two points of one body: what is between these carries them alone. A bow by its string's
    !> rise; -0.13557 from the elastica.

@@ -214,7 +214,8 @@ contains
    !> Tolerance whose error of the integration is its part of the target: eq. (179).
    pure real(wp) function wanted_tolerance(advice) result(tolerance)
       type(advice_type), intent(in) :: advice
-      real(wp), parameter :: largest = 1.0e-2_wp, smallest = 1.0e-12_wp
+      !> The least to begin with where beams bend is a part of the target: what a probe expects of a stiff beam may be far too little
+      real(wp), parameter :: largest = 1.0e-2_wp, smallest = 1.0e-12_wp, part_least = 1.0e-4_wp
       !> Error of the deflections by that of a step, relative to their scale; the same of rigid scenes
       real(wp), parameter :: of_deflections = 3.0e-3_wp, of_motion = 10.0_wp, begin = 1.0_wp
       integer :: i
@@ -233,7 +234,7 @@ contains
          end associate
       end do
       ! A smaller one costs little more once it is known to be needed
-      if (any(advice%rungs%step > 0)) tolerance = begin*tolerance
+      if (any(advice%rungs%step > 0)) tolerance = max(part_least*advice%target, begin*tolerance)
       tolerance = max(smallest, min(largest, tolerance))
    end function wanted_tolerance
 

@@ -6,8 +6,8 @@ module limber_analysis_descent
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: expected_error, cost_of, deck_of
    use limber_analysis_pool, only: pool_type
-   use limber_analysis_reached, only: reached_type, names_of
-   use limber_analysis_rungs, only: rung_type, poorer
+   use limber_analysis_reached, only: reached_type
+   use limber_analysis_rungs, only: rung_type, poorer, names_of
    use limber_analysis_trial, only: trial_type, take_trial, least_patience
    use limber_analysis_truth, only: truth_type, error_against
    use limber_deck_content, only: deck_type

@@ -1,11 +1,13 @@
 !> The runs of one search for a target: what they have cost, what they may cost together, and the last ones themselves, so that none
 !> is made twice. Floor: analysis. Equations: doc/theory.md, accuracy on request.
 module limber_analysis_pool
-   use limber_base_kinds, only: wp
+   use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
-   use limber_analysis_rungs, only: rung_type, same_rungs
+   use limber_base_text, only: as_text
+   use limber_analysis_rungs, only: rung_type, same_rungs, names_of
    use limber_analysis_trial, only: trial_type, run_trial, least_patience, least_tolerance
    use limber_deck_content, only: deck_type
+   use limber_output_progress, only: say_line
    implicit none
    private
    public :: pool_type
@@ -20,8 +22,11 @@ module limber_analysis_pool
 
    !> Runs that are kept, and numbers of one that is
    integer, parameter :: most_kept = 8, most_numbers = 4000000
-   !> Work of a search that is always allowed, some ten seconds, and beyond it in units of its first run
-   real(wp), parameter :: least_budget = 3.0e6_wp, most_first = 60.0_wp
+   !> Work of a search that is always allowed, some ten seconds, and beyond it in units of its first run, or of the last one that was
+   !> to be verified, where that takes about a second at most
+   real(wp), parameter :: least_budget = 3.0e6_wp, most_first = 60.0_wp, second = 3.0e5_wp
+   !> Wall time from which on a search says what it is at [s]
+   real(wp), parameter :: silent = -5.0_wp
 
    !> The runs of a search
    type :: pool_type
@@ -33,7 +38,10 @@ module limber_analysis_pool
       !> The last ones, by turns
       type(entry_type) :: kept(most_kept)
       integer :: next = 0
+      !> Clock when it began; negative: it has not [ticks]
+      integer(long) :: began = -1
    contains
+      procedure :: allow, say
       procedure :: run => run_in_pool
       procedure :: check => run_check
    end type pool_type
@@ -65,6 +73,7 @@ contains
          trial = self%kept(i)%trial
          return
       end do
+      if (.not. quiet) call self%say(as_text(self%runs)//' runs; '//label//' begins: '//setting_words(rungs, tolerance))
       call run_trial(deck, rungs, tolerance, part, min(limit, max(self%budget - self%work, 0.0_wp)), wide, quiet, label, trial, &
          & error, truth, allowed, most, only)
       if (allocated(error)) return
@@ -75,6 +84,36 @@ contains
       if (trial%reason /= '') self%spent = self%spent .or. self%work >= 0.999_wp*self%budget
       if (trial%reason == '' .and. .not. other) call keep(self, deck, rungs, tolerance, part, wide, trial)
    end subroutine run_in_pool
+
+   !> Lets a search go on where the run that is to be verified has become dearer than the first, but is cheap.
+   pure subroutine allow(self, work)
+      class(pool_type), intent(inout) :: self
+      !> Counted work of that run
+      real(wp), intent(in) :: work
+      self%budget = max(self%budget, least_budget + most_first*min(work, second))
+   end subroutine allow
+
+   !> A line of what the search is at, once it takes long.
+   subroutine say(self, text)
+      class(pool_type), intent(inout) :: self
+      character(*), intent(in) :: text
+      integer(long) :: clock, rate
+      real(wp) :: wall
+      call system_clock(clock, rate)
+      if (self%began < 0) self%began = clock
+      wall = real(clock - self%began, wp)/real(rate, wp)
+      if (wall > silent) call say_line('search for TARGET, '//as_text(nint(wall))//' s: '//text)
+   end subroutine say
+
+   !> A setting for people: 'EXACT 10 + 0, TOLERANCE=1e-4'.
+   function setting_words(rungs, tolerance) result(text)
+      type(rung_type), intent(in) :: rungs(:)
+      real(wp), intent(in) :: tolerance
+      character(:), allocatable :: text
+      text = ''
+      if (size(rungs) > 0) text = names_of(rungs)//', '
+      text = text//'TOLERANCE='//as_text(tolerance, 2)
+   end function setting_words
 
    !> Runs a check of a run at a smaller tolerance.
    subroutine run_check(self, deck, rungs, tolerance, part, limit, wide, quiet, label, check, error, fresh)

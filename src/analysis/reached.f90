@@ -7,14 +7,13 @@ module limber_analysis_reached
    use limber_analysis_errors, only: envelope, unknown_ratio
    use limber_analysis_estimate, only: estimate_type
    use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_rungs, only: rung_type, rung_name
    use limber_analysis_trial, only: trial_type
    use limber_analysis_truth, only: truth_type, shown_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_output_sink, only: memory_type
    implicit none
    private
-   public :: reached_type, record_errors, say_why, names_of
+   public :: reached_type, record_errors, say_why
 
    !> What a run towards a target leaves
    type :: reached_type
@@ -34,6 +33,8 @@ module limber_analysis_reached
       type(estimate_type) :: estimate
       !> Largest of them, and their parts by the integration and by the models, relative
       real(wp) :: error = 0.0_wp, of_time = 0.0_wp, of_model = 0.0_wp
+      !> The channel and the time of each, for people: " in 'M0' at t = 0.013"; not allocated or empty: not known
+      character(:), allocatable :: place, place_of_time, place_of_model
       !> The part of the models before the last climb; zero: they did not climb
       real(wp) :: before = 0.0_wp
       !> What runs have shown of the integration
@@ -53,6 +54,8 @@ module limber_analysis_reached
       !> Whether a tolerance was too large; the tolerance and the error of the integration before it was made smaller; whether that was
       !> of no use, as only a model that lacks what a channel shows leaves round-off there
       logical :: tightened = .false., useless = .false.
+      !> Whether the models have climbed for that, and that was of no use either: the error falls slowly, and the tolerance with it
+      logical :: gave_way = .false., slow = .false.
       real(wp) :: tolerance_before = 0.0_wp, of_time_before = 0.0_wp
       !> What was climbed, a line for each
       character(:), allocatable :: path
@@ -62,18 +65,6 @@ module limber_analysis_reached
    integer, parameter :: reach = 2
 
 contains
-
-   !> Rungs for people: 'EXACT 5 + 2; RIGID'.
-   function names_of(rungs) result(text)
-      type(rung_type), intent(in) :: rungs(:)
-      character(:), allocatable :: text
-      integer :: i
-      text = ''
-      do i = 1, size(rungs)
-         if (i > 1) text = text//'; '
-         text = text//rung_name(rungs(i))
-      end do
-   end function names_of
 
    !> Errors of the run at each sample.
    subroutine record_errors(truth, candidate, reached)
@@ -105,17 +96,17 @@ contains
       real(wp), intent(in) :: target
       type(reached_type), intent(inout) :: reached
       if (reached%spent) then
-         reached%reason = 'the search for TARGET='//as_text(target, 2)//' was given up after '//as_text(reached%runs)//' runs: '// &
-            & 'what it needs costs too much to be verified'
+         reached%reason = 'the search for TARGET='//as_text(target, 2)//' was given up after '//as_text(reached%runs)//' runs, '// &
+            & as_text(reached%cpu, 2)//' s of CPU time: what it needs costs too much to be verified'
          if (reached%error > 0.0_wp .and. reached%error < 1.0e3_wp) reached%reason = reached%reason// &
-            & '; the last setting that was verified errs by '//as_text(reached%error, 2)
+            & '; the last setting that was verified errs by '//as_text(reached%error, 2)//reached%place
          reached%reason = reached%reason//'. Ask for less, for a shorter time, or give FUNCTIONS, TOLERANCE and INTEGRATOR'
       else if (reached%reason == '' .and. is_of_time(target, reached)) then
          reached%reason = time_words(target, reached)
       else if (reached%reason == '') then
          reached%reason = 'no rung keeps TARGET='//as_text(target, 2)//': '
          if (reached%error < 1.0e3_wp) then
-            reached%reason = reached%reason//'the error that the verification shows is '//as_text(reached%error, 2)
+            reached%reason = reached%reason//'the error that the verification shows is '//as_text(reached%error, 2)//reached%place
          else
             reached%reason = reached%reason//'the run one rung higher that is to verify it fails'
          end if
@@ -141,7 +132,8 @@ contains
       associate (shown => reached%shown)
          if (.not. reached%advice%open_tolerance) then
             text = 'TOLERANCE='//as_text(reached%advice%tolerance, 2)//', which the deck fixes, does not keep TARGET='// &
-               & as_text(target, 2)//': the integration has an error of '//as_text(reached%of_time, 2)//'; leave TOLERANCE open'
+               & as_text(target, 2)//': the integration has an error of '//as_text(reached%of_time, 2)//reached%place_of_time// &
+               & '; leave TOLERANCE open'
             return
          end if
          text = 'no tolerance keeps TARGET='//as_text(target, 2)//': the error of the integration '
@@ -151,8 +143,8 @@ contains
             text = text//'shrinks too little with TOLERANCE'
          end if
          text = text//' (from '//as_text(shown%of_time(1), 2)//' at '//as_text(shown%tolerance(1), 2)//' to '// &
-            & as_text(shown%of_time(2), 2)//' at '//as_text(shown%tolerance(2), 2)//'); use another INTEGRATOR'// &
-            & ' (AUTO, RADAU or ADAMS), and look at the laws for jumps and for what chance decides'
+            & as_text(shown%of_time(2), 2)//' at '//as_text(shown%tolerance(2), 2)//reached%place_of_time//'); use another'// &
+            & ' INTEGRATOR (AUTO, RADAU or ADAMS), and look at the laws for jumps and for what chance decides'
       end associate
    end function time_words
 

@@ -9,7 +9,7 @@ module limber_analysis_rungs
    use limber_model_parts, only: is_part
    implicit none
    private
-   public :: rung_type, find_rungs, given_rung, bare_deck, apply_rung, richer, poorer, verifying, can_climb, rung_name
+   public :: rung_type, find_rungs, given_rung, bare_deck, apply_rung, richer, poorer, verifying, can_climb, rung_name, names_of
    public :: functions_of, strains_of, same_rungs
 
    !> Models of a beam that bends
@@ -285,5 +285,17 @@ contains
       text = 'RIGID'
       if (rung%step > 0) text = trim(level_words(rung%level))//' '//as_text(functions_of(rung))//' + '//as_text(strains_of(rung))
    end function rung_name
+
+   !> Rungs for people: 'EXACT 5 + 2; RIGID'.
+   function names_of(rungs) result(text)
+      type(rung_type), intent(in) :: rungs(:)
+      character(:), allocatable :: text
+      integer :: i
+      text = ''
+      do i = 1, size(rungs)
+         if (i > 1) text = text//'; '
+         text = text//rung_name(rungs(i))
+      end do
+   end function names_of
 
 end module limber_analysis_rungs

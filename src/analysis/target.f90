@@ -4,13 +4,13 @@ module limber_analysis_target
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: make_advice, expected_error, expected_stretch, check_rung, deck_of, part_time
+   use limber_analysis_advice, only: advice_type, make_advice, expected_error, expected_stretch, check_rung, deck_of, part_time
    use limber_analysis_descent, only: descend
    use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
    use limber_analysis_pool, only: pool_type
-   use limber_analysis_reached, only: reached_type, record_errors, say_why, names_of
+   use limber_analysis_reached, only: reached_type, record_errors, say_why
    use limber_analysis_probe, only: prospect_type
-   use limber_analysis_rungs, only: rung_type, richer, can_climb
+   use limber_analysis_rungs, only: rung_type, richer, can_climb, names_of
    use limber_analysis_trial, only: trial_type, take_trial, take_samples, least_patience, least_verified
    use limber_analysis_truth, only: truth_type, error_against
    use limber_analysis_verification, only: verify, does_for, falls_short, of_truth, ladder, widening, time_first
@@ -19,8 +19,8 @@ module limber_analysis_target
    private
    public :: reach_target
 
-   !> Most rounds, and work in units of the last run's after which no more are begun
-   integer, parameter :: most_rounds = 12
+   !> Most rounds, and work of a run in units of that of the last one after which it is given up
+   integer, parameter :: most_rounds = 60
    real(wp), parameter :: patience = 100.0_wp
    !> The run that misses the target by the least, and what it was compared with
    type :: best_type
@@ -54,10 +54,10 @@ contains
          if (error%status /= status_interrupted) return
          call move_alloc(error%message, reached%interruption)
          deallocate (error)
-         if (.not. reached%done) return
+         if (.not. allocated(candidate%outcome)) return
       end if
       if (reached%done .or. truth%known) call record_errors(truth, candidate, reached)
-      if (.not. reached%done) call say_why(target, reached)
+      if (.not. (reached%done .or. allocated(reached%interruption))) call say_why(target, reached)
       reached%statistics = candidate%statistics
       call move_alloc(candidate%outcome, reached%outcome)
       call take_samples(candidate%samples%memory_type, reached%samples)
@@ -77,11 +77,16 @@ contains
       !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
       type(best_type) :: best
+      type(trial_type) :: next
+      type(advice_type) :: verified
       real(wp) :: limit
       integer :: round
       logical :: climbed, on, looser
       reached%reason = ''
       reached%path = ''
+      reached%place = ''
+      reached%place_of_time = ''
+      reached%place_of_model = ''
       call find_fixed(deck, reached%fixed)
       reached%unverified = unverified_words(deck)
       call make_advice(deck, target, reached%advice, error)
@@ -91,15 +96,19 @@ contains
          climbed = .false.
          reached%reason = ''
          if (round == 1) then
-            call begin(deck, quiet, pool, candidate, reached, error)
+            call begin(deck, quiet, pool, next, reached, error)
          else
             call pool%run(deck_of(reached%advice, deck), reached%advice%rungs, reached%advice%tolerance, 1.0_wp, limit, .false., &
-               & quiet, 'run', candidate, error)
+               & quiet, 'run', next, error)
          end if
-         if (allocated(error)) return
+         ! What a signal ends at the first run is what there is
+         if (.not. allocated(error) .or. round == 1) call take_trial(next, candidate)
+         if (allocated(error)) exit
+         verified = reached%advice
          limit = least_patience + patience*candidate%work
+         if (candidate%reason == '') call pool%allow(candidate%work)
          ! Up only if what is there can be run as well
-         on = round < most_rounds .and. (pool%work < patience*candidate%work .or. round < 3) .and. .not. pool%spent
+         on = round < most_rounds .and. .not. pool%spent
          if (candidate%reason /= '') then
             reached%reason = candidate%reason
             if (on) call climb_all(reached, climbed)
@@ -110,14 +119,16 @@ contains
                reached%of_model = reached%error
             else
                call verify(deck_of(reached%advice, deck), target, quiet, on, pool, candidate, reached, truth, looser, error)
-               if (allocated(error)) return
+               if (allocated(error)) exit
                if (looser) cycle
                ! What the probe expects does not count where it has been wrong
                if (reached%error <= target .and. falls_short(truth, reached%advice)) call verify(deck_of(reached%advice, deck), &
                   & target, quiet, on, pool, candidate, reached, truth, looser, error)
-               if (allocated(error)) return
+               if (allocated(error)) exit
                if (looser) cycle
             end if
+            if (.not. quiet .and. reached%error < huge(1.0_wp)) call pool%say('this one errs by '//as_text(reached%error, 2)// &
+               & reached%place)
             reached%done = reached%reason == '' .and. truth%known .and. reached%error <= target
             if (reached%done .and. on) call look_back(target, truth, reached, climbed)
             if (reached%done) then
@@ -132,7 +143,8 @@ contains
          if (.not. climbed) exit
          reached%climbs = reached%climbs + 1
       end do
-      if (.not. (reached%done .or. allocated(error)) .and. (reached%reason == '' .or. pool%spent) .and. best%known) call give_back()
+      if (allocated(error) .and. .not. reached%done) reached%advice = verified
+      if (.not. reached%done .and. (reached%reason == '' .or. pool%spent .or. allocated(error)) .and. best%known) call give_back()
 
    contains
 
@@ -238,9 +250,16 @@ contains
             end do
             if (climbed) return
          end if
-         if (reached%useless) advice%tolerance = reached%tolerance_before
+         if (reached%useless .and. (reached%gave_way .or. reached%of_model <= 0.5_wp*target)) then
+            reached%slow = .true.
+            reached%useless = .false.
+         else if (reached%useless) then
+            reached%gave_way = .true.
+            advice%tolerance = reached%tolerance_before
+         end if
          if (widening*reached%of_time > time_first*target .and. advice%open_tolerance .and. .not. reached%useless) &
-            & call tighten(near_ladder(min(0.5_wp, max(0.02_wp, (0.7_wp*aim/reached%of_time)**1.25_wp))))
+            & call tighten(near_ladder(min(0.5_wp, max(0.02_wp, (0.7_wp*aim/reached%of_time) &
+            & **(0.75_wp/reached%shown%falling)))))
          if (.not. climbed) reached%of_time_before = 0.0_wp
          if (.not. truth%known .and. climbed) return
          ! Neither functions nor strain: the truth itself errs in time
@@ -271,9 +290,11 @@ contains
          reached%of_time_before = reached%of_time
          reached%advice%tolerance = max(least_verified, factor*reached%advice%tolerance)
          if (stalls) then
-            reached%path = reached%path//newline//'   the model hardly changed an error of '//as_text(reached%of_model, 2)
+            reached%path = reached%path//newline//'   the model hardly changed an error of '//as_text(reached%of_model, 2)// &
+               & reached%place_of_model
          else
-            reached%path = reached%path//newline//'   the integration had an error of '//as_text(reached%of_time, 2)
+            reached%path = reached%path//newline//'   the integration had an error of '//as_text(reached%of_time, 2)// &
+               & reached%place_of_time
          end if
          reached%path = reached%path//': TOLERANCE='//as_text(reached%advice%tolerance, 2)
          climbed = .true.
@@ -301,7 +322,7 @@ contains
          climbed = .true.
          reached%path = reached%path//newline//'   the model had an error of '
          if (reached%of_model < 1.0e3_wp) then
-            reached%path = reached%path//as_text(reached%of_model, 2)
+            reached%path = reached%path//as_text(reached%of_model, 2)//reached%place_of_model
          else
             reached%path = reached%path//'unknown size'
          end if

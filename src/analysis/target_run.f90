@@ -57,7 +57,7 @@ contains
       scene%reading = reading
       if (batch%usual_scalars) call add_usual_scalars(scene%system%model)
       if (size(scene%system%model%scalars) > 0) call history%summarise(size(scene%system%model%channels))
-      if (allocated(reached%interruption) .and. .not. reached%done) then
+      if (allocated(reached%interruption) .and. .not. allocated(reached%outcome)) then
          call raise(error, path//': '//interruption_text(reached, scene)//newline// &
             & '   No results were written.', status_interrupted)
          return
@@ -80,17 +80,17 @@ contains
       if (allocated(reached%estimate%values)) call record_estimate(reached%estimate, scene%system%model%channels, &
          & history%history_type, error)
       if (allocated(error)) return
-      if (.not. reached%done) then
-         call record_outcome(scene, reached%outcome, reached%statistics, reached%reason, history%history_type, write_error)
-         call raise(error, path//': '//reached%reason//reached%path//what_is_left(results, batch%in_memory, &
-            & history%history_type, write_error))
-         return
-      end if
       if (allocated(reached%interruption)) then
          call record_outcome(scene, reached%outcome, reached%statistics, interruption_text(reached, scene), history%history_type, &
             & write_error)
          call raise(error, path//': '//interruption_text(reached, scene)//what_is_left(results, batch%in_memory, &
             & history%history_type, write_error), status_interrupted)
+         return
+      end if
+      if (.not. reached%done) then
+         call record_outcome(scene, reached%outcome, reached%statistics, reached%reason, history%history_type, write_error)
+         call raise(error, path//': '//reached%reason//reached%path//what_is_left(results, batch%in_memory, &
+            & history%history_type, write_error))
          return
       end if
       scene%warnings = scene%warnings//scalar_warnings(scene%system%model, history)
@@ -126,8 +126,11 @@ contains
       if (reached%done) then
          text = text//'   The target is '//status_words(reached)//', with an error of '//as_text(reached%error, 2)// &
             & ', by this setting; whether less would do was still being tried.'
+      else if (reached%error > 0.0_wp .and. reached%error < 1.0e3_wp) then
+         text = text//'   None was found so far that keeps the target; this one errs by '//as_text(reached%error, 2)// &
+            & reached%place//'.'
       else
-         text = text//'   This setting was being tried; none was found so far that keeps the target.'
+         text = text//'   None was found so far that keeps the target; this one was being tried.'
       end if
       text = text//' Written into the deck in place of TARGET it runs without a search, and can then go on after a signal.'// &
          & newline//advice_table(reached%advice, scene)//reached%path

@@ -38,6 +38,9 @@ module limber_analysis_trial
       procedure :: append => append_watched
    end type watched_type
 
+   !> Letters of a channel's name that messages show
+   integer, parameter :: name_length = 40
+
    !> A run in memory
    type :: trial_type
       type(watched_type) :: samples
@@ -53,6 +56,8 @@ module limber_analysis_trial
       !> Magnitude that each channel's errors are relative to (channels), and whether it is that of its terms
       real(wp), allocatable :: scale(:)
       logical, allocatable :: of_terms(:)
+      !> Names of the channels that the deck asks for, for people (channels)
+      character(name_length), allocatable :: names(:)
    end type trial_type
 
 contains
@@ -69,7 +74,7 @@ contains
       !> For the progress
       character(*), intent(in) :: label
       type(trial_type), intent(out) :: trial
-      !> The deck is wrong (status 2), or a signal asks for the end (status 4); the run is of no use then
+      !> The deck is wrong (status 2), or a signal asks for the end (status 4); of the run there is what it had come to then
       type(error_type), allocatable, intent(out) :: error
       !> Samples that it may leave only by so much, in each channel, or it is given up; and after so much work
       real(wp), intent(in), optional :: truth(:, :), allowed(:), most
@@ -98,6 +103,10 @@ contains
       end if
       associate (model => scene%system%model)
          width = size(model%channels)
+         allocate (trial%names(width))
+         do i = 1, width
+            trial%names(i) = model%channels(i)%name
+         end do
          if (wide) then
             call move_alloc(model%channels, channels)
             call add_quantities(channels, model%channels)
@@ -118,12 +127,12 @@ contains
          if (.not. quiet) call progress%start(model%dynamics%start, model%dynamics%end, label)
          call run_dynamics(scene, integrator, trial%samples, progress, trial%outcome, failure)
          if (.not. quiet) call progress%finish()
+         trial%statistics = integrator%statistics
          if (signal_came()) then
             call raise(error, 'interrupted by '//signal_name()//" in the run '"//label//"' at t = "// &
                & as_text(trial%outcome%reached, 4), status_interrupted)
             return
          end if
-         trial%statistics = integrator%statistics
          trial%work = trial%statistics%evaluations*work_of(scene%system%layout%nw)
          trial%integrator = model%dynamics%integrator
          if (allocated(trial%samples%truth)) deallocate (trial%samples%truth)
@@ -186,6 +195,7 @@ contains
       call move_alloc(from%reason, to%reason)
       call move_alloc(from%scale, to%scale)
       call move_alloc(from%of_terms, to%of_terms)
+      call move_alloc(from%names, to%names)
    end subroutine take_trial
 
    !> Moves samples.

@@ -2,12 +2,16 @@
 !> Equations: doc/theory.md, accuracy on request.
 module limber_analysis_truth
    use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
    use limber_analysis_errors, only: magnitude
-   use limber_analysis_rungs, only: rung_type
+   use limber_analysis_rungs, only: rung_type, same_rungs
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: truth_type, shown_type, error_against, largest_difference
+   public :: truth_type, shown_type, error_against, largest_difference, place_of
+
+   !> Powers of the tolerance that errors of the integration are taken to fall with: at most, where nothing else is known, and at least
+   real(wp), parameter :: usual = 0.6_wp, slowest = 0.15_wp
 
    !> The finest run so far
    type :: truth_type
@@ -35,6 +39,9 @@ module limber_analysis_truth
       !> Tolerances of the runs of the first and of the last pair, and their largest differences, relative
       real(wp) :: tolerance(2) = 0.0_wp, of_time(2) = 0.0_wp
       integer :: pairs = 0
+      !> The power of the tolerance that errors of the integration fall with, as far as pairs show, and the rungs of the last pair
+      real(wp) :: falling = usual
+      type(rung_type), allocatable :: last(:)
       !> The pair that differed most, and by more than the target: the run and the finer one (channels, samples), with these rungs,
       !> by so much, relative. Not allocated: none did
       real(wp), allocatable :: run(:, :), finer(:, :)
@@ -45,6 +52,7 @@ module limber_analysis_truth
    contains
       procedure :: take => take_pair
       procedure :: is_forgotten
+      procedure, private :: learn
    end type shown_type
 
 contains
@@ -57,6 +65,7 @@ contains
       real(wp), intent(in) :: tolerance, of_time, target
       !> Samples of the run and of the finer one (channels, samples)
       real(wp), intent(in) :: run(:, :), finer(:, :)
+      call self%learn(rungs, tolerance, of_time, target)
       self%pairs = self%pairs + 1
       if (self%pairs == 1) self%tolerance(1) = tolerance
       if (self%pairs == 1) self%of_time(1) = of_time
@@ -69,6 +78,23 @@ contains
       allocate (self%finer, source=finer)
       allocate (self%rungs, source=rungs)
    end subroutine take_pair
+
+   !> How errors of the integration fall, from two pairs of the same models: slowly where a sudden load makes vibrations that no step
+   !> follows. What is next to nothing beside the target shows round-off only.
+   pure subroutine learn(self, rungs, tolerance, of_time, target)
+      class(shown_type), intent(inout) :: self
+      !> As those of `take`, before the pair is taken
+      type(rung_type), intent(in) :: rungs(:)
+      real(wp), intent(in) :: tolerance, of_time, target
+      real(wp), parameter :: nothing = 0.1_wp, same = 0.01_wp
+      real(wp) :: decades
+      if (self%pairs > 0) then
+         decades = log(tolerance/self%tolerance(2))
+         if (same_rungs(rungs, self%last) .and. abs(decades) > same .and. min(of_time, self%of_time(2)) > nothing*target) &
+            & self%falling = max(slowest, min(usual, log(of_time/self%of_time(2))/decades))
+      end if
+      self%last = rungs
+   end subroutine learn
 
    !> Whether the finest run, of the same models, is near to a run that a finer one has contradicted, and not to that, eq. (182).
    pure logical function is_forgotten(self, rungs, finest, scale, target)
@@ -121,6 +147,19 @@ contains
          error = max(error, (maxval(abs(values(c, :n) - truth%values(c, :))) + truth%rest(c))/truth%scale(c))
       end do
    end function error_against
+
+   !> Where two runs differ most, for people: " in 'M0' at t = 0.013".
+   function place_of(a, b, scale, times, names) result(text)
+      !> (channels, samples), of which b has no more; what differences are relative to (channels); times of the samples
+      real(wp), intent(in) :: a(:, :), b(:, :), scale(:), times(:)
+      !> Of the channels
+      character(*), intent(in) :: names(:)
+      character(:), allocatable :: text
+      integer :: c, k(1)
+      c = maxloc(largest_difference(a, b)/scale, 1)
+      k = maxloc(abs(a(c, :size(b, 2)) - b(c, :)))
+      text = " in '"//trim(names(c))//"' at t = "//as_text(times(k(1)), 3)
+   end function place_of
 
    !> Largest difference of two runs in each channel.
    pure function largest_difference(a, b) result(away)

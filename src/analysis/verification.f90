@@ -6,14 +6,14 @@ module limber_analysis_verification
    use limber_base_text, only: as_text
    use limber_analysis_advice, only: advice_type, check_rung, note_surprise, vibrates, rest_beyond
    use limber_analysis_pool, only: pool_type
-   use limber_analysis_reached, only: reached_type, names_of
-   use limber_analysis_rungs, only: rung_type, can_climb
+   use limber_analysis_reached, only: reached_type
+   use limber_analysis_rungs, only: rung_type, can_climb, names_of
    use limber_analysis_trial, only: trial_type, take_trial, least_patience, least_verified
-   use limber_analysis_truth, only: truth_type, error_against, largest_difference
+   use limber_analysis_truth, only: truth_type, error_against, largest_difference, place_of
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: verify, does_for, falls_short, resolve
+   public :: verify, does_for, falls_short
 
    !> Part of the target that the error of a truth may be that is good enough for another setting; that it is taken to err at least
    !> where there are beams
@@ -22,9 +22,6 @@ module limber_analysis_verification
    real(wp), parameter, public :: of_truth = 0.1_wp
    !> Ratio of the tolerances of a run and its check
    real(wp), parameter, public :: ladder = 0.1_wp
-   !> Error of the check as a part of their difference, and the power of the tolerance that errors of the integration are taken to
-   !> fall with
-   real(wp), parameter :: rest_of_time = 0.25_wp, falling = 0.6_wp
    !> What differences are multiplied by where the integration is judged, and the part of the target from which on it is mended first
    real(wp), parameter, public :: widening = 1.25_wp, time_first = 0.75_wp
    !> Part of the error of the integration that is left where a smaller tolerance has been of use
@@ -75,10 +72,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(trial_type) :: finer, check
       type(rung_type) :: rungs(size(reached%advice%rungs))
-      real(wp), allocatable :: of_time(:), rest(:), unresolved(:)
-      real(wp) :: step, part, beyond
+      real(wp), allocatable :: of_time(:), rest(:)
+      real(wp) :: step, part, beyond, falling, rest_of_time
       !> Tolerance from which on RADAU may step over vibrations of the strain
-      real(wp), parameter :: loose = 2.0e-4_wp
+      real(wp), parameter :: loose = 1.0e-4_wp
       !> Part of the target from which on an error of the models is one that may surprise
       real(wp), parameter :: noticed = 0.1_wp
       integer :: i, n
@@ -109,8 +106,12 @@ contains
                & candidate%samples%values(:channels, :n)))
             allocate (rest, source=of_time)
             reached%of_time = maxval([0.0_wp, of_time/truth%scale])
+            reached%place_of_time = place_of(finer%samples%values(:channels, :n), candidate%samples%values(:channels, :n), &
+               & truth%scale, candidate%samples%times, candidate%names)
             call reached%shown%take(advice%rungs, advice%tolerance, reached%of_time, target, &
                & candidate%samples%values(:channels, :n), finer%samples%values(:channels, :n))
+            falling = reached%shown%falling
+            rest_of_time = ladder**falling
             if (step < 1.0_wp) then
                call truth%take(advice%rungs, estimate%companion, finer%samples%values(:channels, :n), finer%work, &
                   & rest_of_time*of_time)
@@ -127,11 +128,12 @@ contains
                rungs(i) = check_rung(advice, i)
             end do
             reached%believed = any(rungs%step == 0)
-            reached%useless = reached%of_time_before > 0.0_wp .and. any(can_climb(advice%rungs)) .and. &
+            reached%useless = reached%of_time_before > 0.0_wp .and. any(can_climb(advice%rungs)) .and. .not. reached%slow .and. &
                & reached%of_time > max(target, helped*reached%of_time_before)
             if (on .and. advice%open_tolerance .and. size(rungs) > 0 .and. widening*reached%of_time > time_first*target .and. &
                & .not. reached%useless) then
                reached%error = widening*reached%of_time
+               reached%place = reached%place_of_time
                truth%known = .false.
                return
             end if
@@ -142,6 +144,8 @@ contains
                beyond = merge(0.5_wp*doubt, of_truth, any(rungs%stretches .and. .not. advice%rungs%stretches))
                if (reached%of_time > beyond*target) part = max(ladder, (beyond*target/reached%of_time)**(1/falling))
                if (part < 1.5_wp*ladder) part = ladder
+               ! What vibrates along itself tells nothing where steps are longer than that
+               if (any([(vibrates(advice, i), i=1, size(rungs))] .and. rungs%stretches)) part = min(part, loose/advice%tolerance)
                call run_higher(deck, rungs, advice%tolerance, part, candidate%work, quiet, pool, reached, check, error)
                if (allocated(error)) return
                if (check%reason /= '') then
@@ -149,13 +153,6 @@ contains
                   reached%error = huge(1.0_wp)
                   truth%known = .false.
                   return
-               end if
-               allocate (unresolved(channels))
-               unresolved = 0.0_wp
-               if (part*advice%tolerance > loose .and. any([(vibrates(advice, i), i=1, size(rungs))] .and. rungs%stretches)) then
-                  call resolve(deck, rungs, advice%tolerance, target, candidate%work, truth%scale, quiet, pool, part, check, &
-                     & unresolved, error)
-                  if (allocated(error)) return
                end if
                beyond = 0.0_wp
                do i = 1, size(rungs)
@@ -165,14 +162,18 @@ contains
                rest = min(largest_difference(check%samples%values(:channels, :n), truth%values), &
                   & largest_difference(check%samples%values(:channels, :n), candidate%samples%values(:channels, :n)))
                reached%of_model = maxval(rest/truth%scale)
+               reached%place_of_model = place_of(check%samples%values(:channels, :n), candidate%samples%values(:channels, :n), &
+                  & truth%scale, candidate%samples%times, candidate%names)
                if (reached%of_model - reached%of_time > noticed*target) &
                   & call note_surprise(advice, reached%of_model - reached%of_time)
-               rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale) + unresolved
+               rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale)
                call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
             else if (size(rungs) > 0) then
                truth%rest = max(truth%rest, doubt*target*truth%scale)
             end if
             reached%error = error_against(truth, candidate%samples%values)
+            reached%place = place_of(candidate%samples%values(:channels, :n), truth%values, truth%scale, &
+               & candidate%samples%times, candidate%names)
          end associate
       end associate
    end subroutine verify
@@ -183,11 +184,18 @@ contains
       real(wp), intent(in) :: target
       logical, intent(out) :: loosens
       !> Part of the target that the error is below, the factor, and the largest tolerance
-      real(wp), parameter :: little = 0.03_wp, factor = 10.0_wp, loosest = 1.0e-2_wp
+      real(wp), parameter :: little = 0.03_wp, loosest = 1.0e-2_wp
+      !> The power that errors grow with at least, and the factor from which on it is taken in one step: then no run that is there
+      !> verifies the next one
+      real(wp), parameter :: growing = 0.6_wp, far = 1.0e3_wp
+      real(wp) :: factor
       associate (advice => reached%advice)
          loosens = advice%open_tolerance .and. advice%integrator == 'RADAU' .and. .not. reached%tightened .and. &
             & reached%of_time < little*target .and. advice%tolerance < 0.5_wp*loosest
-         if (loosens) advice%tolerance = min(loosest, factor*advice%tolerance)
+         if (.not. loosens) return
+         factor = (little*target/max(reached%of_time, tiny(1.0_wp)**0.3_wp))**(1/growing)
+         if (factor < far) factor = 1/ladder
+         advice%tolerance = min(loosest, factor*advice%tolerance)
       end associate
    end subroutine loosen
 
@@ -222,43 +230,5 @@ contains
          if (check%reason == '') return
       end do
    end subroutine run_higher
-
-   !> The same with smaller tolerances, until they make little difference: where vibrations of the strain matter, and the tolerance lets
-   !> RADAU step over them, the run to be verified tells nothing of how they are followed.
-   subroutine resolve(deck, rungs, tolerance, target, work, scale, quiet, pool, part, check, unresolved, error)
-      type(deck_type), intent(in) :: deck
-      type(rung_type), intent(in) :: rungs(:)
-      !> Of the run to be verified, the relative error that is aimed at, the counted work of that run, what errors are relative to
-      real(wp), intent(in) :: tolerance, target, work, scale(:)
-      logical, intent(in) :: quiet
-      type(pool_type), intent(inout) :: pool
-      !> Tolerance of the truth in units of that of the run, and the truth; on return finer
-      real(wp), intent(inout) :: part
-      type(trial_type), intent(inout) :: check
-      !> Error of its integration that its own runs show (channels)
-      real(wp), intent(inout) :: unresolved(:)
-      type(error_type), allocatable, intent(out) :: error
-      !> Most runs, part of the target that they may differ by, part of the difference that is left, most work in units of the run's
-      integer, parameter :: most = 2
-      real(wp), parameter :: little = 0.3_wp, left = 0.5_wp, effort = 400.0_wp
-      type(trial_type) :: finer
-      integer :: i, n, channels
-      n = check%samples%samples
-      channels = size(scale)
-      do i = 1, most
-         call pool%check(deck, rungs, tolerance, ladder*part, effort*work, .false., quiet, 'check of '//names_of(rungs), finer, &
-            & error)
-         if (allocated(error)) return
-         if (finer%reason /= '') then
-            ! Nothing is known of it then
-            if (i == 1) unresolved = target*scale
-            return
-         end if
-         unresolved = left*largest_difference(finer%samples%values(:channels, :n), check%samples%values(:channels, :n))
-         call take_trial(finer, check)
-         part = ladder*part
-         if (all(unresolved <= left*little*target*scale)) return
-      end do
-   end subroutine resolve
 
 end module limber_analysis_verification

@@ -1,4 +1,4 @@
-!> A progress bar with the time left, on standard error and on a terminal only. Floor: output; the one module of the
+!> A progress bar with the time left, on standard error and on a terminal only; lines of a search, on standard error. Floor: output; the one module of the
 !> library that writes to the terminal, because a bar is its whole purpose. An analysis calls it at every step.
 module limber_output_progress
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
@@ -7,7 +7,7 @@ module limber_output_progress
    use limber_base_kinds, only: wp, long
    implicit none
    private
-   public :: progress_type, progress_line
+   public :: progress_type, progress_line, say_line
 
    !> Columns of the line
    integer, parameter :: line_width = 72
@@ -84,6 +84,13 @@ contains
          & real(clock - self%started, wp)/real(rate, wp), line_width), achar(13)
       flush (error_unit)
    end subroutine update
+
+   !> A line of what a long command is at, on a terminal or not.
+   subroutine say_line(text)
+      character(*), intent(in) :: text
+      write (error_unit, '(a)') text
+      flush (error_unit)
+   end subroutine say_line
 
    !> Wipes the bar off the terminal.
    subroutine finish(self)

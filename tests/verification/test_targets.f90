@@ -32,6 +32,8 @@ program test_targets
    call test_instability()
    call test_forgotten()
    call test_wave()
+   call test_slow_fall()
+   call test_long_way()
    call finish()
 
 contains
@@ -140,6 +142,7 @@ contains
       call run_for('least tolerance', '', '1e-3', body//', TOLERANCE=1e-13'//newline)
       call check(status == 'not kept', 'least tolerance: '//status)
       call check(index(report, 'TOLERANCE=1e-13, which the deck fixes') > 0, report)
+      call check(index(report, " in 'x' at t = ") > 0, 'the channel is named: '//report)
    end subroutine test_instability
 
    !> A pulse that one run of a pair met, and two finer ones do not: they agree with the run that missed it.
@@ -166,6 +169,79 @@ contains
          & '1e-2', '', ', N = axial_force(bar.start)')
       call check(status == 'not kept', 'a wave along a bar: '//status//report)
    end subroutine test_wave
+
+   !> A cantilever under a sudden force at its tip: the moment at its root is a sum of modes that falls as 1/k^2, so that the error of
+   !> the integration falls slowly with TOLERANCE and that of the model slowly with functions; both are gone after, while that is cheap.
+   !> M(0, t) = F L (1 - sum 4 (-1)^(k+1) / (b_k L)^2 cos w_k t).
+   subroutine test_slow_fall()
+      real(wp), parameter :: length = 0.8_wp, height = 0.02_wp, young = 2.1e11_wp, density = 7850.0_wp, push = 20.0_wp, &
+         & duration = 0.05_wp
+      integer, parameter :: modes = 400, outputs = 100
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: failure
+      real(wp), allocatable :: found(:)
+      real(wp) :: truth(outputs + 1), root, omega, t
+      integer :: k, i
+      call run_for('slow fall', '', '1e-2', '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//newline// &
+         & '*SECTION, NAME=flat, SHAPE=RECTANGLE, WIDTH=0.04, HEIGHT=0.02'//newline// &
+         & '*BEAM, NAME=bar, MATERIAL=steel, SECTION=flat, LENGTH=0.8'//weld//'*FORCE, NAME=motor, POINT=bar.end'//newline// &
+         & ' 0, 20'//newline//'*DYNAMICS, END=0.05, OUTPUTS=100'//newline, ', M0 = bending_moment(bar.start)')
+      call check(status == 'kept', 'slow fall: '//status//report)
+      call check(index(report, "in 'M0' at t = ") > 0, 'slow fall, the hard channel: '//report)
+      truth = push*length
+      do k = 1, modes
+         root = clamped_root(k)
+         omega = root**2/length**2*sqrt(young*height**2/(12*density))
+         do i = 0, outputs
+            t = duration*i/outputs
+            truth(i + 1) = truth(i + 1) + tip_and_root(root, k)*push*length*cos(omega*t)
+         end do
+      end do
+      call reader%open(trim(results), failure)
+      call check_no_error(failure, 'slow fall')
+      found = channel(reader, 'M0')
+      ! Where the wave of the force has not come yet the sum of 400 modes is a thousandth off
+      call check(maxval(abs(found - truth)) <= 1.1e-2_wp*maxval(abs(truth)), 'slow fall: error '// &
+         & as_text(maxval(abs(found - truth))/maxval(abs(truth)), 3))
+      print '(a,es9.2)', 'slow fall: error', maxval(abs(found - truth))/maxval(abs(truth))
+      call reader%close()
+
+   end subroutine test_slow_fall
+
+   !> Root k of cos x cosh x = -1.
+   pure real(wp) function clamped_root(k) result(x)
+      integer, intent(in) :: k
+      integer :: i
+      x = (k - 0.5_wp)*acos(-1.0_wp)
+      if (k > 12) return
+      do i = 1, 50
+         x = x - (cos(x) + 1/cosh(x))/(-sin(x) - tanh(x)/cosh(x))
+      end do
+   end function clamped_root
+
+   !> The part of F L: shapes of mean square 1 have the deflection 2 (-1)^(k+1) at the tip and the curvature 2 b^2 at the root
+   pure real(wp) function tip_and_root(x, k) result(part)
+      real(wp), intent(in) :: x
+      integer, intent(in) :: k
+      part = -4*(-1.0_wp)**(k + 1)/x**2
+   end function tip_and_root
+
+   !> A motor and a gear at the tip of a cantilever: the first model, which the probe takes for enough, errs by all that there is, at a
+   !> tolerance far too small; the search loosens it, and climbs as far as it takes.
+   subroutine test_long_way()
+      call run_for('long way', '', '5e-2', '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//newline// &
+         & '*SECTION, NAME=flat, SHAPE=RECTANGLE, WIDTH=0.04, HEIGHT=0.02'//newline// &
+         & '*BEAM, NAME=bar, MATERIAL=steel, SECTION=flat, LENGTH=0.8'//newline// &
+         & '*RIGID BODY, NAME=housing, MASS=3, INERTIA=0.01, CENTRE X=0.05, X=0.8'//newline//' motor, 0, 0'//newline// &
+         & ' output, 0.12, 0'//newline//'*RIGID BODY, NAME=rotor, MASS=1, INERTIA=5e-4, X=0.8'//newline// &
+         & '*RIGID BODY, NAME=wheel, MASS=2, INERTIA=4e-3, X=0.92'//weld//'*JOINT, NAME=flange, TYPE=WELD'//newline// &
+         & ' housing.origin, bar.end'//newline//'*JOINT, NAME=shaft1, TYPE=REVOLUTE'//newline//' rotor.origin, housing.motor'// &
+         & newline//'*JOINT, NAME=shaft2, TYPE=REVOLUTE'//newline//' wheel.origin, housing.output'//newline// &
+         & '*JOINT, NAME=mesh, TYPE=GEAR, FIRST RADIUS=0.04, SECOND RADIUS=0.08'//newline//' rotor.origin, wheel.origin'// &
+         & newline//'*TORQUE, NAME=motor, BODY=rotor, REACTION=housing.origin'//newline//' 20*step(t - 0.05)'//newline// &
+         & '*DYNAMICS, END=0.5, OUTPUTS=100'//newline, ', M0 = bending_moment(bar.start), fy = force_y(mesh)')
+      call check(status == 'kept', 'long way: '//status//report)
+   end subroutine test_long_way
 
    !> Runs a beam or another deck for a target and takes what it says.
    subroutine run_for(name, beam, target, deck, more)

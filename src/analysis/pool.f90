@@ -26,7 +26,7 @@ module limber_analysis_pool
    !> to be verified, where that takes about a second at most
    real(wp), parameter :: least_budget = 3.0e6_wp, most_first = 60.0_wp, second = 3.0e5_wp
    !> Wall time from which on a search says what it is at [s]
-   real(wp), parameter :: silent = -5.0_wp
+   real(wp), parameter :: silent = 5.0_wp
 
    !> The runs of a search
    type :: pool_type

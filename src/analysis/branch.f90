@@ -203,23 +203,42 @@ contains
    end subroutine try
 
    !> Whether the loads, as they grow, do work on the motion that turns unstable at the present state: then the branch ends there, a
-   !> limit point; else another one crosses it.
-   logical function loads_drive(scene, step, statics)
+   !> limit point; else another one crosses it. Right at the critical load the state is known to the square root of round-off only, so
+   !> that this is looked at just before it.
+   logical function loads_drive(scene, step, parts, q, lambda, statics) result(drive)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
+      !> A part of the step at which the state is known, its coordinates (nq) and multipliers (nc), which are scratch then; before it
+      !> the part at which it is wanted
+      real(wp), intent(in) :: parts(2)
+      real(wp), contiguous, intent(inout) :: q(:), lambda(:)
+      !> At the critical load; its motion and stability are those of the state before it then
       type(statics_type), intent(inout) :: statics
       !> Part of the loads that is taken away, and work beside that of all that is none
       real(wp), parameter :: less = 1.0e-3_wp, none = 1.0e-6_wp
-      real(wp) :: change(scene%system%layout%nw), softest(scene%system%layout%nw)
+      real(wp) :: change(scene%system%layout%nw), near, first_q(size(q)), first_lambda(size(lambda))
+      logical :: done
       associate (system => scene%system, work => scene%work, balance => statics%balance)
-         softest = balance%softest
-         call load_scene(scene, step, (1 - less)*statics%part, statics)
-         call linearise_balance(system, work, balance, time_of(step, (1 - less)*statics%part), statics%q, statics%lambda)
+         near = parts(1)
+         first_q = q
+         first_lambda = lambda
+         call load_scene(scene, step, near, statics)
+         call find_equilibrium(system, work, balance, time_of(step, near), q, lambda, .true., done)
+         if (.not. done) then
+            near = parts(2)
+            q = first_q
+            lambda = first_lambda
+            call load_scene(scene, step, near, statics)
+         end if
+         call linearise_balance(system, work, balance, time_of(step, near), q, lambda)
+         call judge(system, work, balance, lambda)
          change = balance%motion
+         call load_scene(scene, step, (1 - less)*near, statics)
+         call linearise_balance(system, work, balance, time_of(step, (1 - less)*near), q, lambda)
+         change = change - balance%motion
+         drive = abs(dot_product(change, balance%softest)) > none*norm2(change*balance%scale)*norm2(balance%softest/balance%scale)
          call load_scene(scene, step, statics%part, statics)
          call linearise_balance(system, work, balance, time_of(step, statics%part), statics%q, statics%lambda)
-         change = change - balance%motion
-         loads_drive = abs(dot_product(change, softest)) > none*norm2(change*balance%scale)*norm2(softest/balance%scale)
       end associate
    end function loads_drive
 

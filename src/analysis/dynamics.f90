@@ -17,10 +17,11 @@ module limber_analysis_dynamics
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
    use limber_analysis_scene, only: scene_type, seconds_since
-   use limber_analysis_stiffening, only: stiffening_type, watch_stiffness
+   use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_warning
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
+   use limber_analysis_unfollowed, only: unfollowed_type, start_unfollowed, watch_channels, unfollowed_warning, shows_vibrations
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
-      & phase_warning, ringing_warning, slip_warning, largest_speed, find_weak
+      & phase_warning, slip_warning, largest_speed, find_weak
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -148,6 +149,7 @@ contains
       real(wp), parameter :: first_part = 0.125_wp
       real(wp), allocatable :: breaks(:), stations(:)
       type(stiffening_type) :: stiffening
+      type(unfollowed_type) :: unfollowed
       type(jump_watch_type) :: watch
       type(turning_type) :: turning
       type(crossings_type) :: crossings
@@ -170,6 +172,7 @@ contains
       if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       call new_curve_watch(curves, scene%system, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
+      if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
       call start_watch(watch, dynamics%start, scene%v)
       call start_turning(turning, scene%system, dynamics%start, scene%q, scene%v, integrator%ends_on_samples)
       call follow_turns(dynamics%start)
@@ -241,7 +244,7 @@ contains
          if (size(crossings%loads) > 0 .and. .not. cut) call go_on(crossings, sample%q, sample%v, sample%w)
          if (size(curves%joints) > 0 .and. .not. cut) call go_on_curves(curves, t, sample%q, sample%v, sample%w)
          call look(scene, dynamics, integrator, in_motion, sample, outcome)
-         call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, outcome, stiff)
+         call watch_stiffness(stiffening, scene%system, scene%work, dynamics, integrator, sample%q, sample%v, stiff)
          call watch_costs(costs, scene%system, scene%work, dynamics, integrator, stiffening, stiff, sample%q, sample%v, changes)
          call check_deflections(scene%system, t, sample%q, sample%v, error)
          if (allocated(error)) exit
@@ -285,15 +288,24 @@ contains
       if (allocated(outcome%slip)) text = slip_warning(watch, scene%system, dynamics, outcome%slip, outcome%slip_time, &
          & outcome%slip_speed)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
-      select type (integrator)
-      type is (adams_type)
-         text = ringing_warning(integrator%ringing, .true., scene%system, dynamics)
-      class default
-         text = ringing_warning(integrator%ringing, .false., scene%system, dynamics)
-      end select
-      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
+      if (.not. allocated(error)) call warn_of_vibrations()
 
    contains
+
+      !> Warns of vibrations that are not followed, or kept up, and of those that the motion no longer shows, though they bind ADAMS.
+      subroutine warn_of_vibrations()
+         logical :: is_adams
+         is_adams = .false.
+         select type (integrator)
+         type is (adams_type)
+            is_adams = .true.
+         end select
+         outcome%unfollowed = unfollowed_warning(unfollowed, scene%system, integrator%ringing, is_adams, dynamics)
+         text = ''
+         if (.not. shows_vibrations(unfollowed, scene%system, integrator%ringing)) text = stiffness_warning(stiffening, &
+            & scene%system%model%units%time)
+         if (text /= '') call warn(outcome, text)
+      end subroutine warn_of_vibrations
 
       !> Says at what constraints without a grip a step has failed, if that is why: there it does not matter how short it is.
       subroutine name_weak()
@@ -431,6 +443,7 @@ contains
          call snapshot%exchange('passed', passed)
          call sample%exchange(snapshot)
          call stiffening%exchange(snapshot)
+         if (unfollowed%watched) call unfollowed%exchange(snapshot)
          call costs%exchange(snapshot)
          if (snapshot%restoring .and. allocated(costs%now)) call replace_integrator(scene, dynamics, costs, dynamics%start, &
             & sample, integrator, error)
@@ -462,6 +475,8 @@ contains
             call integrator%complete(scene%system, scene%work, sample_time(dynamics, sample%next), sample%q, sample%v)
             call record(scene, sample_time(dynamics, sample%next), integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
+            call watch_channels(unfollowed, scene, integrator%ringing, sample_time(dynamics, sample%next), dynamics, recorder, &
+               & sample)
             sample%next = sample%next + 1
          end do
       end subroutine record_before

@@ -35,7 +35,7 @@ contains
          & 'coordinate of each section along its beam or member', error)
       call put(1, 'axial_force', unit_text([1, -2, 1], model%units), 'tension')
       call put(2, 'shear_force', unit_text([1, -2, 1], model%units), 'shear force')
-      call put(3, 'bending_moment', unit_text([2, -2, 1], model%units), 'bending moment')
+      call put(3, 'bending_moment', unit_text([2, -2, 1], model%units, .true.), 'bending moment')
       if (.not. all(model%bodies(body)%strength(3:4, :) > 0.0_wp)) return
       call put(4, 'stress_top', unit_text([-1, -2, 1], model%units), 'axial stress in the fibre to the left')
       call put(5, 'stress_bottom', unit_text([-1, -2, 1], model%units), 'axial stress in the fibre to the right')

@@ -256,7 +256,7 @@ contains
       associate (beams => self%beams(report%first:report%last), body => model%bodies(self%beams(report%first)%body))
          moved = maxval(beams%moved)*size(beams)
          floor_of = least(2)*body%reduced%exact%total
-         beside = 'deflection'
+         beside = 'displacement'
          if (asks_along(model, body%whole, beams%body)) then
             moved = maxval(beams%moved_along)*size(beams)
             floor_of = least_along*body%reduced%exact%total

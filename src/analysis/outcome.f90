@@ -7,7 +7,7 @@ module limber_analysis_outcome
    use limber_output_internal_forces, only: effort_type
    implicit none
    private
-   public :: outcome_type, warn, energy_scale
+   public :: outcome_type, warn, all_warnings, energy_scale
 
    !> Part of the scale of the energy by which its balance may be off
    real(wp), parameter, public :: allowed_imbalance = 1.0e-2_wp
@@ -45,6 +45,8 @@ module limber_analysis_outcome
       real(wp), allocatable :: turned(:)
       !> What the user should know, one line after another; not allocated if there is nothing
       character(:), allocatable :: warnings
+      !> A warning of vibrations that the integrator does not follow, which what finer runs have verified does not need
+      character(:), allocatable :: unfollowed
       !> Envelopes of internal forces (bodies)
       type(effort_type), allocatable :: efforts(:)
       !> How far the flexible bodies are within the ranges of their models; allocated by analyses that look at it
@@ -91,6 +93,15 @@ contains
       scale = max(outcome%largest_energy, outcome%no_energy)
       if (allocated(outcome%net_work)) scale = max(scale, 0.5_wp*sum(abs(outcome%net_work)))
    end function energy_scale
+
+   !> All warnings of a run, those of vibrations that are not followed among them.
+   pure function all_warnings(outcome) result(text)
+      type(outcome_type), intent(in) :: outcome
+      character(:), allocatable :: text
+      text = ''
+      if (allocated(outcome%warnings)) text = outcome%warnings
+      if (allocated(outcome%unfollowed)) text = text//outcome%unfollowed
+   end function all_warnings
 
    !> Adds a line to the warnings of a run.
    pure subroutine warn(outcome, text)

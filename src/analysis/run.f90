@@ -13,7 +13,7 @@ module limber_analysis_run
    use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: record_estimate, estimate_warning, estimate_table
    use limber_analysis_guard, only: guard_type, request_type
-   use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_outcome, only: outcome_type, all_warnings
    use limber_analysis_ranges, only: range_warnings
    use limber_analysis_record, only: open_history, record_outcome, record_steps
    use limber_analysis_scalars, only: scalar_values, scalar_lines, scalar_warnings
@@ -217,7 +217,7 @@ contains
       ! Of a checkpoint that does not fit nothing is kept
       if (allocated(guard%snapshot%missing)) history%failed = .true.
       if (.not. quiet) call progress%finish()
-      if (allocated(outcome%warnings)) scene%warnings = scene%warnings//outcome%warnings
+      scene%warnings = scene%warnings//all_warnings(outcome)
       scene%warnings = scene%warnings//range_warnings(outcome%indicators, scene%system%model)//energy_warning(outcome) &
          & //scalar_warnings(scene%system%model, history)
       table = ''

@@ -238,24 +238,34 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: motion(:)
+      real(wp), allocatable :: q(:), lambda(:)
       character(:), allocatable :: kind, text, reason
       logical :: done
-      real(wp) :: goal
-      !> Part of a radian, or of the scene, by which an unstable equilibrium is left
-      real(wp), parameter :: push = 1.0e-2_wp
+      real(wp) :: goal, parts(2)
+      !> Part of a radian, or of the scene, by which an unstable equilibrium is left; part of the way to the
+      !> critical load at which it is looked at what happens there
+      real(wp), parameter :: push = 1.0e-2_wp, just_before = 0.99_wp
       allocate (motion, source=statics%balance%softest)
       kind = 'limit point, snap-through: no equilibrium is near'
       goal = target
       if (found .or. driven_turn(scene%system, time_of(step, statics%part), time_of(step, target)) > most_turn) goal = next
       if (statics%known .and. (statics%stable .or. .not. found)) then
+         allocate (q, source=statics%q)
+         allocate (lambda, source=statics%lambda)
+         parts = [just_before*statics%part, statics%part]
          if (found) then
             call find_critical(scene, step, next, statics)
             call history%check_limit(time_of(step, statics%part), error)
             if (allocated(error)) return
             motion = statics%balance%softest
-            if (.not. loads_drive(scene, step, statics)) kind = 'bifurcation: another equilibrium branches off'
-            if (.not. statics%balance%potential) kind = 'divergence: it is left without vibrating'
-            if (statics%balance%flutters) kind = flutter_text(scene, statics)
+            parts(1) = parts(2) + just_before*(statics%part - parts(2))
+         end if
+         if (found .and. statics%balance%flutters) then
+            kind = flutter_text(scene, statics)
+         else if (found .and. .not. statics%balance%potential) then
+            kind = 'divergence: it is left without vibrating'
+         else if (.not. loads_drive(scene, step, parts, q, lambda, statics)) then
+            kind = 'bifurcation: another equilibrium branches off'
          end if
          call tell(statics, 'equilibrium '//trim(merge('turns unstable', 'ends          ', statics%stable))//' at '// &
             & place_text(step, statics)//' ('//kind//'): '//motion_text(scene%system, motion))

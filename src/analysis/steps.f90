@@ -9,7 +9,7 @@ module limber_analysis_steps
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
    use limber_analysis_gaps, only: pass_gap
    use limber_analysis_guard, only: guard_type
-   use limber_analysis_outcome, only: outcome_type
+   use limber_analysis_outcome, only: outcome_type, all_warnings
    use limber_analysis_indicators, only: join_indicators
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_kinematics, only: run_kinematics
@@ -249,7 +249,7 @@ contains
          scene%warnings = scene%warnings//energy_warning(part)
          call add_statistics(integrator%statistics, statistics)
       end select
-      if (allocated(part%warnings)) scene%warnings = scene%warnings//part%warnings
+      scene%warnings = scene%warnings//all_warnings(part)
    end subroutine run_step
 
    !> A line that says why limber has chosen an integrator; empty if the deck has.

@@ -7,14 +7,13 @@ module limber_analysis_stiffening
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_analysis_choice, only: choice_type, look_at_state, suits_adams
-   use limber_analysis_outcome, only: outcome_type, warn
    use limber_integrator_adams, only: adams_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_scene, only: dynamics_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: stiffening_type, watch_stiffness, stiffness_text
+   public :: stiffening_type, watch_stiffness, stiffness_text, stiffness_warning
 
    !> What a run remembers of it
    type :: stiffening_type
@@ -25,14 +24,16 @@ module limber_analysis_stiffening
       logical :: told = .false.
       !> When it was found, the step there [time], fastest vibration [rad/time] and decay [1/time]
       real(wp) :: since = 0.0_wp, step = 0.0_wp, fastest = 0.0_wp, decay = 0.0_wp
+      !> Steps that lay ahead then
+      real(wp) :: ahead = 0.0_wp
    contains
       procedure :: exchange => exchange_stiffening
    end type stiffening_type
 
 contains
 
-   !> Looks at the end of a step whether the run has turned stiff; a warning where the deck asks for ADAMS.
-   subroutine watch_stiffness(self, system, work, dynamics, integrator, q, v, outcome, turns)
+   !> Looks at the end of a step whether the run has turned stiff.
+   subroutine watch_stiffness(self, system, work, dynamics, integrator, q, v, turns)
       type(stiffening_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -40,7 +41,6 @@ contains
       class(integrator_type), intent(in) :: integrator
       !> Coordinates and velocities at its time (nq)
       real(wp), intent(in) :: q(:), v(:)
-      type(outcome_type), intent(inout) :: outcome
       !> Whether it is to go over to RADAU
       logical, intent(out) :: turns
       !> Steps of low order in a row that raise a suspicion; steps after which there is a look without any; looks that confirm it,
@@ -72,11 +72,22 @@ contains
          turns = dynamics%reason /= ''
          if (turns .or. ahead < dear) return
          self%told = .true.
-         call warn(outcome, 'ADAMS is bound to steps of '//as_text(self%step, 2)//' '//system%model%units%time//' since t = '// &
-            & as_text(self%since, 6)//' by '//words(self, system%model%units%time)//', which the motion no longer shows: up to '// &
-            & as_text(ahead, 2)//' steps lie ahead; use INTEGRATOR=AUTO or RADAU')
+         self%ahead = ahead
       end select
    end subroutine watch_stiffness
+
+   !> A warning if the deck has chosen ADAMS, and its step is bound to what the motion no longer shows; empty if not.
+   function stiffness_warning(self, unit) result(text)
+      type(stiffening_type), intent(in) :: self
+      !> Name of the unit of time
+      character(*), intent(in) :: unit
+      character(:), allocatable :: text
+      text = ''
+      if (.not. self%told) return
+      text = 'ADAMS is bound to steps of '//as_text(self%step, 2)//' '//unit//' since t = '//as_text(self%since, 6)//' by '// &
+         & words(self, unit)//', which the motion no longer shows: up to '//as_text(self%ahead, 2)//' steps lay ahead; use'// &
+         & ' INTEGRATOR=AUTO or RADAU'
+   end function stiffness_warning
 
    !> Whether the step is bound to a rate of the linearised system that the tolerance does not ask for, eq. (L2).
    logical function is_bound(self, system, work, dynamics, integrator, low, q, v) result(bound)
@@ -136,6 +147,7 @@ contains
       call snapshot%exchange('misses', self%misses)
       call snapshot%exchange('told', self%told)
       call snapshot%exchange('since', self%since)
+      call snapshot%exchange('ahead', self%ahead)
       call snapshot%exchange('step', self%step)
       call snapshot%exchange('fastest', self%fastest)
       call snapshot%exchange('decay', self%decay)

@@ -12,6 +12,7 @@ module limber_analysis_target_run
    use limber_analysis_estimate, only: kept_type
    use limber_analysis_estimate_report, only: record_estimate, estimate_table
    use limber_analysis_function_report, only: ring_warnings
+   use limber_analysis_outcome, only: all_warnings
    use limber_analysis_ranges, only: range_warnings
    use limber_analysis_reached, only: reached_type
    use limber_analysis_record, only: open_history, record_outcome
@@ -69,7 +70,8 @@ contains
       end do
       if (allocated(error)) return
       batch%error = reached%error
-      if (allocated(reached%outcome%warnings)) scene%warnings = scene%warnings//reached%outcome%warnings
+      if (reached%done .and. allocated(reached%outcome%unfollowed)) deallocate (reached%outcome%unfollowed)
+      scene%warnings = scene%warnings//all_warnings(reached%outcome)
       if (allocated(reached%outcome%indicators)) call add_ranges(reached, scene)
       if (reached%done) scene%warnings = scene%warnings//unverified_warning(reached)
       call record_target(reached, history%history_type, error)

@@ -5,7 +5,6 @@ module limber_analysis_watch
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_weakest, weak
-   use limber_integrator_ringing, only: ringing_type
    use limber_model_scene, only: dynamics_type
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise
@@ -13,7 +12,7 @@ module limber_analysis_watch
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning, ringing_warning, &
+   public :: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, phase_warning, &
       & slip_warning, largest_speed, find_weak
 
    !> Velocities that change faster than a motion changes them
@@ -230,50 +229,6 @@ contains
          & ' prescribes: at t = '//as_text(t(culprit), 8)//' they are off by '//as_text(100*part, 2)//' %'//whose//', and'// &
          & ' kinetic energy, work, accelerations and forces with them; use '//remedy
    end function slip_warning
-
-   !> A warning if accelerations lack vibrations that the integrator does not follow, eq. (W4).
-   function ringing_warning(ringing, is_adams, system, dynamics) result(text)
-      type(ringing_type), intent(in) :: ringing
-      !> Whether ADAMS has run to the end
-      logical, intent(in) :: is_adams
-      type(system_type), intent(in) :: system
-      !> Integrator, tolerance and time of the run
-      type(dynamics_type), intent(in) :: dynamics
-      !> Empty if all is well
-      character(:), allocatable :: text
-      !> Part of the largest acceleration that may be lost
-      real(wp), parameter :: allowed = 1.0e-2_wp
-      !> Acceleration below which a body is at rest by ADAMS, in units of the scene crossed once in the time of the run
-      real(wp), parameter :: at_rest = 1.0e-4_wp
-      real(wp) :: share, lost, omega, least
-      character(:), allocatable :: accelerations
-      integer :: body
-      text = ''
-      least = dynamics%tolerance
-      if (is_adams) least = max(least, at_rest)
-      call ringing%worst(system, least*system%model%length/(dynamics%end - dynamics%start)**2, body, share, lost, &
-         & omega)
-      if (share <= allowed) return
-      associate (units => system%model%units)
-         accelerations = ', accelerations by about '//as_text(lost, 2)//' '//units%length//'/'//units%time//'^2,'// &
-            & ' reactions and section forces by at most the mass of the body times that, '// &
-            & as_text(lost*system%model%bodies(body)%reduced%mass, 2)//' '//units%mass//' '//units%length//'/'//units%time//'^2'
-      end associate
-      if (is_adams) then
-         text = "ADAMS keeps up a vibration of body '"//system%model%bodies(body)%name//"' (about "//as_text(omega, 2)// &
-            & ' rad/'//system%model%units%time//') at the limit of its steps, whose deflection is below the tolerance, but not'// &
-            & ' its acceleration: accelerations there may err by '//as_text(100*share, 2)// &
-            & ' % of the largest acceleration that loads and inertia make'//accelerations// &
-            & '; use INTEGRATOR=RADAU, or a smaller TOLERANCE'
-         return
-      end if
-      text = dynamics%integrator
-      if (dynamics%integrator == 'ADAMS') text = 'RADAU'
-      text = text//" does not follow a vibration of body '"//system%model%bodies(body)%name//"' (about "// &
-         & as_text(omega, 2)//' rad/'//system%model%units%time//'), whose deflection is below the tolerance, but not its'// &
-         & ' acceleration: accelerations, reactions and section forces there may err by '//as_text(100*share, 2)// &
-         & ' % of the largest acceleration'//accelerations//'; use INTEGRATOR=ADAMS, or a smaller TOLERANCE'
-   end function ringing_warning
 
    !> Text about a jump, if constraints have lost their grip there.
    subroutine explain(system, work, t, q, body, text)

@@ -93,8 +93,8 @@ contains
       end if
       i = register%names%find(scope//' '//name)
       if (i > 0) then
-         call diagnostics%add(origin, "the name '"//name//"' is used twice among the "//scope, 'give it another name', &
-            & register%origins(i), 'first defined here')
+         call diagnostics%add(origin, "the name '"//name//"' is used twice among the "//scope, &
+            & 'give it another name; capitals are not distinguished', register%origins(i), 'first defined here')
          return
       end if
       i = register%names%count + 1

@@ -196,10 +196,10 @@ contains
             & 'a letter, then letters, digits and _')
       else if (is_reserved(name%text)) then
          call diagnostics%add(name%origin, "'"//name%text//"' has a meaning already and cannot be a parameter", &
-            & 't, pi and the functions are reserved')
+            & 't, pi and the functions are reserved; capitals are not distinguished')
       else if (found > 0) then
          call diagnostics%add(name%origin, "the parameter '"//lowercase(name%text)//"' is defined twice", &
-            & 'give it another name', deck%parameters%items(found)%origin, 'first defined here')
+            & 'give it another name; capitals are not distinguished', deck%parameters%items(found)%origin, 'first defined here')
       else if (deck%parameters%count >= max_parameters) then
          call diagnostics%add(name%origin, 'the deck has more than '//as_text(max_parameters)//' parameters')
       else

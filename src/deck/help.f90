@@ -243,7 +243,8 @@ contains
       type(option_spec_type), allocatable :: specs(:)
       integer :: row, i
       text = '# Keywords of a deck'//newline//newline//'Expressions: '//operators//'. Functions: '//listed_functions()//' (' &
-         & //function_meanings//'). `pi` is the number, `t` the time; `90 deg` is an angle in degrees.'//newline
+         & //function_meanings//'). `pi` is the number, `t` the time; `90 deg` is an angle in degrees.'//newline &
+         & //newline//'Capitals are not distinguished, in keywords and in names: `M` and `m` cannot both be channels.'//newline
       do row = 1, size(keyword_table)
          text = text//newline//'## *'//trim(keyword_table(row)%name)//newline//newline//trim(keyword_table(row)%meaning)//'.'
          if (keyword_table(row)%most == 1) text = text//' At most once.'

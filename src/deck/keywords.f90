@@ -225,7 +225,8 @@ module limber_deck_keywords
       & option_spec_type('DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('DYNAMICS', 'START', kind_real, '', &
       &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
-      & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
+      & option_spec_type('DYNAMICS', 'END', kind_real, '', 's', needed, &
+      &    'last instant; the time goes on from the analysis before'), &
       & option_spec_type('DYNAMICS', 'OUTPUTS', kind_counting, '', &
       &    '', '100', 'equal intervals between samples of the output: one sample more than intervals', most=10000000), &
       & option_spec_type('DYNAMICS', 'TOLERANCE', kind_positive, '', &
@@ -274,7 +275,8 @@ module limber_deck_keywords
       & option_spec_type('KINEMATICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('KINEMATICS', 'START', kind_real, '', &
       &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
-      & option_spec_type('KINEMATICS', 'END', kind_real, '', 's', needed, 'last instant'), &
+      & option_spec_type('KINEMATICS', 'END', kind_real, '', 's', needed, &
+      &    'last instant; the time goes on from the analysis before'), &
       & option_spec_type('KINEMATICS', 'OUTPUTS', kind_counting, '', '', '100', 'equal intervals between samples of the output', &
       &    most=10000000), &
       & option_spec_type('KINEMATICS', 'DEFLECTIONS', kind_word, 'HELD|STATIC', &
@@ -282,7 +284,8 @@ module limber_deck_keywords
       & option_spec_type('INVERSE DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('INVERSE DYNAMICS', 'START', kind_real, '', &
       &    's', '0', 'first instant; if not given behind another analysis, the end of that'), &
-      & option_spec_type('INVERSE DYNAMICS', 'END', kind_real, '', 's', needed, 'last instant'), &
+      & option_spec_type('INVERSE DYNAMICS', 'END', kind_real, '', 's', needed, &
+      &    'last instant; the time goes on from the analysis before'), &
       & option_spec_type('INVERSE DYNAMICS', 'OUTPUTS', kind_counting, '', &
       &    '', '100', 'equal intervals between samples of the output', most=10000000), &
       & option_spec_type('INVERSE DYNAMICS', 'DEFLECTIONS', kind_word, 'HELD|STATIC', &

@@ -30,7 +30,8 @@ module limber_deck_operations
    integer, parameter :: function_arity(*) = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, -2, -2, 1, 1, 1, 1]
    !> What is worth saying about them
    character(*), parameter :: function_meanings = 'angles in rad; log is the natural logarithm; ' &
-      & //'atan2(y, x); min and max of two or more; step(x) is 0 below x = 0 and 1 from there on; ' &
+      & //'atan2(y, x); min and max of two or more; step(x) is 0 below x = 0 and 1 from there on, ' &
+      & //'so that step(t - 1) acts at t = 1 already, in the equilibrium of a *STATICS that ends there too; ' &
       & //'smoothstep(x) rises from 0 at x = 0 to 1 at x = 1 with continuous second derivative; poly345(x) is the same, ' &
       & //'the 3-4-5 polynomial; cycloidal(x) does so as x - sin(2 pi x)/(2 pi)'
 

@@ -5,7 +5,7 @@
 !> Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapters 5 and 10;
 !> doc/theory, eqs. (36)-(38).
 module limber_integrator_adams
-   use limber_base_kinds, only: wp, long
+   use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_adams_errors, only: gamma_star, estimate_errors, weighted
@@ -312,12 +312,10 @@ contains
    subroutine note_vibrations(self, system)
       class(adams_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      !> Steps after which the size of what moves is noted elsewhere
-      integer, parameter :: seldom = 16
       integer :: i
       if (.not. self%limited) then
          call self%ringing%forget()
-         if (mod(self%statistics%steps, int(seldom, long)) > 0) return
+         return
       end if
       if (self%whole) then
          self%q = self%y(:self%nq)
@@ -328,7 +326,7 @@ contains
          self%change(self%kept(i)) = self%bound*self%scale(self%nq + i)
       end do
       call rates_of(system%layout, self%q, self%a, self%rates)
-      call self%ringing%note_limit(system, self%limited, self%h_last, self%q, self%rates, self%change)
+      call self%ringing%note_limit(system, self%h_last, self%rates, self%change)
    end subroutine note_vibrations
 
    !> Local error allowed in a step: errors of the speed of what turns add up turn by turn, and those of its angle with the square

@@ -10,6 +10,9 @@ module limber_integrator_ringing
    private
    public :: ringing_type
 
+   !> Most that is lost of a vibration, in parts of it: it is opposite
+   real(wp), parameter :: most_lost = 2.0_wp
+
    !> What is remembered of the vibrations of elastic coordinates, in the layout of the rates
    type :: ringing_type
       logical :: watched = .false.
@@ -17,14 +20,12 @@ module limber_integrator_ringing
       real(wp), allocatable :: last(:), before(:)
       integer :: known = 0
       real(wp) :: h_last = 0.0_wp
-      !> What has been lost of each, and its largest vibration (nw); largest acceleration of each body (bodies)
-      real(wp), allocatable :: lost(:), top(:), scale(:)
-      !> Where an explicit integrator keeps vibrations up: largest acceleration of each, or what its deflection stands for (nw)
-      real(wp), allocatable :: own(:)
+      !> What has been lost of each, or is kept up, and its largest vibration (nw)
+      real(wp), allocatable :: lost(:), top(:)
       !> Frequency of the fastest elastic coordinate [rad/time]
       real(wp) :: fastest = 0.0_wp
    contains
-      procedure :: watch, forget, note, note_limit, worst, exchange => exchange_ringing
+      procedure :: watch, forget, note, note_limit, lost_at, lost_of, exchange => exchange_ringing
    end type ringing_type
 
 contains
@@ -39,8 +40,7 @@ contains
             & maxval(system%model%bodies(i)%reduced%omega2))))
       end do
       associate (nw => system%layout%nw)
-         allocate (self%last(nw), self%before(nw), self%lost(nw), self%top(nw), self%own(nw), &
-            & self%scale(size(system%layout%q)), source=0.0_wp)
+         allocate (self%last(nw), self%before(nw), self%lost(nw), self%top(nw), source=0.0_wp)
       end associate
       self%watched = .true.
    end subroutine watch
@@ -63,12 +63,9 @@ contains
       real(wp) :: vibration, turn2
       integer :: i, k, at
       if (.not. self%watched) return
-      do i = 1, size(self%scale)
+      do i = 1, size(system%layout%n)
          associate (body => system%model%bodies(i), first => system%layout%w(i), n => system%layout%n(i))
-            if (n == 0) cycle
-            self%scale(i) = max(self%scale(i), abs(a(first)), abs(a(first + 1)), abs(a(first + 2))*body%size, &
-               & maxval(abs(a(first + 3:first + 2 + n)))*body%largest_shape)
-            if (self%known < 2) cycle
+            if (self%known < 2) exit
             do k = 1, n
                at = first + 2 + k
                turn2 = h**2*body%reduced%omega2(k)
@@ -85,71 +82,50 @@ contains
       self%known = min(2, self%known + 1)
    end subroutine note
 
-   !> Takes the accelerations at the end of a step of an explicit integrator that may be at the limit of its stability, eq. (Z1):
+   !> Takes the accelerations at the end of a step of an explicit integrator that is at the limit of its stability, eq. (Z1):
    !> vibrations do not die away there, but are kept up as large as the tolerance lets them be.
-   pure subroutine note_limit(self, system, is_limit, h, q, a, allowed)
+   pure subroutine note_limit(self, system, h, a, allowed)
       class(ringing_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      !> Whether it is there: else only the size of what moves is noted
-      logical, intent(in) :: is_limit
-      !> Length of the step; coordinates (nq), accelerations (nw); error that the speed of each coordinate may have (nq)
-      real(wp), intent(in) :: h, q(:), a(:), allowed(:)
+      !> Length of the step; accelerations (nw); error that the speed of each coordinate may have (nq)
+      real(wp), intent(in) :: h, a(:), allowed(:)
       !> Local errors that add up in a vibration that is kept up: beyond, it belongs to the motion
       real(wp), parameter :: most = 300.0_wp
-      real(wp) :: omega
-      integer :: i, k, at, from
-      if (is_limit) call self%note(system, h, a, 0.0_wp, 0)
-      do i = 1, size(self%scale)
-         associate (body => system%model%bodies(i), first => system%layout%w(i), n => system%layout%n(i))
-            if (n == 0) cycle
-            self%scale(i) = max(self%scale(i), abs(a(first)), abs(a(first + 1)), abs(a(first + 2))*body%size)
-            do k = 1, n
-               at = first + 2 + k
-               from = system%layout%q(i) + 3 + k
-               omega = sqrt(body%reduced%omega2(k))
-               ! At rest loads do not accelerate, but deflect
-               self%own(at) = max(self%own(at), abs(a(at)) - self%top(at), omega**2*abs(q(from)))
-               self%scale(i) = max(self%scale(i), body%largest_shape*self%own(at))
-               if (is_limit) self%lost(at) = max(self%lost(at), min(self%top(at), most*omega*allowed(from)))
-            end do
-         end associate
+      integer :: i, k, at
+      call self%note(system, h, a, 0.0_wp, 0)
+      do i = 1, size(system%layout%n)
+         do k = 1, system%layout%n(i)
+            at = system%layout%w(i) + 2 + k
+            self%lost(at) = max(self%lost(at), min(self%top(at), most*sqrt(system%model%bodies(i)%reduced%omega2(k)) &
+               & *allowed(system%layout%q(i) + 3 + k)))
+         end do
       end do
    end subroutine note_limit
 
-   !> The body whose accelerations have lost most.
-   pure subroutine worst(self, system, least, body, share, size_of, omega)
+   !> Acceleration that is lost of an elastic coordinate, or kept up [length/time^2 of unit modal mass].
+   pure real(wp) function lost_at(self, at) result(lost)
+      class(ringing_type), intent(in) :: self
+      !> Its place among the rates
+      integer, intent(in) :: at
+      lost = min(self%lost(at), most_lost*self%top(at))
+   end function lost_at
+
+   !> The same of all, zero where a body is at rest (nw).
+   pure function lost_of(self, system, least) result(lost)
       class(ringing_type), intent(in) :: self
       type(system_type), intent(in) :: system
-      !> Acceleration below which a body counts as at rest [length/time^2]
+      !> Acceleration of a point of a body below which it is at rest [length/time^2]
       real(wp), intent(in) :: least
-      !> Its index; 0: none
-      integer, intent(out) :: body
-      !> Part of its largest acceleration, the acceleration lost [length/time^2]; frequency of the vibration [rad/time]
-      real(wp), intent(out) :: share, size_of, omega
-      !> Part of the body's acceleration that one of its coordinates counts as at least
-      real(wp), parameter :: little = 0.1_wp
-      real(wp) :: lost, scale
+      real(wp) :: lost(size(self%lost))
       integer :: i, k, at
-      body = 0
-      share = 0.0_wp
-      size_of = 0.0_wp
-      omega = 0.0_wp
-      if (.not. self%watched) return
-      do i = 1, size(self%scale)
+      lost = 0.0_wp
+      do i = 1, size(system%layout%n)
          do k = 1, system%layout%n(i)
             at = system%layout%w(i) + 2 + k
-            scale = self%scale(i)
-            if (self%own(at) > 0.0_wp) scale = max(system%model%bodies(i)%largest_shape*self%own(at), little*scale)
-            lost = min(self%lost(at), 2*self%top(at))*system%model%bodies(i)%largest_shape
-            scale = max(scale, least, tiny(lost))
-            if (.not. lost > share*scale) cycle
-            body = i
-            share = lost/scale
-            size_of = lost
-            omega = sqrt(system%model%bodies(i)%reduced%omega2(k))
+            if (self%lost_at(at)*system%model%bodies(i)%largest_shape > least) lost(at) = self%lost_at(at)
          end do
       end do
-   end subroutine worst
+   end function lost_of
 
    !> Saves or restores its memory.
    subroutine exchange_ringing(self, snapshot)
@@ -161,8 +137,6 @@ contains
       call snapshot%exchange('ringing_h', self%h_last)
       call snapshot%keep('ringing_lost', self%lost)
       call snapshot%keep('ringing_top', self%top)
-      call snapshot%keep('ringing_scale', self%scale)
-      call snapshot%keep('ringing_own', self%own)
    end subroutine exchange_ringing
 
 end module limber_integrator_ringing

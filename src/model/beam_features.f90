@@ -5,6 +5,7 @@ module limber_model_beam_features
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_exact_profile, only: profile_type, profile_mean, profile_places, profile_values, of_ea, of_ei, of_ga, of_mass, &
       & of_rotary
    use limber_flex_mesh, only: support_type
@@ -250,23 +251,47 @@ contains
       body%beam%rho_a = mean(of_mass)
    end subroutine use_mean
 
-   !> A slender beam's model on a short one, eq. (X20).
+   !> A slender beam's model on a short one, eq. (X20): its frequencies where something may vibrate, else its deflection, if
+   !> anything bends it.
    subroutine warn_of_shear(deck, index, material, section, body, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index, material, section
       type(body_type), intent(in) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp) :: factor, part
+      real(wp) :: factor, slender, softer, part
+      character(:), allocatable :: error
       factor = shear_factor(deck%blocks(section), deck%blocks(section), 0.0_wp)
       if (.not. factor > 0.0_wp) factor = 5.0_wp/6
-      associate (block => deck%blocks(index), beam => body%beam)
-         part = 0.5_wp*(wave(body%choice%exact%support)/block%real('LENGTH'))**2*beam%ei/beam%ea &
-            & *(1 + 2*(1 + deck%blocks(material)%real('POISSON'))/factor)
+      associate (block => deck%blocks(index), beam => body%beam, choice => body%choice%exact)
+         slender = (wave(choice%support)/block%real('LENGTH'))**2*beam%ei/beam%ea
+         softer = 2*(1 + deck%blocks(material)%real('POISSON'))/factor
+         if (deck%find('DYNAMICS') > 0 .or. deck%find('MODES') > 0) then
+            part = 0.5_wp*slender*(1 + softer)
+            error = 'and rotary inertia its first bending frequency is too high'
+         else
+            if (.not. is_bent(deck, choice)) return
+            part = slender*softer
+            error = 'its deflection is too small'
+         end if
          if (part > noticed) call diagnostics%warn(block%origin_of('LENGTH'), "beam '"//block%name()//"' is short: without "// &
-            & 'shear and rotary inertia its first bending frequency is too high by about '//as_text(100*part, 2)//' %', &
-            & 'use SHEAR=YES')
+            & 'shear '//error//' by about '//as_text(100*part, 2)//' %', 'use SHEAR=YES')
       end associate
    end subroutine warn_of_shear
+
+   !> Whether anything bends a beam at rest: the links of a truss are only pulled.
+   pure logical function is_bent(deck, choice)
+      type(deck_type), intent(in) :: deck
+      type(exact_choice_type), intent(in) :: choice
+      integer :: i
+      is_bent = any(choice%moment) .or. abs(choice%arc) + abs(choice%hot_curvature) > 0.0_wp &
+         & .or. deck%find('GRAVITY') > 0 .or. deck%find('DISTRIBUTED LOAD') > 0
+      if (allocated(choice%kinks)) is_bent = is_bent .or. size(choice%kinks) > 0
+      if (allocated(choice%steps)) is_bent = is_bent .or. size(choice%steps) > 0
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword == 'STATICS') is_bent = is_bent .or. deck%blocks(i)%has('ROTATION')
+      end do
+      if (allocated(choice%corners)) is_bent = is_bent .or. size(choice%corners) > 0
+   end function is_bent
 
    !> Wave number of the first bending mode times the length.
    pure real(wp) function wave(support)

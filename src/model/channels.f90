@@ -12,7 +12,8 @@ module limber_model_channels
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
       & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
-      & of_flexible_point, of_section, of_coupler, quantity_stress_top, quantity_stress_bottom
+      & of_flexible_point, of_section, of_coupler, quantity_stress_top, quantity_stress_bottom, &
+      & quantity_kinetic, quantity_potential, quantity_work
    use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, body_flexible, ground, &
       & joint_coupler, coordinate_displacement, &
       & driver_angle, driver_joint_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
@@ -21,8 +22,8 @@ module limber_model_channels
    private
    public :: add_channels, unit_text, find_quantity
 
-   !> Dimension that could not be worked out
-   integer, parameter :: unknown = huge(1)
+   !> Dimension that could not be worked out; that of an energy: exponents of length, time and mass
+   integer, parameter :: unknown = huge(1), energy(3) = [2, -2, 1]
 
 contains
 
@@ -328,12 +329,28 @@ contains
          text = 'unknown'
          return
       end if
-      text = unit_text(dimension, units)
+      text = unit_text(dimension, units, is_moment(channel))
       if (size(channel%quantities) /= 1 .or. size(channel%expression%codes) /= 1) return
       if (.not. channel%quantities(1)%angular) return
       text = 'rad'
       if (dimension(2) == -1) text = 'rad/'//units%time
    end function channel_units
+
+   !> Whether what has the dimension of an energy is a moment: something of it is, and no angle multiplies that.
+   pure logical function is_moment(channel)
+      type(channel_type), intent(in) :: channel
+      integer :: i
+      is_moment = .false.
+      do i = 1, size(channel%quantities)
+         associate (quantity => channel%quantities(i))
+            if (quantity%angular .or. any(quantity%kind == [quantity_kinetic, quantity_potential, quantity_work])) then
+               is_moment = .false.
+               return
+            end if
+            is_moment = is_moment .or. all(quantity%dimension == energy)
+         end associate
+      end do
+   end function is_moment
 
    !> Dimension of an expression: its postfix program run on exponents. Plain numbers have none.
    pure function expression_dimension(channel) result(dimension)
@@ -376,16 +393,21 @@ contains
    end function combined
 
    !> A dimension in the deck's units: 'm', 'm/s', 'N', '1'.
-   pure function unit_text(dimension, units) result(text)
+   pure function unit_text(dimension, units, is_moment) result(text)
       !> Exponents of length, time and mass
       integer, intent(in) :: dimension(3)
       type(units_type), intent(in) :: units
+      !> Whether what has the dimension of an energy is a moment; if not given, it is none
+      logical, intent(in), optional :: is_moment
       character(:), allocatable :: text
       if (units%length == 'm' .and. units%time == 's' .and. units%mass == 'kg') then
          text = ''
          if (all(dimension == [1, -2, 1])) text = 'N'
-         if (all(dimension == [2, -2, 1])) text = 'J'
+         if (all(dimension == energy)) text = 'J'
          if (all(dimension == [-1, -2, 1])) text = 'Pa'
+         if (text == 'J' .and. present(is_moment)) then
+            if (is_moment) text = 'N m'
+         end if
          if (text /= '') return
       end if
       text = power(units%mass, dimension(3))//power(units%length, dimension(1))//power(units%time, dimension(2))

@@ -94,7 +94,7 @@ module limber_model_quantities
       & quantity_spec_type('shear_force', of_section, [1, -2, 1], .false., &
       &    'force to the left that the part behind the section exerts on the part before it'), &
       & quantity_spec_type('bending_moment', of_section, [2, -2, 1], .false., &
-      &    'E I times curvature, positive if the beam bends to the left'), &
+      &    'bending moment, that of the damping in it as in stresses; positive if the beam bends to the left'), &
       & quantity_spec_type('stress_top', of_section, [-1, -2, 1], .false., &
       &    'axial stress in the extreme fibre to the left of the axis'), &
       & quantity_spec_type('stress_bottom', of_section, [-1, -2, 1], .false., &

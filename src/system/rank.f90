@@ -41,6 +41,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, intent(inout) :: culprit
       type(redundancy_type) :: here
+      character(:), allocatable :: cause, remedy
       logical :: moved
       integer :: stuck
       call fill(system, work, matrix)
@@ -55,9 +56,11 @@ contains
       call look_aside(system, work, matrix, t, q, here, moved, stuck, found%redundancy)
       if (stuck > 0) then
          culprit = here%last(stuck)
-         call raise(error, system%constraints(culprit)%item%label//': the mechanism is at a dead centre: '// &
-            & constraint_names(system, here%group == stuck)//' let it move by an infinitely small way only. Remove one of them,'// &
-            & ' or change a length'//stretch_remedy(system, here%group == stuck))
+         remedy = stretch_remedy(system, here%group == stuck)
+         cause = ': the mechanism is at a dead centre: '
+         if (remedy /= '') cause = ': nothing stretches between joints: '
+         call raise(error, system%constraints(culprit)%item%label//cause//constraint_names(system, here%group == stuck)// &
+            & ' let it move by an infinitely small way only. Remove one of them, or change a length'//remedy)
       else if (.not. moved) then
          found%redundancy = here
          allocate (found%singular%group(size(here%group)), source=0)

@@ -16,6 +16,7 @@ program test_stability
    call check_click()
    call check_leap()
    call check_portal()
+   call check_pendulum()
    call check_ziegler()
    call check_beck()
    call finish()
@@ -129,6 +130,24 @@ contains
          call check(index(report, 'bifurcation') > 0, 'it is named: '//report)
       end do
    end subroutine check_portal
+
+   !> An inverted pendulum on a rotational spring: k/l is a bifurcation, whether an increment ends there or not, and whichever way it
+   !> stands.
+   subroutine check_pendulum()
+      character(*), parameter :: increments(4) = [character(13) :: 'INCREMENTS=3', 'INCREMENTS=4', 'INCREMENTS=10', 'INCREMENTS=37']
+      character(*), parameter :: side(2) = [character(9) :: 'side = 1', 'side = -1']
+      character(:), allocatable :: report
+      real(wp) :: last
+      integer :: i, j
+      do i = 1, size(increments)
+         do j = 1, size(side)
+            call last_instant('inverted.inp', [character(13) :: 'INCREMENTS=10', 'side = 1'], [character(13) :: increments(i), &
+               & side(j)], last, report)
+            call check_close(last, 0.5_wp, 1.0e-7_wp, 'an inverted pendulum on a spring, '//increments(i))
+            call check(index(report, 'bifurcation') > 0 .and. index(report, 'limit point') == 0, 'it is named: '//report)
+         end do
+      end do
+   end subroutine check_pendulum
 
    !> Ziegler's double pendulum, masses 2 and 1: flutter at 7/2 - sqrt(2) without damping, 41/28 + c^2/2 with any, as little as it
    !> may be; far above it both motions diverge.

@@ -27,6 +27,8 @@ program test_work
    call check_ringing()
    call check_kept_up()
    call check_kept_axial()
+   call check_unasked()
+   call check_no_circle()
    call finish()
 
 contains
@@ -292,6 +294,72 @@ contains
          call reader%close()
       end do
    end subroutine check_kept_up
+
+   !> A column with a head under its weight and a slow force across: RADAU does not follow how the weight makes it vibrate along
+   !> itself. Forces and moments across do not show that, and are right; the force along the column is wrong, and told by its size.
+   subroutine check_unasked()
+      character(*), parameter :: scene = '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=col, SHAPE=RECTANGLE, WIDTH=0.04, HEIGHT=0.02'//nl//'*GRAVITY'//nl//'*BEAM, NAME=column, '// &
+         & 'MATERIAL=steel, SECTION=col, LENGTH=0.8, ANGLE=90 deg'//nl//'*POINT MASS, NAME=top, MASS=5, Y=0.8'//nl// &
+         & '*JOINT, NAME=foot, TYPE=WELD'//nl//' column.start, ground.origin'//nl//'*JOINT, NAME=head, TYPE=REVOLUTE'//nl// &
+         & ' top, column.end'//nl//'*FORCE, NAME=f, POINT=column.end'//nl//' 50*cycloidal(t/0.5), 0'//nl
+      character(*), parameter :: dynamics = 'END=0.5, OUTPUTS=500'//nl//'*OUTPUT'//nl
+      character(*), parameter :: across = ' fx = force_x(foot), mw = moment(foot), v = shear_force(column.start)'//nl// &
+         & ' m = bending_moment(column.start)'
+      character(2), parameter :: names(4) = ['fx', 'mw', 'v ', 'm ']
+      real(wp), allocatable :: truth(:, :), along(:)
+      real(wp) :: off, told
+      integer :: i, at, found
+      allocate (truth(501, size(names)))
+      call run(scene, dynamics//across//', fy = force_y(foot)', 'ADAMS', '1e-9')
+      do i = 1, size(names)
+         truth(:, i) = channel(reader, trim(names(i)))
+      end do
+      allocate (along, source=channel(reader, 'fy'))
+      call reader%close()
+      call run(scene, dynamics//across, 'RADAU', '1e-5')
+      do i = 1, size(names)
+         off = maxval(abs(channel(reader, trim(names(i))) - truth(:, i)))/maxval(abs(truth(:, i)))
+         call check(off < 1.0e-3_wp, trim(names(i))//' across a column is right')
+      end do
+      call check(index(report, 'does not follow a vibration') == 0, 'nothing is told of a vibration that nobody asks for: '//report)
+      call reader%close()
+      call run(scene, dynamics//across//', fy = force_y(foot)', 'RADAU', '1e-5')
+      off = maxval(abs(channel(reader, 'fy') - along))/maxval(abs(along))
+      call check(off > 2.0e-2_wp, 'the force along the column lacks its vibration')
+      at = index(report, "channel 'fy' may err by about ")
+      call check(at > 0, 'it is told: '//report)
+      if (at > 0) then
+         read (report(at + 29:at + 32), *, iostat=found) told
+         call check(found == 0 .and. told > 50*off .and. told < 200*off, 'by its size: '//report)
+      end if
+      call reader%close()
+   end subroutine check_unasked
+
+   !> A cantilever under a sudden force at its tip: where RADAU tells that the moment lacks vibrations and names ADAMS, ADAMS must
+   !> not name RADAU.
+   subroutine check_no_circle()
+      character(*), parameter :: scene = '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=flat, SHAPE=RECTANGLE, WIDTH=0.04, HEIGHT=0.02'//nl//'*BEAM, NAME=arm, MATERIAL=steel, '// &
+         & 'SECTION=flat, LENGTH=0.8, FUNCTIONS=14'//nl//'*JOINT, NAME=clamp, TYPE=WELD'//nl//' arm.start, ground.origin'//nl// &
+         & '*FORCE, NAME=motor, POINT=arm.end'//nl//' 0, 20'//nl
+      character(*), parameter :: dynamics = 'END=0.05, OUTPUTS=200'//nl//'*OUTPUT'//nl//' m = bending_moment(arm.start)'
+      real(wp), allocatable :: truth(:)
+      real(wp) :: off
+      call run(scene, dynamics, 'ADAMS', '1e-9')
+      allocate (truth, source=channel(reader, 'm'))
+      call reader%close()
+      call run(scene, dynamics, 'RADAU', '1e-4')
+      off = maxval(abs(channel(reader, 'm') - truth))/maxval(abs(truth))
+      call check(off > 1.0e-2_wp .and. index(report, "channel 'm' may err by") > 0 .and. index(report, 'INTEGRATOR=ADAMS') > 0, &
+         & 'RADAU tells of the moment: '//report)
+      call reader%close()
+      call run(scene, dynamics, 'ADAMS', '1e-6')
+      off = maxval(abs(channel(reader, 'm') - truth))/maxval(abs(truth))
+      call check(off < 5.0e-3_wp, 'ADAMS has the moment right')
+      call check(index(report, 'INTEGRATOR=') == 0, 'and names no other integrator: '//report)
+      call reader%close()
+   end subroutine check_no_circle
 
    !> A mass that slides along a hinged beam: the beam vibrates along its axis by local errors of ADAMS alone, at orders of 5 to 8.
    !> Its axial force at the pin is told to be wrong, in any units; by RADAU it is the truth.

@@ -52,7 +52,7 @@ contains
          end if
          factor = 0.0_wp
          if (all(held)) factor = of_clamps(count(clamped))
-         if (count(held) == 1) factor = merge(0.25_wp, 0.0_wp, any(held .and. clamped))
+         if (count(held) == 1) factor = merge(merge(1.0_wp, 0.25_wp, all(clamped)), 0.0_wp, any(held .and. clamped))
          self%euler = factor*pi**2*beam%ei/exact%total**2
          self%euler_between = of_clamps(count(clamped))*pi**2*beam%ei/exact%total**2
          self%pace_between = pi**2/(exact%total*beam%rho_a*exact%total)
@@ -68,10 +68,11 @@ contains
       !> Of the start and the end
       logical, intent(inout) :: held(2), clamped(2)
       real(wp), intent(out) :: carried(2)
-      logical :: found(2), firm(2)
+      logical :: found(2), firm(2), guided(2)
       integer :: i, side, ends(2), end
       found = .false.
       firm = .false.
+      guided = .false.
       carried = 0.0_wp
       do i = 1, size(model%joints)
          if (any(model%joints(i)%kind == [joint_gear, joint_rack, joint_belt, joint_sliding])) cycle
@@ -81,7 +82,8 @@ contains
             end = end_of(model, body, model%joints(i)%points(side))
             if (end == 0) cycle
             found(end) = .true.
-            if (hangs_on(model, ends(3 - side), [body])) then
+            if (hangs_on(model, ends(3 - side), [body]) .or. .not. model%joints(i)%bears(side)) then
+               guided(end) = guided(end) .or. model%joints(i)%guides(side)
                carried(end) = carried(end) + model%bodies(ends(3 - side))%reduced%mass
             else
                firm(end) = .true.
@@ -90,7 +92,7 @@ contains
       end do
       where (found .and. .not. firm)
          held = .false.
-         clamped = .false.
+         clamped = guided
       end where
    end subroutine find_carried
 

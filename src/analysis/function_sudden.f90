@@ -35,10 +35,10 @@ module limber_analysis_function_sudden
       real(wp), allocatable :: bent(:), sheared(:), drawn(:), pushed(:)
       !> Curvature and stretch that the functions leave out before a jump (2, stations)
       real(wp), allocatable :: before(:, :)
-      !> Squared frequencies of the functions of the strain, each alone (strains)
-      real(wp), allocatable :: omega2(:)
-      !> Squares of the jumps of what the functions leave out of the axial force, added up, and largest axial force of the
-      !> vibrations of the upper half of them (stations)
+      !> Squared frequencies of the functions of the strain, each alone, and how much their roots are too high, relative (strains)
+      real(wp), allocatable :: omega2(:), slow(:)
+      !> Squares of the jumps of what the functions leave out of the axial force, added up, and largest axial force of
+      !> vibrations that are late (stations)
       real(wp), allocatable :: pull(:), ring(:)
    contains
       procedure :: exchange => exchange_sudden
@@ -61,13 +61,28 @@ contains
             & self%ring(m), source=0.0_wp)
          allocate (self%before(2, m), source=0.0_wp)
       end associate
-      allocate (self%omega2(exact%strains - exact%shears))
+      allocate (self%omega2(exact%strains - exact%shears), self%slow(exact%strains - exact%shears))
       do k = 1, size(self%omega2)
          place = sum_along(exact, exact%chi(1, k, :)) - sum(exact%base*exact%chi(1, k, :))
          self%omega2(k) = sum(exact%weight*exact%section(of_ea, :)*exact%chi(1, k, :)**2) &
             & /max(sum(exact%mass(:exact%stations)*place**2), tiny(place))
+         self%slow(k) = excess_of(exact, place, self%omega2(k))
       end do
    end subroutine start_sudden
+
+   !> By how much the frequency of a function of the strain is too high, relative: the axial force that its own inertia asks for
+   !> makes a better one, eq. (O5).
+   pure real(wp) function excess_of(exact, place, omega2) result(excess)
+      type(exact_type), intent(in) :: exact
+      !> Displacement along the axis (stations), and squared frequency
+      real(wp), intent(in) :: place(:), omega2
+      real(wp) :: force(size(place)), better
+      force = sum_along(exact, exact%mass(:exact%stations)/exact%weight*place)
+      ! What lies beyond, seen from the origin of the frame, which is held
+      where (exact%s > exact%origin) force = force - sum(exact%mass(:exact%stations)*place)
+      better = sum(exact%mass(:exact%stations)*place**2)/max(sum(exact%weight*force**2/exact%section(of_ea, :)), tiny(place))
+      excess = max(0.0_wp, 0.5_wp*(omega2/better - 1))
+   end function excess_of
 
    !> Takes a state.
    subroutine observe_sudden(self, exact, kind, t, eta, acceleration, lack, forces)
@@ -96,7 +111,7 @@ contains
             self%most(j) = max(self%most(j), amplitude)
             self%late(j) = max(self%late(j), amplitude*min(opposite, sqrt(held%omega2(j))*held%error(j)*(t - self%begun)))
          end do
-         call observe_stretch(self, exact, kind, eta(a + 1:), acceleration(a + 1:), lack(2, :))
+         call observe_stretch(self, exact, kind, t - self%begun, eta(a + 1:), acceleration(a + 1:), lack(2, :))
          select case (kind)
          case (at_start)
             ! Of what is in balance nothing vibrates
@@ -111,16 +126,19 @@ contains
       end associate
    end subroutine observe_sudden
 
-   !> The same along the axis, eq. (Q8): each function of the strain vibrates by itself, the upper half of them is late at once.
-   subroutine observe_stretch(self, exact, kind, eta, acceleration, lack)
+   !> The same along the axis, eq. (Q8): each function of the strain vibrates by itself, the upper half of them is late at once, the
+   !> others in time.
+   subroutine observe_stretch(self, exact, kind, time, eta, acceleration, lack)
       type(sudden_type), intent(inout) :: self
       type(exact_type), intent(in) :: exact
       integer, intent(in) :: kind
+      !> Since the first state
+      real(wp), intent(in) :: time
       !> Coordinates of the strain less those at rest, and their second derivatives (strains, then those of the shear)
       real(wp), intent(in) :: eta(:), acceleration(:)
       !> Stretch that the functions leave out (stations)
       real(wp), intent(in) :: lack(:)
-      real(wp) :: ring(size(lack)), loads, presents
+      real(wp) :: ring(size(lack)), loads, presents, late
       integer :: b
       loads = 0.0_wp
       presents = 0.0_wp
@@ -128,7 +146,9 @@ contains
       do b = 1, size(self%omega2)
          loads = loads + abs(acceleration(b))/self%omega2(b)*maxval(abs(exact%chi(1, b, :)))
          presents = presents + abs(eta(b))*maxval(abs(exact%chi(1, b, :)))
-         if (2*b > size(self%omega2)) ring = ring + abs(acceleration(b)/self%omega2(b)*exact%chi(1, b, :))
+         late = 1.0_wp
+         if (2*b <= size(self%omega2)) late = min(1.0_wp, sqrt(self%omega2(b))*self%slow(b)*time/opposite)
+         ring = ring + late*abs(acceleration(b)/self%omega2(b)*exact%chi(1, b, :))
       end do
       self%ring = max(self%ring, exact%section(of_ea, :)*ring)
       if (size(self%omega2) == 0) return

@@ -22,8 +22,8 @@ module limber_analysis_indicator_start
    private
    public :: start_indicators
 
-   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that does not slide along the beam, whether it
-   !> keeps it from turning, and the other body of a pin or weld, -1 for others
+   !> A joint, driver or load that acts on a beam: the point, whether it is a joint that holds the beam across and does not slide
+   !> along it, whether it keeps it from turning, and the other body of a pin or weld, -1 for others
    type :: contact_type
       integer :: point = 0
       logical :: is_joint = .false., is_weld = .false.
@@ -338,7 +338,7 @@ contains
       integer, intent(out) :: first(:)
       type(contact_type), allocatable, intent(out) :: contacts(:)
       integer :: pass, i, side, fill(size(first)), partner
-      logical :: is_weld
+      logical :: bears, is_weld
       first = 0
       do pass = 1, 2
          do i = 1, size(system%constraints)
@@ -346,15 +346,19 @@ contains
                do side = 1, 2
                   partner = -1
                   is_weld = .false.
+                  bears = .false.
                   if (i <= size(system%model%joints)) then
-                     is_weld = system%model%joints(i)%kind == joint_weld
+                     associate (joint => system%model%joints(i), body => item%bodies(side))
+                        bears = self%fixed(side, i) .and. joint%bears(side)
+                        if (body /= ground) bears = bears .or. (joint%guides(side) .and. is_rigid_beam(system%model%bodies(body)))
+                        is_weld = joint%kind == joint_weld .and. joint%bears(side)
+                     end associate
                      if (any(system%model%joints(i)%kind == [joint_revolute, joint_weld])) partner = item%bodies(3 - side)
                      if (partner > ground) then
                         if (is_base(system, partner)) partner = ground
                      end if
                   end if
-                  call enter(item%bodies(side), item%points(side), i <= size(system%model%joints) .and. self%fixed(side, i), &
-                     & is_weld, partner)
+                  call enter(item%bodies(side), item%points(side), bears, is_weld, partner)
                end do
             end associate
          end do

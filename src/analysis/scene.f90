@@ -5,6 +5,7 @@ module limber_analysis_scene
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
+   use limber_analysis_damping_watch, only: damping_warning
    use limber_analysis_laws, only: check_laws
    use limber_analysis_choice, only: choose_integrator
    use limber_analysis_given, only: changed_place, changed_velocity
@@ -27,8 +28,9 @@ module limber_analysis_scene
    use limber_system_algebra, only: cross
    use limber_system_point_motion, only: point_position
    use limber_system_massless, only: find_massless
-   use limber_system_modal_damping, only: any_modal, find_damping
+   use limber_system_modal_damping, only: any_modal, find_damping, damped_modes_type
    use limber_system_kinematics, only: angle_type
+   use limber_system_supports, only: find_supports
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
    private
@@ -179,6 +181,7 @@ contains
       call warn_of_changes(scene, diagnostics)
       call warn_of_springs(scene, diagnostics)
       call damp_modes(scene, diagnostics)
+      call find_supports(scene%system, scene%work, scene%q)
       if (scene%assembly%rank < scene%assembly%equations) then
          call soften_constraints(scene%system)
          call new_workspace(scene%system, scene%work)
@@ -216,21 +219,41 @@ contains
       type(scene_type), intent(inout) :: scene
       type(diagnostics_type), intent(inout) :: diagnostics
       type(model_type) :: model
+      type(damped_modes_type) :: modes
+      character(:), allocatable :: text, hint
       logical, allocatable :: missed(:)
-      integer :: i, block
+      integer :: i, body
       if (.not. any_modal(scene%system%model)) return
       model = scene%system%model
-      call find_damping(scene%system, scene%work, model, scene%q, missed)
+      call find_damping(scene%system, scene%work, model, scene%q, missed, modes)
       do i = 1, size(missed)
          if (.not. missed(i)) cycle
-         block = scene%deck%find('DAMPING')
-         call diagnostics%warn(scene%deck%blocks(block)%origin, "damping of '"//model%bodies(i)%name//"' is that of its"// &
+         ! Of a beam in pieces once
+         if (i > 1 .and. model%bodies(i)%whole > 0) then
+            if (model%bodies(i - 1)%whole == model%bodies(i)%whole) cycle
+         end if
+         call diagnostics%warn(damping_origin(scene, i), "damping of '"//name_in_deck(model, i)//"' is that of its"// &
             & ' coordinates, not of its modes as the scene holds it: the scene is too large to find these', &
             & 'RAYLEIGH BETA means the same in any coordinates')
       end do
+      call damping_warning(model, modes, body, text, hint)
+      if (body > 0) call diagnostics%warn(damping_origin(scene, body), text, hint)
       scene%system = new_system(model)
       call new_workspace(scene%system, scene%work)
    end subroutine damp_modes
+
+   !> Where the damping of a body stands in the deck.
+   pure function damping_origin(scene, body) result(origin)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: body
+      type(origin_type) :: origin
+      integer :: i
+      origin = origin_type(file=1)
+      do i = 1, size(scene%deck%blocks)
+         if (scene%deck%blocks(i)%keyword /= 'DAMPING') cycle
+         if (scene%deck%blocks(i)%name('BODY') == name_in_deck(scene%system%model, body)) origin = scene%deck%blocks(i)%origin
+      end do
+   end function damping_origin
 
    !> Deflections in equilibrium at the first time: with free frames by their own stiffness, and where drivers hold all frames
    !> together with the joints.

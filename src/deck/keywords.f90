@@ -207,11 +207,11 @@ module limber_deck_keywords
       &    'm', '', 'coordinate s where it ends; if not given, the end of the beam or member'), &
       & option_spec_type('DAMPING', 'BODY', kind_reference, 'BEAM|FRAME', '', needed, 'beam or frame that is damped'), &
       & option_spec_type('DAMPING', 'RAYLEIGH ALPHA', kind_nonnegative, '', &
-      &    '1/s', '0', 'damping for each unit of modal mass of the body''s modes as joints hold it'), &
+      &    '1/s', '0', 'damping for each unit of modal mass of the body''s modes as the scene holds it'), &
       & option_spec_type('DAMPING', 'RAYLEIGH BETA', kind_nonnegative, '', &
       &    's', '0', 'damping for each unit of modal stiffness'), &
       & option_spec_type('DAMPING', 'RATIO', kind_nonnegative, '', &
-      &    '', '0', 'part of the critical damping of every mode as joints hold the body, beside that of RAYLEIGH'), &
+      &    '', '0', 'part of the critical damping of every mode as joints and springs hold the body, beside that of RAYLEIGH'), &
       & option_spec_type('FRICTION', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the friction'), &
       & option_spec_type('FRICTION', 'JOINT', kind_reference, 'JOINT', '', needed, 'joint that it is in'), &
       & option_spec_type('FRICTION', 'COEFFICIENT', kind_nonnegative, '', &
@@ -386,7 +386,7 @@ module limber_deck_keywords
       & field_spec_type('SWEEP', 'parameter', kind_name, '', 'name of a parameter of the deck'), &
       & field_spec_type('SWEEP', 'value', kind_range, '', 'numbers, or first:last:count; of LATIN HYPERCUBE first:last', &
       &    repeated=.true.), &
-      & field_spec_type('DAMPING', 'mode', kind_counting, '', 'number of a mode, in ascending order of frequencies'), &
+      & field_spec_type('DAMPING', 'mode', kind_counting, '', 'number of a mode that strains the body, ascending frequencies'), &
       & field_spec_type('DAMPING', 'ratio', kind_nonnegative, '', 'part of the critical damping, in place of RATIO')]
    !> The lists of data lines of the form `form_lists`
    type(list_spec_type), parameter :: list_table(*) = [ &

@@ -196,10 +196,6 @@ contains
       body = find_body(model, block%name('BODY'))
       if (body == 0) return
       pieces = pieces_of(model, body)
-      if (model%bodies(body)%whole > 0 .and. (size(block%lines) > 0 .or. block%real('RATIO') > 0.0_wp .or. &
-         & block%real('RAYLEIGH ALPHA') > 0.0_wp)) call diagnostics%warn(block%origin, "damping of '"//block%name('BODY')// &
-         & "' is that of the coordinates of its segments, which are not the modes of the whole beam", &
-         & 'RAYLEIGH BETA means the same for any number of segments')
       before = diagnostics%count
       do body = pieces(1), pieces(2)
          call damp(block, body, model, diagnostics)
@@ -240,7 +236,6 @@ contains
                & + block%real('RAYLEIGH BETA')*reduced%omega2(i)
          end do
          ! That of its modes as it is held is found once the scene is assembled
-         if (model%bodies(body)%whole > 0) return
          if (.not. (maxval(ratio) > 0.0_wp .or. block%real('RAYLEIGH ALPHA') > 0.0_wp)) return
          allocate (model%bodies(body)%ratio, source=ratio)
          model%bodies(body)%rayleigh = [block%real('RAYLEIGH ALPHA'), block%real('RAYLEIGH BETA')]

@@ -209,6 +209,9 @@ module limber_model_scene
       logical :: same_direction = .false.
       !> The curve that a point stays on
       type(curve_type) :: curve
+      !> Whether it holds the beam on either side across its axis at the start: what hangs on the beam alone, or slides across it,
+      !> does not; and whether it keeps it from turning though it does not hold it
+      logical :: bears(2) = .true., guides(2) = .false.
       !> Terms of a coupler, and what their sum is in time; without a law, that of the first guess
       type(term_type), allocatable :: terms(:)
       logical :: has_law = .false.

@@ -1,23 +1,43 @@
-!> Damping of the vibrations of a body by the ratios of its modes as the scene holds it: with the joints and drivers, the inertia of
-!> all other bodies, whose deflections are held, and without springs. Found once, as a matrix on the coordinates of the body, so
-!> that it is the same for any coordinates that can have these modes. Floor: system. Source: doc/theory, eqs. (99), (R12), (R13).
+!> Damping of the vibrations of a body by the ratios of its modes as the scene holds it: with the joints, drivers, springs and
+!> bushings, and the inertia of all other bodies, whose deflections are held. Found once, as a matrix on the coordinates of the
+!> body, so that it is the same for any coordinates that can have these modes; and what the modes of the whole scene have of it.
+!> Floor: system. Source: doc/theory, eqs. (99), (R12), (R13), (O1)-(O3).
 module limber_system_modal_damping
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp
-   use limber_base_finite, only: dsyev
-   use limber_model_scene, only: model_type
+   use limber_base_finite, only: dgetrf, dgetrs
+   use limber_model_scene, only: model_type, ground
+   use limber_system_efforts, only: effort_load_type
+   use limber_system_eigenmodes, only: symmetric_modes
    use limber_system_eta_mass, only: update_eta_masses
    use limber_system_freedom, only: freedom_type, find_freedom
-   use limber_system_kinematics, only: place_frames
+   use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians, update_beam_masses, update_masses
+   use limber_system_springs, only: point_spring_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: any_modal, find_damping
+   public :: any_modal, find_damping, damped_modes_type
 
-   !> Most rates of frames of a scene whose motions are found
-   integer, parameter :: most = 400
-   !> Part of the largest stiffness, or inertia, that is none
-   real(wp), parameter :: nothing = 1.0e-13_wp
+   !> Most rates of frames of a scene whose motions are found for a body, and most rates of one whose own modes are found
+   integer, parameter :: most = 400, most_rates = 600
+
+   !> The modes of one body as it is held, which are damped: the more of the strain energy is in the body, the sooner
+   type :: held_modes_type
+      !> Frequencies, ascending (modes); coordinates that each strains in units of energy, and what has a part of one in it and none
+      !> in all others (n, modes)
+      real(wp), allocatable :: frequency(:), strain(:, :), dual(:, :)
+   end type held_modes_type
+
+   !> What the lowest modes of the scene have of the damping that their bodies ask for, eq. (O3)
+   type :: damped_modes_type
+      !> False if the scene is too large
+      logical :: found = .false.
+      !> Circular frequencies [rad/time]; parts of the critical damping: as they are, and as the bodies ask for (modes)
+      real(wp), allocatable :: frequency(:), ratio(:), asked(:)
+      !> Part of the strain energy in springs (modes), and in each body (bodies, modes)
+      real(wp), allocatable :: springs(:), share(:, :)
+   end type damped_modes_type
 
 contains
 
@@ -31,8 +51,8 @@ contains
       end do
    end function any_modal
 
-   !> Finds the damping of all such bodies.
-   subroutine find_damping(system, work, model, q, missed)
+   !> Finds the damping of all such bodies. Pieces of a beam keep that of their coordinates.
+   subroutine find_damping(system, work, model, q, missed, modes)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Of the system; the damping of its bodies is changed
@@ -41,97 +61,324 @@ contains
       real(wp), intent(in) :: q(:)
       !> Bodies whose damping is that of their own coordinates: the scene is too large (bodies)
       logical, allocatable, intent(out) :: missed(:)
+      !> What the modes of the scene have of it
+      type(damped_modes_type), intent(out) :: modes
+      type(held_modes_type) :: held(size(model%bodies))
+      real(wp), allocatable :: springs(:, :)
+      real(wp) :: rest(size(q))
       integer :: i
       allocate (missed(size(model%bodies)))
       missed = .false.
+      rest = 0.0_wp
       call place_frames(system%model, system%layout, system%model%dynamics%start, q, work%kinematics)
+      call move_frames(system%model, system%layout, q, rest, work%kinematics)
       call update_jacobians(system, work)
       call update_masses(system, work, q)
       call update_beam_masses(work)
       if (system%exact) call update_eta_masses(work)
+      allocate (springs(0, 0))
+      if (sum(system%layout%rates) <= most) call find_springs(system, work, springs)
       do i = 1, size(model%bodies)
          if (.not. allocated(model%bodies(i)%ratio)) cycle
+         if (model%bodies(i)%whole > 0) then
+            held(i) = own_coordinates(model%bodies(i)%reduced%omega2)
+            cycle
+         end if
          missed(i) = sum(system%layout%rates) > most
-         if (.not. missed(i)) call damp_body(system, work, i, model%bodies(i)%ratio, model%bodies(i)%rayleigh, &
-            & model%bodies(i)%reduced%damping)
+         if (missed(i)) cycle
+         call find_held_modes(system, work, i, springs, held(i), missed(i))
+         if (.not. missed(i)) call damp_body(held(i), model%bodies(i)%ratio, model%bodies(i)%rayleigh, &
+            & model%bodies(i)%reduced%omega2, model%bodies(i)%reduced%damping)
       end do
+      if (.not. any(missed) .and. sum(system%layout%rates) <= most .and. system%layout%nw <= most_rates) &
+         & call find_damped_modes(system, work, model, springs, held, modes)
+      ! Those of pieces are not known to be right
+      if (.not. modes%found) missed = missed .or. [(allocated(model%bodies(i)%ratio) .and. model%bodies(i)%whole > 0, &
+         & i=1, size(missed))]
    end subroutine find_damping
 
    !> The damping of one body, eq. (R13).
-   subroutine damp_body(system, work, body, ratio, rayleigh, damping)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(in) :: work
-      integer, intent(in) :: body
-      !> Of its modes in ascending order (n); factors of mass and stiffness
-      real(wp), intent(in) :: ratio(:), rayleigh(2)
+   pure subroutine damp_body(held, ratio, rayleigh, omega2, damping)
+      type(held_modes_type), intent(in) :: held
+      !> Of its modes in ascending order (n); factors of mass and stiffness; squared frequencies of its coordinates (n)
+      real(wp), intent(in) :: ratio(:), rayleigh(2), omega2(:)
       !> (n, n)
       real(wp), intent(inout) :: damping(:, :)
-      type(freedom_type) :: freedom
-      real(wp), allocatable :: inverse(:), strained(:, :)
-      real(wp) :: factor
-      integer :: n, k, j, mode, count
-      n = size(ratio)
-      call find_freedom(system, work, .true., freedom, body)
-      call find_modes(system, work, body, freedom%basis, strained, inverse)
+      real(wp) :: factor, force(size(omega2))
+      integer :: k, j
       damping = 0.0_wp
-      associate (reduced => system%model%bodies(body)%reduced)
-         do k = 1, n
-            damping(k, k) = rayleigh(2)*reduced%omega2(k)
+      do k = 1, size(omega2)
+         damping(k, k) = rayleigh(2)*omega2(k)
+      end do
+      do j = 1, size(held%frequency)
+         factor = 2*ratio(j)/held%frequency(j) + rayleigh(1)/held%frequency(j)**2
+         force = sqrt(omega2)*held%dual(:, j)
+         do k = 1, size(omega2)
+            damping(:, k) = damping(:, k) + factor*force*force(k)
          end do
-         count = size(inverse)
-         do j = 1, count
-            ! In ascending order of frequencies
-            mode = count + 1 - j
-            factor = 2*ratio(mode)*sqrt(inverse(j)) + rayleigh(1)*inverse(j)
-            do k = 1, n
-               damping(:, k) = damping(:, k) + factor*strained(:, j)*strained(k, j)
-            end do
-         end do
-      end associate
+      end do
    end subroutine damp_body
 
-   !> Modes of the motions that are left, eq. (R12): K psi on the coordinates of the body with psi.K psi = 1 (n, modes), and the
-   !> inverses of the squared frequencies, ascending (modes).
-   subroutine find_modes(system, work, body, basis, strained, inverse)
+   !> Each coordinate by itself.
+   pure type(held_modes_type) function own_coordinates(omega2) result(held)
+      real(wp), intent(in) :: omega2(:)
+      integer :: k
+      allocate (held%strain(size(omega2), size(omega2)))
+      held%strain = 0.0_wp
+      do k = 1, size(omega2)
+         held%strain(k, k) = 1.0_wp
+      end do
+      allocate (held%dual, source=held%strain)
+      held%frequency = sqrt(omega2)
+   end function own_coordinates
+
+   !> Modes of a body as it is held: of the motions that are left, eq. (R12), those that have the most of their strain energy in it
+   !> and are no sums of others, eq. (O1).
+   subroutine find_held_modes(system, work, body, springs, held, missed)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
-      !> (nw, motions)
-      real(wp), intent(in) :: basis(:, :)
-      real(wp), allocatable, intent(out) :: strained(:, :), inverse(:)
-      real(wp), allocatable :: stiffness(:, :), mass(:, :), value(:), room(:), free(:, :), weight(:)
-      integer :: first, n, f, r, j, info
-      f = size(basis, 2)
+      !> Stiffness of springs and bushings (nw, nw)
+      real(wp), intent(in) :: springs(:, :)
+      type(held_modes_type), intent(out) :: held
+      !> True if they are not found
+      logical, intent(out) :: missed
+      type(freedom_type) :: freedom
+      real(wp), allocatable :: frequency(:), motion(:, :), strain(:, :)
+      integer :: first, n, j, count
+      integer, allocatable :: chosen(:)
+      call find_freedom(system, work, .true., freedom, body)
+      call find_modes(system, work, freedom%basis, springs, frequency, motion, missed)
+      if (missed) return
       n = system%layout%n(body)
       first = system%layout%w(body) + system%layout%rates(body)
-      allocate (stiffness(f, f), mass(f, f), value(f), room(64*f + 64), weight(n))
-      weight = system%model%bodies(body)%reduced%omega2
-      do j = 1, f
-         stiffness(:, j) = matmul(weight*basis(first:first + n - 1, j), basis(first:first + n - 1, :))
+      allocate (strain(n, size(frequency)))
+      associate (omega2 => system%model%bodies(body)%reduced%omega2)
+         do j = 1, size(frequency)
+            strain(:, j) = sqrt(omega2)*motion(first:first + n - 1, j)/frequency(j)
+         end do
+      end associate
+      allocate (chosen(size(frequency)))
+      call choose(strain, chosen, count)
+      held%frequency = frequency(chosen(:count))
+      held%strain = strain(:, chosen(:count))
+      call find_dual(held%strain, held%dual, missed)
+   end subroutine find_held_modes
+
+   !> The columns that have the most beside those chosen before, in ascending order.
+   pure subroutine choose(strain, chosen, count)
+      !> (n, modes)
+      real(wp), intent(in) :: strain(:, :)
+      integer, intent(inout) :: chosen(:)
+      integer, intent(out) :: count
+      !> Part of the energy of a mode that is none beside that of others
+      real(wp), parameter :: none = 1.0e-6_wp
+      real(wp) :: rest(size(strain, 1), size(strain, 2)), unit(size(strain, 1)), part(size(strain, 2))
+      logical :: taken(size(strain, 2))
+      integer :: k, j, next
+      rest = strain
+      taken = .false.
+      do k = 1, min(size(strain, 1), size(strain, 2))
+         part = [(dot_product(rest(:, j), rest(:, j)), j=1, size(part))]
+         next = maxloc(part, dim=1, mask=.not. taken)
+         if (.not. part(next) > none) exit
+         taken(next) = .true.
+         unit = rest(:, next)/sqrt(part(next))
+         do j = 1, size(part)
+            rest(:, j) = rest(:, j) - unit*dot_product(unit, rest(:, j))
+         end do
       end do
-      call dsyev('V', 'L', f, stiffness, f, value, room, size(room), info)
-      r = 0
-      if (f > 0 .and. info == 0) r = count(value > nothing*maxval(value))
-      call project_mass(system, work, matmul(basis, stiffness), mass)
-      allocate (strained(n, r), inverse(r), free(f - r, f - r))
-      if (r == 0) return
-      strained = matmul(basis(first:first + n - 1, :), stiffness(:, f - r + 1:))
-      do j = 1, r
-         strained(:, j) = weight*strained(:, j)/sqrt(value(f - r + j))
-         mass(:, f - r + j) = mass(:, f - r + j)/sqrt(value(f - r + j))
-         mass(f - r + j, :) = mass(f - r + j, :)/sqrt(value(f - r + j))
+      count = 0
+      do j = 1, size(taken)
+         if (.not. taken(j)) cycle
+         count = count + 1
+         chosen(count) = j
       end do
-      call condense(mass, f - r, room)
-      free = 0.0_wp
-      deallocate (stiffness)
-      allocate (stiffness(r, r))
-      stiffness = mass(f - r + 1:, f - r + 1:)
-      call dsyev('V', 'L', r, stiffness, r, inverse, room, size(room), info)
-      inverse = max(inverse, 0.0_wp)
-      strained = matmul(strained, stiffness)
+   end subroutine choose
+
+   !> Y (Y^T Y)^-1 of columns that are independent.
+   subroutine find_dual(strain, dual, missed)
+      real(wp), intent(in) :: strain(:, :)
+      real(wp), allocatable, intent(out) :: dual(:, :)
+      logical, intent(out) :: missed
+      real(wp) :: factors(size(strain, 2), size(strain, 2)), right(size(strain, 2), size(strain, 1))
+      integer :: pivot(size(strain, 2)), m, info
+      m = size(strain, 2)
+      missed = .false.
+      allocate (dual, source=strain)
+      if (m == 0) return
+      factors = matmul(transpose(strain), strain)
+      right = transpose(strain)
+      call dgetrf(m, m, factors, m, pivot, info)
+      missed = info /= 0
+      if (missed) return
+      call dgetrs('N', m, size(strain, 1), factors, m, pivot, right, m, info)
+      dual = transpose(right)
+   end subroutine find_dual
+
+   !> Modes of motions that are left: of all bodies' deflections and of springs. Those without strain are left out.
+   subroutine find_modes(system, work, basis, springs, frequency, motion, missed)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> (nw, motions), and the stiffness of springs (nw, nw)
+      real(wp), intent(in) :: basis(:, :), springs(:, :)
+      !> Ascending (modes); of unit modal mass (nw, modes)
+      real(wp), allocatable, intent(out) :: frequency(:), motion(:, :)
+      logical, intent(out) :: missed
+      real(wp), allocatable :: stiffness(:, :), mass(:, :)
+      complex(wp), allocatable :: value(:), vector(:, :)
+      integer :: i, first, j, f, rigid
+      f = size(basis, 2)
+      allocate (stiffness(f, f), mass(f, f))
+      stiffness = matmul(transpose(basis), matmul(springs, basis))
+      do i = 1, size(system%layout%w)
+         first = system%layout%w(i) + system%layout%rates(i)
+         do j = 1, system%layout%n(i)
+            call add_square(system%model%bodies(i)%reduced%omega2(j), basis(first + j - 1, :), stiffness)
+         end do
+      end do
+      call project_mass(system, work, basis, mass)
+      missed = f > 0
+      if (f > 0) call symmetric_modes(mass, stiffness, f, value, vector)
+      if (allocated(value)) missed = .false.
+      if (missed .or. f == 0) then
+         allocate (frequency(0), motion(size(basis, 1), 0))
+         return
+      end if
+      rigid = count(.not. aimag(value) > 0.0_wp)
+      frequency = pack(aimag(value), aimag(value) > 0.0_wp)
+      allocate (motion(size(basis, 1), size(frequency)))
+      motion = matmul(basis, real(vector(:, rigid + 1:), wp))
    end subroutine find_modes
 
-   !> Inertia of motions: of the body with its coordinates, of all others as they are.
+   !> matrix = matrix + factor row row^T.
+   pure subroutine add_square(factor, row, matrix)
+      real(wp), intent(in) :: factor, row(:)
+      real(wp), intent(inout) :: matrix(:, :)
+      integer :: k
+      do k = 1, size(row)
+         matrix(:, k) = matrix(:, k) + factor*row*row(k)
+      end do
+   end subroutine add_square
+
+   !> Stiffness of all springs, bushings and laws of elongations at the place, without what follows or drags (nw, nw).
+   subroutine find_springs(system, work, springs)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      real(wp), allocatable, intent(inout) :: springs(:, :)
+      real(wp), allocatable :: stiffness(:, :), damping(:, :)
+      integer, allocatable :: to(:)
+      integer :: i, j, k
+      deallocate (springs)
+      allocate (springs(system%layout%nw, system%layout%nw))
+      springs = 0.0_wp
+      do i = 1, size(system%loads)
+         associate (load => system%loads(i)%item)
+            if (.not. is_spring(system, i)) cycle
+            allocate (stiffness(sum(load%rates), sum(load%rates)), source=0.0_wp)
+            allocate (damping, source=stiffness)
+            call load%add_tangent(work%kinematics, stiffness, damping)
+            to = unknowns_of(system, i)
+            if (all(ieee_is_finite(stiffness))) then
+               do k = 1, size(to)
+                  do j = 1, size(to)
+                     springs(to(j), to(k)) = springs(to(j), to(k)) + 0.5_wp*(stiffness(j, k) + stiffness(k, j))
+                  end do
+               end do
+            end if
+            deallocate (stiffness, damping, to)
+         end associate
+      end do
+   end subroutine find_springs
+
+   !> Whether a load stores energy by the places of its points.
+   pure logical function is_spring(system, load)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: load
+      is_spring = .false.
+      select type (item => system%loads(load)%item)
+      type is (point_spring_type)
+         is_spring = item%stiffness > 0.0_wp
+      type is (effort_load_type)
+         is_spring = .not. item%follower .and. (item%stiffness > 0.0_wp .or. item%stores)
+      end select
+   end function is_spring
+
+   !> Rates that a load acts on, body after body.
+   pure function unknowns_of(system, load) result(list)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: load
+      integer, allocatable :: list(:)
+      integer :: side, k
+      allocate (list(0))
+      associate (item => system%loads(load)%item)
+         do side = 1, size(item%bodies)
+            if (item%bodies(side) == ground) cycle
+            list = [list, [(system%layout%w(item%bodies(side)) + k - 1, k=1, item%rates(side))]]
+         end do
+      end associate
+   end function unknowns_of
+
+   !> The lowest modes of the whole scene with their damping, eqs. (O2), (O3).
+   subroutine find_damped_modes(system, work, model, springs, held, modes)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> With the damping of its bodies
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: springs(:, :)
+      type(held_modes_type), intent(in) :: held(:)
+      type(damped_modes_type), intent(out) :: modes
+      type(freedom_type) :: freedom
+      real(wp), allocatable :: frequency(:), motion(:, :)
+      real(wp) :: asked, flexible
+      integer :: i, j, first, last
+      logical :: missed
+      call find_freedom(system, work, .false., freedom)
+      call find_modes(system, work, freedom%basis, springs, frequency, motion, missed)
+      modes%found = .not. missed
+      if (missed) return
+      allocate (modes%ratio(size(frequency)), modes%asked(size(frequency)), modes%springs(size(frequency)), &
+         & modes%share(size(model%bodies), size(frequency)))
+      modes%share = 0.0_wp
+      modes%ratio = 0.0_wp
+      modes%asked = 0.0_wp
+      do j = 1, size(frequency)
+         flexible = 0.0_wp
+         do i = 1, size(model%bodies)
+            if (system%layout%n(i) == 0) cycle
+            first = system%layout%w(i) + system%layout%rates(i)
+            last = first + system%layout%n(i) - 1
+            associate (eta => motion(first:last, j), reduced => model%bodies(i)%reduced)
+               modes%share(i, j) = sum(reduced%omega2*eta**2)/frequency(j)**2
+               flexible = flexible + modes%share(i, j)
+               if (.not. allocated(model%bodies(i)%ratio)) cycle
+               modes%ratio(j) = modes%ratio(j) + 0.5_wp/frequency(j)*(dot_product(eta, matmul(reduced%damping, eta)) &
+                  & - model%bodies(i)%rayleigh(2)*modes%share(i, j)*frequency(j)**2)
+               call ask(held(i), model%bodies(i)%ratio, model%bodies(i)%rayleigh(1), sqrt(reduced%omega2)*eta/frequency(j), &
+                  & frequency(j), asked)
+               modes%asked(j) = modes%asked(j) + modes%share(i, j)*asked
+            end associate
+         end do
+         modes%asked(j) = modes%asked(j)/max(flexible, tiny(1.0_wp))
+         modes%springs(j) = 1 - flexible
+      end do
+      call move_alloc(frequency, modes%frequency)
+   end subroutine find_damped_modes
+
+   !> The ratio that a body asks for where a mode of the scene strains it: that of its own modes which make up this strain.
+   pure subroutine ask(held, ratio, alpha, strain, frequency, asked)
+      type(held_modes_type), intent(in) :: held
+      !> Of its modes; Rayleigh's factor of mass; strain in units of energy (n); of the mode
+      real(wp), intent(in) :: ratio(:), alpha, strain(:), frequency
+      real(wp), intent(out) :: asked
+      real(wp) :: part(size(held%frequency))
+      integer :: k
+      part = [(dot_product(held%dual(:, k), strain)**2, k=1, size(part))]
+      asked = 0.5_wp*alpha/frequency
+      if (sum(part) > 0.0_wp) asked = asked + dot_product(part, ratio(:size(part)))/sum(part)
+   end subroutine ask
+
+   !> Inertia of motions.
    subroutine project_mass(system, work, motion, mass)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
@@ -159,24 +406,5 @@ contains
          mass(:, j) = matmul(product, motion)
       end do
    end subroutine project_mass
-
-   !> Lets the first motions, which strain nothing, follow the others: M_yy - M_yx M_xx^-1 M_xy in the place of M_yy.
-   subroutine condense(mass, free, room)
-      real(wp), intent(inout) :: mass(:, :), room(:)
-      integer, intent(in) :: free
-      real(wp) :: block(free, free), value(free), part(size(mass, 1) - free)
-      integer :: j, k, info
-      if (free == 0) return
-      block = mass(:free, :free)
-      call dsyev('V', 'L', free, block, free, value, room, size(room), info)
-      if (info /= 0) return
-      do j = 1, free
-         if (.not. value(j) > nothing*value(free)) cycle
-         part = matmul(mass(free + 1:, :free), block(:, j))
-         do k = 1, size(part)
-            mass(free + 1:, free + k) = mass(free + 1:, free + k) - part*part(k)/value(j)
-         end do
-      end do
-   end subroutine condense
 
 end module limber_system_modal_damping

@@ -204,7 +204,7 @@ contains
          if (.not. own .and. any(reached(ends_of(model, joint)))) call raise_passed()
       end subroutine of_moment
 
-      !> Torque, force or power of a driver.
+      !> Torque, force or power of a driver, of which forces that are passed on are a part by their lever, eq. (O6).
       subroutine of_driver(driver)
          integer, intent(in) :: driver
          integer :: side
@@ -214,17 +214,28 @@ contains
                   call raise_moment(minloc(abs(body%reduced%exact%s - body%choice%exact%origin), dim=1))
                end associate
             else if (own%body > 0) then
-               if (reached(own%body)) call raise_passed()
+               if (reached(own%body)) call raise_driven(driver)
             else if (own%joint > 0) then
-               if (any(reached(ends_of(model, own%joint)))) call raise_passed()
+               if (any(reached(ends_of(model, own%joint)))) call raise_driven(driver)
             else
                do side = 1, 2
                   if (own%points(side) == 0) cycle
-                  if (reached(model%points(own%points(side))%body)) call raise_passed()
+                  if (reached(model%points(own%points(side))%body)) call raise_driven(driver)
                end do
             end if
          end associate
       end subroutine of_driver
+
+      subroutine raise_driven(driver)
+         integer, intent(in) :: driver
+         integer :: which
+         do which = 1, size(self%driven)
+            associate (of => self%driven(which))
+               if (of%driver /= driver .or. .not. of%largest > nothing*of%lever*passed(3)) cycle
+               lost(of_forces:) = max(lost(of_forces:), passed(:2)*of%lever/of%largest)
+            end associate
+         end do
+      end subroutine raise_driven
 
       subroutine raise_moment(at)
          integer, intent(in) :: at

@@ -14,9 +14,10 @@ module limber_analysis_function_watch
    use limber_analysis_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
    use limber_model_stresses, only: recover_stations
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
-   use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2
-   use limber_model_scene, only: model_type, joint_revolute, joint_weld
-   use limber_output_joints, only: joint_force, joint_force_in_frame, frame_of
+   use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, &
+      & quantity_torque, quantity_force, quantity_power
+   use limber_model_scene, only: model_type, joint_revolute, joint_weld, driver_joint_angle, ground
+   use limber_output_joints, only: joint_force, driver_effort, joint_force_in_frame, frame_of
    use limber_system_algebra, only: turn, along, cross
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -52,6 +53,13 @@ module limber_analysis_function_watch
       real(wp) :: largest(4) = 0.0_wp
    end type reaction_type
 
+   !> The torque or force of a driver that channels ask for
+   type :: driven_type
+      integer :: driver = 0
+      !> Lever by which forces act on it at most [length], of a force 1; largest torque or force
+      real(wp) :: lever = 1.0_wp, largest = 0.0_wp
+   end type driven_type
+
    !> All exact beams
    type :: function_watch_type
       type(beam_watch_type), allocatable :: beams(:)
@@ -59,6 +67,7 @@ module limber_analysis_function_watch
       integer :: kind = at_rest
       !> Forces in motion that channels ask for
       type(reaction_type), allocatable :: reactions(:)
+      type(driven_type), allocatable :: driven(:)
    contains
       procedure :: exchange
    end type function_watch_type
@@ -84,7 +93,68 @@ contains
          call start_buckling(self%beams(k)%buckling, system%model, i)
       end do
       call start_reactions(self, system%model)
+      call start_driven(self, system%model)
    end subroutine start_functions
+
+   !> The drivers that channels ask for.
+   subroutine start_driven(self, model)
+      type(function_watch_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      logical :: asked(size(model%drivers))
+      integer :: i, k
+      asked = .false.
+      do i = 1, size(model%channels)
+         do k = 1, size(model%channels(i)%quantities)
+            associate (quantity => model%channels(i)%quantities(k))
+               if (quantity%of_load .or. quantity%of_coupler .or. quantity%of > size(asked)) cycle
+               if (any(quantity%kind == [quantity_torque, quantity_force, quantity_power])) asked(quantity%of) = .true.
+            end associate
+         end do
+      end do
+      if (size(self%beams) == 0) asked = .false.
+      allocate (self%driven(count(asked)))
+      self%driven%driver = pack([(i, i=1, size(asked))], asked)
+      do i = 1, size(self%driven)
+         associate (driver => model%drivers(self%driven(i)%driver))
+            if (driver%body > 0) self%driven(i)%lever = largest_lever(model, driver%body)
+            if (driver%joint > 0 .and. driver%kind == driver_joint_angle) self%driven(i)%lever = maxval([(largest_lever(model, &
+               & body_of(model, model%joints(driver%joint)%points(k))), k=1, 2)])
+         end associate
+      end do
+   end subroutine start_driven
+
+   pure integer function body_of(model, point) result(body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: point
+      body = 0
+      if (point > 0) body = model%points(point)%body
+   end function body_of
+
+   !> Largest distance of two joints of a body [length].
+   pure real(wp) function largest_lever(model, body) result(lever)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      real(wp) :: place(2, 2*size(model%joints))
+      integer :: i, k, n, side
+      lever = 0.0_wp
+      if (body == ground) return
+      n = 0
+      do i = 1, size(model%joints)
+         do side = 1, 2
+            if (model%joints(i)%points(side) == 0) cycle
+            associate (point => model%points(model%joints(i)%points(side)))
+               if (point%body /= body) cycle
+               n = n + 1
+               place(:, n) = point%p0
+            end associate
+         end do
+      end do
+      do i = 1, n
+         do k = 1, i - 1
+            lever = max(lever, norm2(place(:, i) - place(:, k)))
+         end do
+      end do
+   end function largest_lever
 
    !> The joints whose forces channels ask for, and where joints hold the beams.
    subroutine start_reactions(self, model)
@@ -146,6 +216,9 @@ contains
       if (self%kind == at_rest) return
       do i = 1, size(self%reactions)
          call observe_reaction(self, system, work, q, i)
+      end do
+      do i = 1, size(self%driven)
+         self%driven(i)%largest = max(self%driven(i)%largest, abs(driver_effort(system, work, self%driven(i)%driver)))
       end do
    end subroutine observe_functions
 
@@ -349,6 +422,7 @@ contains
       do i = 1, size(whole%reactions)
          whole%reactions(i)%largest = max(whole%reactions(i)%largest, part%reactions(i)%largest)
       end do
+      whole%driven%largest = max(whole%driven%largest, part%driven%largest)
    end subroutine join_functions
 
    !> Saves or restores it.
@@ -372,6 +446,9 @@ contains
       if (.not. allocated(self%reactions)) return
       do i = 1, size(self%reactions)
          call snapshot%exchange('reaction', self%reactions(i)%largest)
+      end do
+      do i = 1, size(self%driven)
+         call snapshot%exchange('driven', self%driven(i)%largest)
       end do
    end subroutine exchange
 

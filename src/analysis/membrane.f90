@@ -1,5 +1,6 @@
 !> Axial forces of frames whose members cannot shorten as they bend, because supports or other members hold their ends apart:
-!> the finite elements of the frame at rest, under the shortening of each element, as the joints with the ground hold them.
+!> the finite elements of the frame at rest, under the shortening of each element, as joints with the ground and with rigid bodies hold
+!> them.
 !> The floating frame of reference leaves these forces out. Made at the first look. Floor: analysis.
 !> Source: doc/theory, section 43, eqs. (V3)-(V5).
 !>
@@ -23,15 +24,16 @@ module limber_analysis_membrane
    type :: membrane_type
       !> Whether the constants are made, and whether anything can hold the ends of members apart
       logical :: made = .false., redundant = .false.
-      !> Force of each joint with the ground on the nodes, and the displacements that it makes (3, nodes, rows)
+      !> Force of each joint on the nodes, and the displacements that it makes (3, nodes, rows)
       real(wp), allocatable :: load(:, :, :), response(:, :, :)
-      !> Of the equations of these forces and of the motion of the body: the inverse (rows + 3, rows + 3)
+      !> Of the equations of these forces and of the motions of the body and of those that it is joined to: the inverse (n, n),
+      !> n = rows + motions
       real(wp), allocatable :: inverse(:, :)
       !> Axial force of each element that the shortening makes (elements) [force]
       real(wp), allocatable :: force(:)
       !> Work of these forces on the slopes that the rotation of the body (0) and the chosen coordinates make (0:chosen)
       real(wp), allocatable :: push(:)
-      !> Scratch: displacements of the coordinates, others, forces (3, nodes), right-hand side and forces of joints (rows + 3),
+      !> Scratch: displacements of the coordinates, others, forces (3, nodes), right-hand side and forces of joints (n),
       !> shortening (elements)
       real(wp), allocatable :: bent(:, :), u(:, :), nodal(:, :), side(:), lambda(:), strain(:)
    end type membrane_type
@@ -50,14 +52,17 @@ contains
       type(body_survey_type), intent(in) :: own
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
-      real(wp) :: rigid(3, system%nc)
-      integer :: rows, loops, i
+      integer :: first(size(system%model%bodies))
+      real(wp), allocatable :: rigid(:, :)
+      integer :: rows, motions, loops, i
       self%made = .true.
       associate (survey => own%survey, mesh => own%survey%mesh)
          allocate (self%load(3, size(mesh%place, 2), system%nc))
-         call find_joints(self, system, work, surveys, own, q, rows, rigid)
+         call find_partners(system, own%body, first, motions)
+         allocate (rigid(motions, system%nc))
+         call find_joints(self, system, work, surveys, own, q, first, rows, rigid)
          loops = size(mesh%member) - size(mesh%place, 2) + 1
-         self%redundant = loops > 0 .or. rows > 3 .or. count(.not. mesh%free) > 3
+         self%redundant = loops > 0 .or. rows > motions .or. count(.not. mesh%free) > 3
          if (.not. self%redundant) return
          allocate (self%response(3, size(mesh%place, 2), rows))
          do i = 1, rows
@@ -67,41 +72,86 @@ contains
          call invert(self, rows, rigid(:, :rows))
          allocate (self%force(size(mesh%member)), self%strain(size(mesh%member)), self%push(0:size(survey%chosen)))
          allocate (self%bent(3, size(mesh%place, 2)), self%u(3, size(mesh%place, 2)), self%nodal(3, size(mesh%place, 2)))
-         allocate (self%side(rows + 3), self%lambda(rows + 3))
+         allocate (self%side(rows + motions), self%lambda(rows + motions))
       end associate
    end subroutine start_membrane
 
-   !> The forces of joints with the ground and with rigid bodies of known motion, for unit multipliers: on the nodes, and on the
-   !> motion of the body.
-   subroutine find_joints(self, system, work, surveys, own, q, rows, rigid)
+   !> Rigid bodies that joints connect with the frame, one by the other: where their motions stand behind those of the frame.
+   pure subroutine find_partners(system, body, first, motions)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      !> The place before the first motion of each body (bodies); -1: none
+      integer, intent(out) :: first(:)
+      !> Of the frame and all these
+      integer, intent(out) :: motions
+      !> Most motions
+      integer, parameter :: most = 60
+      logical :: changed
+      integer :: i, side, other
+      first = -1
+      first(body) = 0
+      motions = 3
+      changed = .true.
+      do while (changed)
+         changed = .false.
+         do i = 1, size(system%constraints)
+            associate (ends => system%constraints(i)%item%bodies)
+               do side = 1, 2
+                  other = ends(3 - side)
+                  if (is_base(system, ends(side)) .or. is_base(system, other)) cycle
+                  if (first(ends(side)) < 0 .or. first(other) >= 0) cycle
+                  if (system%layout%n(other) > 0 .or. motions + system%layout%rates(other) > most) cycle
+                  first(other) = motions
+                  motions = motions + system%layout%rates(other)
+                  changed = .true.
+               end do
+            end associate
+         end do
+      end do
+   end subroutine find_partners
+
+   !> The forces of joints of the frame and of these bodies with each other, with the ground, and with rigid bodies of known motion,
+   !> for unit multipliers: on the nodes, and on the motions.
+   subroutine find_joints(self, system, work, surveys, own, q, motion, rows, rigid)
       type(membrane_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       type(surveys_type), intent(in) :: surveys
       type(body_survey_type), intent(in) :: own
       real(wp), intent(in) :: q(:)
+      !> The place before the first motion of each body (bodies)
+      integer, intent(in) :: motion(:)
       !> How many
       integer, intent(out) :: rows
-      !> Along both axes of the body, and about its origin (3, rows)
+      !> On the frame along both its axes, and about its origin; on the rates of the others (motions, rows)
       real(wp), intent(out) :: rigid(:, :)
       real(wp) :: force(3), arm(2)
-      integer :: i, side, row, first, place, point
+      integer :: i, side, row, first, place, m
       first = system%layout%q(own%body)
       rows = 0
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item, u => q(first + 2:first + 3))
-            do side = 1, 2
-               if (item%bodies(side) /= own%body .or. .not. is_base(system, item%bodies(3 - side))) cycle
-               point = item%points(side)
-               do row = 1, item%rows
-                  rows = rows + 1
+            if (.not. (takes_part(item%bodies(1)) .or. takes_part(item%bodies(2)))) cycle
+            if (.not. all([(takes_part(item%bodies(side)) .or. is_base(system, item%bodies(side)), side=1, 2)])) cycle
+            do row = 1, item%rows
+               rows = rows + 1
+               rigid(:, rows) = 0.0_wp
+               self%load(:, :, rows) = 0.0_wp
+               do side = 1, 2
+                  if (.not. takes_part(item%bodies(side))) cycle
+                  if (item%bodies(side) /= own%body) then
+                     m = system%layout%rates(item%bodies(side))
+                     associate (to => motion(item%bodies(side)))
+                        rigid(to + 1:to + m, rows) = work%jacobians(side, i)%z(row, :m)
+                     end associate
+                     cycle
+                  end if
                   force = work%jacobians(side, i)%z(row, 1:3)
-                  rigid(:, rows) = [dot_product(u, force(1:2)), cross(u, force(1:2)), force(3)]
-                  self%load(:, :, rows) = 0.0_wp
-                  if (point == 0) cycle
-                  place = surveys%place(point)
+                  rigid(:3, rows) = [dot_product(u, force(1:2)), cross(u, force(1:2)), force(3)]
+                  if (item%points(side) == 0) cycle
+                  place = surveys%place(item%points(side))
                   if (place == 0) cycle
-                  arm = point_position(system%model, system%layout, system%model%points(point), q) - q(first:first + 1)
+                  arm = point_position(system%model, system%layout, system%model%points(item%points(side)), q) - q(first:first + 1)
                   self%load(:, :, rows) = rigid(1, rows)*own%survey%load(:, :, 3*place - 2) &
                      & + rigid(2, rows)*own%survey%load(:, :, 3*place - 1) &
                      & + (force(3) - cross(arm, force(1:2)))*own%survey%load(:, :, 3*place)
@@ -109,6 +159,15 @@ contains
             end do
          end associate
       end do
+
+   contains
+
+      pure logical function takes_part(body)
+         integer, intent(in) :: body
+         takes_part = .false.
+         if (.not. is_base(system, body)) takes_part = motion(body) >= 0
+      end function takes_part
+
    end subroutine find_joints
 
    !> Inverse of the equations of the joints' forces and of the motion of the body, eq. (V4); equations that depend on others
@@ -116,10 +175,12 @@ contains
    subroutine invert(self, rows, rigid)
       type(membrane_type), intent(inout) :: self
       integer, intent(in) :: rows
-      !> (3, rows)
+      !> (motions, rows)
       real(wp), intent(in) :: rigid(:, :)
-      real(wp) :: matrix(rows + 3, rows + 3), scale(rows + 3), value(rows + 3), room(8*(rows + 3)), size_of
-      integer :: i, j, info
+      real(wp), dimension(rows + size(rigid, 1)) :: scale, value
+      real(wp) :: matrix(size(scale), size(scale)), room(8*size(scale)), size_of
+      integer :: i, j, n, info
+      n = size(scale)
       matrix = 0.0_wp
       scale = 1.0_wp
       do j = 1, rows
@@ -132,20 +193,20 @@ contains
       do j = 1, rows
          if (matrix(j, j) > 0.0_wp) scale(j) = 1/sqrt(matrix(j, j))
       end do
-      do j = rows + 1, rows + 3
+      do j = rows + 1, n
          size_of = norm2(scale(:rows)*matrix(:rows, j))
          if (size_of > 0.0_wp) scale(j) = 1/size_of
       end do
-      do j = 1, rows + 3
+      do j = 1, n
          matrix(:, j) = scale*matrix(:, j)*scale(j)
       end do
-      call dsyev('V', 'L', rows + 3, matrix, rows + 3, value, room, size(room), info)
-      allocate (self%inverse(rows + 3, rows + 3))
+      call dsyev('V', 'L', n, matrix, n, value, room, size(room), info)
+      allocate (self%inverse(n, n))
       self%inverse = 0.0_wp
       if (info /= 0) return
-      do i = 1, rows + 3
+      do i = 1, n
          if (.not. abs(value(i)) > dependent*maxval(abs(value))) cycle
-         do j = 1, rows + 3
+         do j = 1, n
             self%inverse(:, j) = self%inverse(:, j) + scale*matrix(:, i)*(matrix(j, i)*scale(j)/value(i))
          end do
       end do

@@ -209,7 +209,8 @@ contains
    end subroutine check_parts
 
    !> A member whose ends supports hold apart, under a force in its middle: exact beams give the tension of a beam between fixed
-   !> hinges, H = E A/(2 L) int w'^2, and its deflection; the default lacks both and tells by how much. On a roller it is right.
+   !> hinges, H = E A/(2 L) int w'^2, and its deflection; the default lacks both and tells by how much, on the ground and on a bow.
+   !> On a roller it is right.
    subroutine check_held_ends()
       real(wp), parameter :: load(4) = [1.0_wp, 10.0_wp, 30.0_wp, 200.0_wp]
       type(history_reader_type) :: reader
@@ -220,12 +221,12 @@ contains
       integer :: i, k
       do i = 1, size(load)
          call held_beam(load(i), tension, deflection)
-         do k = 1, 3
-            call run_scene(held_member(load(i), merge(', LARGE=YES', '           ', k == 2), k == 3), reader, warnings)
+         do k = 1, 4
+            call run_scene(held_member(load(i), merge(', LARGE=YES', '           ', k == 2), k == 3, k == 4), reader, warnings)
             allocate (y, source=channel(reader, 'y'))
             allocate (force, source=channel(reader, 'N'))
             print '(a,f6.1,i2,4es12.4)', 'held ends', load(i), k, y(size(y)), deflection, force(size(force)), tension
-            if (k == 1) then
+            if (k == 1 .or. k == 4) then
                call reader%read_table('/bodies/f/indicators', table, error)
                call check_no_error(error, 'held ends: indicators')
                call check_close(table(1, indicator_membrane), 1 - deflection/abs(y(size(y))), 1.0e-2_wp, &
@@ -246,18 +247,24 @@ contains
    end subroutine check_held_ends
 
    !> A bar of 0.01 by 0.01, 1 m long, on two hinges, or on a hinge and a roller.
-   function held_member(load, option, rolls) result(text)
+   function held_member(load, option, rolls, bowed) result(text)
       real(wp), intent(in) :: load
       character(*), intent(in) :: option
-      logical, intent(in) :: rolls
-      character(:), allocatable :: text
+      !> Whether its end is on a roller; whether a rigid body holds its ends, itself on a hinge and a roller
+      logical, intent(in) :: rolls, bowed
+      character(:), allocatable :: text, holder
+      holder = 'ground'
+      if (bowed) holder = 'bow'
       text = '*MATERIAL, NAME=s, YOUNG=2e11, DENSITY=7800'//nl//'*SECTION, NAME=c, SHAPE=RECTANGLE, WIDTH=0.01, HEIGHT=0.01'// &
          & nl//'*GROUND'//nl//' e, 1, 0'//nl//'*FRAME, NAME=f, MATERIAL=s, SECTION=c'//trim(option)//nl//' m, 1, 0.5'//nl// &
          & '*NODE'//nl//' 1, 0, 0, start'//nl//' 2, 1, 0, end'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl// &
-         & '*JOINT, NAME=l, TYPE=REVOLUTE'//nl//' f.start, ground.origin'//nl//'*JOINT, NAME=r, TYPE='// &
-         & trim(merge('POINT ON LINE', 'REVOLUTE     ', rolls))//nl//' f.end, ground.e'//nl// &
+         & '*JOINT, NAME=l, TYPE=REVOLUTE'//nl//' f.start, '//holder//'.origin'//nl//'*JOINT, NAME=r, TYPE='// &
+         & trim(merge('POINT ON LINE', 'REVOLUTE     ', rolls))//nl//' f.end, '//holder//'.e'//nl// &
          & '*FORCE, NAME=p, POINT=f.m'//nl//' 0, -'//as_text(load)//nl//'*STATICS'//nl//'*OUTPUT'//nl// &
          & ' y = y(f.m), N = axial_force(f.m)'//nl
+      if (bowed) text = text//'*RIGID BODY, NAME=bow, MASS=1, INERTIA=1'//nl//' e, 1, 0'//nl// &
+         & '*JOINT, NAME=hinge, TYPE=REVOLUTE'//nl//' bow.origin, ground.origin'//nl//'*JOINT, NAME=roller, TYPE=POINT ON LINE'// &
+         & nl//' bow.e, ground.e'//nl
    end function held_member
 
    !> Tension and deflection of that bar by the differential equation E I w'''' = H w''.

@@ -70,7 +70,8 @@ module limber_analysis_indicators
       & peak_stiffness = 12, peak_lost = 13, peak_quartic = 14, peak_bent = 15, peak_stretch = 16, &
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
       & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, &
-      & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peaks = 25
+      & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peak_growth = 26, &
+      & peaks = 26
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
    !> squared coordinates of bending
@@ -111,6 +112,9 @@ module limber_analysis_indicators
       !> Sums, the first and the last time that they are of, and how many states
       real(wp) :: total(sums) = 0.0_wp, span(2) = [huge(1.0_wp), -huge(1.0_wp)]
       integer :: looks = 0
+      !> Time of the last state, its compression in parts of Euler's load, and how far a small deflection has grown since that is
+      !> beyond it, as a logarithm
+      real(wp) :: pressed_at = huge(1.0_wp), compression = 0.0_wp, growth = 0.0_wp
       !> Masses that other bodies hang on its places, and which place does not follow the shortening; zero: the start (places)
       real(wp), allocatable :: carried(:)
       integer :: anchor = 0
@@ -350,6 +354,9 @@ contains
          call snapshot%exchange('time', self%bodies(i)%time)
          call snapshot%exchange('total', self%bodies(i)%total)
          call snapshot%exchange('span', self%bodies(i)%span)
+         call snapshot%exchange('pressed_at', self%bodies(i)%pressed_at)
+         call snapshot%exchange('compression', self%bodies(i)%compression)
+         call snapshot%exchange('growth', self%bodies(i)%growth)
          call snapshot%exchange('looks', self%bodies(i)%looks)
          call snapshot%exchange('seen', self%bodies(i)%seen)
          call snapshot%exchange('seen_at', self%bodies(i)%seen_at)

@@ -7,7 +7,7 @@ module limber_analysis_observation
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
       & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_kinetic, sum_elastic, sum_shortening, &
-      & sum_bent, sum_acceleration, peak_quartic_grown
+      & sum_bent, sum_acceleration, peak_quartic_grown, peak_growth
    use limber_flex_stations, only: stations_type
    use limber_analysis_false_damping, only: observe_false_damping
    use limber_analysis_function_watch, only: observe_functions
@@ -453,6 +453,22 @@ contains
       end associate
    end subroutine add_force
 
+   !> How far a small deflection grows while the compression is beyond Euler's load, eq. (O7).
+   pure subroutine observe_growth(self, t, compression)
+      type(body_indicators_type), intent(inout) :: self
+      !> Time; compression in parts of Euler's load
+      real(wp), intent(in) :: t, compression
+      if (min(compression, self%compression) > 1.0_wp .and. t > self%pressed_at) then
+         self%growth = self%growth + (t - self%pressed_at)*self%first_frequency*0.5_wp*(sqrt(compression - 1) &
+            & + sqrt(self%compression - 1))
+      else
+         self%growth = 0.0_wp
+      end if
+      self%compression = compression
+      self%pressed_at = t
+      call raise_peak(self, peak_growth, self%growth, t)
+   end subroutine observe_growth
+
    !> Axial force, its work on the bending, what the model has of it, and what the coordinates cannot carry.
    pure subroutine observe_forces(self, stations, body, t, eta)
       type(body_indicators_type), intent(inout) :: self
@@ -498,6 +514,7 @@ contains
          left_out = left_out + row*self%across(s)
       end do
       call raise_peak(self, peak_compression, -load, t)
+      call observe_growth(self, t, -load)
       call raise_peak(self, peak_tension, load, t)
       call raise_peak(self, peak_geometric, abs(work), t)
       call raise_peak(self, peak_stiffness, elastic + max(work, 0.0_wp), t)

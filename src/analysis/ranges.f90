@@ -7,7 +7,7 @@ module limber_analysis_ranges
    use limber_base_text, only: as_text, newline
    use limber_analysis_function_report, only: function_warnings
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
-      & indicator_names, indicator_meanings, peak_unstretched, slow, &
+      & indicator_names, indicator_meanings, peak_unstretched, peak_growth, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
@@ -22,6 +22,8 @@ module limber_analysis_ranges
    character(*), parameter :: held_apart = ': its joints or its other members hold the ends of members apart as these bend'
    !> Part of the length below which a deflection is none, and part of the largest one of the scene below which it does not matter
    real(wp), parameter :: nothing = 1.0e-9_wp, negligible = 1.0e-3_wp
+   !> Growth of a small deflection under a compression beyond Euler's load, as a logarithm, that makes it large
+   real(wp), parameter :: much = 2.0_wp
    !> Shift of vibrations beyond which only this is told
    real(wp), parameter :: beyond = 0.5_wp
    !> Of a rigid beam: frequency of loads, relative to the first one, from which its deflection is more than at rest, and how much
@@ -55,7 +57,7 @@ contains
       case (indicator_compression)
          if (linear) then
             limit = 0.5_wp
-         else if (indicator_value(indicators, indicator_pace) < slow) then
+         else if (indicator_value(indicators, indicator_pace) < slow .or. indicators%peak(peak_growth) > much) then
             limit = 1.0_wp
          end if
       case (indicator_geometric)

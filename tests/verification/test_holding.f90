@@ -142,6 +142,7 @@ contains
       call judge_mast(linear, 15, pin//rail//up, '')
       call judge_mast('K_G', 40, pin, '7.3 times its Euler load')
       call judge_mast('K_G', 15, pin//rail//strut, '')
+      call judge_mast('K_G', 100, pin//rail//up, 'times its Euler load')
       call judge_mast('EXACT', 100, pin//bob, 'times its Euler load')
       call judge_mast('EXACT', 100, pin//rail//side, 'times its Euler load')
       call judge_mast('EXACT', 15, pin//rail//up, '')

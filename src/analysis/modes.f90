@@ -5,6 +5,7 @@ module limber_analysis_modes
    use limber_base_error, only: error_type
    use limber_base_signals, only: let_signals_end
    use limber_base_text, only: as_text, newline
+   use limber_analysis_damping_watch, only: changed_damping
    use limber_analysis_function_checks, only: function_mode_warnings
    use limber_analysis_kinks, only: kink_warnings
    use limber_analysis_mode_aside, only: compare_aside
@@ -139,6 +140,8 @@ contains
       outcome%warnings = outcome%warnings//aside//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
          & balance%rotation, vibrations, step%name)//kink_warnings(scene%system, balance%tangent, &
          & scene%work%kinematics, step%dynamics%start, scene%q, balance%v, step%damped, vibrations, step%name)
+      if (step%damped) outcome%warnings = outcome%warnings//changed_damping(scene%system, vibrations, scene%warnings, &
+         & "*MODES '"//step%name//"'")
       allocate (lambda, source=scene%work%lambda)
       outcome%warnings = outcome%warnings//function_mode_warnings(scene%system, scene%work, balance, step%dynamics%start, &
          & scene%q, lambda, more, size(vibrations%frequency), step%name)

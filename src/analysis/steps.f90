@@ -6,6 +6,7 @@ module limber_analysis_steps
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_closing, only: energy_warning
+   use limber_analysis_damping_watch, only: changed_damping
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
    use limber_analysis_gaps, only: pass_gap
    use limber_analysis_guard, only: guard_type
@@ -15,6 +16,7 @@ module limber_analysis_steps
    use limber_analysis_kinematics, only: run_kinematics
    use limber_analysis_modes, only: run_modes
    use limber_analysis_scene, only: scene_type, settle_integrator
+   use limber_analysis_small_motions, only: linearise_state, lowest_vibrations
    use limber_analysis_statics, only: run_statics
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_statistics, only: step_statistics_type
@@ -27,7 +29,10 @@ module limber_analysis_steps
    use limber_output_progress, only: progress_type
    use limber_system_assembly, only: assemble, first_guess
    use limber_system_dynamics, only: linearise, worst_constraint
+   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium
+   use limber_system_modal_damping, only: any_modal
    use limber_system_projection, only: settle
+   use limber_system_vibrations, only: vibrations_type, no_damping
    implicit none
    private
    public :: run_steps, passed_type
@@ -241,6 +246,7 @@ contains
          call run_modes(scene, step, history, part, lines, error, is_secured)
          call let_signals_end(.false.)
       case (step_dynamics)
+         if (scene%system%layout%nw <= quick) call weigh_damping(scene, step)
          call new_integrator(scene%system%model%dynamics, integrator)
          call run_dynamics(scene, integrator, history, progress, part, error, guard)
          lines = newline//'      '//scene%system%model%dynamics%integrator//', '//as_text(integrator%statistics%steps)// &
@@ -251,6 +257,26 @@ contains
       end select
       scene%warnings = scene%warnings//all_warnings(part)
    end subroutine run_step
+
+   !> Damping by ratios is that of the first position without loads: behind a static analysis it may be another one.
+   subroutine weigh_damping(scene, step)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      !> Modes that are looked at
+      integer, parameter :: looked = 5
+      type(equilibrium_type) :: balance
+      type(vibrations_type) :: vibrations
+      type(error_type), allocatable :: error
+      logical :: balanced
+      if (.not. scene%last%balanced .or. .not. any_modal(scene%system%model)) return
+      call new_equilibrium(scene%system, balance)
+      call linearise_state(scene, step, balance, balanced, error)
+      if (allocated(error) .or. .not. balanced) return
+      call lowest_vibrations(scene, balance, no_damping, looked, 0, vibrations, error)
+      if (allocated(error)) return
+      scene%warnings = scene%warnings//changed_damping(scene%system, vibrations, scene%warnings, &
+         & "the equilibrium before *DYNAMICS '"//step%name//"'")
+   end subroutine weigh_damping
 
    !> A line that says why limber has chosen an integrator; empty if the deck has.
    pure function chosen(dynamics) result(text)

@@ -211,7 +211,7 @@ module limber_deck_keywords
       & option_spec_type('DAMPING', 'RAYLEIGH BETA', kind_nonnegative, '', &
       &    's', '0', 'damping for each unit of modal stiffness'), &
       & option_spec_type('DAMPING', 'RATIO', kind_nonnegative, '', &
-      &    '', '0', 'part of the critical damping of every mode as joints and springs hold the body, beside that of RAYLEIGH'), &
+      &    '', '0', 'part of the critical damping of each mode, as joints and springs hold the body at first, without loads'), &
       & option_spec_type('FRICTION', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the friction'), &
       & option_spec_type('FRICTION', 'JOINT', kind_reference, 'JOINT', '', needed, 'joint that it is in'), &
       & option_spec_type('FRICTION', 'COEFFICIENT', kind_nonnegative, '', &

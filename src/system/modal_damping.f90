@@ -20,7 +20,7 @@ module limber_system_modal_damping
    public :: any_modal, find_damping, damped_modes_type
 
    !> Most rates of frames of a scene whose motions are found for a body, and most rates of one whose own modes are found
-   integer, parameter :: most = 400, most_rates = 600
+   integer, parameter :: most = 400, most_rates = 400
 
    !> The modes of one body as it is held, which are damped: the more of the strain energy is in the body, the sooner
    type :: held_modes_type

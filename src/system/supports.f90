@@ -97,16 +97,18 @@ contains
       end do
    end subroutine find_clamp
 
-   !> Bodies that constraints connect with a body, but by a beam, or the ground, which is told of (0 is the ground).
+   !> Bodies that constraints connect with a body, but by a beam, or the ground, which is told of (0 is the ground). Where they are
+   !> too many they are taken to be on the ground.
    pure subroutine reach(system, body, beam, reached)
       type(system_type), intent(in) :: system
       integer, intent(in) :: body, beam
       logical, intent(out) :: reached(0:)
       logical :: changed
-      integer :: i
+      integer :: i, count
       reached = .false.
       reached(body) = .true.
       changed = body /= ground
+      count = 1
       do while (changed)
          changed = .false.
          do i = 1, size(system%constraints)
@@ -116,6 +118,10 @@ contains
                if (any(ends == ground .and. reached(ends))) cycle
                reached(ends) = .true.
                changed = .true.
+               count = count + 1
+               if (count <= most) cycle
+               reached(ground) = .true.
+               return
             end associate
          end do
       end do
@@ -150,18 +156,19 @@ contains
          if (other /= ground) call put_rows(system, work, scale, joint, 3 - side, own)
       end associate
       call reach(system, other, beam, reached)
-      if (size(pack(reached(1:), reached(1:))) > most) then
-         bears = reached(ground)
-         return
-      end if
-      allocate (rows(system%layout%nw, system%nc), source=0.0_wp)
+      if (count_of(reached(1:)) >= most) return
+      count = 0
+      do i = 1, size(system%constraints)
+         if (any_within(reached, system%constraints(i)%item%bodies)) count = count + system%constraints(i)%item%rows
+      end do
+      allocate (rows(system%layout%nw, count), source=0.0_wp)
       count = 0
       do i = 1, size(system%constraints)
          associate (ends => system%constraints(i)%item%bodies, m => system%constraints(i)%item%rows)
             if (any(ends == beam)) then
                if (is_near(system%model, beam, place_of(system, i, beam), place_of(system, joint, beam))) cycle
             end if
-            if (.not. any(reached(ends) .and. ends /= ground)) cycle
+            if (.not. any_within(reached, ends)) cycle
             do k = 1, 2
                if (ends(k) /= ground .and. ends(k) /= beam) call put_rows(system, work, scale, i, k, rows(:, count + 1:count + m))
             end do
@@ -181,6 +188,18 @@ contains
       end do
       guides = guides .and. .not. bears
    end subroutine judge
+
+   !> Whether one of two bodies, not the ground, is among those reached.
+   pure logical function any_within(reached, ends)
+      logical, intent(in) :: reached(0:)
+      integer, intent(in) :: ends(2)
+      any_within = any(reached(ends) .and. ends /= ground)
+   end function any_within
+
+   pure integer function count_of(flags)
+      logical, intent(in) :: flags(:)
+      count_of = count(flags)
+   end function count_of
 
    !> Rows of a constraint on the frame of one of its bodies, scaled, a column each.
    pure subroutine put_rows(system, work, scale, constraint, side, rows)

@@ -261,7 +261,7 @@ contains
       end do
    end subroutine add_square
 
-   !> Stiffness of all springs, bushings and laws of elongations at the place, without what follows or drags (nw, nw).
+   !> Stiffness of all springs, bushings and laws of places there, without what follows, or controls one body by another (nw, nw).
    subroutine find_springs(system, work, springs)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
@@ -279,7 +279,7 @@ contains
             allocate (damping, source=stiffness)
             call load%add_tangent(work%kinematics, stiffness, damping)
             to = unknowns_of(system, i)
-            if (all(ieee_is_finite(stiffness))) then
+            if (is_symmetric(stiffness)) then
                do k = 1, size(to)
                   do j = 1, size(to)
                      springs(to(j), to(k)) = springs(to(j), to(k)) + 0.5_wp*(stiffness(j, k) + stiffness(k, j))
@@ -291,7 +291,16 @@ contains
       end do
    end subroutine find_springs
 
-   !> Whether a load stores energy by the places of its points.
+   !> Whether a stiffness is one of a spring: finite, and symmetric.
+   pure logical function is_symmetric(stiffness)
+      real(wp), intent(in) :: stiffness(:, :)
+      !> Difference that is round-off
+      real(wp), parameter :: none = 1.0e-9_wp
+      is_symmetric = all(ieee_is_finite(stiffness))
+      if (is_symmetric) is_symmetric = all(abs(stiffness - transpose(stiffness)) <= none*maxval(abs(stiffness)))
+   end function is_symmetric
+
+   !> Whether a load may resist places of its points.
    pure logical function is_spring(system, load)
       type(system_type), intent(in) :: system
       integer, intent(in) :: load
@@ -300,7 +309,7 @@ contains
       type is (point_spring_type)
          is_spring = item%stiffness > 0.0_wp
       type is (effort_load_type)
-         is_spring = .not. item%follower .and. (item%stiffness > 0.0_wp .or. item%stores)
+         is_spring = .not. item%follower .and. (item%stiffness > 0.0_wp .or. item%driven)
       end select
    end function is_spring
 

@@ -41,6 +41,10 @@ contains
       call judge('a law', bar//nl//damping//wall//ground//'*SPRING, NAME=sp, LENGTH=1'//nl//' a.end, ground.far, 5e4*x'// &
          & nl, &
          & [0.02_wp, 0.02_wp, 0.02_wp], '')
+      call judge('a law with friction', bar//nl//damping//wall//ground//'*SPRING, NAME=sp, LENGTH=1'//nl// &
+         & ' a.end, ground.far, 5e4*x + 1e-6*v'//nl, [0.02_wp, 0.02_wp, 0.02_wp], '', 1.0e-5_wp)
+      call judge('a force', bar//nl//damping//wall//ground//'*FORCE, NAME=push, POINT=a.end'//nl//' 0, -5e4*y(a.end)'//nl, &
+         & [0.02_wp, 0.02_wp, 0.02_wp], '')
       call judge('stiff bushings', bar//nl//damping//ground//bushings('1e9'), [0.02_wp, 0.02_wp, 0.02_wp], '')
       ! Of the three modes on the springs two hardly strain the beam, and the axial one does not
       call judge('soft bushings', bar//nl//damping//ground//bushings('100'), [0.0_wp, 0.0_wp, 0.0_wp, 0.02_wp, 0.02_wp], '')

@@ -5,7 +5,7 @@ module limber_analysis_function_buckling
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_analysis_connections, only: hangs_on, ends_of
-   use limber_model_scene, only: model_type, joint_gear, joint_rack, joint_belt, joint_sliding
+   use limber_model_scene, only: model_type, joint_gear, joint_rack, joint_belt, joint_sliding, joint_weld
    implicit none
    private
    public :: buckling_type, start_buckling, observe_buckling, join_buckling, buckles_unseen
@@ -82,7 +82,8 @@ contains
             end = end_of(model, body, model%joints(i)%points(side))
             if (end == 0) cycle
             found(end) = .true.
-            if (hangs_on(model, ends(3 - side), [body]) .or. .not. model%joints(i)%bears(side)) then
+            if (.not. model%joints(i)%bears(side) .or. (hangs_on(model, ends(3 - side), [body]) .and. &
+               & model%joints(i)%kind /= joint_weld)) then
                guided(end) = guided(end) .or. model%joints(i)%guides(side)
                carried(end) = carried(end) + model%bodies(ends(3 - side))%reduced%mass
             else

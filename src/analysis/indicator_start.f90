@@ -234,6 +234,8 @@ contains
          if (flexible%is_frame) call start_frame(self, index, flexible%reduced, body)
          if (.not. body%is_beam) return
          call find_places(self, system, index, contacts, place, jointed, clamped, held)
+         ! Beside the one place that holds it, it hangs: what turns with that body, or is turned, is clamped there
+         if (count(jointed) == 1 .and. (self%turned(index) .or. any(contacts%is_weld))) clamped = jointed
          call find_set(self, system, index, place, jointed, clamped, held, body%set)
          body%is_beam = body%set > 0
          if (.not. body%is_beam) return

@@ -24,6 +24,7 @@ program test_holding
    call check_pieces()
    call check_loads()
    call check_masts()
+   call check_bases()
    call finish()
 
 contains
@@ -172,6 +173,37 @@ contains
       call judge_mast('EXACT', 100, pin//rail//side, 'times its Euler load')
       call judge_mast('EXACT', 15, pin//rail//up, '')
    end subroutine check_masts
+
+   !> The same without weight, on a free base and on a hinge that a driver holds, under 600 and 30 N from both sides.
+   subroutine check_bases()
+      character(*), parameter :: free = '*RIGID BODY, NAME=base, MASS=100, INERTIA=10'//nl//'*JOINT, NAME=foot, TYPE=WELD'//nl// &
+         & ' mast.start, base.origin'//nl//'*FORCE, NAME=up, POINT=base.origin'//nl//' 0, P*min(1, t/0.3)'//nl, &
+         & driven = '*JOINT, NAME=foot, TYPE=REVOLUTE'//nl//' mast.start, ground.origin'//nl//'*DRIVER, NAME=turn, TYPE=ANGLE, '// &
+         & 'BODY=mast'//nl//' pi/2'//nl
+      character(20), parameter :: models(3) = [character(20) :: 'RIGID', 'K_G', 'EXACT']
+      integer :: i
+      do i = 1, size(models)
+         call judge_base(trim(models(i)), '600', free, 'times its Euler load')
+         call judge_base(trim(models(i)), '600', driven, 'times its Euler load')
+         call judge_base(trim(models(i)), '30', free, '')
+         call judge_base(trim(models(i)), '30', driven, '')
+      end do
+   end subroutine check_bases
+
+   subroutine judge_base(model, force, foot, warning)
+      character(*), intent(in) :: model, force, foot, warning
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text
+      call run_text('*PARAMETER'//nl//' P = '//force//nl//'*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=flat, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.005'//nl// &
+         & '*BEAM, NAME=mast, MATERIAL=steel, SECTION=flat, LENGTH=1, ANGLE=90 deg, GEOMETRIC='//model//nl//foot// &
+         & '*RIGID BODY, NAME=head, MASS=100, INERTIA=10, Y=1'//nl//'*JOINT, NAME=top, TYPE=REVOLUTE'//nl// &
+         & ' mast.end, head.origin'//nl//'*FORCE, NAME=down, POINT=head.origin'//nl//' 0, -P*min(1, t/0.3)'//nl// &
+         & '*DYNAMICS, END=1'//nl//'*OUTPUT'//nl//' y = y(head.origin)'//nl, trim(results), text, error)
+      if (allocated(error)) text = error%message
+      if (warning == '') call check(index(text, 'Euler load') == 0, model//' is not warned of: '//foot//text)
+      if (warning /= '') call check(index(text, warning) > 0, model//' is warned of: '//foot//text)
+   end subroutine judge_base
 
    subroutine judge_mast(model, mass, top, warning)
       character(*), intent(in) :: model, top, warning

@@ -112,9 +112,9 @@ module limber_analysis_indicators
       !> Sums, the first and the last time that they are of, and how many states
       real(wp) :: total(sums) = 0.0_wp, span(2) = [huge(1.0_wp), -huge(1.0_wp)]
       integer :: looks = 0
-      !> Time of the last state, its compression in parts of Euler's load, and how far a small deflection has grown since that is
-      !> beyond it, as a logarithm
-      real(wp) :: pressed_at = huge(1.0_wp), compression = 0.0_wp, growth = 0.0_wp
+      !> Time of the last state, its compression in parts of Euler's load, by how much it is beyond that load, added up [time], and
+      !> since when
+      real(wp) :: pressed_at = huge(1.0_wp), compression = 0.0_wp, overload = 0.0_wp, since = huge(1.0_wp)
       !> Masses that other bodies hang on its places, and which place does not follow the shortening; zero: the start (places)
       real(wp), allocatable :: carried(:)
       integer :: anchor = 0
@@ -356,7 +356,8 @@ contains
          call snapshot%exchange('span', self%bodies(i)%span)
          call snapshot%exchange('pressed_at', self%bodies(i)%pressed_at)
          call snapshot%exchange('compression', self%bodies(i)%compression)
-         call snapshot%exchange('growth', self%bodies(i)%growth)
+         call snapshot%exchange('overload', self%bodies(i)%overload)
+         call snapshot%exchange('since', self%bodies(i)%since)
          call snapshot%exchange('looks', self%bodies(i)%looks)
          call snapshot%exchange('seen', self%bodies(i)%seen)
          call snapshot%exchange('seen_at', self%bodies(i)%seen_at)

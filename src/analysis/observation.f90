@@ -453,20 +453,19 @@ contains
       end associate
    end subroutine add_force
 
-   !> How far a small deflection grows while the compression is beyond Euler's load, eq. (O7).
+   !> How far a small deflection grows while the compression is on the mean beyond Euler's load, eq. (O7).
    pure subroutine observe_growth(self, t, compression)
       type(body_indicators_type), intent(inout) :: self
       !> Time; compression in parts of Euler's load
       real(wp), intent(in) :: t, compression
-      if (min(compression, self%compression) > 1.0_wp .and. t > self%pressed_at) then
-         self%growth = self%growth + (t - self%pressed_at)*self%first_frequency*0.5_wp*(sqrt(compression - 1) &
-            & + sqrt(self%compression - 1))
-      else
-         self%growth = 0.0_wp
+      if (t > self%pressed_at) self%overload = self%overload + (t - self%pressed_at)*(0.5_wp*(compression + self%compression) - 1)
+      if (.not. self%overload > 0.0_wp) then
+         self%overload = 0.0_wp
+         self%since = t
       end if
       self%compression = compression
       self%pressed_at = t
-      call raise_peak(self, peak_growth, self%growth, t)
+      call raise_peak(self, peak_growth, self%first_frequency*sqrt(self%overload*max(0.0_wp, t - self%since)), t)
    end subroutine observe_growth
 
    !> Axial force, its work on the bending, what the model has of it, and what the coordinates cannot carry.

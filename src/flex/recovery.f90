@@ -4,7 +4,8 @@
 module limber_flex_recovery
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_flex_frame, only: frame_type, element_at, member_field, element_forces, unit_load
+   use limber_flex_beam, only: bending_slope, bending_dofs
+   use limber_flex_frame, only: frame_type, element_at, member_field, element_forces, own_displacements, unit_load
    use limber_flex_frame_solver, only: solver_type, new_solver, solve_static
    use limber_flex_geometric, only: mean_slopes, element_ends
    use limber_flex_reduced, only: reduced_type
@@ -33,9 +34,11 @@ module limber_flex_recovery
    type :: recovery_type
       !> Number of coordinates, and of places of loads
       integer :: n = 0, places = 0
-      !> Axial force, shear force and bending moment for unit coordinates (3, n, sections), and for unit amplitudes (3, columns,
-      !> sections): see `amplitudes`
+      !> Force along the undeformed member, shear force, bending moment and rotation of the section for unit coordinates (4, n,
+      !> sections), and for unit amplitudes (4, columns, sections): see `amplitudes`
       real(wp), allocatable :: modal(:, :, :), load(:, :, :)
+      !> Whether the axial force is that along the deflected axis, eq. (G1): where tension acts on the bending
+      logical :: deflected = .false.
       !> Sections: where they are
       type(section_type), allocatable :: sections(:)
       !> Of an exact beam, whose forces follow from equilibrium; `load` has no meaning there but its size: where each place of loads
@@ -112,11 +115,12 @@ contains
       recovery%n = n
       recovery%places = size(places)
       columns = 4 + 3*n + 3*size(places)
-      allocate (recovery%modal(3, n, size(sections)), recovery%load(3, columns, size(sections)))
+      allocate (recovery%modal(4, n, size(sections)), recovery%load(4, columns, size(sections)))
       allocate (recovery%sections, source=sections)
+      recovery%deflected = body%geometric
       do j = 1, size(sections)
          do i = 1, n
-            recovery%modal(:, i, j) = section_forces(frame, shape(:, :, i), sections(j))
+            recovery%modal(:, i, j) = section_state(frame, shape(:, :, i), sections(j))
          end do
       end do
       allocate (push(3, size(frame%place, 2), 4 + 3*n), u(3, size(frame%place, 2)), load(3, size(frame%place, 2)))
@@ -133,11 +137,11 @@ contains
                u = u - shape(:, :, j)*(sum(shape(:, :, j)*load)/body%omega2(j))
             end do
             do j = 1, size(sections)
-               recovery%load(:, i, j) = section_forces(frame, u, sections(j))
+               recovery%load(:, i, j) = section_state(frame, u, sections(j))
                if (inertial) then
-                  recovery%load(:, i, j) = recovery%load(:, i, j) + spread_forces(frame, push(:2, :, i), sections(j))
+                  recovery%load(:3, i, j) = recovery%load(:3, i, j) + spread_forces(frame, push(:2, :, i), sections(j))
                else
-                  recovery%load(:, i, j) = recovery%load(:, i, j) + held_forces(frame, places(place), part, sections(j))
+                  recovery%load(:3, i, j) = recovery%load(:3, i, j) + held_forces(frame, places(place), part, sections(j))
                end if
             end do
          end associate
@@ -164,7 +168,7 @@ contains
          end if
       end do
       recovery%first_part(size(places) + 1) = size(recovery%part) + 1
-      allocate (recovery%modal(3, 0, size(sections)), recovery%load(3, 3*size(places), size(sections)))
+      allocate (recovery%modal(4, 0, size(sections)), recovery%load(4, 3*size(places), size(sections)))
       recovery%load = 0.0_wp
    end subroutine exact_recovery
 
@@ -191,18 +195,20 @@ contains
       end do
    end subroutine inertia_fields
 
-   !> Internal forces at a section from displacements of the nodes (3).
-   pure function section_forces(frame, u, section) result(force)
+   !> Internal forces at a section, and its rotation, from displacements of the nodes (4).
+   pure function section_state(frame, u, section) result(state)
       type(frame_type), intent(in) :: frame
       real(wp), intent(in) :: u(:, :)
       type(section_type), intent(in) :: section
-      real(wp) :: force(3), ends(4), s
+      real(wp) :: state(4), ends(4), own(6), s
       integer :: e
       e = element_of_section(frame, section)
       ends = element_forces(frame, e, u)
+      own = own_displacements(frame, e, u)
       s = (section%x - frame%from(e))/frame%length(e)
-      force = [ends(1), ends(2), (1 - s)*ends(3) + s*ends(4)]
-   end function section_forces
+      state(:3) = [ends(1), ends(2), (1 - s)*ends(3) + s*ends(4)]
+      state(4) = dot_product(bending_slope(section%x - frame%from(e), frame%length(e)), own(bending_dofs))
+   end function section_state
 
    !> What the load makes within an element whose nodes carry it: spread over the half of the element next to each node, so that
    !> axial and shear force, which are those of the middle, change linearly up to the nodes; the moment is a parabola between them,
@@ -328,20 +334,23 @@ contains
       amplitude(5 + 2*n:4 + 3*n) = -alpha*eta - 2*omega*rate
    end subroutine amplitudes
 
-   !> Axial force, shear force and bending moment at a section.
+   !> Axial force, shear force and bending moment at a section. The first is the part of the whole force along the deflected axis,
+   !> eq. (G1), where tension acts on the bending: the shear force, minus the slope of the moment, is across that axis already.
    pure function internal_forces(recovery, section, eta, amplitude) result(force)
       type(recovery_type), intent(in) :: recovery
       integer, intent(in) :: section
       real(wp), intent(in) :: eta(:), amplitude(:)
-      real(wp) :: force(3)
+      real(wp) :: force(3), state(4)
       integer :: k
-      force = 0.0_wp
+      state = 0.0_wp
       do k = 1, recovery%n
-         force = force + recovery%modal(:, k, section)*eta(k)
+         state = state + recovery%modal(:, k, section)*eta(k)
       end do
       do k = 1, size(recovery%load, 2)
-         force = force + recovery%load(:, k, section)*amplitude(k)
+         state = state + recovery%load(:, k, section)*amplitude(k)
       end do
+      force = state(:3)
+      if (recovery%deflected) force(1) = force(1) + state(2)*state(4)
    end function internal_forces
 
 end module limber_flex_recovery

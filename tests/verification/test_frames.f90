@@ -40,6 +40,7 @@ program test_frames
    call check_near()
    call check_ends_of_models()
    call check_held_ends()
+   call check_deflected()
    call finish()
 
 contains
@@ -334,6 +335,41 @@ contains
          & '*2e3/12*t'//nl//'*FORCE, NAME=p2, POINT=p.c'//nl//' 0, -'//load//'*2e3/12*t'//nl//'*FORCE, NAME=h, POINT=p.b'//nl// &
          & ' 1, 0'//nl//'*STATICS, INCREMENTS=10'//nl//'*OUTPUT'//nl//' x = x(p.b)'//nl
    end function slender
+
+   !> Axial and shear force of a frame that bends visibly are those along and across the deflected axis, with modes and with exact
+   !> beams: of an L-frame held at its foot each section carries the one force at its end.
+   subroutine check_deflected()
+      type(history_reader_type) :: reader
+      character(*), parameter :: at = 'uvw'
+      real(wp), parameter :: force(2) = [200.0_wp, -500.0_wp], lean(3) = [2*atan(1.0_wp), 2*atan(1.0_wp), 0.0_wp]
+      real(wp), allocatable :: turn(:), axial(:), shear(:)
+      character(:), allocatable :: warnings
+      real(wp) :: direction
+      integer :: i, k
+      do i = 1, 2
+         call run_scene(stuff//'*FRAME, NAME=f, MATERIAL=steel, SECTION=tube, LARGE='//trim(merge('YES', 'NO ', i == 1))//nl// &
+            & ' u, 1, 0.5'//nl//' v, 1, 2.5'//nl//' w, 2, 1.9'//nl//angle//'*JOINT, NAME=wall, TYPE=WELD'//nl// &
+            & ' f.left, ground.origin'//nl//'*FORCE, NAME=push, POINT=f.other'//nl//' 200, -500'//nl// &
+            & '*STATICS, INCREMENTS=2'//nl// &
+            & '*OUTPUT'//nl//' tilt = angle(f), tu = rotation(f.u), tv = rotation(f.v), tw = rotation(f.w)'//nl// &
+            & ' nu = axial_force(f.u), nv = axial_force(f.v), nw = axial_force(f.w)'//nl// &
+            & ' qu = shear_force(f.u), qv = shear_force(f.v), qw = shear_force(f.w)'//nl, reader, warnings)
+         call check(warnings == '', 'deflected: no warning: '//warnings)
+         do k = 1, 3
+            allocate (turn, source=channel(reader, 'tilt') + channel(reader, 't'//at(k:k)))
+            allocate (axial, source=channel(reader, 'n'//at(k:k)))
+            allocate (shear, source=channel(reader, 'q'//at(k:k)))
+            direction = lean(k) + turn(size(turn))
+            print '(a,2i2,3f11.5)', 'deflected', i, k, turn(size(turn)), axial(size(axial)), shear(size(shear))
+            call check_close(axial(size(axial)), dot_product(force, [cos(direction), sin(direction)]), 1.5_wp, &
+               & 'deflected: axial force at '//at(k:k))
+            call check_close(shear(size(shear)), dot_product(force, [-sin(direction), cos(direction)]), 1.5_wp, &
+               & 'deflected: shear force at '//at(k:k))
+            deallocate (turn, axial, shear)
+         end do
+         call reader%close()
+      end do
+   end subroutine check_deflected
 
    !> Where a model has no equilibrium, or the motion diverges, the cause is named, and what a frame has for it.
    subroutine check_ends_of_models()

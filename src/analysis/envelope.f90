@@ -30,7 +30,7 @@ contains
       if (.not. allocated(efforts(body)%extremes) .or. body > pieces(1)) return
       group = '/bodies/'//name_in_deck(model, body)//'/envelope'
       call gather()
-      call history%put_real(group//'/member', member, '1', 'member of each section, counted in the order of the deck', error)
+      call history%put_real(group//'/member', member, '1', 'number of the member of each section in the deck; 1 of a beam', error)
       if (.not. allocated(error)) call history%put_real(group//'/coordinate', place, model%units%length, &
          & 'coordinate of each section along its beam or member', error)
       call put(1, 'axial_force', unit_text([1, -2, 1], model%units), 'tension')
@@ -57,21 +57,22 @@ contains
             associate (sections => model%bodies(i)%recovery%sections(model%bodies(i)%point_sections + 1:))
                place(total + 1:total + n) = piece_start(model, i) + sections%x
                member(total + 1:total + n) = real(sections%member, wp)
-               if (allocated(model%wholes)) call count_member(i, member(total + 1:total + n))
+               call name_member(i, member(total + 1:total + n))
             end associate
             total = total + n
          end do
       end subroutine gather
 
-      !> Of a frame of beams the member is the beam.
-      subroutine count_member(body, number)
+      !> Members of frames by their numbers in the deck; of a frame of beams the member is the beam.
+      subroutine name_member(body, number)
          integer, intent(in) :: body
          real(wp), intent(inout) :: number(:)
+         if (allocated(model%bodies(body)%member_numbers)) number = real(model%bodies(body)%member_numbers(nint(number)), wp)
          if (model%bodies(body)%whole == 0) return
          associate (whole => model%wholes(model%bodies(body)%whole))
-            if (allocated(whole%lean)) number = body - whole%first + 1
+            if (allocated(whole%member_numbers)) number = real(whole%member_numbers(body - whole%first + 1), wp)
          end associate
-      end subroutine count_member
+      end subroutine name_member
 
       subroutine put(row, name, unit, meaning)
          integer, intent(in) :: row

@@ -120,7 +120,7 @@ contains
       type(reduced_type), intent(in) :: reduced
       !> Time; coordinates (n)
       real(wp), intent(in) :: t, eta(:)
-      real(wp) :: work, elastic, lack, quick, left_out, part, weakest, quartic, layer
+      real(wp) :: work, elastic, lack, quick, left_out, part, weakest, quartic, layer, looked_at(size(eta))
       integer :: i, k, m, info
       m = size(own%survey%chosen)
       call axial_work(own%survey, own%amplitude, self%slope_work)
@@ -143,8 +143,11 @@ contains
       work = 0.0_wp
       self%elastic = 0.0_wp
       if (reduced%geometric) then
-         call elastic_force(reduced, eta, self%elastic, self%s)
-         self%elastic = self%elastic - reduced%omega2*eta
+         ! Of the coordinates that are looked at, as the work is
+         looked_at = 0.0_wp
+         looked_at(own%survey%chosen) = eta(own%survey%chosen)
+         call elastic_force(reduced, looked_at, self%elastic, self%s)
+         self%elastic = self%elastic - reduced%omega2*looked_at
       end if
       self%lacking(0) = 0.0_wp
       do i = 1, m

@@ -22,7 +22,7 @@ module limber_analysis_indicators
    implicit none
    private
    public :: indicators_type, body_indicators_type, set_type, join_indicators, raise_peak, indicator_value, indicator_time
-   public :: indicator_names, indicator_meanings
+   public :: indicator_names, indicator_meanings, layer_errors
 
    !> Kinds of indicators, those of a body in this order
    integer, parameter, public :: indicator_deflection = 1, indicator_slope = 2, indicator_rotation = 3, indicator_compression = 4, &
@@ -263,24 +263,27 @@ contains
       end associate
    end function indicator_value
 
-   !> Error of the internal forces that are asked for where bending near an end or a load dies out over sqrt(E I/P), as measured on
-   !> cantilevers against the length that each coordinate has, eq. (R16).
+   !> Error of the internal forces that are asked for where bending near an end or a load dies out over sqrt(E I/P).
    pure real(wp) function layer_error(self) result(value)
       type(body_indicators_type), intent(in) :: self
-      real(wp) :: share
-      value = 0.0_wp
+      value = maxval(layer_errors(self))
+   end function layer_error
+
+   !> Errors there of shear forces, of bending moments, and of moments of joints, nought of what no channel asks for (3), as measured
+   !> on cantilevers against the length that each coordinate has, eq. (R16).
+   pure function layer_errors(self) result(errors)
+      type(body_indicators_type), intent(in) :: self
+      real(wp) :: errors(3), share
       if (allocated(self%slope_work)) then
          ! A frame
          share = self%peak(peak_layer)
-         if (self%shows_shear) value = 0.3_wp*share/(1 + 0.3_wp*share)
-         if (self%shows_moment) value = max(value, 0.07_wp*share**2/(1 + 0.07_wp*share**2))
-         if (self%shows_reaction) value = max(value, min(1.0_wp, 0.0015_wp*share**3))
-         return
+         errors = [0.3_wp*share/(1 + 0.3_wp*share), 0.07_wp*share**2/(1 + 0.07_wp*share**2), min(1.0_wp, 0.0015_wp*share**3)]
+      else
+         share = self%layer*sqrt(max(0.0_wp, self%peak(peak_tension)))
+         errors = [min(1.0_wp, 0.3_wp*share), min(1.0_wp, 0.05_wp*share**2), 0.0_wp]
       end if
-      share = self%layer*sqrt(max(0.0_wp, self%peak(peak_tension)))
-      if (self%shows_shear) value = min(1.0_wp, 0.3_wp*share)
-      if (self%shows_moment) value = max(value, min(1.0_wp, 0.05_wp*share**2))
-   end function layer_error
+      where (.not. [self%shows_shear, self%shows_moment, self%shows_reaction]) errors = 0.0_wp
+   end function layer_errors
 
    !> Phase by which the vibrations are ahead, as a part of the largest deflection: of a model without the inertia of the
    !> shortening, eq. (199).

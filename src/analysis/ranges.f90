@@ -7,7 +7,7 @@ module limber_analysis_ranges
    use limber_base_text, only: as_text, newline
    use limber_analysis_function_report, only: function_warnings
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, indicator_value, indicator_time, &
-      & indicator_names, indicator_meanings, peak_unstretched, peak_growth, slow, &
+      & indicator_names, indicator_meanings, layer_errors, peak_unstretched, peak_growth, slow, &
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
@@ -239,9 +239,7 @@ contains
             & ' joints hold it'
       case (indicator_layer)
          text = 'is pulled so much that it bends near ends and loads over less length than its functions can follow'//when// &
-            & ': '//lost_forces(indicators)//' there err by '
-         if (indicator_value(indicators, kind) > beyond) text = text//'more than '//as_text(100*beyond, 2)//' %'
-         if (.not. indicator_value(indicators, kind) > beyond) text = text//'about '//percent
+            & ': '//lost_forces(layer_errors(indicators))
       case (indicator_membrane)
          text = 'lacks axial force that changes its deflection by about '//percent//when
          if (excess(indicators, body, indicator_reaction) > 1.0_wp) text = text//', and axial forces and reactions by about '// &
@@ -263,13 +261,25 @@ contains
       end select
    end function what_is_wrong
 
-   !> Forces that channels ask for, of those that tension makes wrong.
-   pure function lost_forces(indicators) result(text)
-      type(body_indicators_type), intent(in) :: indicators
+   !> Internal forces that are asked for and err in layers, each with its size.
+   pure function lost_forces(errors) result(text)
+      !> Of shear forces, bending moments, moments of joints
+      real(wp), intent(in) :: errors(3)
       character(:), allocatable :: text
-      text = 'moments of joints'
-      if (indicators%shows_moment) text = 'bending moments and stresses'
-      if (indicators%shows_shear) text = 'shear forces'
+      character(*), parameter :: names(3) = [character(17) :: 'shear forces', 'bending moments', 'moments of joints']
+      real(wp), parameter :: small = 0.02_wp
+      integer :: i
+      text = ''
+      do i = 1, size(names)
+         if (errors(i) < small .and. errors(i) < maxval(errors)) cycle
+         if (text /= '') then
+            text = text//', '//trim(names(i))//' by '
+         else
+            text = trim(names(i))//' there err by '
+         end if
+         if (errors(i) > beyond) text = text//'more than '//as_text(100*beyond, 2)//' %'
+         if (.not. errors(i) > beyond) text = text//'about '//as_text(100*errors(i), 2)//' %'
+      end do
    end function lost_forces
 
    !> What to use instead.

@@ -11,7 +11,7 @@ module limber_analysis_static_aside
    use limber_analysis_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
    use limber_analysis_richer, only: richer_words, can_enrich, nothing_more, with_responses, with_modes, with_both
    use limber_analysis_scene, only: scene_type
-   use limber_model_quantities, only: quantities
+   use limber_model_quantities, only: quantities, is_internal_force
    use limber_model_scene, only: model_type
    use limber_model_segments, only: name_in_deck
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
@@ -292,11 +292,32 @@ contains
       do i = 1, size(least)
          least(i) = max(self%size(i), of_force*force*force_unit(model, i), tiny(force))
          do k = 1, size(least)
-            if (model%channels(k)%units == model%channels(i)%units) least(i) = max(least(i), of_unit*self%size(k))
+            if (are_alike(model, i, k)) least(i) = max(least(i), of_unit*self%size(k))
          end do
          if (place(i)) least(i) = max(least(i), of_place*merge(1.0_wp, model%length, model%channels(i)%units == 'rad'))
       end do
    end function least_sizes
+
+   !> Whether a channel is measured by another one: of one unit, and both or neither the same internal force. Bending moments of a
+   !> lattice are small beside the couples of its joints, and shear forces beside its axial ones; they stress it all the same.
+   pure logical function are_alike(model, i, k)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i, k
+      are_alike = model%channels(i)%units == model%channels(k)%units .and. internal(i) == internal(k)
+
+   contains
+
+      !> Kind of a channel that is an internal force; of any other 0.
+      pure integer function internal(channel)
+         integer, intent(in) :: channel
+         internal = 0
+         associate (quantities => model%channels(channel)%quantities)
+            if (size(quantities) /= 1) return
+            if (is_internal_force(quantities(1)%kind)) internal = quantities(1)%kind
+         end associate
+      end function internal
+
+   end function are_alike
 
    !> What a unit force makes of a channel of a force, moment or stress, by its size alone; 0: it is none.
    pure real(wp) function force_unit(model, channel) result(unit)
@@ -312,9 +333,21 @@ contains
             power = dimension(1) - 1
          end associate
          unit = model%length**max(0, power)
+         if (power > 0 .and. is_internal_force(model%channels(channel)%quantities(k)%kind)) &
+            & unit = member_length(model, model%channels(channel)%quantities(k)%of)**power
          if (power < 0) unit = 1/largest_area(model)
       end do
    end function force_unit
+
+   !> Length of the beam or member that a point lies on.
+   pure real(wp) function member_length(model, point) result(length)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: point
+      associate (own => model%points(point), body => model%bodies(model%points(point)%body))
+         length = body%beam%length
+         if (body%is_frame) length = sum(body%mesh%length, mask=body%mesh%member == own%member)
+      end associate
+   end function member_length
 
    pure real(wp) function largest_area(model) result(area)
       type(model_type), intent(in) :: model

@@ -161,7 +161,8 @@ contains
       allocate (body%omega2, source=omega2)
       body%geometric = choice%fidelity /= fidelity_linear .and. body%n > 0
       if (body%geometric) call check_size(body%n, body%n, error)
-      if (body%geometric .and. .not. allocated(error)) call check_slopes(body%n, size(frame%length), size(frame%length), error)
+      if (body%geometric .and. .not. allocated(error)) call check_slopes(body%n, size(frame%length), size(frame%length), &
+         & 'MODES or DIVISIONS, or for LARGE=YES', error)
       if (.not. allocated(error)) call project_members(frame, shape, body)
    end subroutine reduce_frame
 

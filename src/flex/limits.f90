@@ -27,9 +27,11 @@ contains
    end subroutine check_size
 
    !> Refuses k_G elements whose slopes would take too much memory or time, before they are made.
-   subroutine check_slopes(bending, geometric, fine, error)
+   subroutine check_slopes(bending, geometric, fine, remedy, error)
       !> Coordinates that bend, k_G elements, and the finite elements that they are integrated over
       integer, intent(in) :: bending, geometric, fine
+      !> Options of which there may be fewer
+      character(*), intent(in) :: remedy
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: squares
       squares = real(bending, wp)**2
@@ -38,7 +40,7 @@ contains
       if (allocated(error)) return
       if (8*squares*geometric > real(max_bytes, wp)) call raise(error, 'the slopes of '//as_text(bending)//' coordinates in '// &
          & as_text(geometric)//' elements of the geometric part would take '//as_text(8*squares*geometric/1024**2, 3)// &
-         & ' MB of memory, more than '//as_text(max_bytes/1024**2)//'; ask for fewer modes or GEOMETRIC ELEMENTS')
+         & ' MB of memory, more than '//as_text(max_bytes/1024**2)//'; ask for fewer '//remedy)
    end subroutine check_slopes
 
    !> Refuses what would take too long, before it is begun.

@@ -89,7 +89,7 @@ contains
       ! Axial functions on pieces of the k_G elements, if the tension may vary within these
       pieces = 1
       if (choice%linear) pieces = max(1, beam%elements/choice%geometric_elements)
-      call check_slopes(size(field%w, 2), choice%geometric_elements*pieces, beam%elements, error)
+      call check_slopes(size(field%w, 2), choice%geometric_elements*pieces, beam%elements, 'modes or GEOMETRIC ELEMENTS', error)
       if (allocated(error)) return
       allocate (x(0:choice%geometric_elements*pieces))
       x(:) = element_ends(beam%length, choice%geometric_elements*pieces)

@@ -15,8 +15,8 @@ module limber_flex_survey
    private
    public :: survey_type, new_survey, axial_work, mass_error
 
-   !> Most coordinates that are looked at: those of the lowest frequencies
-   integer, parameter :: most = 40
+   !> Most coordinates that are looked at: those that yield most under what acts
+   integer, parameter :: most = 120
 
    !> The constants of one body
    type :: survey_type
@@ -65,7 +65,7 @@ contains
       survey%places = size(place_load, 3)/3
       survey%mesh = mesh
       allocate (survey%shape, source=shape)
-      call choose(omega2, survey%chosen)
+      call choose(mesh, shape, omega2, place_load, survey%chosen)
       allocate (survey%omega2(size(survey%chosen)))
       survey%omega2 = omega2(survey%chosen)
       call new_solver(mesh, survey%solver, error)
@@ -85,22 +85,36 @@ contains
          end do
       end do
       call work_on_slopes(survey)
-      call leave_out(survey, load, u)
+      call leave_out(survey, omega2, load, u)
       allocate (survey%lumping(size(survey%chosen)))
       do i = 1, size(survey%chosen)
          survey%lumping(i) = 0.5_wp*abs(mass_error(mesh, shape(:, :, survey%chosen(i))))
       end do
    end subroutine new_survey
 
-   !> The coordinates of the lowest frequencies, in ascending order of their indices.
-   pure subroutine choose(omega2, chosen)
-      real(wp), intent(in) :: omega2(:)
+   !> The coordinates that yield most, in ascending order of their indices: by their largest share in the flexibility for an
+   !> acceleration or a load of a place. Among the lowest ones alone responses to loads would be missing.
+   pure subroutine choose(mesh, shape, omega2, place_load, chosen)
+      type(frame_type), intent(in) :: mesh
+      real(wp), intent(in) :: shape(:, :, :), omega2(:), place_load(:, :, :)
       integer, allocatable, intent(out) :: chosen(:)
       logical :: taken(size(omega2))
-      integer :: i
-      taken = .false.
-      do i = 1, min(most, size(omega2))
-         taken(minloc(omega2, dim=1, mask=.not. taken)) = .true.
+      real(wp) :: share(size(omega2)), part(size(omega2))
+      integer :: i, k
+      taken = size(omega2) <= most
+      share = 0.0_wp
+      do i = 1, merge(0, 3 + size(place_load, 3), all(taken))
+         do k = 1, size(omega2)
+            if (i > 3) part(k) = sum(place_load(:, :, i - 3)*shape(:, :, k))
+            if (i < 3) part(k) = sum(mesh%mass(i, :)*shape(i, :, k))
+            if (i == 3) part(k) = sum(mesh%mass(2, :)*mesh%place(1, :)*shape(2, :, k) - mesh%mass(1, :)*mesh%place(2, :) &
+               & *shape(1, :, k))
+         end do
+         part = part**2/omega2
+         share = max(share, part/max(sum(part), tiny(1.0_wp)))
+      end do
+      do i = 1, merge(0, most, all(taken))
+         taken(maxloc(share, dim=1, mask=.not. taken)) = .true.
       end do
       allocate (chosen, source=pack([(i, i=1, size(omega2))], taken))
    end subroutine choose
@@ -165,8 +179,10 @@ contains
    end function unit_tension
 
    !> What is left of the flexibility when that of the coordinates is taken out, eq. (R4).
-   pure subroutine leave_out(survey, load, u)
+   pure subroutine leave_out(survey, omega2, load, u)
       type(survey_type), intent(inout) :: survey
+      !> Squared frequencies of all coordinates (n)
+      real(wp), intent(in) :: omega2(:)
       !> Of all amplitudes (3, nodes, amplitudes)
       real(wp), intent(in) :: load(:, :, :), u(:, :, :)
       integer :: i, j, k, first, n
@@ -179,12 +195,12 @@ contains
             survey%left_out(i, j) = sum(load(:, :, at(i))*u(:, :, at(j)), mask=survey%mesh%free)
          end do
       end do
-      do k = 1, size(survey%chosen)
+      do k = 1, size(omega2)
          do i = 1, n
-            part(i) = sum(load(:, :, at(i))*survey%shape(:, :, survey%chosen(k)))
+            part(i) = sum(load(:, :, at(i))*survey%shape(:, :, k))
          end do
          do j = 1, n
-            survey%left_out(:, j) = survey%left_out(:, j) - part*part(j)/survey%omega2(k)
+            survey%left_out(:, j) = survey%left_out(:, j) - part*part(j)/omega2(k)
          end do
       end do
 

@@ -14,7 +14,7 @@ module limber_model_beam_features
    use limber_model_sections, only: read_section, section_between, shear_factor
    implicit none
    private
-   public :: read_features, refuse_features
+   public :: read_features, refuse_features, find_shear, noticed
 
    !> Options that exact beams only have, first those that are not for beams in segments
    character(*), parameter :: features(*) = [character(17) :: 'END SECTION', 'CURVATURE', 'SHEAR', 'THERMAL STRAIN', &
@@ -251,15 +251,32 @@ contains
       body%beam%rho_a = mean(of_mass)
    end subroutine use_mean
 
-   !> A slender beam's model on a short one, eq. (X20): its frequencies where something may vibrate, else its deflection, if
-   !> anything bends it.
+   !> A slender beam's model on a short one; members of a frame are told of together, by the frame.
    subroutine warn_of_shear(deck, index, material, section, body, diagnostics)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: index, material, section
       type(body_type), intent(in) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp) :: factor, slender, softer, part
       character(:), allocatable :: error
+      real(wp) :: part
+      call find_shear(deck, index, material, section, body, part, error)
+      associate (block => deck%blocks(index))
+         if (part > noticed .and. scan(block%name(), '/') == 0) call diagnostics%warn(block%origin_of('LENGTH'), "beam '"// &
+            & block%name()//"' is short: without shear "//error//' by about '//as_text(100*part, 2)//' %', 'use SHEAR=YES')
+      end associate
+   end subroutine warn_of_shear
+
+   !> What a beam lacks without shear, eq. (X20): of its frequencies where something may vibrate, else of its deflection, if anything
+   !> bends it.
+   subroutine find_shear(deck, index, material, section, body, part, error)
+      type(deck_type), intent(in) :: deck
+      !> Blocks of the beam, of its material and of its section
+      integer, intent(in) :: index, material, section
+      type(body_type), intent(in) :: body
+      !> Relative error, and what it is of
+      real(wp), intent(out) :: part
+      character(:), allocatable, intent(out) :: error
+      real(wp) :: factor, slender, softer
       factor = shear_factor(deck%blocks(section), deck%blocks(section), 0.0_wp)
       if (.not. factor > 0.0_wp) factor = 5.0_wp/6
       associate (block => deck%blocks(index), beam => body%beam, choice => body%choice%exact)
@@ -269,14 +286,11 @@ contains
             part = 0.5_wp*slender*(1 + softer)
             error = 'and rotary inertia its first bending frequency is too high'
          else
-            if (.not. is_bent(deck, choice)) return
-            part = slender*softer
+            part = merge(slender*softer, 0.0_wp, is_bent(deck, choice))
             error = 'its deflection is too small'
          end if
-         if (part > noticed) call diagnostics%warn(block%origin_of('LENGTH'), "beam '"//block%name()//"' is short: without "// &
-            & 'shear '//error//' by about '//as_text(100*part, 2)//' %', 'use SHEAR=YES')
       end associate
-   end subroutine warn_of_shear
+   end subroutine find_shear
 
    !> Whether anything bends a beam at rest: the links of a truss are only pulled.
    pure logical function is_bent(deck, choice)

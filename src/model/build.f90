@@ -9,7 +9,7 @@ module limber_model_build
    use limber_model_analyses, only: add_analyses
    use limber_model_beams, only: add_beam
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_points
-   use limber_model_channels, only: add_channels
+   use limber_model_channels, only: add_channels, flexible_instead
    use limber_model_first_state, only: read_assembly
    use limber_model_frames, only: add_frame
    use limber_model_gravity, only: read_gravity, warn_of_degrees
@@ -85,7 +85,7 @@ contains
       call check_parts(deck, diagnostics)
       call trim_lists(model)
       do i = 1, size(deck%blocks)
-         if (is_large(deck%blocks(i))) call unite_frame(deck, i, model)
+         if (is_large(deck%blocks(i))) call unite_frame(deck, i, model, diagnostics)
       end do
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
@@ -155,7 +155,8 @@ contains
       pieces = pieces_of(model, body)
       model%bodies(pieces(1):pieces(2))%envelope = .true.
       if (model%bodies(body)%kind /= body_flexible) call diagnostics%add(block%origin_of('ENVELOPE'), "'"// &
-         & model%bodies(body)%name//"' is rigid: its internal forces are not computed", 'use GEOMETRIC=EXACT, K_G or LINEAR')
+         & block%name('ENVELOPE')//"' is rigid: its internal forces are not computed", flexible_instead(model%bodies(body)), &
+         & object=block%name('ENVELOPE'))
    end subroutine want_envelope
 
    !> What is asked of the errors.

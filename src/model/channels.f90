@@ -14,13 +14,14 @@ module limber_model_channels
       & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
       & of_flexible_point, of_section, of_coupler, quantity_stress_top, quantity_stress_bottom, &
       & quantity_kinetic, quantity_potential, quantity_work
-   use limber_model_scene, only: model_type, channel_type, quantity_type, units_type, body_point, body_flexible, ground, &
+   use limber_model_scene, only: model_type, body_type, channel_type, quantity_type, units_type, body_point, &
+      & body_flexible, ground, &
       & joint_coupler, coordinate_displacement, &
       & driver_angle, driver_joint_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
       & load_distributed, load_friction
    implicit none
    private
-   public :: add_channels, unit_text, find_quantity
+   public :: add_channels, unit_text, find_quantity, flexible_instead
 
    !> Dimension that could not be worked out; that of an energy: exponents of length, time and mass
    integer, parameter :: unknown = huge(1), energy(3) = [2, -2, 1]
@@ -292,7 +293,7 @@ contains
          if (body%kind /= body_flexible) then
             quantity%of = -1
             call diagnostics%add(slot%origin, "'"//body%name//"' is rigid: its internal forces are not computed", &
-               & 'use GEOMETRIC=EXACT, K_G or LINEAR', object=body%name)
+               & flexible_instead(body), object=body%name)
          else if (model%points(point)%meeting /= 1) then
             quantity%of = -1
             call diagnostics%add(slot%origin, as_text(model%points(point)%meeting)//" members meet at '"//slot%argument//"'", &
@@ -305,6 +306,14 @@ contains
          end if
       end associate
    end subroutine need_section
+
+   !> What a rigid body can be made that has internal forces.
+   pure function flexible_instead(body) result(text)
+      type(body_type), intent(in) :: body
+      character(:), allocatable :: text
+      text = 'use GEOMETRIC=EXACT, K_G or LINEAR'
+      if (body%is_frame) text = 'use GEOMETRIC=K_G or LINEAR, or LARGE=YES'
+   end function flexible_instead
 
    pure function body_list(model) result(text)
       type(model_type), intent(in) :: model

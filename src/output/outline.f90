@@ -252,7 +252,7 @@ contains
          geometry%connection_types(k) = type_name(model%joints(i))
          if (index(model%joints(i)%name, '/') > 0) geometry%connection_types(k) = 'SEGMENTS'
          geometry%connection_places(:, k) = model%joints(i)%points
-         geometry%connection_angles(k) = model%joints(i)%angle
+         geometry%connection_angles(k) = model%joints(i)%angle - model%points(model%joints(i)%points(2))%lean
          geometry%connection_radii(:, k) = model%joints(i)%radius
       end do
       do i = 1, size(model%springs)

@@ -85,7 +85,6 @@ contains
       integer :: before(2)
       before = [scene%work%evaluations, scene%work%matrix%factorisations]
       call system_clock(tick)
-      call cpu_time(cpu)
       associate (nq => scene%system%layout%nq, dynamics => scene%system%model%dynamics)
          allocate (sample%q(nq), sample%v(nq), sample%a(nq), sample%change(nq), sample%values(sample_width(scene%system)))
          sample%a = 0.0_wp
@@ -102,6 +101,9 @@ contains
          integrator%speeds_asked = recorder%needs_velocities
          if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)
          outcome%reached = dynamics%start
+         scene%assembling = scene%assembling + seconds_since(tick)
+         call system_clock(tick)
+         call cpu_time(cpu)
          call integrator%start(scene%system, scene%work, dynamics%start, &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, &
@@ -471,7 +473,12 @@ contains
             if (sample_time(dynamics, sample%next + 2) <= t) call look_between(scene, integrator, recorder, sample, outcome)
          end if
          do while (sample%next <= dynamics%outputs .and. sample_time(dynamics, sample%next) <= t)
-            call integrator%interpolate(sample_time(dynamics, sample%next), sample%q, sample%v, sample%w)
+            ! The last sample is a state that others may begin with
+            if (recorder%needs_velocities .or. sample%next == dynamics%outputs) then
+               call integrator%interpolate(sample_time(dynamics, sample%next), sample%q, sample%v, sample%w)
+            else
+               call integrator%interpolate_place(sample_time(dynamics, sample%next), sample%q, sample%v, sample%w)
+            end if
             call integrator%complete(scene%system, scene%work, sample_time(dynamics, sample%next), sample%q, sample%v)
             call record(scene, sample_time(dynamics, sample%next), integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit

@@ -138,7 +138,7 @@ contains
       associate (system => scene%system, work => scene%work)
          if (recorder%needs_velocities .or. recorder%needs_accelerations .or. integrator%ends_on_samples) return
          t = integrator%t_before + 0.5_wp*(integrator%t - integrator%t_before)
-         call integrator%interpolate(t, sample%q, sample%v, sample%w)
+         call integrator%interpolate_place(t, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, t, sample%q, sample%v)
          call place_frames(system%model, system%layout, t, sample%q, work%kinematics)
          residual = position_residual(system, work)
@@ -154,7 +154,7 @@ contains
    pure real(wp) function may_stay(tolerance)
       !> Of the integrator
       real(wp), intent(in) :: tolerance
-      real(wp), parameter :: part = 1.0e-4_wp
+      real(wp), parameter :: part = 1.0e-3_wp
       may_stay = part*tolerance
    end function may_stay
 

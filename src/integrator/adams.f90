@@ -81,6 +81,7 @@ module limber_integrator_adams
       procedure :: start => adams_start
       procedure :: step => adams_step
       procedure :: interpolate => adams_interpolate
+      procedure :: interpolate_place => adams_interpolate_place
       procedure :: complete => adams_complete
       procedure :: exchange => exchange_adams
    end type adams_type
@@ -501,14 +502,9 @@ contains
       real(wp), intent(in) :: t
       real(wp), contiguous, intent(out) :: q(:), v(:)
       real(wp), intent(out) :: w
-      real(wp) :: g(most + 1), back
-      integer :: order, nq
+      integer :: nq
       nq = self%nq
-      back = t - self%t
-      order = self%k_last + 1
-      if (.not. abs(back) > 0.0_wp) order = 0
-      call interpolation_coefficients(order, back, self%psi, g)
-      call interpolate(self%ny, order, back, g, self%y, self%phi, self%p)
+      call interpolate_first(self, t, self%ny)
       if (self%whole) then
          q = self%p(:nq)
          v = self%p(nq + 1:2*nq)
@@ -521,6 +517,39 @@ contains
       w = 0.0_wp
       if (self%ny > 2*nq) w = self%p(self%ny)
    end subroutine adams_interpolate
+
+   subroutine adams_interpolate_place(self, t, q, v, w)
+      class(adams_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      real(wp), intent(inout) :: w
+      if (self%input%asked) then
+         call self%interpolate(t, q, v, w)
+         return
+      end if
+      call interpolate_first(self, t, self%nq)
+      if (self%whole) then
+         q = self%p(:self%nq)
+      else
+         q = self%q
+         q(self%kept) = self%p(:self%nq)
+      end if
+   end subroutine adams_interpolate_place
+
+   !> The first of what it carries on, at a time within the last step, into p.
+   subroutine interpolate_first(self, t, wanted)
+      class(adams_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      !> Number of components
+      integer, intent(in) :: wanted
+      real(wp) :: g(most + 1), back
+      integer :: order
+      back = t - self%t
+      order = self%k_last + 1
+      if (.not. abs(back) > 0.0_wp) order = 0
+      call interpolation_coefficients(order, back, self%psi, g)
+      call interpolate(self%ny, wanted, order, back, g, self%y, self%phi, self%p)
+   end subroutine interpolate_first
 
    subroutine adams_complete(self, system, work, t, q, v)
       class(adams_type), intent(in) :: self

@@ -77,24 +77,24 @@ contains
    end subroutine interpolation_coefficients
 
    !> State between two steps, three differences at a time.
-   pure subroutine interpolate(ny, order, back, g, y, phi, p)
-      !> Number of components; differences that count
-      integer, intent(in) :: ny, order
+   pure subroutine interpolate(ny, wanted, order, back, g, y, phi, p)
+      !> Number of components, and of those at their front that are wanted; differences that count
+      integer, intent(in) :: ny, wanted, order
       !> As in `interpolation_coefficients`; last state, differences
       real(wp), intent(in) :: back, g(most + 1), y(ny), phi(ny, most + 2)
       !> State there
       real(wp), intent(inout) :: p(ny)
       real(wp) :: factor(3)
       integer :: i, j
-      p = y
+      p(:wanted) = y(:wanted)
       do j = order, 3, -3
          factor = back*g(j - 2:j)
-         do i = 1, ny
+         do i = 1, wanted
             p(i) = p(i) + factor(3)*phi(i, j) + factor(2)*phi(i, j - 1) + factor(1)*phi(i, j - 2)
          end do
       end do
       do j = modulo(order, 3), 1, -1
-         p = p + (back*g(j))*phi(:, j)
+         p(:wanted) = p(:wanted) + (back*g(j))*phi(:wanted, j)
       end do
    end subroutine interpolate
 

@@ -49,6 +49,8 @@ module limber_integrator_integrator
       procedure(start_interface), deferred :: start
       procedure(step_interface), deferred :: step
       procedure(interpolate_interface), deferred :: interpolate
+      !> The same where coordinates alone are asked for: velocities, and the work if no channel asks for it, may be left as they are
+      procedure :: interpolate_place => interpolate_all
       !> Coordinates and velocities that `interpolate` leaves to those they follow from; called behind it
       procedure :: complete => complete_nothing
       !> Saves or restores its memory; behind `start`, which makes room for it
@@ -103,6 +105,16 @@ module limber_integrator_integrator
    end interface
 
 contains
+
+   !> Of an integrator whose velocities cost next to nothing.
+   subroutine interpolate_all(self, t, q, v, w)
+      class(integrator_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      !> As in `interpolate`
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      real(wp), intent(inout) :: w
+      call self%interpolate(t, q, v, w)
+   end subroutine interpolate_all
 
    !> Of an integrator that carries on all coordinates.
    subroutine complete_nothing(self, system, work, t, q, v)

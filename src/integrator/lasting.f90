@@ -95,6 +95,7 @@ contains
       found = .true.
       if (self%tau > another*tau .or. another*self%tau < tau) then
          call combine_values(tangent, 1/tau, 1.0_wp, tau, tau, tau, self%matrix%values)
+         call self%matrix%follow_pivots(tangent%matrix)
          call self%matrix%factor(singular)
          found = .not. singular
          self%tau = 0.0_wp

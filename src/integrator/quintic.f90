@@ -6,7 +6,7 @@ module limber_integrator_quintic
    use limber_system_layout, only: layout_type, velocities_of, advance
    implicit none
    private
-   public :: quintic_state, add_projection
+   public :: quintic_state, quintic_place, add_projection
 
 contains
 
@@ -21,24 +21,43 @@ contains
       real(wp), contiguous, intent(inout) :: change(:), rates(:)
       !> Coordinates and velocities (nq)
       real(wp), contiguous, intent(inout) :: q(:), v(:)
-      real(wp) :: b(5), d(5)
+      real(wp) :: d(5)
+      integer :: k
+      call quintic_place(layout, part, h, q_before, increment, w_before, w, a_before, a, change, q)
+      associate (s => part)
+         d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
+            & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]/h
+      end associate
+      d(2:5) = d(2:5)*[h, h**2, h, h**2]
+      do k = 1, size(w)
+         rates(k) = d(1)*increment(k) + d(2)*w_before(k) + d(3)*a_before(k) + d(4)*w(k) + d(5)*a(k)
+      end do
+      call velocities_of(layout, q, rates, v)
+   end subroutine quintic_state
+
+   !> The coordinates alone.
+   pure subroutine quintic_place(layout, part, h, q_before, increment, w_before, w, a_before, a, change, q)
+      type(layout_type), intent(in) :: layout
+      !> As in `quintic_state`
+      real(wp), intent(in) :: part, h
+      real(wp), contiguous, intent(in) :: q_before(:), increment(:), w_before(:), w(:), a_before(:), a(:)
+      !> Scratch (nw)
+      real(wp), contiguous, intent(inout) :: change(:)
+      !> (nq)
+      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp) :: b(5)
       integer :: k
       associate (s => part)
          ! Factors of [increment, h w0, h^2 a0, h w1, h^2 a1]
          b = [s**3*(10 - 15*s + 6*s**2), s - 6*s**3 + 8*s**4 - 3*s**5, 0.5_wp*s**2*(1 - s)**3, -4*s**3 + 7*s**4 - 3*s**5, &
             & 0.5_wp*s**3*(1 - s)**2]
-         d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
-            & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]/h
       end associate
       b(2:5) = b(2:5)*[h, h**2, h, h**2]
-      d(2:5) = d(2:5)*[h, h**2, h, h**2]
       do k = 1, size(w)
          change(k) = b(1)*increment(k) + b(2)*w_before(k) + b(3)*a_before(k) + b(4)*w(k) + b(5)*a(k)
-         rates(k) = d(1)*increment(k) + d(2)*w_before(k) + d(3)*a_before(k) + d(4)*w(k) + d(5)*a(k)
       end do
       call advance(layout, q_before, change, q)
-      call velocities_of(layout, q, rates, v)
-   end subroutine quintic_state
+   end subroutine quintic_place
 
    !> Adds what a projection has changed to the increment of a step, where it is more than round-off. Differences of the coordinates
    !> over the step are not taken: divided by a step that is next to nothing, their round-off would be velocities.

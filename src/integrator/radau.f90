@@ -10,7 +10,7 @@ module limber_integrator_radau
    use limber_integrator_implicit, only: implicit_type
    use limber_integrator_lasting, only: lasting_type, motion_time
    use limber_integrator_integrator, only: constraint_limit
-   use limber_integrator_quintic, only: quintic_state, add_projection
+   use limber_integrator_quintic, only: quintic_state, quintic_place, add_projection
    use limber_integrator_scales, only: energy_scale
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_t, radau_ti, radau_inverse, radau_weights, &
       & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
@@ -56,6 +56,7 @@ module limber_integrator_radau
       procedure :: start => radau_start
       procedure :: step => radau_step
       procedure :: interpolate => radau_interpolate
+      procedure :: interpolate_place => radau_interpolate_place
       procedure :: exchange => exchange_radau
    end type radau_type
 
@@ -550,6 +551,22 @@ contains
          & self%stage_a, self%e, q, v)
       w = self%input%within(s)
    end subroutine radau_interpolate
+
+   subroutine radau_interpolate_place(self, t, q, v, w)
+      class(radau_type), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      real(wp), intent(inout) :: w
+      real(wp) :: h, s
+      h = self%t - self%t_before
+      if (self%input%asked .or. .not. h > 0.0_wp) then
+         call self%interpolate(t, q, v, w)
+         return
+      end if
+      s = (t - self%t_before)/h
+      call quintic_place(self%layout, s, self%length_of_step(), self%q_before, self%increment, self%w_before, self%w, &
+         & self%a_before, self%a_end, self%stage_a, q)
+   end subroutine radau_interpolate_place
 
    !> Saves or restores its memory.
    subroutine exchange_radau(self, snapshot, system)

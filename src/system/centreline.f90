@@ -96,38 +96,61 @@ contains
       class(centreline_type), intent(inout) :: self
       !> (n)
       real(wp), contiguous, intent(in) :: eta(:)
-      integer :: i, k, m, a
-      a = self%angles
-      m = self%stations
-      associate (theta => self%field(:m, 1), c => self%field(:m, 2), s => self%field(:m, 3), sigma => self%field(:m, 4:5))
-         theta = self%lean
-         do i = 1, a
-            theta = theta + self%angle(:, i)*eta(i)
-         end do
-         sigma(:, 1) = 1.0_wp
-         sigma(:, 2) = 0.0_wp
-         do i = 1, self%strains
-            sigma(:, 1) = sigma(:, 1) + self%stretch(:, 1, i)*eta(a + i)
-            sigma(:, 2) = sigma(:, 2) + self%stretch(:, 2, i)*eta(a + i)
-         end do
-         do k = 1, m
-            c(k) = cos(theta(k))
-            s(k) = sin(theta(k))
-         end do
-         self%g(:, 1) = c*sigma(:, 1) - s*sigma(:, 2)
-         self%g(:, 2) = s*sigma(:, 1) + c*sigma(:, 2)
-         do i = 1, a
-            self%gx(:, i) = -self%g(:, 2)*self%angle(:, i)
-            self%gy(:, i) = self%g(:, 1)*self%angle(:, i)
-         end do
-         do i = 1, self%strains
-            self%gx(:, a + i) = c*self%stretch(:, 1, i) - s*self%stretch(:, 2, i)
-            self%gy(:, a + i) = s*self%stretch(:, 1, i) + c*self%stretch(:, 2, i)
-         end do
-      end associate
+      integer :: before
+      do before = 0, self%stations - panel_stations, panel_stations
+         call place_panel(before, self%stations, self%angles, self%strains, self%n, self%lean, self%angle, self%stretch, eta, &
+            & self%g, self%gx, self%gy)
+      end do
       self%spread = .false.
       self%swept = .false.
    end subroutine place_stations
+
+   !> The stations of a panel: g and its derivatives.
+   pure subroutine place_panel(before, stations, angles, strains, n, lean, angle, stretch, eta, g, gx, gy)
+      !> Stations before the panel; numbers of all, of functions of the angle, of the strain, of both
+      integer, intent(in) :: before, stations, angles, strains, n
+      !> Angle of the undeformed axis, functions, coordinates
+      real(wp), intent(in) :: lean(stations), angle(stations, angles), stretch(stations, 2, strains), eta(n)
+      real(wp), intent(inout) :: g(stations, 2), gx(stations, n), gy(stations, n)
+      real(wp) :: theta(panel_stations), c(panel_stations), s(panel_stations), x(panel_stations), y(panel_stations)
+      integer :: i, k, last
+      do k = 1, panel_stations
+         theta(k) = lean(before + k)
+      end do
+      do i = 1, angles
+         do k = 1, panel_stations
+            theta(k) = theta(k) + angle(before + k, i)*eta(i)
+         end do
+      end do
+      ! In words that let the compiler take cosines, and sines, of two stations at a time
+      last = min(panel_stations, stations - before)
+      do k = 1, last
+         c(k) = cos(theta(k))
+      end do
+      do k = 1, last
+         s(k) = sin(theta(k))
+      end do
+      x = 1.0_wp
+      y = 0.0_wp
+      do i = 1, strains
+         do k = 1, panel_stations
+            x(k) = x(k) + stretch(before + k, 1, i)*eta(angles + i)
+            y(k) = y(k) + stretch(before + k, 2, i)*eta(angles + i)
+            gx(before + k, angles + i) = c(k)*stretch(before + k, 1, i) - s(k)*stretch(before + k, 2, i)
+            gy(before + k, angles + i) = s(k)*stretch(before + k, 1, i) + c(k)*stretch(before + k, 2, i)
+         end do
+      end do
+      do k = 1, panel_stations
+         g(before + k, 1) = c(k)*x(k) - s(k)*y(k)
+         g(before + k, 2) = s(k)*x(k) + c(k)*y(k)
+      end do
+      do i = 1, angles
+         do k = 1, panel_stations
+            gx(before + k, i) = -g(before + k, 2)*angle(before + k, i)
+            gy(before + k, i) = g(before + k, 1)*angle(before + k, i)
+         end do
+      end do
+   end subroutine place_panel
 
    !> Places the points, if they are not.
    pure subroutine spread_points(self)
@@ -144,22 +167,46 @@ contains
       class(centreline_type), intent(inout) :: self
       !> Rates of the coordinates (n)
       real(wp), contiguous, intent(in) :: rate(:)
-      integer :: i
-      self%turning = 0.0_wp
-      do i = 1, self%angles
-         self%turning = self%turning + self%angle(:, i)*rate(i)
+      integer :: before
+      do before = 0, self%stations - panel_stations, panel_stations
+         call move_panel(before, self%stations, self%angles, self%n, self%angle, self%gx, self%gy, self%g, rate, self%turning, &
+            & self%straining, self%drift, self%bias)
       end do
-      self%straining = 0.0_wp
-      do i = self%angles + 1, self%n
-         self%straining(:, 1) = self%straining(:, 1) + self%gx(:, i)*rate(i)
-         self%straining(:, 2) = self%straining(:, 2) + self%gy(:, i)*rate(i)
-      end do
-      self%drift(:, 1) = self%straining(:, 1) - self%turning*self%g(:, 2)
-      self%drift(:, 2) = self%straining(:, 2) + self%turning*self%g(:, 1)
-      self%bias(:, 1) = -self%turning*(2*self%straining(:, 2) + self%turning*self%g(:, 1))
-      self%bias(:, 2) = self%turning*(2*self%straining(:, 1) - self%turning*self%g(:, 2))
       self%swept = .false.
    end subroutine move_stations
+
+   !> The stations of a panel: rates of the angle, of the strain, of g, and what these make of its acceleration.
+   pure subroutine move_panel(before, stations, angles, n, angle, gx, gy, g, rate, turning, straining, drift, bias)
+      !> As in `place_panel`
+      integer, intent(in) :: before, stations, angles, n
+      real(wp), intent(in) :: angle(stations, angles), gx(stations, n), gy(stations, n), g(stations, 2), rate(n)
+      real(wp), intent(inout) :: turning(stations), straining(stations, 2), drift(stations, 2), bias(stations, 2)
+      real(wp) :: spin(panel_stations), x(panel_stations), y(panel_stations)
+      integer :: i, k
+      spin = 0.0_wp
+      do i = 1, angles
+         do k = 1, panel_stations
+            spin(k) = spin(k) + angle(before + k, i)*rate(i)
+         end do
+      end do
+      x = 0.0_wp
+      y = 0.0_wp
+      do i = angles + 1, n
+         do k = 1, panel_stations
+            x(k) = x(k) + gx(before + k, i)*rate(i)
+            y(k) = y(k) + gy(before + k, i)*rate(i)
+         end do
+      end do
+      do k = 1, panel_stations
+         turning(before + k) = spin(k)
+         straining(before + k, 1) = x(k)
+         straining(before + k, 2) = y(k)
+         drift(before + k, 1) = x(k) - spin(k)*g(before + k, 2)
+         drift(before + k, 2) = y(k) + spin(k)*g(before + k, 1)
+         bias(before + k, 1) = -spin(k)*(2*y(k) + spin(k)*g(before + k, 1))
+         bias(before + k, 2) = spin(k)*(2*x(k) - spin(k)*g(before + k, 2))
+      end do
+   end subroutine move_panel
 
    !> Velocities of the points, if they are not there.
    pure subroutine sweep_points(self)

@@ -295,14 +295,14 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: z(rows, 3), eta(rows, columns), rates(3), eta_rates(n)
       real(wp), intent(inout) :: left(rows)
-      real(wp) :: speed
       integer :: row, k
       do row = 1, rows
-         speed = z(row, 1)*rates(1) + z(row, 2)*rates(2) + z(row, 3)*rates(3)
-         do k = 1, n
-            speed = speed + eta(row, k)*eta_rates(k)
+         left(row) = left(row) - (z(row, 1)*rates(1) + z(row, 2)*rates(2) + z(row, 3)*rates(3))
+      end do
+      do k = 1, n
+         do row = 1, rows
+            left(row) = left(row) - eta(row, k)*eta_rates(k)
          end do
-         left(row) = left(row) - speed
       end do
    end subroutine take_speed
 

@@ -31,7 +31,7 @@ module limber_system_elimination
       !> scratch (n), (n, 2)
       real(wp), allocatable, private :: a(:), z(:, :), x(:), y(:, :)
    contains
-      procedure :: seek, renew, renew_complex, solve, solve_complex
+      procedure :: seek, follow, renew, renew_complex, solve, solve_complex
    end type elimination_type
 
 contains
@@ -71,6 +71,36 @@ contains
       end do
       call list_places(self, n, first, row, held, largest, rows, columns)
    end subroutine seek
+
+   !> Takes over the pivots of another matrix of the same pattern, which has some. Factors come by `renew`.
+   pure subroutine follow(self, other)
+      class(elimination_type), intent(inout) :: self
+      type(elimination_type), intent(in) :: other
+      call forget(self)
+      allocate (self%rows, source=other%rows)
+      allocate (self%columns, source=other%columns)
+      allocate (self%first, source=other%first)
+      allocate (self%diagonal, source=other%diagonal)
+      allocate (self%column, source=other%column)
+      allocate (self%place, source=other%place)
+      allocate (self%fills, source=other%fills)
+      allocate (self%begin, source=other%begin)
+      allocate (self%target, source=other%target)
+      allocate (self%weight, source=other%weight)
+      allocate (self%a, source=other%a)
+      allocate (self%z, source=other%z)
+      allocate (self%x, source=other%x)
+      allocate (self%y, source=other%y)
+      self%n = other%n
+   end subroutine follow
+
+   !> Gives the memory of the last search back.
+   pure subroutine forget(self)
+      class(elimination_type), intent(inout) :: self
+      self%n = 0
+      if (allocated(self%a)) deallocate (self%rows, self%columns, self%first, self%diagonal, self%column, self%place, self%fills, &
+         & self%begin, self%target, self%weight, self%a, self%z, self%x, self%y)
+   end subroutine forget
 
    !> Size of a complex number, at little cost.
    pure real(wp) function extent(z)
@@ -153,8 +183,7 @@ contains
       integer :: at(n, n), i, j, k, p, places
       logical, allocatable :: met(:)
       places = count(held)
-      if (allocated(self%a)) deallocate (self%rows, self%columns, self%first, self%diagonal, self%column, self%place, self%fills, &
-         & self%begin, self%target, self%weight, self%a, self%z, self%x, self%y)
+      call forget(self)
       allocate (self%first(n + 1), self%diagonal(n), self%column(places), self%place(size(row)), self%weight(places))
       allocate (self%a(places), self%z(places, 2), self%x(n), self%y(n, 2), source=0.0_wp)
       allocate (self%begin(places), source=0)

@@ -71,6 +71,8 @@ contains
       end do
       do k = 1, m
          c(k) = cos(theta(k))
+      end do
+      do k = 1, m
          s(k) = sin(theta(k))
       end do
       sigma(:, 1) = 1.0_wp

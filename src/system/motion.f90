@@ -92,47 +92,42 @@ contains
                first = system%layout%w(item%bodies(j))
                m = system%layout%rates(item%bodies(j))
                associate (jacobian => work%jacobians(j, i), frame => work%kinematics%frames(item%bodies(j)))
-                  n = size(jacobian%eta, 2)
+                  ! No deflection moves the origin that a frame hangs at
+                  n = merge(0, size(jacobian%eta, 2), system%tree%joint(item%bodies(j)) == i)
                   k = min(system%layout%q(item%bodies(j)) + 4, size(v) + 1)
-                  call add_reaction(item%rows, m, n, jacobian%z, jacobian%eta, lambda(item%first:), motion(first:))
-                  call add_speed(item%rows, m, n, jacobian%z, jacobian%eta, frame%velocity, frame%omega, v(k:), rates(item%first:))
+                  call add_side(item%rows, m, n, jacobian%z, jacobian%eta, lambda(item%first:), frame%velocity, frame%omega, &
+                     & v(k:), motion(first:), rates(item%first:))
                end associate
             end do
          end associate
       end do
    end subroutine motion_residual
 
-   !> Adds the forces of constraint equations on one of their bodies.
-   pure subroutine add_reaction(rows, rates, n, z, eta, lambda, motion)
+   !> Adds the forces of constraint equations on one of their bodies, and the speed that it gives them.
+   pure subroutine add_side(rows, rates, n, z, eta, lambda, velocity, omega, eta_rates, motion, speed)
       !> Numbers of equations, of rates of the frame, and of deflections
       integer, intent(in) :: rows, rates, n
-      real(wp), intent(in) :: z(rows, 3), eta(rows, n), lambda(rows)
-      real(wp), intent(inout) :: motion(rates + n)
+      !> Jacobian, multipliers, rates of the body
+      real(wp), intent(in) :: z(rows, 3), eta(rows, n), lambda(rows), velocity(2), omega, eta_rates(n)
+      real(wp), intent(inout) :: motion(rates + n), speed(rows)
+      real(wp) :: force, total
       integer :: row, k
       do row = 1, rows
-         do k = 1, rates
-            motion(k) = motion(k) + z(row, k)*lambda(row)
-         end do
+         force = lambda(row)
+         total = speed(row) + z(row, 1)*velocity(1) + z(row, 2)*velocity(2)
+         motion(1) = motion(1) + z(row, 1)*force
+         motion(2) = motion(2) + z(row, 2)*force
+         if (rates == 3) then
+            total = total + z(row, 3)*omega
+            motion(3) = motion(3) + z(row, 3)*force
+         end if
          do k = 1, n
-            motion(rates + k) = motion(rates + k) + eta(row, k)*lambda(row)
+            total = total + eta(row, k)*eta_rates(k)
+            motion(rates + k) = motion(rates + k) + eta(row, k)*force
          end do
+         speed(row) = total
       end do
-   end subroutine add_reaction
-
-   !> Adds the speed that one of their bodies gives them.
-   pure subroutine add_speed(rows, rates, n, z, eta, velocity, omega, eta_rates, speed)
-      integer, intent(in) :: rows, rates, n
-      real(wp), intent(in) :: z(rows, 3), eta(rows, n), velocity(2), omega, eta_rates(n)
-      real(wp), intent(inout) :: speed(rows)
-      integer :: row, k
-      do row = 1, rows
-         speed(row) = speed(row) + z(row, 1)*velocity(1) + z(row, 2)*velocity(2)
-         if (rates == 3) speed(row) = speed(row) + z(row, 3)*omega
-         do k = 1, n
-            speed(row) = speed(row) + eta(row, k)*eta_rates(k)
-         end do
-      end do
-   end subroutine add_speed
+   end subroutine add_side
 
    !> Derivatives at the state of the last `place_motion` or `motion_residual`.
    subroutine linearise_motion(system, work, tangent, q, v, a, lambda)

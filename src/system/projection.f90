@@ -4,7 +4,7 @@
 module limber_system_projection
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_model_scene, only: point_type
+   use limber_model_scene, only: point_type, ground
    use limber_system_algebra, only: cross
    use limber_system_closure, only: close_positions
    use limber_system_drivers, only: driven_angle_type
@@ -206,6 +206,11 @@ contains
       integer, intent(in) :: first
       real(wp), intent(inout) :: q(:), v(:)
       real(wp) :: place(2), rate(2)
+      if (point%body == ground) then
+         q(first:first + 1) = point%p0
+         v(first:first + 1) = 0.0_wp
+         return
+      end if
       place = point_position(system%model, system%layout, point, q)
       rate = point_velocity(system%model, system%layout, point, q, v)
       q(first:first + 1) = place
@@ -244,6 +249,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Residual before, below which the factors serve the new place too, and below which they do so to round-off
       real(wp), parameter :: near = 1.0e-4_wp, nearest = 1.0e-9_wp
+      !> And above which the velocities are projected twice: once leaves so large a part of what they lack
+      real(wp), parameter :: rough = 1.0e-7_wp
       real(wp) :: before
       call settle_position(system, work, t, q, change, before, residual, error)
       if (allocated(error)) return
@@ -255,7 +262,7 @@ contains
          call update_jacobians(system, work)
       end if
       call project_velocity(system, work, v, change)
-      if (before > nearest) call project_velocity(system, work, v, change)
+      if (before > rough) call project_velocity(system, work, v, change)
    end subroutine settle
 
    !> Moves coordinates that are near the constraints onto them.

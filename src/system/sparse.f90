@@ -54,7 +54,7 @@ module limber_system_sparse
       integer, private :: unseen(2) = 0
       type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr, complex_numeric = c_null_ptr
    contains
-      procedure :: mark, analyse, place, holds, factor, solve, factor_complex, solve_complex
+      procedure :: mark, analyse, place, holds, follow_pivots, factor, solve, factor_complex, solve_complex
       final :: release
       procedure :: exchange => exchange_sparse
    end type sparse_type
@@ -232,12 +232,28 @@ contains
       call self%own%renew(self%values, singular)
    end subroutine factor_own
 
-   !> Factors its present complex values.
+   !> Takes over the pivots of another matrix of the same pattern before a search of its own, if both have some dozens of unknowns:
+   !> where they do not fit, others are sought.
+   subroutine follow_pivots(self, other)
+      class(sparse_type), intent(inout) :: self
+      type(sparse_type), intent(in) :: other
+      if (self%own%n > 0 .or. other%own%n == 0) return
+      call self%own%follow(other%own)
+      if (.not. allocated(self%searched)) allocate (self%searched(size(self%values)))
+      self%searched(:) = other%searched
+   end subroutine follow_pivots
+
+   !> Factors its present complex values: at first with the pivots of the real ones.
    subroutine factor_complex_own(self, singular)
       class(sparse_type), intent(inout) :: self
       logical, intent(out) :: singular
       logical :: unfit
       singular = .false.
+      if (self%complex_own%n == 0 .and. self%own%n > 0) then
+         call self%complex_own%follow(self%own)
+         if (.not. allocated(self%complex_searched)) allocate (self%complex_searched(size(self%complex_values)))
+         self%complex_searched(:) = cmplx(self%searched, 0.0_wp, wp)
+      end if
       if (self%complex_own%n > 0) then
          call self%complex_own%renew_complex(self%complex_values, unfit)
          self%renewed(2) = .true.
@@ -494,6 +510,8 @@ contains
       if (present_factors(2)) then
          allocate (complex_values, source=self%complex_values)
          self%complex_values = self%complex_searched
+         ! Pivots may be those of real values: they are sought among these, and not taken over
+         if (self%n <= some) call self%complex_own%seek(self%n, self%first, self%row, self%complex_searched, singular)
          call self%factor_complex(singular)
          self%complex_values = complex_values
          self%unseen(2) = 2

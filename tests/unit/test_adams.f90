@@ -83,9 +83,9 @@ contains
       type(workspace_type) :: work
       type(model_type) :: model
       type(error_type), allocatable :: error
-      real(wp), allocatable :: q(:), v(:), scale(:)
+      real(wp), allocatable :: q(:), v(:), scale(:), place_alone(:)
       ! Times before that of the last step, summed from the steps so that no digit is lost, and accelerations; the newest first
-      real(wp) :: t(0:13), f(2, 0:13), before(2), between, expected(2), w, worst(4)
+      real(wp) :: t(0:13), f(2, 0:13), before(2), between, expected(2), w, worst(5)
       integer :: bead, place, i, k
       model = empty_model(1.0_wp)
       bead = add_point_mass(model, 'bead', 1.0_wp, nil)
@@ -112,6 +112,9 @@ contains
             between = integrator%t_before + 0.25_wp*i*(integrator%t - integrator%t_before)
             if (i == 4) between = integrator%t
             call integrator%interpolate(between, q, v, w)
+            place_alone = q + 1.0_wp
+            call integrator%interpolate_place(between, place_alone, v, w)
+            worst(5) = max(worst(5), maxval(abs(place_alone - q)))
             expected = integrator%y(3:4) - integral(t, f, k, between - integrator%t, 0.0_wp)
             worst(2) = max(worst(2), maxval(abs(v - expected)))
             if (i == 0) worst(3) = max(worst(3), maxval(abs(v - before)))
@@ -123,6 +126,7 @@ contains
       call check_close(worst(1), 0.0_wp, 1.0e-11_wp, 'coefficients g')
       call check_close(worst(2), 0.0_wp, 1.0e-12_wp, 'values between the steps are those of the polynomial')
       call check_close(worst(3), 0.0_wp, 1.0e-12_wp, 'the polynomial begins where the last step ended')
+      call check_close(worst(5), 0.0_wp, 1.0e-15_wp, 'places alone')
       call check_close(worst(4), 0.5_wp*tolerance, 0.5_wp*tolerance*(1 + 1.0e-6_wp), 'the local error of accepted steps')
       call check(integrator%statistics%rejected > 0, 'some steps are rejected')
       call check(integrator%statistics%highest_order >= 8, 'high orders occur')

@@ -18,6 +18,7 @@ program test_elimination
       call check_redundant(sizes(i))
       call check_singular(sizes(i))
       if (sizes(i) <= 40) call check_unfit(sizes(i))
+      if (sizes(i) <= 40) call check_followed(sizes(i))
    end do
    call finish()
 
@@ -158,6 +159,23 @@ contains
       call check_solution(matrix, a, 1.0e-12_wp, 'small diagonal, '//as_text(n))
       if (n > 6) call check(matrix%searches > searches, 'new pivots, '//as_text(n))
    end subroutine check_unfit
+
+   !> Pivots of another matrix of the same pattern serve. One of six unknowns seeks its own.
+   subroutine check_followed(n)
+      integer, intent(in) :: n
+      real(wp) :: a(n, n), b(n, n)
+      type(sparse_type) :: first, second
+      a = saddle(n)
+      call set_pattern(first, abs(a) > 0.0_wp)
+      call set_pattern(second, abs(a) > 0.0_wp)
+      call check_solution(first, a, 1.0e-10_wp, 'followed, '//as_text(n))
+      if (n > 6) call check(first%searches == 1, 'one search for real and complex values, '//as_text(n))
+      b = a
+      call vary(b, 0.2_wp)
+      call second%follow_pivots(first)
+      call check_solution(second, b, 1.0e-10_wp, 'following, '//as_text(n))
+      if (n > 6) call check(second%searches == 0, 'no search of its own, '//as_text(n))
+   end subroutine check_followed
 
    !> Real and complex solutions with known ones.
    subroutine check_solution(matrix, a, tolerance, name)

@@ -33,6 +33,8 @@ program test_radau
       real(wp) :: most = 0.0_wp, gain = 0.0_wp, loss = 0.0_wp
       !> Largest residuals of position and velocity constraints, |u| - 1, u'.u, at steps
       real(wp) :: residual(4) = 0.0_wp
+      !> Largest difference of coordinates within steps with and without their velocities
+      real(wp) :: apart = 0.0_wp
       integer :: steps = 0, rejected = 0
    end type run_type
 
@@ -101,10 +103,11 @@ contains
       type(system_type) :: system
       type(workspace_type) :: work
       type(error_type), allocatable :: error
-      real(wp), allocatable :: q(:), v(:)
+      real(wp), allocatable :: q(:), v(:), place(:)
       real(wp) :: kinetic, potential, start, excess, stop
       integer :: i
       call begin(model, tolerance, duration, system, work, integrator, q, v)
+      place = q
       call mechanical_energy(system, work, q, v, kinetic, potential)
       start = kinetic + potential
       stop = duration
@@ -119,6 +122,11 @@ contains
          call integrator%step(system, work, stop, error)
          call check_no_error(error, 'step')
          if (allocated(error)) exit
+         stop = 0.7_wp*integrator%t + 0.3_wp*integrator%t_before
+         call integrator%interpolate(stop, q, v, outcome%w)
+         call integrator%interpolate_place(stop, place, v, outcome%w)
+         outcome%apart = max(outcome%apart, maxval(abs(place - q)))
+         stop = duration
          call integrator%interpolate(integrator%t, q, v, outcome%w)
          call mechanical_energy(system, work, q, v, kinetic, potential)
          excess = kinetic + potential - start - outcome%w
@@ -246,6 +254,7 @@ contains
    subroutine check_residuals(outcome, name)
       type(run_type), intent(in) :: outcome
       character(*), intent(in) :: name
+      call check_close(outcome%apart, 0.0_wp, 1.0e-15_wp, name//': places alone')
       call check_close(outcome%residual(1), 0.0_wp, 1.1e-14_wp, name//': position constraints')
       call check_close(outcome%residual(2), 0.0_wp, 1.0e-13_wp, name//': velocity constraints')
       call check_close(outcome%residual(3), 0.0_wp, 3.4e-16_wp, name//': u of unit length')

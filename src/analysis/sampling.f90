@@ -15,7 +15,7 @@ module limber_analysis_sampling
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, &
       & mechanical_energy, add_parts_of_power, worst_constraint
    use limber_system_kinematics, only: place_frames
-   use limber_system_projection, only: harmless, settle, settle_place, settle_position
+   use limber_system_projection, only: harmless, settle, settle_place, settle_position, normalise_frames
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -140,6 +140,8 @@ contains
          t = integrator%t_before + 0.5_wp*(integrator%t - integrator%t_before)
          call integrator%interpolate_place(t, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, t, sample%q, sample%v)
+         ! Joints on pins are linear in the frames' vectors: what these lack shows in their length only
+         call normalise_frames(system, sample%q)
          call place_frames(system%model, system%layout, t, sample%q, work%kinematics)
          residual = position_residual(system, work)
          if (residual > part*may_stay(integrator%tolerance)) return

@@ -24,7 +24,8 @@ module limber_system_projection
    !> Most rounds of Newton's method
    integer, parameter :: most_rounds = 6
 
-   public :: project_position, project_velocity, settle, settle_position, settle_place, list_unplaced, place_known
+   public :: project_position, project_velocity, settle, settle_position, settle_place, normalise_frames, list_unplaced, &
+      & place_known
 
 contains
 
@@ -286,7 +287,7 @@ contains
       if (residual > harmless) call settle_plainly(system, work, t, q, residual, error)
    end subroutine settle_position
 
-   !> The same for coordinates alone, of which nothing else follows: as they are if they are near enough, else with the factors at
+   !> The same for coordinates alone, of which nothing else follows: with no factors if they are near enough, else with those at
    !> hand, which are of a state near by, and with factors of their own only where these do not do. Leaves the kinematics placed.
    subroutine settle_place(system, work, t, q, change, allowed, residual, error)
       type(system_type), intent(in) :: system
@@ -296,18 +297,13 @@ contains
       real(wp), contiguous, intent(inout) :: q(:)
       !> Scratch (nq)
       real(wp), contiguous, intent(inout) :: change(:)
-      !> Residual that may stay, and residual reached
+      !> Residual that may stay, once all that hangs or is driven is in its place, and residual reached
       real(wp), intent(in) :: allowed
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
       !> Rounds that cost less than factors
       integer, parameter :: few = 2
       real(wp) :: before
-      if (allowed > 0.0_wp) then
-         call place_frames(system%model, system%layout, t, q, work%kinematics)
-         residual = position_residual(system, work)
-         if (residual <= 0.5_wp*allowed) return
-      end if
       call put_together(system, work, t, q)
       call project_placed(system, work, t, q, change, max(allowed, least_residual), merge(few, 0, allowed > 0.0_wp), before, &
          & residual)

@@ -2,6 +2,7 @@
 !> (tests/reference/andrews_squeezer.csv), by all integrators. Usage, in tests/: test_squeezer RESULT_FILE
 program test_squeezer
    use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, channel, read_columns
    use testing, only: check, check_close, finish
@@ -18,8 +19,10 @@ program test_squeezer
    call read_columns('reference/andrews_squeezer.csv', exact)
    call check_angles('ADAMS', '1e-12')
    call check_angles('RADAU', '1e-10')
-   call check_samples('ADAMS', '1e-4')
-   call check_samples('ADAMS', '1e-6')
+   call check_samples('ADAMS', '1e-4', 300, 0.5_wp)
+   call check_samples('ADAMS', '1e-6', 300, 0.5_wp)
+   ! Many in a step: joints on pins are linear in the frames' vectors, and kept by an interpolation of these that errs
+   call check_samples('ADAMS', '1e-6', 3000, 0.02_wp)
    call finish()
 
 contains
@@ -56,15 +59,19 @@ contains
 
    !> Samples of places alone, which are moved onto the joints as far as the tolerance asks, are those of a run that moves each of them
    !> all the way, for it shows a speed too.
-   subroutine check_samples(integrator, tolerance)
+   subroutine check_samples(integrator, tolerance, outputs, part)
       character(*), intent(in) :: integrator, tolerance
+      !> Samples behind the first one; part of the tolerance by which they may differ
+      integer, intent(in) :: outputs
+      real(wp), intent(in) :: part
       type(history_reader_type) :: reader
-      real(wp) :: places(size(names), 301), allowed, largest
-      character(80) :: old(4), new(4)
+      real(wp) :: places(size(names), outputs + 1), allowed, largest
+      character(80) :: old(5), new(5)
       integer :: i
       old = [character(80) :: 'INTEGRATOR=ADAMS', 'TOLERANCE=1e-8', 'spring_tension = tension(spring)', &
-         & 'energy = kinetic_energy(system) + potential_energy(system) - work(system)']
-      new = [character(80) :: 'INTEGRATOR='//integrator, 'TOLERANCE='//tolerance, 'now = t', 'later = t']
+         & 'energy = kinetic_energy(system) + potential_energy(system) - work(system)', 'OUTPUTS=300']
+      new = [character(80) :: 'INTEGRATOR='//integrator, 'TOLERANCE='//tolerance, 'now = t', 'later = t', &
+         & 'OUTPUTS='//as_text(outputs)]
       call run_changed('../input/andrews_squeezer.inp', trim(results), old, new, reader)
       do i = 1, size(names)
          places(i, :) = channel(reader, trim(names(i)))
@@ -79,7 +86,7 @@ contains
       call reader%close()
       read (tolerance, *) allowed
       print '(4a,es10.2)', integrator, ' at ', tolerance, ': samples of places beside those on the joints', largest
-      call check_close(largest, 0.0_wp, 0.5_wp*allowed, integrator//' at '//tolerance//': samples of places')
+      call check_close(largest, 0.0_wp, part*allowed, integrator//' at '//tolerance//': samples of places')
    end subroutine check_samples
 
 end program test_squeezer

@@ -5,7 +5,8 @@ module promises
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_reached, only: reached_type, names_of
+   use limber_analysis_reached, only: reached_type
+   use limber_analysis_rungs, only: names_of
    use limber_analysis_scene, only: scene_type, build_scene
    use limber_analysis_target, only: reach_target
    use limber_deck_diagnostics, only: diagnostics_type

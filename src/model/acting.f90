@@ -5,7 +5,10 @@ module limber_model_acting
    use limber_deck_content, only: deck_type, block_type
    implicit none
    private
-   public :: acting_type, acting_points, find_shared
+   public :: acting_type, acting_points, find_shared, find_turning
+
+   !> Sine of the angle between line and axis that is none; a right angle
+   real(wp), parameter :: nearly = 0.05_wp, right_angle = acos(0.0_wp)
 
    !> A point that something acts on
    type :: acting_type
@@ -20,7 +23,7 @@ module limber_model_acting
 
 contains
 
-   !> The points of a body where the deck lets something act, each once.
+   !> The points of a body where the deck lets something act, each once; what moves or turns its frame acts at the origin.
    subroutine acting_points(deck, body, points)
       type(deck_type), intent(in) :: deck
       !> Name of the body
@@ -37,6 +40,9 @@ contains
             case ('TORQUE')
                if (block%has('POINT')) call enter(block%text('POINT'), body, .false., .true., points)
                if (block%has('REACTION')) call enter(block%text('REACTION'), body, .false., .true., points)
+               if (block%has('BODY')) call enter(block%name('BODY'), body, .false., .true., points)
+            case ('MOTION')
+               if (block%has('BODY')) call enter(block%name('BODY'), body, .true., .true., points, .true., .true.)
             case ('DRIVER'); call of_driver(deck, block, body, points)
             case ('FRICTION'); call along_joint(deck, block%name('JOINT'), body, points)
             case ('COUPLER'); call of_coupler(deck, block, body, points)
@@ -45,8 +51,31 @@ contains
       end do
    end subroutine acting_points
 
-   !> Which points within a body are held against another point of it, by joints and bodies that close a loop, or by a driver of
-   !> their distance.
+   !> The block that moves, turns or couples the frame of a body, the first one; 0: none.
+   pure integer function find_turning(deck, body) result(found)
+      type(deck_type), intent(in) :: deck
+      !> Name of the body
+      character(*), intent(in) :: body
+      integer :: i
+      do found = 1, size(deck%blocks)
+         associate (block => deck%blocks(found))
+            select case (block%keyword)
+            case ('MOTION', 'DRIVER', 'TORQUE')
+               if (.not. block%has('BODY')) cycle
+               if (block%name('BODY') == body) return
+            case ('COUPLER')
+               do i = 1, size(block%lines)
+                  if (block%lines(i)%count() < 3) cycle
+                  if (block%lines(i)%text(2) == 'angle' .and. block%lines(i)%text(3) == body) return
+               end do
+            end select
+         end associate
+      end do
+      found = 0
+   end function find_turning
+
+   !> Which points within a body are held against another point of it, by joints and bodies that close a loop, by what moves them
+   !> against the ground, or by a driver of their distance.
    subroutine find_shared(deck, body, inner, points)
       type(deck_type), intent(in) :: deck
       character(*), intent(in) :: body
@@ -74,8 +103,13 @@ contains
                end if
                names = [character(64) :: block%lines(1)%text(1), block%lines(1)%text(2)]
             case ('DRIVER')
-               if (.not. (block%has('POINT') .and. block%has('TO'))) cycle
-               names = [character(64) :: block%text('POINT'), block%text('TO')]
+               if (.not. block%has('POINT')) cycle
+               if (.not. (block%has('TO') .or. drives_along(deck, block, body))) cycle
+               names = [character(64) :: block%text('POINT'), 'ground.origin']
+               if (block%has('TO')) names(2) = block%text('TO')
+            case ('MOTION')
+               if (.not. block%has('BODY')) cycle
+               names = [character(64) :: block%name('BODY'), 'ground.origin']
             case default
                cycle
             end select
@@ -130,8 +164,6 @@ contains
       !> Of the joint
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
-      !> Sine of the angle between line and axis that is none
-      real(wp), parameter :: nearly = 0.05_wp
       real(wp) :: angle
       holds = .false.
       select case (block%word('TYPE'))
@@ -144,6 +176,15 @@ contains
          holds = .true.
       end select
    end function holds_along
+
+   !> Whether a driver of a coordinate may hold a point of a body along its x axis, as the body is placed at first.
+   logical function drives_along(deck, block, body)
+      type(deck_type), intent(in) :: deck
+      !> Of the driver
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      drives_along = abs(sin(first_angle(deck, body) + merge(right_angle, 0.0_wp, block%word('TYPE') == 'X'))) > nearly
+   end function drives_along
 
    !> Angle at which the deck places a body; 0 for the ground.
    real(wp) function first_angle(deck, body) result(angle)
@@ -217,9 +258,10 @@ contains
       if (block%has('JOINT')) call along_joint(deck, block%name('JOINT'), body, points)
       if (block%has('POINT')) call enter(block%text('POINT'), body, .true., .false., points, .true.)
       if (block%has('TO')) call enter(block%text('TO'), body, .true., .false., points, .true.)
+      if (block%has('BODY')) call enter(block%name('BODY'), body, .false., .true., points, .false., .true.)
    end subroutine of_driver
 
-   !> Couplers of joint coordinates; one of a body's angle acts on its frame.
+   !> Couplers of the coordinates of joints, and of angles of bodies.
    subroutine of_coupler(deck, block, body, points)
       type(deck_type), intent(in) :: deck
       type(block_type), intent(in) :: block
@@ -228,8 +270,11 @@ contains
       integer :: i
       do i = 1, size(block%lines)
          if (block%lines(i)%count() < 3) cycle
-         if (block%lines(i)%text(2) == 'angle') cycle
-         call along_joint(deck, block%lines(i)%text(3), body, points)
+         if (block%lines(i)%text(2) == 'angle') then
+            call enter(block%lines(i)%text(3), body, .false., .true., points)
+         else
+            call along_joint(deck, block%lines(i)%text(3), body, points)
+         end if
       end do
    end subroutine of_coupler
 

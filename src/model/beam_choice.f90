@@ -7,7 +7,7 @@ module limber_model_beam_choice
    use limber_flex_functions, only: attachment_type
    use limber_flex_mesh, only: beam_type, support_type, new_support, concentrate, put_nodes
    use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
-   use limber_model_acting, only: acting_type, acting_points, find_shared
+   use limber_model_acting, only: acting_type, acting_points, find_shared, find_turning
    use limber_model_parts, only: is_part
    use limber_model_beam_layers, only: layer_lengths
    use limber_model_beam_features, only: read_features, refuse_features
@@ -64,7 +64,10 @@ contains
          usable = section > 0 .and. material > 0 .and. diagnostics%count == before .and. body%beam%length > 0.0_wp &
             & .and. body%beam%elements > 0 .and. body%choice%geometric_elements > 0
          if (usable) call check_modes(block, body, diagnostics)
-         if (usable .and. pieces == 1 .and. body%choice%fidelity /= fidelity_exact) call check_parts(deck, index, body, diagnostics)
+         if (usable .and. pieces == 1 .and. body%choice%fidelity /= fidelity_exact) then
+            call check_parts(deck, index, body, diagnostics)
+            call check_chord(deck, block, diagnostics)
+         end if
          usable = usable .and. diagnostics%count == before
       end associate
    end subroutine read_beam
@@ -290,10 +293,6 @@ contains
             choice%kinks = [choice%kinks, pack(body%beam%place, body%beam%mass > 0.0_wp)]
             choice%steps = [choice%steps, pack(body%beam%place, body%beam%inertia > 0.0_wp)]
          end if
-         if (turns_frame(deck, block%name())) then
-            points = [points, acting_type('origin', .true., .true., .true., .true.)]
-            x = [x, body%choice%origin]
-         end if
          support = end_support(0.0_wp)//'-'//end_support(length)
          ! Pieces are welded to each other
          if (pieces > 1) support = 'CLAMPED-FREE'
@@ -378,6 +377,22 @@ contains
       end associate
    end subroutine check_parts
 
+   !> What moves or turns the frame of a beam with modes whose deck does not say what its frame is: the line through its ends.
+   subroutine check_chord(deck, block, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      if (block%given('SUPPORT') .or. block%word('SUPPORT') /= 'PINNED-ROLLER') return
+      i = find_turning(deck, block%name())
+      if (i == 0) return
+      call diagnostics%warn(deck%blocks(i)%origin, "'"//deck%blocks(i)%name()//"' acts on the floating frame of beam '"// &
+         & block%name()//"', the line through its two ends (SUPPORT=PINNED-ROLLER): it holds or loads both ends, and the"// &
+         & ' sections there turn freely', 'to act on its start, use SUPPORT=CLAMPED-FREE or GEOMETRIC=EXACT; if the line is'// &
+         & ' meant, write SUPPORT=PINNED-ROLLER')
+   end subroutine check_chord
+
    !> Where spread loads begin and end within a beam, or a piece of it.
    function ends_of_spreads(deck, block, piece, pieces, length) result(places)
       type(deck_type), intent(in) :: deck
@@ -399,19 +414,6 @@ contains
          end do
       end do
    end function ends_of_spreads
-
-   !> Whether a driver or a torque turns the frame of a body.
-   pure logical function turns_frame(deck, body)
-      type(deck_type), intent(in) :: deck
-      character(*), intent(in) :: body
-      integer :: i
-      turns_frame = .false.
-      do i = 1, size(deck%blocks)
-         if (deck%blocks(i)%keyword /= 'DRIVER' .and. deck%blocks(i)%keyword /= 'TORQUE') cycle
-         if (.not. deck%blocks(i)%has('BODY')) cycle
-         turns_frame = turns_frame .or. deck%blocks(i)%name('BODY') == body
-      end do
-   end function turns_frame
 
    !> What the block says of the reduction.
    function new_choice(block) result(choice)

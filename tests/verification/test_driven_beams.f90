@@ -1,0 +1,108 @@
+!> Beams that drivers, *MOTION or couplers hold or move, against closed forms: the functions that they get, and what *KINEMATICS and
+!> *INVERSE DYNAMICS tell of models that are used beyond their range. Usage, in tests/: test_driven_beams RESULT_FILE
+program test_driven_beams
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: as_text
+   use limber_output_history_reader, only: history_reader_type
+   use bars, only: nl, pin
+   use runs, only: channel, run_text
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+   !> E I = 1, a weight of 1e-3 for each unit of length
+   character(*), parameter :: stuff = '*HEADING'//nl//' Driven beams'//nl//'*MATERIAL, NAME=stuff, YOUNG=1e4, DENSITY=1'//nl// &
+      & '*SECTION, NAME=thin, SHAPE=GENERAL, AREA=1, INERTIA=1e-4'//nl
+   character(*), parameter :: weight = '*GRAVITY, Y=-1e-3'//nl
+   character(*), parameter :: motion = '*MOTION, NAME=hold, BODY=bar'//nl
+   character(*), parameter :: angle = '*DRIVER, NAME=hold, TYPE=ANGLE, BODY=bar'//nl//' 0'//nl
+   character(*), parameter :: inverse = '*INVERSE DYNAMICS, END=1, OUTPUTS=1'//nl
+   real(wp), parameter :: q = 1.0e-3_wp
+   character(256) :: results
+   character(:), allocatable :: report
+
+   call get_command_argument(1, results)
+   call check_held()
+   call check_frequency()
+   call check_chord()
+   call finish()
+
+contains
+
+   !> Cantilevers and beams that are held in their middle: what holds the frame acts where its origin is.
+   subroutine check_held()
+      character(*), parameter :: tip = 'y(bar.end)', inner = 'ORIGIN=0.5, X=0.5', middle = 'y(bar.middle)'
+      character(*), parameter :: level = '*COUPLER, NAME=hold'//nl//' 1, angle, bar'//nl
+      call check_place('*MOTION', '', motion//' 0, 0, 0'//nl, tip, -q/8, 1.0e-6_wp)
+      call check_place('hinge and driver of the frame', '', pin//angle, tip, -q/8, 1.0e-6_wp)
+      call check_place('hinge and coupler of the frame', '', pin//level, tip, -q/8, 1.0e-6_wp)
+      call check_place('drivers of the place and the frame', '', '*DRIVER, NAME=x, TYPE=X, POINT=bar.start'//nl//' 0'//nl// &
+         & '*DRIVER, NAME=y, TYPE=Y, POINT=bar.start'//nl//' 0'//nl//angle, tip, -q/8, 1.0e-6_wp)
+      ! The middle held level by a couple, behind a hinge: each half has its own weight, the first the force of the hinge too
+      call check_place('driver in the middle', inner, pin//angle, middle, -13*q/384, 1.0e-4_wp)
+      call check_place('coupler in the middle', inner, pin//level, middle, -13*q/384, 1.0e-4_wp)
+      call check_place('*MOTION of the middle', inner, motion//' 0.5, 0, 0'//nl, tip, -q/128, 1.0e-5_wp)
+      call check_place('*MOTION of a quarter', 'ORIGIN=0.25, X=0.25', motion//' 0.25, 0, 0'//nl, tip, -q/8*0.75_wp**4, 1.0e-5_wp)
+   end subroutine check_held
+
+   !> A channel at rest.
+   subroutine check_place(name, words, held, asked, truth, tolerance)
+      !> What is checked, options of the beam, what holds it, the channel
+      character(*), intent(in) :: name, words, held, asked
+      !> Its value, and the largest relative error
+      real(wp), intent(in) :: truth, tolerance
+      real(wp), allocatable :: y(:)
+      call run_bar(words, held//weight//inverse//'*STATICS'//nl, 'value = '//asked, y)
+      call check_close(y(1), truth, tolerance*abs(truth), name//', *INVERSE DYNAMICS')
+      call check_close(y(size(y)), truth, tolerance*abs(truth), name//', *STATICS')
+      call check(index(report, 'warning') == 0, name//': '//report)
+   end subroutine check_place
+
+   !> The first two frequencies of a cantilever.
+   subroutine check_frequency()
+      real(wp), parameter :: free(2) = [1.8751040687120_wp, 4.6940911329742_wp]
+      real(wp), allocatable :: y(:)
+      real(wp) :: frequency
+      integer :: i, at, status
+      call run_bar('', motion//' 0, 0, 0'//nl//'*MODES, NUMBER=2'//nl, 'value = y(bar.end)', y)
+      do i = 1, 2
+         at = index(report, nl//'         '//as_text(i)//' ')
+         frequency = 0.0_wp
+         if (at > 0) read (report(at + 11:at + 28), *, iostat=status) frequency
+         call check_close(frequency, free(i)**2, 1.0e-4_wp*free(i)**2, '*MODES of a beam that *MOTION holds')
+      end do
+   end subroutine check_frequency
+
+   !> What acts on the frame of a beam with modes acts on both of its ends, unless the deck says what the frame is.
+   subroutine check_chord()
+      character(*), parameter :: modal = 'GEOMETRIC=K_G, CORRECTIONS=YES'
+      real(wp), allocatable :: y(:)
+      call run_bar(modal, motion//' 0, 0, 0'//nl//weight//'*STATICS'//nl, 'value = y(bar.end)', y)
+      call check(index(report, 'the line through its two ends') > 0, 'the line through its ends is told of: '//report)
+      call run_bar(modal//', SUPPORT=PINNED-ROLLER', motion//' 0, 0, 0'//nl//weight//'*STATICS'//nl, 'value = y(bar.end)', y)
+      call check(index(report, 'warning') == 0, 'nothing is told of a line that is asked for: '//report)
+      call run_bar(modal//', SUPPORT=CLAMPED-FREE, ELEMENTS=40', motion//' 0, 0, 0'//nl//weight//'*STATICS'//nl, &
+         & 'value = y(bar.end)', y)
+      call check_close(y(size(y)), -q/8, 2.0e-3_wp*q/8, '*MOTION of a beam with modes')
+   end subroutine check_chord
+
+   !> Runs a bar of length 1, and reads its channel `value`.
+   subroutine run_bar(words, blocks, asked, values)
+      !> Options of the beam, blocks behind it, channels
+      character(*), intent(in) :: words, blocks, asked
+      real(wp), allocatable, intent(out) :: values(:)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: options
+      options = ''
+      if (words /= '') options = ', '//words
+      call run_text(stuff//'*BEAM, NAME=bar, MATERIAL=stuff, SECTION=thin, LENGTH=1'//options//nl//blocks//'*OUTPUT'//nl//' '// &
+         & asked//nl, trim(results), report, error)
+      call check_no_error(error, blocks)
+      if (allocated(error)) error stop 1
+      call reader%open(trim(results), error)
+      call check_no_error(error, 'results')
+      allocate (values, source=channel(reader, 'value'))
+      call reader%close()
+   end subroutine run_bar
+
+end program test_driven_beams

@@ -5,9 +5,11 @@ module limber_analysis_kinematics
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
+   use limber_analysis_driven_watch, only: driven_watch_type, start_driven_watch, observe_driven, tell_driven
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_analysis_static_aside, only: sample_type
    use limber_model_scene, only: step_type, step_inverse
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
@@ -27,6 +29,8 @@ module limber_analysis_kinematics
    type :: motion_type
       type(held_type) :: held
       type(recorder_type) :: recorder
+      !> What is told of deflections in equilibrium
+      type(driven_watch_type) :: watch
       real(wp) :: t = 0.0_wp
       !> Coordinates, velocities, accelerations (nq); a trial place (nq); increments (nw); values of the channels
       real(wp), allocatable :: q(:), v(:), a(:), trial(:), change(:), values(:)
@@ -59,6 +63,7 @@ contains
       call check_freedom(scene, step, error)
       if (allocated(error)) return
       call start(scene, step, motion)
+      if (step%static_deflections) call start_driven_watch(motion%watch, scene, step, outcome)
       do k = 0, step%dynamics%outputs
          if (k > 0) call move_to(scene, sample_time(step, k), motion, history, error)
          if (.not. allocated(error)) call sample(scene, step, motion, history, outcome, error)
@@ -66,6 +71,7 @@ contains
          outcome%reached = motion%t
          call progress%update(motion%t)
       end do
+      if (step%static_deflections) call tell_driven(motion%watch, scene, step, outcome)
       scene%last%q = motion%q
       scene%last%v = motion%v
       scene%last%angle = motion%recorder%turns%angle
@@ -223,9 +229,24 @@ contains
          motion%recorder%work = outcome%work
          call channel_values(motion%recorder, system, work, motion%t, motion%q, motion%v, motion%a, motion%values)
       end associate
+      if (step%static_deflections) call observe_driven(motion%watch, scene, motion%held, sample_of(motion, scene), motion%v, &
+         & motion%a, outcome)
       call history%take(motion%t, motion%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine sample
+
+   !> The present sample, for the watch.
+   function sample_of(motion, scene) result(sample)
+      type(motion_type), intent(in) :: motion
+      type(scene_type), intent(in) :: scene
+      type(sample_type) :: sample
+      sample%t = motion%t
+      sample%driven = .true.
+      allocate (sample%q, source=motion%q)
+      allocate (sample%lambda, source=scene%work%lambda)
+      allocate (sample%angle, source=motion%recorder%turns%angle)
+      allocate (sample%values, source=motion%values)
+   end function sample_of
 
    !> Keeps the largest force and power of each driver.
    subroutine watch_drivers(scene, motion)

@@ -1,10 +1,11 @@
-!> Whether the coordinates of flexible bodies are enough for the channels of a static analysis: at each sample the scene with more
-!> of them is brought into equilibrium aside, and each channel is compared with its own. Floor: analysis.
+!> Whether the coordinates of flexible bodies are enough for the channels of an analysis in which deflections are in equilibrium, at
+!> rest or in a motion that drivers give: at each sample the scene with more of them is brought into equilibrium aside, and each
+!> channel is compared with its own. Floor: analysis.
 !> Source: doc/theory, section 43, eqs. (Y7), (Y9).
 !>
 !>     call start_static_aside(self, scene)
-!>     call compare_sample(self, scene, sample)         ! at each sample
-!>     text = static_warning(self, scene, name, sample) ! at the end
+!>     call compare_sample(self, scene, sample)          ! at each sample
+!>     text = static_warning(self, scene, title, sample) ! at the end
 module limber_analysis_static_aside
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
@@ -16,6 +17,7 @@ module limber_analysis_static_aside
    use limber_model_segments, only: name_in_deck
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_system_equilibrium, only: linearise_balance
+   use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_krylov, only: is_large
    use limber_system_layout, only: rates_of
@@ -37,6 +39,9 @@ module limber_analysis_static_aside
    type :: static_aside_type
       type(aside_type) :: aside
       type(recorder_type) :: recorder
+      !> Of a motion that drivers give: what finds it, and its velocities and accelerations (nq of the scene aside)
+      type(held_type) :: held
+      real(wp), allocatable :: v(:), a(:)
       integer, allocatable :: level(:)
       integer :: extra = 0
       !> Largest differences, the largest of what bends or of the channel, and the channels at the last sample (channels); the
@@ -52,9 +57,10 @@ module limber_analysis_static_aside
    end type static_aside_type
 
    !> A sample of the scene: time, coordinates (nq) and multipliers (nc) of an equilibrium, angles of frames (bodies) [rad],
-   !> channels, steady rotation and its centre
+   !> channels, steady rotation and its centre; whether drivers give the motion in place of that
    type :: sample_type
       real(wp) :: t = 0.0_wp, rotation = 0.0_wp, centre(2) = 0.0_wp
+      logical :: driven = .false.
       real(wp), allocatable :: q(:), lambda(:), angle(:), values(:)
    end type sample_type
 
@@ -85,8 +91,30 @@ contains
       type(scene_type), intent(in) :: scene
       call build_aside(scene, self%level, self%extra, .true., self%aside, self%used)
       if (self%used) self%used = size(self%aside%scene%system%model%channels) == size(scene%system%model%channels)
-      if (self%used) self%recorder = new_recorder(self%aside%scene%system, self%aside%scene%q)
+      if (.not. self%used) return
+      associate (system => self%aside%scene%system)
+         self%recorder = new_recorder(system, self%aside%scene%q)
+         call new_held(system, self%held)
+         allocate (self%v(system%layout%nq), self%a(system%layout%nq), source=0.0_wp)
+      end associate
    end subroutine build
+
+   !> Places it where the scene is, its own deflections in equilibrium.
+   subroutine place(self, scene, sample, done)
+      type(static_aside_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
+      type(sample_type), intent(in) :: sample
+      !> Whether an equilibrium was found
+      logical, intent(out) :: done
+      call place_aside(scene, sample%t, sample%q, sample%lambda, .not. sample%driven, sample%rotation, sample%centre, self%aside, &
+         & done)
+      if (.not. sample%driven) return
+      associate (new => self%aside%scene)
+         self%held%lambda = sample%lambda
+         call balance_deflections(new%system, new%work, self%held, sample%t, new%q, self%v, self%a, done)
+         new%last%lambda = new%work%lambda
+      end associate
+   end subroutine place
 
    !> Compares the channels at a sample.
    subroutine compare_sample(self, scene, sample)
@@ -96,7 +124,7 @@ contains
       real(wp) :: straight(size(self%difference)), first(size(self%difference)), off(size(self%difference))
       real(wp) :: change(self%aside%scene%system%layout%nw)
       logical :: done
-      call place_aside(scene, sample%t, sample%q, sample%lambda, .true., sample%rotation, sample%centre, self%aside, done)
+      call place(self, scene, sample, done)
       if (.not. done) return
       associate (new => self%aside%scene)
          ! Places and angles without deflections, in the present frames and in those of the assembly
@@ -121,23 +149,27 @@ contains
    end subroutine compare_sample
 
    !> Channels of the scene aside at a place.
-   subroutine take_channels(self, sample, place, channel)
+   subroutine take_channels(self, sample, q, channel)
       type(static_aside_type), intent(inout) :: self
       type(sample_type), intent(in) :: sample
       !> (nq of it)
-      real(wp), intent(in) :: place(:)
+      real(wp), intent(in) :: q(:)
       real(wp), intent(inout) :: channel(:)
       real(wp) :: room(sample_width(self%aside%scene%system))
       associate (system => self%aside%scene%system, work => self%aside%scene%work, own => self%aside%balance, &
          & lambda => self%aside%scene%last%lambda)
-         call linearise_balance(system, work, own, sample%t, place, lambda)
-         call place_frames(system%model, system%layout, sample%t, place, work%kinematics)
-         call move_frames(system%model, system%layout, place, own%v, work%kinematics)
+         if (.not. sample%driven) then
+            call linearise_balance(system, work, own, sample%t, q, lambda)
+            self%v = own%v
+            self%a = own%a
+         end if
+         call place_frames(system%model, system%layout, sample%t, q, work%kinematics)
+         call move_frames(system%model, system%layout, q, self%v, work%kinematics)
          call update_jacobians(system, work)
          work%lambda = lambda
          self%recorder%turns%angle = sample%angle
          self%recorder%work = 0.0_wp
-         call channel_values(self%recorder, system, work, sample%t, place, own%v, own%a, room)
+         call channel_values(self%recorder, system, work, sample%t, q, self%v, self%a, room)
       end associate
       channel = room(:size(channel))
    end subroutine take_channels
@@ -206,11 +238,11 @@ contains
    end function largest_force
 
    !> The channel that errs most, the body that misses most, and a remedy, tried at the last sample; empty if all are right.
-   function static_warning(self, scene, name, sample) result(text)
+   function static_warning(self, scene, title, sample) result(text)
       type(static_aside_type), intent(in) :: self
       type(scene_type), intent(in) :: scene
-      !> Of the analysis
-      character(*), intent(in) :: name
+      !> Keyword and name of the analysis
+      character(*), intent(in) :: title
       !> The last one
       type(sample_type), intent(in) :: sample
       character(:), allocatable :: text
@@ -224,7 +256,7 @@ contains
       if (.not. error(worst) > little) return
       body = maxloc(self%missed, dim=1, mask=can_enrich(scene%system%model%bodies))
       associate (model => scene%system%model)
-         text = "warning: channel '"//model%channels(worst)%name//"' of *STATICS '"//name//"'"
+         text = "warning: channel '"//model%channels(worst)%name//"' of "//title
          if (count(error > little) > 1) text = text//' (and '//as_text(count(error > little) - 1)//' more)'
          text = text//' errs by '
          if (error(worst) > beyond) text = text//'more than '
@@ -269,7 +301,7 @@ contains
       call build(trial, scene)
       cures = trial%used
       if (.not. cures) return
-      call place_aside(scene, sample%t, sample%q, sample%lambda, .true., sample%rotation, sample%centre, trial%aside, cures)
+      call place(trial, scene, sample, cures)
       if (.not. cures) return
       call take_channels(trial, sample, trial%aside%scene%q, channel)
       cures = all(abs(channel - self%last) <= little*least)

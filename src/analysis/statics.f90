@@ -16,6 +16,7 @@ module limber_analysis_statics
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_static_aside, only: static_aside_type, sample_type, start_static_aside, compare_sample, static_warning
    use limber_analysis_skipped, only: bent_law
+   use limber_model_analyses, only: title
    use limber_model_scene, only: step_type, leave_unstable, stop_unstable
    use limber_output_channels, only: new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
@@ -349,7 +350,8 @@ contains
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//function_state_warning(scene%system, scene%work, statics%balance, &
          & time_of(step, statics%part), statics%q, statics%lambda)
-      if (aside%used) outcome%warnings = outcome%warnings//static_warning(aside, scene, step%name, sample_of(step, statics))
+      if (aside%used) outcome%warnings = outcome%warnings//static_warning(aside, scene, title(step), &
+         & sample_of(step, statics))
    end subroutine check_state
 
    !> Why there is no equilibrium beyond the present state: a body at the end of its model, or else what is asked.

@@ -20,7 +20,7 @@ module limber_analysis_steps
    use limber_analysis_statics, only: run_statics
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_statistics, only: step_statistics_type
-   use limber_model_analyses, only: kind_names
+   use limber_model_analyses, only: title
    use limber_model_scene, only: dynamics_type, step_type, step_kinematics, step_inverse, step_statics, step_modes, step_dynamics, &
       & stop_unstable, velocities_none, velocities_of_deck
    use limber_output_channels, only: recorder_type, new_recorder
@@ -205,13 +205,6 @@ contains
          call snapshot%keep('extremes', outcome%efforts(i)%extremes)
       end do
    end subroutine exchange_outcomes
-
-   !> Keyword and name of an analysis.
-   pure function title(step) result(text)
-      type(step_type), intent(in) :: step
-      character(:), allocatable :: text
-      text = '*'//trim(kind_names(step%kind))//" '"//step%name//"'"
-   end function title
 
    !> Runs one analysis.
    subroutine run_step(scene, i, history, progress, part, statistics, lines, error, guard)

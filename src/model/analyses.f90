@@ -8,7 +8,7 @@ module limber_model_analyses
       & step_dynamics, leave_unstable, stay_unstable, stop_unstable, velocities_kept, velocities_none, velocities_of_deck
    implicit none
    private
-   public :: add_analyses, single_dynamics, kind_names
+   public :: add_analyses, single_dynamics, kind_names, title
 
    !> Keywords of the kinds of analyses, in the order of their numbers
    character(16), parameter :: kind_names(5) = [character(16) :: 'KINEMATICS', 'INVERSE DYNAMICS', 'STATICS', 'MODES', 'DYNAMICS']
@@ -172,5 +172,12 @@ contains
          & block%origin_of('TOLERANCE'), 'TOLERANCE='//as_text(dynamics%tolerance)//' cannot be kept', &
          & 'give a value between 1e-13 and 0.1')
    end subroutine read_dynamics
+
+   !> Keyword and name of an analysis.
+   pure function title(step) result(text)
+      type(step_type), intent(in) :: step
+      character(:), allocatable :: text
+      text = '*'//trim(kind_names(step%kind))//" '"//step%name//"'"
+   end function title
 
 end module limber_model_analyses

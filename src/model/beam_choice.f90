@@ -384,7 +384,7 @@ contains
       type(block_type), intent(in) :: block
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i
-      if (block%given('SUPPORT') .or. block%word('SUPPORT') /= 'PINNED-ROLLER') return
+      if (block%given('SUPPORT') .or. block%word('SUPPORT') /= 'PINNED-ROLLER' .or. block%word('GEOMETRIC') == 'RIGID') return
       i = find_turning(deck, block%name())
       if (i == 0) return
       call diagnostics%warn(deck%blocks(i)%origin, "'"//deck%blocks(i)%name()//"' acts on the floating frame of beam '"// &

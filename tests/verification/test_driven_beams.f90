@@ -24,6 +24,8 @@ program test_driven_beams
    call check_held()
    call check_frequency()
    call check_chord()
+   call check_watch()
+   call check_columns()
    call finish()
 
 contains
@@ -84,6 +86,60 @@ contains
          & 'value = y(bar.end)', y)
       call check_close(y(size(y)), -q/8, 2.0e-3_wp*q/8, '*MOTION of a beam with modes')
    end subroutine check_chord
+
+   !> Models beyond their range, and functions and modes that are too few, in both analyses.
+   subroutine check_watch()
+      character(*), parameter :: linear = 'GEOMETRIC=LINEAR, SUPPORT=CLAMPED-FREE, MODES=4, ELEMENTS=40'
+      call check_told('one function', 'FUNCTIONS=1', '0', 'too few functions of the angle', .true.)
+      call check_told('seven functions', 'FUNCTIONS=7', '0', '', .false.)
+      call check_told('modes of pins', 'GEOMETRIC=LINEAR, MODES=2', '0', 'errs by about 31 %', .true.)
+      call check_told('one element', 'GEOMETRIC=K_G, SUPPORT=CLAMPED-FREE, MODES=2, ELEMENTS=1', '0', &
+         & 'has too few elements', .true.)
+      call check_told('LINEAR at rest', linear, '0', '', .false.)
+      ! The first frequency is 3.5
+      call check_told('LINEAR in a rotation', linear, '3.4*t', 'a LINEAR beam leaves it out', .true.)
+      call check_told('LINEAR in a slow rotation', linear, '0.3*t', '', .false.)
+   end subroutine check_watch
+
+   !> A cantilever under its weight on a driver, against the closed form at rest; what is told, where something is.
+   subroutine check_told(name, words, law, warning, wrong)
+      character(*), intent(in) :: name, words, law, warning
+      !> Whether the deflection at the first instant is wrong
+      logical, intent(in) :: wrong
+      character(*), parameter :: analyses(3) = [character(50) :: '*INVERSE DYNAMICS, END=1, OUTPUTS=2', &
+         & '*KINEMATICS, END=1, OUTPUTS=2, DEFLECTIONS=STATIC', '*KINEMATICS, END=1, OUTPUTS=2']
+      real(wp), allocatable :: y(:)
+      integer :: i
+      do i = 1, size(analyses)
+         call run_bar(words, pin//'*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=pin'//nl//' '//law//nl//weight//trim(analyses(i))//nl, &
+            & 'value = y(bar.end)'//nl//' y(bar.end)', y)
+         if (i == 3) then
+            call check(index(report, 'warning') == 0, name//', deflections held: '//report)
+            cycle
+         end if
+         if (law == '0') call check((abs(y(1)/(-q/8) - 1) > 0.02_wp) .eqv. wrong, name//': '//as_text(y(1))//' is right or wrong')
+         call check((index(report, 'warning') > 0) .eqv. (warning /= ''), name//': '//report)
+         call check(index(report, warning) > 0, name//' is told of: '//report)
+      end do
+   end subroutine check_told
+
+   !> Columns below and above Euler's load, pi^2/4.
+   subroutine check_columns()
+      call check_column('EXACT', 2.2_wp, .false.)
+      call check_column('EXACT', 2.7_wp, .true.)
+      call check_column('K_G, SUPPORT=CLAMPED-FREE', 2.7_wp, .true.)
+   end subroutine check_columns
+
+   subroutine check_column(model, load, buckled)
+      character(*), intent(in) :: model
+      real(wp), intent(in) :: load
+      logical, intent(in) :: buckled
+      real(wp), allocatable :: y(:)
+      call run_bar('GEOMETRIC='//model, pin//'*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=pin'//nl//' 0'//nl// &
+         & '*FORCE, NAME=push, POINT=bar.end'//nl//' -'//as_text(load)//', 1e-3'//nl//inverse, 'value = y(bar.end)', y)
+      call check((index(report, 'not stably') > 0) .eqv. buckled, model//' under '//as_text(load)//': '//report)
+      call check((y(1) < 0.0_wp) .eqv. buckled, model//' under '//as_text(load)//': side to which it bends')
+   end subroutine check_column
 
    !> Runs a bar of length 1, and reads its channel `value`.
    subroutine run_bar(words, blocks, asked, values)

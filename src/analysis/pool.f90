@@ -1,13 +1,13 @@
 !> The runs of one search for a target: what they have cost, what they may cost together, and the last ones themselves, so that none
 !> is made twice. Floor: analysis. Equations: doc/theory.md, accuracy on request.
 module limber_analysis_pool
-   use limber_base_kinds, only: wp, long
+   use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_analysis_rungs, only: rung_type, same_rungs, names_of
    use limber_analysis_trial, only: trial_type, run_trial, least_patience, least_tolerance
    use limber_deck_content, only: deck_type
-   use limber_output_progress, only: say_line
+   use limber_output_progress, only: teller_type
    implicit none
    private
    public :: pool_type
@@ -25,8 +25,6 @@ module limber_analysis_pool
    !> Work of a search that is always allowed, some ten seconds, and beyond it in units of its first run, or of the last one that was
    !> to be verified, where that takes about a second at most
    real(wp), parameter :: least_budget = 3.0e6_wp, most_first = 60.0_wp, second = 3.0e5_wp
-   !> Wall time from which on a search says what it is at [s]
-   real(wp), parameter :: silent = 5.0_wp
 
    !> The runs of a search
    type :: pool_type
@@ -38,10 +36,10 @@ module limber_analysis_pool
       !> The last ones, by turns
       type(entry_type) :: kept(most_kept)
       integer :: next = 0
-      !> Clock when it began; negative: it has not [ticks]
-      integer(long) :: began = -1
+      !> What tells how far the search is
+      type(teller_type), private :: teller
    contains
-      procedure :: allow, say
+      procedure :: allow, say, kept_tolerance
       procedure :: run => run_in_pool
       procedure :: check => run_check
    end type pool_type
@@ -93,16 +91,33 @@ contains
       self%budget = max(self%budget, least_budget + most_first*min(work, second))
    end subroutine allow
 
+   !> The tolerance nearest to one that a run which is kept has, of the same models, between two bounds; else that one itself.
+   real(wp) function kept_tolerance(self, deck, rungs, tolerance, least, most) result(nearest)
+      class(pool_type), intent(in) :: self
+      type(deck_type), intent(in) :: deck
+      type(rung_type), intent(in) :: rungs(:)
+      real(wp), intent(in) :: tolerance, least, most
+      real(wp) :: away
+      integer :: i
+      nearest = tolerance
+      away = huge(away)
+      do i = 1, most_kept
+         associate (entry => self%kept(i))
+            if (.not. allocated(entry%rungs)) cycle
+            if (entry%tolerance < least .or. entry%tolerance > most) cycle
+            if (.not. serves(entry, deck, rungs, entry%tolerance, 1.0_wp, .false.)) cycle
+            if (abs(log(entry%tolerance/tolerance)) >= away) cycle
+            away = abs(log(entry%tolerance/tolerance))
+            nearest = entry%tolerance
+         end associate
+      end do
+   end function kept_tolerance
+
    !> A line of what the search is at, once it takes long.
    subroutine say(self, text)
       class(pool_type), intent(inout) :: self
       character(*), intent(in) :: text
-      integer(long) :: clock, rate
-      real(wp) :: wall
-      call system_clock(clock, rate)
-      if (self%began < 0) self%began = clock
-      wall = real(clock - self%began, wp)/real(rate, wp)
-      if (wall > silent) call say_line('search for TARGET, '//as_text(nint(wall))//' s: '//text)
+      call self%teller%say('search for TARGET', text)
    end subroutine say
 
    !> A setting for people: 'EXACT 10 + 0, TOLERANCE=1e-4'.

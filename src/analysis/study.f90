@@ -51,7 +51,7 @@ contains
       call catch_signals()
       call open_results(plan, results, force, file, error)
       if (allocated(error)) return
-      if (plan%reference == '') call make_reference(plan, reference, fine, error)
+      if (plan%reference == '') call make_reference(plan, quiet, reference, fine, error)
       if (.not. allocated(error)) then
          if (.not. quiet) call progress%start(0.0_wp, 1.0_wp, path)
          call run_grid(plan, reference, progress, runs)

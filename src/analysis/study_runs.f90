@@ -14,7 +14,7 @@ module limber_analysis_study_runs
    use limber_analysis_study_reference, only: reference_type, take_reference, compare, difference
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_output_progress, only: progress_type
+   use limber_output_progress, only: progress_type, teller_type
    use limber_output_sink, only: memory_type
    implicit none
    private
@@ -42,11 +42,13 @@ module limber_analysis_study_runs
 contains
 
    !> Runs a setting once, and adds its times. One that has run before stays as it was when a signal ends the repeat.
-   subroutine simulate(plan, setting, samples, run)
+   subroutine simulate(plan, setting, samples, run, limit)
       type(plan_type), intent(in) :: plan
       type(setting_type), intent(in) :: setting
       type(memory_type), intent(inout) :: samples
       type(run_type), intent(inout) :: run
+      !> CPU time after which it is given up, if not that of the plan [s]
+      real(wp), intent(in), optional :: limit
       type(scene_type) :: scene
       type(diagnostics_type) :: diagnostics
       type(outcome_type) :: outcome
@@ -64,6 +66,7 @@ contains
       end if
       call new_integrator(scene%system%model%dynamics, integrator)
       call samples%start(size(scene%system%model%channels), plan%samples, plan%limit)
+      if (present(limit)) call samples%watch_limit(limit)
       samples%heeds_signals = .true.
       call run_dynamics(scene, integrator, samples, progress, outcome, error)
       if (allocated(error)) then
@@ -116,11 +119,14 @@ contains
    end function least_tolerance
 
    !> Makes a reference of the finest model: every integrator at tolerances that are refined by ten until the two that agree
-   !> best differ by less than a hundredth of the smallest tolerance of the study, or agree no better.
-   subroutine make_reference(plan, reference, fine, error)
+   !> best differ by less than a hundredth of the smallest tolerance of the study, or agree no better. An integrator that costs many
+   !> times what RADAU does is given up; where no two are left the one is compared with itself at ten times the tolerance.
+   subroutine make_reference(plan, quiet, reference, fine, error)
       !> On return a run may take no longer than four times the faster of the two integrators took: that one is better in
       !> any case
       type(plan_type), intent(inout) :: plan
+      !> Whether nothing is said of what is being run
+      logical, intent(in) :: quiet
       type(reference_type), intent(out) :: reference
       !> As accurate, with the faster of the two: for the families that vary the model
       type(setting_type), intent(out) :: fine
@@ -129,8 +135,11 @@ contains
       type(reference_type), allocatable :: solution(:), before(:)
       type(run_type), allocatable :: runs(:)
       character(24), allocatable :: names(:)
-      real(wp) :: tolerance, least, enough
+      type(teller_type) :: teller
+      real(wp) :: tolerance, least, enough, spent
       integer :: pair(2), best, round
+      !> Uncertainty, in units of the error that the advice aims at, that is small enough where more costs more than the limit of a run
+      real(wp), parameter :: certain = 0.1_wp
       allocate (names, source=all_integrators(plan))
       allocate (before(size(names)))
       allocate (solution(size(names)), runs(size(names)))
@@ -138,17 +147,22 @@ contains
       tolerance = fine%tolerance
       reference%uncertainty = huge(1.0_wp)
       enough = plan%limit
+      spent = 0.0_wp
       do round = 1, 12
          tolerance = max(0.1_wp*tolerance, 1.0e-13_wp)
          before = solution
-         call solve_all(plan, names, tolerance, runs, solution)
+         call solve_all(plan, names, tolerance, quiet, teller, runs, solution, spent)
          if (signal_came()) then
             call raise(error, 'interrupted by '//signal_name()//' while the reference was made; a study begins anew', &
                & status_interrupted)
             return
          end if
          call closest(solution, runs, pair, least)
-         if (pair(1) == 0) exit
+         if (pair(1) == 0) then
+            pair = the_only_one(runs)
+            if (pair(1) == 0) exit
+            if (round > 1) least = apart(solution(pair(1)), before(pair(1)))
+         end if
          if (round > 1) then
             if (least > 0.5_wp*reference%uncertainty) exit
             best = pair(1)
@@ -156,12 +170,15 @@ contains
             reference = solution(best)
             reference%uncertainty = max(least, 10*epsilon(1.0_wp))
             reference%source = trim(names(best))//' at '//as_text(tolerance, 2)//'; '//trim(names(sum(pair) - best))//' agrees'
+            if (pair(1) == pair(2)) reference%source = trim(names(best))//' at '//as_text(tolerance, 2)// &
+               & '; at ten times that it agrees (the others cost too much)'
             enough = max(1.0_wp, 4*min(runs(pair(1))%cpu(1), runs(pair(2))%cpu(1)))
             call set_fine(fine, names(merge(pair(2), pair(1), runs(pair(2))%cpu(1) < runs(pair(1))%cpu(1))), tolerance)
          end if
          if (reference%uncertainty <= 0.01_wp*least_tolerance(plan) .or. tolerance <= 1.0e-13_wp) exit
          ! RADAU, of order 5, takes less than twice the steps at a tenth of the tolerance; methods of lower order more
          if (4*max(runs(pair(1))%cpu(1), runs(pair(2))%cpu(1)) > plan%limit) exit
+         if (round > 1 .and. spent > plan%limit .and. reference%uncertainty < certain*plan%aim) exit
       end do
       if (allocated(reference%times)) plan%limit = min(plan%limit, enough)
       if (.not. allocated(reference%times)) then
@@ -173,26 +190,57 @@ contains
       end if
    end subroutine make_reference
 
-   !> Solves the finest model with every integrator that has not failed yet.
-   subroutine solve_all(plan, names, tolerance, runs, solution)
+   !> The integrator that alone has not failed, twice; zero: there is none.
+   pure function the_only_one(runs) result(pair)
+      type(run_type), intent(in) :: runs(:)
+      integer :: pair(2), i
+      pair = 0
+      do i = 1, size(runs)
+         if (runs(i)%reason == '') pair = i
+      end do
+   end function the_only_one
+
+   !> Solves the finest model with every integrator that has not failed yet: RADAU first, which ends soonest where vibrations are fast;
+   !> what takes many times as long fails.
+   subroutine solve_all(plan, names, tolerance, quiet, teller, runs, solution, spent)
       type(plan_type), intent(in) :: plan
       character(*), intent(in) :: names(:)
       real(wp), intent(in) :: tolerance
+      logical, intent(in) :: quiet
+      type(teller_type), intent(inout) :: teller
       type(run_type), intent(inout) :: runs(:)
       type(reference_type), intent(inout) :: solution(:)
+      !> CPU time of all [s]
+      real(wp), intent(inout) :: spent
+      !> What an integrator may cost in units of the cheapest so far, and at least [s]
+      real(wp), parameter :: dear = 20.0_wp, always = 2.0_wp
       type(memory_type) :: samples
       type(setting_type) :: setting
-      integer :: i
+      real(wp) :: cheapest, clock(2)
+      integer :: i, k, first
       setting = finest_setting(plan)
+      first = 1
       do i = 1, size(names)
+         if (names(i) == 'RADAU') first = i
+      end do
+      cheapest = plan%limit
+      do k = 1, size(names)
+         i = modulo(first + k - 2, size(names)) + 1
          if (allocated(runs(i)%reason)) then
             if (runs(i)%reason /= '') cycle
          end if
          if (signal_came()) return
          call set_fine(setting, names(i), tolerance)
          if (allocated(runs(i)%cpu)) deallocate (runs(i)%cpu, runs(i)%whole)
-         call simulate(plan, setting, samples, runs(i))
-         if (runs(i)%reason == '') call take_reference(plan, samples, solution(i))
+         if (.not. quiet) call teller%say('study', 'reference: '//trim(names(i))//' at TOLERANCE='// &
+            & as_text(tolerance, 2)//' begins')
+         call cpu_time(clock(1))
+         call simulate(plan, setting, samples, runs(i), min(plan%limit, max(always, dear*cheapest)))
+         call cpu_time(clock(2))
+         spent = spent + clock(2) - clock(1)
+         if (runs(i)%reason /= '') cycle
+         cheapest = min(cheapest, runs(i)%cpu(1))
+         call take_reference(plan, samples, solution(i))
       end do
    end subroutine solve_all
 

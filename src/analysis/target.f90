@@ -4,7 +4,7 @@ module limber_analysis_target
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advice, only: advice_type, make_advice, expected_error, expected_stretch, check_rung, deck_of, part_time
+   use limber_analysis_advice, only: advice_type, make_advice, expected_error, expected_stretch, check_rung, deck_of
    use limber_analysis_descent, only: descend
    use limber_analysis_fixed, only: verify_fixed, find_fixed, unverified_words
    use limber_analysis_pool, only: pool_type
@@ -228,6 +228,8 @@ contains
       logical, intent(out) :: climbed
       !> Part of the error that is left when more functions have not helped, of few and of many functions
       real(wp), parameter :: stalled = 0.7_wp, stalled_high = 0.5_wp
+      !> Part of the target that a smaller tolerance is to leave of the error of the integration
+      real(wp), parameter :: of_tightened = 0.4_wp
       integer, parameter :: high = 7
       type(rung_type) :: higher
       real(wp) :: aim
@@ -238,7 +240,7 @@ contains
          & merge(stalled_high, stalled, any(reached%advice%rungs%step >= high))
       reached%before = 0.0_wp
       associate (advice => reached%advice)
-         aim = part_time*target
+         aim = of_tightened*target
          if (stalls .and. does_for(truth, advice%rungs, advice%tolerance, target) .and. &
             & .not. any(truth%rungs%stretches .and. .not. advice%rungs%stretches)) then
             ! Beside a truth of a much smaller tolerance it may be the integration that is left
@@ -258,7 +260,7 @@ contains
             advice%tolerance = reached%tolerance_before
          end if
          if (widening*reached%of_time > time_first*target .and. advice%open_tolerance .and. .not. reached%useless) &
-            & call tighten(near_ladder(min(0.5_wp, max(0.02_wp, (0.7_wp*aim/reached%of_time) &
+            & call tighten(near_ladder(min(0.5_wp, max(0.02_wp, (aim/reached%of_time) &
             & **(0.75_wp/reached%shown%falling)))))
          if (.not. climbed) reached%of_time_before = 0.0_wp
          if (.not. truth%known .and. climbed) return
@@ -303,7 +305,7 @@ contains
       !> A factor of the tolerance, or that of the check, whose run is there already.
       pure real(wp) function near_ladder(factor)
          real(wp), intent(in) :: factor
-         real(wp), parameter :: few = 2.5_wp
+         real(wp), parameter :: few = 2.8_wp
          near_ladder = factor
          if (factor < few*ladder) near_ladder = ladder
       end function near_ladder

@@ -7,7 +7,7 @@ module limber_analysis_verification
    use limber_analysis_advice, only: advice_type, check_rung, note_surprise, vibrates, rest_beyond
    use limber_analysis_pool, only: pool_type
    use limber_analysis_reached, only: reached_type
-   use limber_analysis_rungs, only: rung_type, can_climb, names_of
+   use limber_analysis_rungs, only: rung_type, can_climb, names_of, richer, same_rungs
    use limber_analysis_trial, only: trial_type, take_trial, least_patience, least_verified
    use limber_analysis_truth, only: truth_type, error_against, largest_difference, place_of
    use limber_deck_content, only: deck_type
@@ -76,6 +76,8 @@ contains
       real(wp) :: step, part, beyond, falling, rest_of_time
       !> Tolerance from which on RADAU may step over vibrations of the strain
       real(wp), parameter :: loose = 1.0e-4_wp
+      !> Tolerances of a check that is there already, in units of that of the run
+      real(wp), parameter :: finest = 0.005_wp, coarsest = 0.35_wp
       !> Part of the target from which on an error of the models is one that may surprise
       real(wp), parameter :: noticed = 0.1_wp
       integer :: i, n
@@ -86,6 +88,9 @@ contains
       associate (advice => reached%advice, estimate => reached%estimate)
          ! Where no smaller tolerance is left, a looser one shows how far errors fall
          step = merge(ladder, 1/ladder, advice%tolerance > 0.99_wp*least_verified)
+         ! A run that is there already does as well
+         if (step < 1.0_wp .and. allocated(truth%scale)) step = pool%kept_tolerance(deck, advice%rungs, step*advice%tolerance, &
+            & finest*advice%tolerance, coarsest*advice%tolerance)/advice%tolerance
          estimate%companion = step*advice%tolerance
          estimate%reason = ''
          estimate%of_model = .true.
@@ -111,7 +116,7 @@ contains
             call reached%shown%take(advice%rungs, advice%tolerance, reached%of_time, target, &
                & candidate%samples%values(:channels, :n), finer%samples%values(:channels, :n))
             falling = reached%shown%falling
-            rest_of_time = ladder**falling
+            rest_of_time = min(step, 1/step)**falling
             if (step < 1.0_wp) then
                call truth%take(advice%rungs, estimate%companion, finer%samples%values(:channels, :n), finer%work, &
                   & rest_of_time*of_time)
@@ -146,6 +151,8 @@ contains
                if (part < 1.5_wp*ladder) part = ladder
                ! What vibrates along itself tells nothing where steps are longer than that
                if (any([(vibrates(advice, i), i=1, size(rungs))] .and. rungs%stretches)) part = min(part, loose/advice%tolerance)
+               part = pool%kept_tolerance(deck, rungs, part*advice%tolerance, ladder*part*advice%tolerance, &
+                  & min(2*part, 1.0_wp)*advice%tolerance)/advice%tolerance
                call run_higher(deck, rungs, advice%tolerance, part, candidate%work, quiet, pool, reached, check, error)
                if (allocated(error)) return
                if (check%reason /= '') then
@@ -168,6 +175,8 @@ contains
                   & call note_surprise(advice, reached%of_model - reached%of_time)
                rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale)
                call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
+               if (on) call look_further(deck, target, quiet, pool, candidate, check, part**falling*of_time, reached, truth, error)
+               if (allocated(error)) return
             else if (size(rungs) > 0) then
                truth%rest = max(truth%rest, doubt*target*truth%scale)
             end if
@@ -177,6 +186,47 @@ contains
          end associate
       end associate
    end subroutine verify
+
+   !> A truth of still higher rungs, where all that speaks against a run is the doubt about the truth.
+   subroutine look_further(deck, target, quiet, pool, candidate, check, of_time, reached, truth, error)
+      type(deck_type), intent(in) :: deck
+      real(wp), intent(in) :: target
+      logical, intent(in) :: quiet
+      type(pool_type), intent(inout) :: pool
+      !> The run that is verified, and the truth's
+      type(trial_type), intent(in) :: candidate
+      type(trial_type), intent(inout) :: check
+      !> What is left of the error of the integration in the truth (channels)
+      real(wp), intent(in) :: of_time(:)
+      type(reached_type), intent(in) :: reached
+      type(truth_type), intent(inout) :: truth
+      type(error_type), allocatable, intent(out) :: error
+      !> Part of the target that the difference may be
+      real(wp), parameter :: room = 0.75_wp
+      type(trial_type) :: further
+      type(rung_type) :: higher(size(truth%rungs))
+      real(wp), allocatable :: rest(:)
+      real(wp) :: part, beyond
+      integer :: i, n
+      n = size(truth%values, 2)
+      if (error_against(truth, candidate%samples%values) <= target) return
+      if (any(largest_difference(candidate%samples%values, truth%values) > room*target*truth%scale)) return
+      associate (advice => reached%advice)
+         higher = richer(truth%rungs, merge(1, 0, truth%rungs%step > 0), .false.)
+         if (same_rungs(higher, truth%rungs)) return
+         part = truth%tolerance/advice%tolerance
+         call run_higher(deck, higher, advice%tolerance, part, candidate%work, quiet, pool, reached, further, error)
+         if (allocated(error) .or. further%reason /= '') return
+         beyond = 0.0_wp
+         do i = 1, size(higher)
+            beyond = max(beyond, rest_beyond(truth%rungs(i), higher(i), advice%probe%beams(i)))
+         end do
+         allocate (rest, source=beyond*largest_difference(further%samples%values, truth%values))
+         call truth%take(higher, part*advice%tolerance, further%samples%values(:size(rest), :n), further%work, &
+            & max(rest + of_time, doubt*target*truth%scale))
+         call take_trial(further, check)
+      end associate
+   end subroutine look_further
 
    !> Takes a larger tolerance for a scene of beams whose integration errs by very little; the run that was made verifies it then.
    pure subroutine loosen(reached, target, loosens)

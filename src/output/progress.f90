@@ -7,7 +7,7 @@ module limber_output_progress
    use limber_base_kinds, only: wp, long
    implicit none
    private
-   public :: progress_type, progress_line, say_line
+   public :: progress_type, progress_line, teller_type
 
    !> Columns of the line
    integer, parameter :: line_width = 72
@@ -27,6 +27,17 @@ module limber_output_progress
    contains
       procedure :: start, update, finish
    end type progress_type
+
+   !> Lines of what a command is at that does many runs, once it takes long
+   type :: teller_type
+      !> Clock when it began; negative: it has not [ticks]
+      integer(long), private :: began = -1
+   contains
+      procedure :: say
+   end type teller_type
+
+   !> Wall time until the first line [s]
+   real(wp), parameter :: silent = 5.0_wp
 
    interface
       !> Whether a file descriptor is a terminal (POSIX)
@@ -85,12 +96,20 @@ contains
       flush (error_unit)
    end subroutine update
 
-   !> A line of what a long command is at, on a terminal or not.
-   subroutine say_line(text)
-      character(*), intent(in) :: text
-      write (error_unit, '(a)') text
+   !> A line on standard error, terminal or not: 'search for TARGET, 12 s: 7 runs; ...'. The first call begins the time.
+   subroutine say(self, title, text)
+      class(teller_type), intent(inout) :: self
+      !> The command, and what it is at
+      character(*), intent(in) :: title, text
+      integer(long) :: clock, rate
+      real(wp) :: wall
+      call system_clock(clock, rate)
+      if (self%began < 0) self%began = clock
+      wall = real(clock - self%began, wp)/real(rate, wp)
+      if (wall < silent) return
+      write (error_unit, '(2a,i0,2a)') title, ', ', nint(wall), ' s: ', text
       flush (error_unit)
-   end subroutine say_line
+   end subroutine say
 
    !> Wipes the bar off the terminal.
    subroutine finish(self)

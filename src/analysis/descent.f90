@@ -71,8 +71,8 @@ contains
             loose(i) = reached%error + (looser(i)**growing - 1)*reached%of_time > target
             if (loose(i)) cycle
             call try(min(loosest, looser(i)*reached%advice%tolerance), loose(i))
-            ! A little looser saves even less
-            if (loose(i) .and. dear) loose = .true.
+            ! A little looser saves even less, or is the same
+            if (loose(i) .and. (dear .or. looser(2)*reached%advice%tolerance >= loosest)) loose = .true.
          end do
          do i = 1, size(rungs)
             if (down .or. allocated(error)) exit

@@ -163,10 +163,12 @@ contains
             if (pair(1) == 0) exit
             if (round > 1) least = apart(solution(pair(1)), before(pair(1)))
          end if
-         if (round > 1) then
+         if (round > 1 .or. pair(1) /= pair(2)) then
             if (least > 0.5_wp*reference%uncertainty) exit
             best = pair(1)
-            if (apart(solution(pair(2)), before(pair(2))) < apart(solution(pair(1)), before(pair(1)))) best = pair(2)
+            if (round > 1) then
+               if (apart(solution(pair(2)), before(pair(2))) < apart(solution(pair(1)), before(pair(1)))) best = pair(2)
+            end if
             reference = solution(best)
             reference%uncertainty = max(least, 10*epsilon(1.0_wp))
             reference%source = trim(names(best))//' at '//as_text(tolerance, 2)//'; '//trim(names(sum(pair) - best))//' agrees'
@@ -177,7 +179,7 @@ contains
          end if
          if (reference%uncertainty <= 0.01_wp*least_tolerance(plan) .or. tolerance <= 1.0e-13_wp) exit
          ! RADAU, of order 5, takes less than twice the steps at a tenth of the tolerance; methods of lower order more
-         if (4*max(runs(pair(1))%cpu(1), runs(pair(2))%cpu(1)) > plan%limit) exit
+         if (4*min(runs(pair(1))%cpu(1), runs(pair(2))%cpu(1)) > plan%limit) exit
          if (round > 1 .and. spent > plan%limit .and. reference%uncertainty < certain*plan%aim) exit
       end do
       if (allocated(reference%times)) plan%limit = min(plan%limit, enough)
@@ -213,7 +215,7 @@ contains
       !> CPU time of all [s]
       real(wp), intent(inout) :: spent
       !> What an integrator may cost in units of the cheapest so far, and at least [s]
-      real(wp), parameter :: dear = 20.0_wp, always = 2.0_wp
+      real(wp), parameter :: dear = 10.0_wp, always = 2.0_wp
       type(memory_type) :: samples
       type(setting_type) :: setting
       real(wp) :: cheapest, clock(2)

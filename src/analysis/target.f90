@@ -302,11 +302,11 @@ contains
          climbed = .true.
       end subroutine tighten
 
-      !> A factor of the tolerance, or that of the check, whose run is there already.
+      !> A factor of the tolerance that the check verifies, whose run is there already, or that of the check.
       pure real(wp) function near_ladder(factor)
          real(wp), intent(in) :: factor
-         real(wp), parameter :: few = 2.8_wp
-         near_ladder = factor
+         real(wp), parameter :: few = 1.5_wp, most = 2.5_wp
+         near_ladder = max(factor, most*ladder)
          if (factor < few*ladder) near_ladder = ladder
       end function near_ladder
 

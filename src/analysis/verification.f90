@@ -77,7 +77,7 @@ contains
       !> Tolerance from which on RADAU may step over vibrations of the strain
       real(wp), parameter :: loose = 1.0e-4_wp
       !> Tolerances of a check that is there already, in units of that of the run
-      real(wp), parameter :: finest = 0.005_wp, coarsest = 0.35_wp
+      real(wp), parameter :: finest = 0.005_wp, coarsest = 0.41_wp
       !> Part of the target from which on an error of the models is one that may surprise
       real(wp), parameter :: noticed = 0.1_wp
       integer :: i, n
@@ -107,22 +107,23 @@ contains
             allocate (truth%of_terms, source=finer%of_terms)
          end if
          associate (channels => size(truth%scale))
-            allocate (of_time, source=largest_difference(finer%samples%values(:channels, :n), &
+            ! What the finer of the two errs by, and the run itself as it would differ from one with a tenth of its tolerance
+            falling = reached%shown%falling
+            rest_of_time = rest_of(min(step, 1/step), falling)
+            allocate (rest, source=largest_difference(finer%samples%values(:channels, :n), &
                & candidate%samples%values(:channels, :n)))
-            allocate (rest, source=of_time)
+            allocate (of_time, source=rest*(1 + rest_of_time)/(1 + rest_of(ladder, falling)))
             reached%of_time = maxval([0.0_wp, of_time/truth%scale])
             reached%place_of_time = place_of(finer%samples%values(:channels, :n), candidate%samples%values(:channels, :n), &
                & truth%scale, candidate%samples%times, candidate%names)
             call reached%shown%take(advice%rungs, advice%tolerance, reached%of_time, target, &
                & candidate%samples%values(:channels, :n), finer%samples%values(:channels, :n))
-            falling = reached%shown%falling
-            rest_of_time = min(step, 1/step)**falling
             if (step < 1.0_wp) then
                call truth%take(advice%rungs, estimate%companion, finer%samples%values(:channels, :n), finer%work, &
-                  & rest_of_time*of_time)
+                  & rest_of_time*rest)
             else
                call truth%take(advice%rungs, advice%tolerance, candidate%samples%values(:channels, :n), candidate%work, &
-                  & rest_of_time*of_time)
+                  & rest_of_time*rest)
             end if
             if (on) call loosen(reached, target, looser)
             if (looser) then
@@ -175,7 +176,8 @@ contains
                   & call note_surprise(advice, reached%of_model - reached%of_time)
                rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale)
                call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
-               if (on) call look_further(deck, target, quiet, pool, candidate, check, part**falling*of_time, reached, truth, error)
+               if (on .and. .not. falls_short(truth, advice)) call look_further(deck, target, quiet, pool, &
+                  & candidate, check, part**falling*of_time, reached, truth, error)
                if (allocated(error)) return
             else if (size(rungs) > 0) then
                truth%rest = max(truth%rest, doubt*target*truth%scale)
@@ -186,6 +188,14 @@ contains
          end associate
       end associate
    end subroutine verify
+
+   !> Error of a check as a part of its difference from the run, by the power that errors fall with; usually they fall faster.
+   pure real(wp) function rest_of(step, falling)
+      !> Tolerance of the check in units of that of the run, below 1
+      real(wp), intent(in) :: step, falling
+      real(wp), parameter :: usually = 0.75_wp
+      rest_of = usually*step**falling/(1 - step**falling)
+   end function rest_of
 
    !> A truth of still higher rungs, where all that speaks against a run is the doubt about the truth.
    subroutine look_further(deck, target, quiet, pool, candidate, check, of_time, reached, truth, error)

@@ -217,7 +217,7 @@ contains
       !> The least to begin with where beams bend is a part of the target: what a probe expects of a stiff beam may be far too little
       real(wp), parameter :: largest = 1.0e-2_wp, smallest = 1.0e-12_wp, part_least = 1.0e-4_wp
       !> Error of the deflections by that of a step, relative to their scale; the same of rigid scenes
-      real(wp), parameter :: of_deflections = 3.0e-3_wp, of_motion = 10.0_wp, begin = 4.0_wp
+      real(wp), parameter :: of_deflections = 3.0e-3_wp, of_motion = 10.0_wp, begin = 1.0_wp
       integer :: i
       if (advice%probe%blind) then
          ! A smaller one costs less once it is known to be needed

@@ -229,7 +229,7 @@ contains
       !> Part of the error that is left when more functions have not helped, of few and of many functions
       real(wp), parameter :: stalled = 0.7_wp, stalled_high = 0.5_wp
       !> Part of the target that a smaller tolerance is to leave of the error of the integration
-      real(wp), parameter :: of_tightened = 0.4_wp
+      real(wp), parameter :: of_tightened = 0.3_wp
       integer, parameter :: high = 7
       type(rung_type) :: higher
       real(wp) :: aim

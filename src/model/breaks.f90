@@ -28,7 +28,7 @@ module limber_model_breaks
    !> so many, which are those of many pulses
    real(wp), parameter :: change = 0.02_wp, near_rest = 0.75_wp, coarse = 0.3_wp
    integer, parameter :: many = 2000
-   !> Part of the way from one break to the next that a pulse may take and have no stations: steps end at the breaks
+   !> Part of the way from one break to the next that one of many pulses may take and have no stations: steps end at the breaks
    real(wp), parameter :: between = 0.25_wp
 
 contains
@@ -267,20 +267,23 @@ contains
          return
       end do
       before_this = times
-      call place_stations(change, near_rest, size(times) + many)
+      call place_stations(change, near_rest, size(times) + many, .false.)
       if (size(times) - size(before_this) >= many) then
          times = before_this
-         call place_stations(coarse, huge(coarse), most_stations)
+         call place_stations(coarse, huge(coarse), most_stations, .true.)
       end if
       if (present(whole)) whole = divided < most_divided .and. size(times) < most_stations
 
    contains
 
       !> Stations around each pulse.
-      subroutine place_stations(change, near_rest, most)
+      subroutine place_stations(change, near_rest, most, sparing)
          real(wp), intent(in) :: change, near_rest
          !> Stations at which it ends
          integer, intent(in) :: most
+         !> Whether pulses between breaks have none
+         logical, intent(in) :: sparing
+         logical :: spared
          real(wp) :: rest(2)
          integer :: i, first, last
          divided = 0
@@ -297,12 +300,14 @@ contains
             rest = [law%evaluate([edges(first)]), law%evaluate([before(edges(last + 1), breaks)])]
             do i = first, last
                if (size(times) >= most) return
-               if (fills_piece(edges(i), edges(first), edges(last + 1))) cycle
+               spared = .false.
+               if (sparing) spared = fills_piece(edges(i), edges(first), edges(last + 1))
+               if (spared) cycle
                call insert(edges(i), 0.0_wp, times)
                call search_stations(law, end - start, edges(i), before(edges(i + 1), breaks), span, rest, change, near_rest, &
                   & most, divided, times)
             end do
-            if (.not. fills_piece(edges(last), edges(first), edges(last + 1))) call insert(edges(last + 1), 0.0_wp, times)
+            if (.not. spared) call insert(edges(last + 1), 0.0_wp, times)
          end do
       end subroutine place_stations
 

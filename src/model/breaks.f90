@@ -298,6 +298,7 @@ contains
             end do
             if (.not. any(ranges(first:last)%high - ranges(first:last)%low > steep*span*parts/cuts)) cycle
             rest = [law%evaluate([edges(first)]), law%evaluate([before(edges(last + 1), breaks)])]
+            spared = .false.
             do i = first, last
                if (size(times) >= most) return
                spared = .false.

@@ -10,7 +10,7 @@ program test_verification
    use limber_analysis_scene, only: scene_type
    use limber_analysis_trial, only: trial_type
    use limber_analysis_truth, only: truth_type
-   use limber_analysis_verification, only: falls_short, resolve
+   use limber_analysis_verification, only: falls_short
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
@@ -19,7 +19,6 @@ program test_verification
    character(*), parameter :: nl = new_line('a')
 
    call test_surprise()
-   call test_resolve()
    call test_held_beams()
    call finish()
 
@@ -70,48 +69,6 @@ contains
       truth%rungs%stretches = .true.
       call check(.not. falls_short(truth, advice), 'a truth with more functions, and strain')
    end subroutine test_surprise
-
-   !> Truths of a mass on a spring by RADAU: against cos(t) they err by nearly all of what the next smaller tolerance changes.
-   subroutine test_resolve()
-      type(deck_type) :: deck
-      type(pool_type) :: pool
-      type(trial_type) :: run
-      type(error_type), allocatable :: error
-      type(rung_type) :: none(0)
-      real(wp) :: part, unresolved(1), before
-      call read(deck, '*POINT MASS, NAME=m, MASS=1, X=1'//nl//'*GROUND'//nl//' far, -10, 0'//nl//'*JOINT, NAME=line, '// &
-         & 'TYPE=POINT ON LINE'//nl//' m, ground.origin'//nl//'*SPRING, NAME=k, STIFFNESS=1, LENGTH=10'//nl//' m, ground.far'// &
-         & nl//'*DYNAMICS, END=20, OUTPUTS=40, INTEGRATOR=RADAU'//nl//'*OUTPUT'//nl//' x(m)'//nl)
-      call run_first(deck, pool, run, part, unresolved)
-      before = error_of(run)
-      call resolve(deck, none, 1.0e-2_wp, 1.0_wp, 1.0e6_wp, [1.0_wp], .true., pool, part, run, unresolved, error)
-      call check_no_error(error, 'resolve')
-      call check_close(part, 0.1_wp, 1.0e-12_wp, 'one run where that makes little difference')
-      call check(abs(unresolved(1) - 0.5_wp*before) < 0.3_wp*before, 'half of the difference is left')
-      call check(error_of(run) < 0.5_wp*before, 'the truth is the finer run')
-      call run_first(deck, pool, run, part, unresolved)
-      call resolve(deck, none, 1.0e-2_wp, 1.0e-9_wp, 1.0e6_wp, [1.0_wp], .true., pool, part, run, unresolved, error)
-      call check_close(part, 0.01_wp, 1.0e-12_wp, 'two runs at most')
-      call run_first(deck, pool, run, part, unresolved)
-      pool%budget = 0.0_wp
-      call resolve(deck, none, 0.5e-2_wp, 0.125_wp, 1.0e6_wp, [2.0_wp], .true., pool, part, run, unresolved, error)
-      call check_close(unresolved(1), 0.25_wp, 1.0e-12_wp, 'nothing is known without such a run')
-      call check_close(part, 1.0_wp, 1.0e-12_wp, 'and the truth stays')
-   end subroutine test_resolve
-
-   !> A run that is to be verified.
-   subroutine run_first(deck, pool, trial, part, unresolved)
-      type(deck_type), intent(in) :: deck
-      type(pool_type), intent(inout) :: pool
-      type(trial_type), intent(inout) :: trial
-      real(wp), intent(out) :: part, unresolved(1)
-      type(error_type), allocatable :: error
-      type(rung_type) :: none(0)
-      part = 1.0_wp
-      unresolved = 0.0_wp
-      call pool%check(deck, none, 1.0e-2_wp, part, huge(1.0_wp), .false., .true., 'run', trial, error)
-      call check_no_error(error, 'run')
-   end subroutine run_first
 
    !> Largest difference from cos(t).
    real(wp) function error_of(trial)

@@ -4,6 +4,7 @@ module limber_analysis_branch
    use limber_base_kinds, only: wp
    use limber_base_signals, only: signal_came
    use limber_base_text, only: as_text, newline
+   use limber_analysis_curve_path, only: curve_path_type
    use limber_analysis_scene, only: scene_type
    use limber_analysis_skipped, only: skips_law
    use limber_model_scene, only: step_type, leave_unstable
@@ -28,6 +29,7 @@ module limber_analysis_branch
    !> A static analysis under way
    type :: statics_type
       type(equilibrium_type) :: balance
+      type(curve_path_type) :: paths
       type(recorder_type) :: recorder
       !> Part of the step that is done, and the state there: coordinates (nq), multipliers (nc); a trial of both
       real(wp) :: part = 0.0_wp

@@ -4,9 +4,7 @@ module limber_analysis_curve_watch
    use limber_base_kinds, only: wp
    use limber_integrator_integrator, only: integrator_type
    use limber_model_hidden_curve, only: hides
-   use limber_system_kernel, only: most_vectors
    use limber_system_kinematics, only: place_frames, kinematics_type
-   use limber_system_measures, only: measure_value
    use limber_system_paths, only: curve_joint_type
    use limber_system_system, only: system_type, workspace_type
    implicit none
@@ -82,15 +80,11 @@ contains
       type(system_type), intent(in) :: system
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: places(:, :)
-      real(wp) :: y(2, most_vectors)
-      integer :: i, j
+      integer :: i
       do i = 1, size(self%joints)
          select type (item => system%constraints(self%joints(i))%item)
          type is (curve_joint_type)
-            do j = 1, item%vectors
-               y(:, j) = kinematics%markers(item%markers(j))%position
-            end do
-            places(:, i) = [(measure_value(item%measures(j), y), j=1, 2)]
+            call item%place(kinematics, places(:, i))
          end select
       end do
    end subroutine read_places

@@ -6,13 +6,16 @@ module limber_analysis_dynamics
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_analysis_curve_watch, only: curve_watch_type, new_curve_watch, begin_curves, go_on_curves, find_hidden
+   use limber_analysis_curve_pieces, only: curve_pieces_type, new_pieces, begin_pieces, look_ahead, find_end, pass_end, &
+      & count_kink, tell_kinks, release_pieces
    use limber_analysis_costs, only: costs_type, watch_costs, stands_in
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
+   use limber_analysis_fresh_start, only: pass_break
    use limber_analysis_guard, only: guard_type
    use limber_analysis_indicator_start, only: start_indicators
-   use limber_analysis_looks, only: look, look_at_end, observe_state
-   use limber_analysis_function_sudden, only: at_start, in_motion, before_break, behind_break
+   use limber_analysis_looks, only: look, look_at_end
+   use limber_analysis_function_sudden, only: at_start, in_motion
    use limber_analysis_noise, only: noise_of
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
@@ -21,7 +24,7 @@ module limber_analysis_dynamics
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_unfollowed, only: unfollowed_type, start_unfollowed, watch_channels, unfollowed_warning, shows_vibrations
    use limber_analysis_watch, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
-      & phase_warning, slip_warning, largest_speed, find_weak
+      & phase_warning, slip_warning, find_weak
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -33,11 +36,8 @@ module limber_analysis_dynamics
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_output_turns, only: follow_places, follow_motion
-   use limber_system_dynamics, only: linearise, velocity_residual, mechanical_energy, worst_constraint
    use limber_system_kinematics, only: place_frames, move_frames, settle_angles
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_projection, only: settle
-   use limber_system_system, only: system_type, workspace_type
+   use limber_system_system, only: system_type
    implicit none
    private
    public :: run_dynamics, new_integrator
@@ -115,6 +115,7 @@ contains
             dynamics%reason = dynamics%reason//costs%story()
          end if
       end associate
+      call release_pieces(scene%system)
       call settle_angles(scene%work%kinematics, .false.)
       scene%last%q = sample%q
       scene%last%v = sample%v
@@ -156,6 +157,7 @@ contains
       type(turning_type) :: turning
       type(crossings_type) :: crossings
       type(curve_watch_type) :: curves
+      type(curve_pieces_type) :: pieces
       character(:), allocatable :: text
       !> Where the next step must end at the latest, the next break, times so near that there is no step between them, and the time
       !> up to which the last step counts
@@ -175,6 +177,8 @@ contains
       call new_curve_watch(curves, scene%system, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
+      call new_pieces(pieces, scene%system, dynamics%start, dynamics%end - dynamics%start)
+      if (size(pieces%paths) > 0) call begin_pieces(pieces, scene%system, scene%work, t, scene%q, scene%v)
       call start_watch(watch, dynamics%start, scene%v)
       call start_turning(turning, scene%system, dynamics%start, scene%q, scene%v, integrator%ends_on_samples)
       call follow_turns(dynamics%start)
@@ -221,7 +225,7 @@ contains
          if (allocated(error)) exit
          t = integrator%t
          cut = .false.
-         if (size(curves%joints) > 0 .and. .not. dynamics%fixed_step > 0.0_wp) then
+         if (size(curves%joints) > 0) then
             if (crosses_unseen()) then
                call do_again()
                if (allocated(error)) exit
@@ -241,6 +245,7 @@ contains
             end if
             call meet_crossing()
          end if
+         if (size(pieces%paths) > 0) call meet_end()
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
          if (size(crossings%loads) > 0 .and. .not. cut) call go_on(crossings, sample%q, sample%v, sample%w)
@@ -279,6 +284,7 @@ contains
          if (guard%asks_at_end()) call write_checkpoint(.false.)
       end if
       outcome%reached = t
+      call tell_kinks(pieces, scene%system, outcome)
       if (.not. allocated(error)) call look_at_end(scene, integrator, sample, outcome)
       text = scale_warning(watch, scene%system, integrator%tolerance, t)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
@@ -322,7 +328,9 @@ contains
 
       !> Whether the last step passes something of a curve that its ends do not show; then it must end earlier.
       logical function crosses_unseen() result(unseen)
-         call find_hidden(curves, scene%system, scene%work, integrator, unseen, crossings%t)
+         unseen = .false.
+         if (.not. dynamics%fixed_step > 0.0_wp) call find_hidden(curves, scene%system, scene%work, integrator, unseen, crossings%t)
+         if (.not. unseen .and. size(pieces%paths) > 0) call look_at_pieces(unseen)
          if (size(crossings%loads) == 0 .and. t >= crossings%hold - near) crossings%hold = huge(t)
          if (.not. unseen) return
          crossings%found = found_nothing
@@ -331,6 +339,29 @@ contains
          crossings%v = curves%v
          crossings%w = curves%w
       end function crosses_unseen
+
+      !> Whether the last step has to be done again for the formulas of curves: it has passed one that was not known; or the
+      !> integrator keeps its promise at the ends of its steps, and a point leaves its piece within.
+      subroutine look_at_pieces(again)
+         logical, intent(inout) :: again
+         call integrator%interpolate(t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
+         crossings%t = t
+         again = look_ahead(pieces, scene%system, scene%work, t, sample%q, sample%v)
+         if (again) return
+         call find_end(pieces, scene%system, scene%work, integrator)
+         again = integrator%ends_on_samples .and. pieces%t < t - near
+         if (again) crossings%t = pieces%t
+      end subroutine look_at_pieces
+
+      !> Cuts the last step where a point has reached the end of its piece of a curve.
+      subroutine meet_end()
+         if (pieces%t > t) return
+         crossings%hold = huge(t)
+         cut = .true.
+         t = pieces%t
+         crossings%found = found_nothing
+      end subroutine meet_end
 
       !> Does the last step again, up to what was found in it, or as near to that as a step can end.
       subroutine do_again()
@@ -376,13 +407,20 @@ contains
          real(wp), intent(in) :: time
          !> Whether a law of time changes there, which a driver or joint may follow
          logical, intent(in) :: of_time
+         logical :: at_end
          if (cut .and. (crossings%found == found_bend .or. crossings%found == found_jump)) then
             crossings%t = time
             call count_crossing(crossings, scene%system, error)
             if (allocated(error)) return
          end if
-         call pass_break(scene, time, t, of_time, of_time .or. crossings%found == found_jump, watch%speed, integrator, sample, &
-            & outcome, error)
+         at_end = .false.
+         if (size(pieces%paths) > 0) at_end = pieces%t <= t
+         if (at_end) call pass_end(pieces, scene%system, time, error)
+         if (allocated(error)) return
+         call pass_break(scene, time, t, of_time, of_time .or. at_end .or. crossings%found == found_jump, watch%speed, integrator, &
+            & sample, outcome, error)
+         if (.not. allocated(error) .and. at_end) call count_kink(pieces, scene%system, scene%work, time, sample%q, sample%v, &
+            & integrator%work_at_start - sample%w, error)
          if (allocated(error)) return
          call start_watch(watch, time, sample%v)
          call start_turning(turning, scene%system, time, sample%q, sample%v, integrator%ends_on_samples)
@@ -459,6 +497,7 @@ contains
          call crossings%exchange(snapshot)
          if (snapshot%restoring .and. size(crossings%loads) > 0) call resume_crossings(crossings, scene%system, scene%work, &
             & integrator%t)
+         call pieces%exchange(snapshot, scene%system)
          call outcome%exchange(snapshot)
          if (.not. snapshot%restoring .or. size(curves%joints) == 0) return
          call integrator%interpolate(integrator%t, sample%q, sample%v, sample%w)
@@ -516,97 +555,6 @@ contains
       call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
       call move_alloc(other, integrator)
    end subroutine replace_integrator
-
-   !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
-   !> by an impact; a position that it changes is an error.
-   subroutine pass_break(scene, t, last, of_time, jumps, fastest, integrator, sample, outcome, error)
-      type(scene_type), intent(inout) :: scene
-      !> The instant, and the time of the last step right before it
-      real(wp), intent(in) :: t, last
-      !> Whether a law of time changes there; else constraints are left only by what dense output errs
-      logical, intent(in) :: of_time
-      !> Whether a load may jump there
-      logical, intent(in) :: jumps
-      !> Largest speed so far [length/time]: where a motion turns back, what is left of its velocities is round-off
-      real(wp), intent(in) :: fastest
-      class(integrator_type), intent(inout) :: integrator
-      type(sample_type), intent(inout) :: sample
-      type(outcome_type), intent(inout) :: outcome
-      type(error_type), allocatable, intent(out) :: error
-      !> Relative residuals beyond which a position and a velocity have jumped
-      real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
-      !> Part of a step before its end at which a load has not jumped yet
-      real(wp), parameter :: aside = 1.0e-4_wp
-      real(wp) :: residual, energy(2), before, earlier
-      integer :: culprit
-      logical :: demanded, watched
-      associate (system => scene%system, work => scene%work)
-         watched = size(outcome%indicators%functions%beams) > 0
-         if (watched .and. jumps) then
-            earlier = last
-            ! Where a law of the motion jumps, `last` is behind it
-            if (.not. of_time) earlier = last - aside*(last - integrator%t_before)
-            call integrator%interpolate(earlier, sample%q, sample%v, sample%w)
-            call integrator%complete(system, work, earlier, sample%q, sample%v)
-            call observe_state(scene, earlier, before_break, sample, outcome)
-         end if
-         call integrator%interpolate(last, sample%q, sample%v, sample%w)
-         call integrator%complete(system, work, last, sample%q, sample%v)
-         demanded = demanded_jump(system, work, t, sample%q)
-         call linearise(system, work, t, sample%q, error)
-         if (allocated(error)) return
-         if (system%nc > 0) then
-            call worst_constraint(system, work, culprit, residual)
-            if (of_time .and. residual > jump*system%constraints(culprit)%item%scale) then
-               call raise(error, system%constraints(culprit)%item%label//' jumps by '//as_text(residual, 3)//' at t = '// &
-                  & as_text(t, 8)//'; a motion must be continuous: use smoothstep((t - t0)/duration) in place of a jump')
-               return
-            end if
-         end if
-         call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
-         before = sum(energy)
-         sample%change = sample%v
-         call settle(system, work, t, sample%q, sample%v, sample%a, .true., residual, error)
-         if (allocated(error)) return
-         call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
-         if (largest_speed(system, sample%v - sample%change) > impact*max(fastest, largest_speed(system, sample%v)) .and. &
-            & demanded) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for a driver changes'// &
-            & ' its speed abruptly there; the energy changes by '//as_text(sum(energy) - before, 3))
-         if (watched) call observe_state(scene, t, merge(behind_break, in_motion, jumps), sample, outcome)
-         integrator%work_at_start = sample%w + sum(energy) - before
-         associate (dynamics => system%model%dynamics)
-            call integrator%start(system, work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
-         end associate
-      end associate
-   end subroutine pass_break
-
-   !> Whether drivers ask for other velocities right after an instant than right before it.
-   logical function demanded_jump(system, work, t, q) result(jumps)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      !> Time; coordinates (nq)
-      real(wp), intent(in) :: t, q(:)
-      real(wp), parameter :: little = 1.0e-7_wp
-      real(wp) :: before(system%nc), rest(size(q)), slow(system%nc), largest
-      integer :: i
-      jumps = .false.
-      if (system%nc == 0) return
-      rest = 0.0_wp
-      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
-      call update_jacobians(system, work)
-      largest = velocity_residual(system, work, rest)
-      before = work%gamma(:system%nc)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
-      largest = velocity_residual(system, work, rest)
-      ! A driver that turns back has no speed to compare with: then the scale of the constraint, once in the whole run
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            slow(item%first:item%first + item%rows - 1) = item%scale/(system%model%dynamics%end - system%model%dynamics%start)
-         end associate
-      end do
-      jumps = any(abs(work%gamma(:system%nc) - before) > little*max(abs(before), abs(work%gamma(:system%nc)), slow))
-   end function demanded_jump
 
    !> Adds the wall and CPU seconds since some moment.
    subroutine add_seconds(tick, cpu, outcome)

@@ -1,15 +1,17 @@
 !> What joints take for granted. Gears, belts and racks turn wheels by each other and hold no centre: where no other joint does, the
-!> wheels move apart, and go on turning as if they touched. A point that slides along a beam goes on along a straight line behind its
-!> end. Floor: analysis.
+!> wheels move apart, and go on turning as if they touched. A point that slides along a beam, or on an open curve
+!> through points, goes on along a straight line behind its end. Floor: analysis.
 module limber_analysis_joint_watch
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_analysis_outcome, only: outcome_type, warn
-   use limber_model_scene, only: joint_gear, joint_rack, joint_belt, joint_sliding
+   use limber_model_scene, only: joint_gear, joint_rack, joint_belt, joint_sliding, joint_curve
    use limber_output_joints, only: joint_displacement
    use limber_system_algebra, only: along, cross
+   use limber_system_kinematics, only: place_frames
+   use limber_system_paths, only: curve_joint_type
    use limber_system_point_motion, only: point_position
-   use limber_system_system, only: system_type
+   use limber_system_system, only: system_type, workspace_type
    implicit none
    private
    public :: check_joints
@@ -17,8 +19,9 @@ module limber_analysis_joint_watch
 contains
 
    !> A warning, once for each joint, where what it takes for granted is not so.
-   subroutine check_joints(system, t, q, outcome)
+   subroutine check_joints(system, work, t, q, outcome)
       type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
       !> Time of a sample; coordinates (nq)
       real(wp), intent(in) :: t, q(:)
       type(outcome_type), intent(inout) :: outcome
@@ -33,6 +36,8 @@ contains
             call check_centres(system, i, t, q, first, outcome)
          case (joint_sliding)
             call check_ends(system, i, t, q, outcome)
+         case (joint_curve)
+            call check_curve(system, work, i, t, q, outcome)
          end select
       end do
    end subroutine check_joints
@@ -92,6 +97,30 @@ contains
          end do
       end associate
    end subroutine check_ends
+
+   !> A point on an open curve, behind one of its ends: on the tangent there.
+   subroutine check_curve(system, work, joint, t, q, outcome)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: joint
+      real(wp), intent(in) :: t, q(:)
+      type(outcome_type), intent(inout) :: outcome
+      !> Part of the length of the curve that does not matter
+      real(wp), parameter :: part = 1.0e-3_wp
+      real(wp) :: place(2), past
+      select type (item => system%constraints(joint)%item)
+      type is (curve_joint_type)
+         if (item%curve%explicit) return
+         call place_frames(system%model, system%layout, t, q, work%kinematics)
+         call item%place(work%kinematics, place)
+         past = item%curve%past(place)
+         if (past <= part*maxval(item%curve%s)) return
+         call warn(outcome, "joint '"//system%model%joints(joint)%name//"': its point leaves the end of its curve before t = "// &
+            & as_text(t, 4)//', by '//as_text(past, 3)//' '//system%model%units%length//' there: behind its ends an open curve'// &
+            & ' goes on straight; END the analysis before, or give the curve more points')
+         outcome%centres(joint) = -1.0_wp
+      end select
+   end subroutine check_curve
 
    !> Distance of two centres, or of the centre of a pinion from the line of its rack.
    pure real(wp) function centre_distance(system, joint, q) result(distance)

@@ -6,6 +6,8 @@ module limber_analysis_kinematics
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
    use limber_analysis_driven_watch, only: driven_watch_type, start_driven_watch, observe_driven, tell_driven
+   use limber_analysis_curve_path, only: curve_path_type, new_paths, follow_paths
+   use limber_analysis_joint_watch, only: check_joints
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
@@ -31,6 +33,7 @@ module limber_analysis_kinematics
       type(recorder_type) :: recorder
       !> What is told of deflections in equilibrium
       type(driven_watch_type) :: watch
+      type(curve_path_type) :: paths
       real(wp) :: t = 0.0_wp
       !> Coordinates, velocities, accelerations (nq); a trial place (nq); increments (nw); values of the channels
       real(wp), allocatable :: q(:), v(:), a(:), trial(:), change(:), values(:)
@@ -65,7 +68,7 @@ contains
       call start(scene, step, motion)
       if (step%static_deflections) call start_driven_watch(motion%watch, scene, step, outcome)
       do k = 0, step%dynamics%outputs
-         if (k > 0) call move_to(scene, sample_time(step, k), motion, history, error)
+         if (k > 0) call move_to(scene, sample_time(step, k), motion, history, outcome, error)
          if (.not. allocated(error)) call sample(scene, step, motion, history, outcome, error)
          if (allocated(error)) exit
          outcome%reached = motion%t
@@ -141,14 +144,17 @@ contains
       motion%recorder = new_recorder(scene%system, scene%q)
       if (allocated(scene%angle)) motion%recorder%turns%angle = scene%angle
       call follow_places(motion%recorder%turns, scene%system, scene%work%kinematics, motion%t, motion%q)
+      call place_frames(scene%system%model, scene%system%layout, motion%t, motion%q, scene%work%kinematics)
+      call new_paths(motion%paths, scene%system, scene%work%kinematics)
    end subroutine start
 
    !> Moves on to a time in steps so small that the next position is sure to be on the same branch.
-   subroutine move_to(scene, t, motion, history, error)
+   subroutine move_to(scene, t, motion, history, outcome, error)
       type(scene_type), intent(inout) :: scene
       real(wp), intent(in) :: t
       type(motion_type), intent(inout) :: motion
       class(sink_type), intent(in) :: history
+      type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       !> Largest change of a coordinate that is predicted, and largest correction, relative to the scales
       real(wp), parameter :: stride = 0.2_wp, correction = 0.05_wp
@@ -182,6 +188,8 @@ contains
             call place_frames(system%model, system%layout, motion%t, motion%q, work%kinematics)
             call settle_angles(work%kinematics, .false.)
             call follow_places(motion%recorder%turns, system, work%kinematics, motion%t, motion%q)
+            call follow_paths(motion%paths, system, work%kinematics, motion%t, .true., outcome, error)
+            if (allocated(error)) return
             if (motion%t < t) call held_motion(system, work, held, motion%t, motion%q, motion%v, motion%a, done)
             if (.not. done) then
                call raise_singular(motion%t, error)
@@ -221,6 +229,7 @@ contains
          if (allocated(error)) return
          call watch_drivers(scene, motion)
          call check_residuals(system, work, motion%t, .true., motion%v, outcome)
+         call check_joints(system, work, motion%t, motion%q, outcome)
          call mechanical_energy(system, work, motion%q, motion%v, kinetic, potential)
          if (outcome%samples == 0) outcome%first_energy = kinetic + potential
          outcome%last_energy = kinetic + potential

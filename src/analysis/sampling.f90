@@ -102,7 +102,7 @@ contains
             outcome%position_residual = max(outcome%position_residual, maxval(abs(work%phi)))
          end if
          if (residual > may_stay(integrator%tolerance)) call check_place(system, work, t, residual, outcome)
-         call check_joints(system, t, sample%q, outcome)
+         call check_joints(system, work, t, sample%q, outcome)
          if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
       end associate
       call show(scene, t, recorder, sample, outcome, error)

@@ -7,9 +7,11 @@ module limber_analysis_statics
    use limber_base_text, only: as_text
    use limber_analysis_branch, only: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, &
       & find_critical, loads_drive, tell, tell_of_leaving, most_turn
+   use limber_analysis_curve_path, only: new_paths, follow_paths
    use limber_analysis_function_checks, only: function_load_warning, function_state_warning
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
+   use limber_analysis_joint_watch, only: check_joints
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_ranges, only: likely_cause
    use limber_analysis_sampling, only: check_residuals
@@ -89,6 +91,8 @@ contains
       type(scene_type), intent(inout) :: scene
       type(statics_type), intent(inout) :: statics
       call new_equilibrium(scene%system, statics%balance)
+      call place_frames(scene%system%model, scene%system%layout, scene%system%model%dynamics%start, scene%q, scene%work%kinematics)
+      call new_paths(statics%paths, scene%system, scene%work%kinematics)
       statics%recorder = new_recorder(scene%system, scene%q)
       if (allocated(scene%angle)) statics%recorder%turns%angle = scene%angle
       call follow_places(statics%recorder%turns, scene%system, scene%work%kinematics, scene%system%model%dynamics%start, scene%q)
@@ -432,6 +436,9 @@ contains
       real(wp) :: t
       t = time_of(step, statics%part)
       call look(scene, step, statics, outcome)
+      call follow_paths(statics%paths, scene%system, scene%work%kinematics, t, .false., outcome, error)
+      if (allocated(error)) return
+      call check_joints(scene%system, scene%work, t, statics%q, outcome)
       associate (system => scene%system, work => scene%work, balance => statics%balance)
          statics%recorder%work = 0.0_wp
          call channel_values(statics%recorder, system, work, t, statics%q, balance%v, balance%a, statics%values)

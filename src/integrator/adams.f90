@@ -514,7 +514,7 @@ contains
          q(self%kept) = self%p(:nq)
          v(self%kept) = self%p(nq + 1:2*nq)
       end if
-      w = 0.0_wp
+      w = self%work_at_start
       if (self%ny > 2*nq) w = self%p(self%ny)
    end subroutine adams_interpolate
 

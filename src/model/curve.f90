@@ -1,6 +1,6 @@
 !> Curves of joints in the frame of a body: a spline through points, open or closed, or y as an expression of x. As a function
-!> f(x, y) that is zero on the curve: the signed distance from the spline, positive on its left, or y - y(x). Floor: model.
-!> Source: doc/theory, eq. (89).
+!> f(x, y) that is zero on the curve: the signed distance from the spline, positive on its left, or y - y(x). An expression that is
+!> made of several formulas can be limited to one of its pieces. Floor: model. Source: doc/theory, eqs. (89), (K2).
 module limber_model_curve
    use limber_base_kinds, only: wp
    use limber_base_spline, only: spline_moments, spline_at, spline_natural, spline_closed
@@ -8,20 +8,23 @@ module limber_model_curve
    use limber_deck_operations, only: jet_type
    implicit none
    private
-   public :: curve_type, spline_curve, expression_curve
+   public :: curve_type, spline_curve, expression_curve, limit_curve, release_curve
 
    !> A curve
    type :: curve_type
       !> True if y is an expression of x
       logical :: explicit = .false.
       type(expression_type) :: expression
+      !> Ends of the piece of it that counts, and value and derivatives at these: beyond, the curve is a parabola
+      real(wp) :: low = -huge(1.0_wp), high = huge(1.0_wp)
+      type(jet_type) :: at_low, at_high
       !> Whether the spline is closed or ends straight
       integer :: ends = spline_natural
       !> Lengths of chords up to each point, coordinates there, and their second derivatives (points). No splines: of two
       !> components of one type gfortran 12 gives back the parts of the first only
       real(wp), allocatable :: s(:), x(:), y(:), x_bent(:), y_bent(:)
    contains
-      procedure :: evaluate
+      procedure :: evaluate, height, past
    end type curve_type
 
 contains
@@ -33,6 +36,63 @@ contains
       curve%explicit = .true.
       curve%expression = expression
    end function expression_curve
+
+   !> Lets only the piece of an expression between two places count.
+   subroutine limit_curve(self, low, high)
+      type(curve_type), intent(inout) :: self
+      !> Ends, huge ones for none; what the curve does right at them belongs to the piece
+      real(wp), intent(in) :: low, high
+      call release_curve(self)
+      if (low > -huge(low)) self%at_low = self%expression%evaluate_jet(low)
+      if (high < huge(high)) self%at_high = self%expression%evaluate_jet(high)
+      self%low = low
+      self%high = high
+   end subroutine limit_curve
+
+   !> Lets all of an expression count.
+   subroutine release_curve(self)
+      type(curve_type), intent(inout) :: self
+      self%low = -huge(self%low)
+      self%high = huge(self%high)
+   end subroutine release_curve
+
+   !> y of an expression at a place x, with its derivatives.
+   pure function height(self, x) result(y)
+      class(curve_type), intent(in) :: self
+      real(wp), intent(in) :: x
+      type(jet_type) :: y
+      if (x < self%low) then
+         y = beyond(self%at_low, x - self%low)
+      else if (x > self%high) then
+         y = beyond(self%at_high, x - self%high)
+      else
+         y = self%expression%evaluate_jet(x)
+      end if
+   end function height
+
+   !> How far a place is behind an end of an open spline, along its tangent there; zero where it is not [length].
+   pure real(wp) function past(self, place)
+      class(curve_type), intent(in) :: self
+      !> On the curve
+      real(wp), intent(in) :: place(2)
+      real(wp) :: x(0:2, 2)
+      integer :: n, knot
+      past = 0.0_wp
+      if (self%explicit .or. self%ends == spline_closed) return
+      n = size(self%s)
+      knot = minloc((self%x - place(1))**2 + (self%y - place(2))**2, dim=1)
+      if (knot > 1 .and. knot < n) return
+      x(:, 1) = spline_at(self%ends, self%s, self%x, self%x_bent, self%s(knot))
+      x(:, 2) = spline_at(self%ends, self%s, self%y, self%y_bent, self%s(knot))
+      past = max(0.0_wp, merge(-1, 1, knot == 1)*dot_product(place - x(0, :), x(1, :))/norm2(x(1, :)))
+   end function past
+
+   !> A parabola at a distance from where it touches.
+   pure type(jet_type) function beyond(at, distance)
+      type(jet_type), intent(in) :: at
+      real(wp), intent(in) :: distance
+      beyond = jet_type(at%value + distance*(at%first + 0.5_wp*distance*at%second), at%first + distance*at%second, at%second)
+   end function beyond
 
    !> The spline through points.
    pure function spline_curve(points, closed) result(curve)
@@ -68,7 +128,7 @@ contains
       real(wp) :: x(0:2, 2), tangent(2), bend
       integer :: i, j
       if (self%explicit) then
-         y = self%expression%evaluate_jet(place(1))
+         y = self%height(place(1))
          f = place(2) - y%value
          gradient = [-y%first, 1.0_wp]
          hessian = reshape([-y%second, 0.0_wp, 0.0_wp, 0.0_wp], [2, 2])

@@ -19,7 +19,8 @@ contains
       real(wp), intent(in) :: from(2), to(2), distance
       hides = .false.
       if (self%explicit) then
-         if (abs(to(1) - from(1)) > 0.0_wp) call search_law(self, from(1), to(1), distance, hides)
+         ! On the piece that counts
+         call search_law(self, max(self%low, min(self%high, from(1))), max(self%low, min(self%high, to(1))), distance, hides)
          return
       end if
       hides = hides_knots(self, self%s(nearest_knot(self, from)), self%s(nearest_knot(self, to)), distance)
@@ -30,17 +31,25 @@ contains
       type(curve_type), intent(in) :: self
       real(wp), intent(in) :: from, to, distance
       logical, intent(out) :: found
-      integer, parameter :: most_looks = 300, deepest = 40
+      integer, parameter :: most_looks = 300, deepest = 40, samples = 8
       type(jet_type) :: first, last, y
       type(range_type) :: range
       !> Parts that are still to be looked at: ends, values there
       real(wp) :: parts(4, deepest), a, b, s
       integer :: top, looks
-      first = self%expression%evaluate_jet(from)
-      last = self%expression%evaluate_jet(to)
+      found = .false.
+      if (.not. abs(to - from) > 0.0_wp) return
+      first = self%height(from)
+      last = self%height(to)
+      ! A steep way from one end to the other has no values beyond them
+      do looks = 1, samples - 1
+         s = real(looks, wp)/samples
+         y = self%height(from + s*(to - from))
+         found = is_off(y%value, s, first%value, (to - from)*first%first, last%value, (to - from)*last%first, distance)
+         if (found) return
+      end do
       parts(:, 1) = [0.0_wp, 1.0_wp, first%value, last%value]
       top = 1
-      found = .false.
       do looks = 1, most_looks
          if (top == 0 .or. found) return
          associate (part => parts(:, top))
@@ -54,7 +63,7 @@ contains
                end if
             end if
             s = 0.5_wp*(part(1) + part(2))
-            y = self%expression%evaluate_jet(from + s*(to - from))
+            y = self%height(from + s*(to - from))
             found = is_off(y%value, s, first%value, (to - from)*first%first, last%value, (to - from)*last%first, distance)
             b = part(2)
             a = part(4)

@@ -6,7 +6,9 @@ module limber_system_paths
    use limber_base_spline, only: spline_type, new_spline, spline_segment, spline_clamped, spline_natural
    use limber_flex_mesh, only: field_type
    use limber_model_curve, only: curve_type
-   use limber_system_kernel, only: kernel_type, variables_type
+   use limber_system_kernel, only: kernel_type, variables_type, most_vectors
+   use limber_system_kinematics, only: kinematics_type
+   use limber_system_measures, only: measure_value
    implicit none
    private
    public :: curve_joint_type, sliding_type, set_line
@@ -16,6 +18,7 @@ module limber_system_paths
       type(curve_type) :: curve
    contains
       procedure :: evaluate => curve_evaluate
+      procedure :: place => curve_place
    end type curve_joint_type
 
    !> A point slides along a beam: zeta = w(s, eta) at the s with xi = s - origin + u(s, eta)
@@ -40,6 +43,33 @@ contains
       if (order > 0) at%gradient(1, 1:2) = gradient
       if (order > 1) at%hessian(1:2, 1:2, 1) = hessian
    end subroutine curve_evaluate
+
+   !> Where the point is in the frame of the curve, and how it moves there.
+   pure subroutine curve_place(self, kinematics, place, rate)
+      class(curve_joint_type), intent(in) :: self
+      !> Placed, and moved where the rate is asked for
+      type(kinematics_type), intent(in) :: kinematics
+      !> [length]
+      real(wp), intent(out) :: place(2)
+      !> [length/time]: by differences that are exact for measures of two vectors
+      real(wp), intent(out), optional :: rate(2)
+      real(wp) :: y(2, most_vectors), v(2, most_vectors), s, fastest
+      integer :: j
+      do j = 1, self%vectors
+         y(:, j) = kinematics%markers(self%markers(j))%position
+      end do
+      place = [(measure_value(self%measures(j), y), j=1, 2)]
+      if (.not. present(rate)) return
+      rate = 0.0_wp
+      fastest = 0.0_wp
+      do j = 1, self%vectors
+         v(:, j) = kinematics%markers(self%markers(j))%velocity
+         fastest = max(fastest, maxval(abs(v(:, j))))
+      end do
+      if (.not. fastest > 0.0_wp) return
+      s = 1.0e-3_wp/fastest
+      rate = [(measure_value(self%measures(j), y + s*v) - measure_value(self%measures(j), y - s*v), j=1, 2)]/(2*s)
+   end subroutine curve_place
 
    !> Shapes of a beam as splines of the coordinate along it: those across with the slopes of the field at both ends.
    subroutine set_line(joint, field, origin)

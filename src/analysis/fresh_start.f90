@@ -1,0 +1,116 @@
+!> Starts of the integrator anew, at instants from which other formulas hold: velocities that drivers or curves change abruptly
+!> change as by an impact. Floor: analysis. Source: doc/theory, sections 8 and 38.
+module limber_analysis_fresh_start
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
+   use limber_analysis_function_sudden, only: in_motion, before_break, behind_break
+   use limber_analysis_looks, only: observe_state
+   use limber_analysis_outcome, only: outcome_type, warn
+   use limber_analysis_sampling, only: sample_type
+   use limber_analysis_scene, only: scene_type
+   use limber_analysis_watch, only: largest_speed
+   use limber_integrator_integrator, only: integrator_type
+   use limber_system_dynamics, only: linearise, velocity_residual, mechanical_energy, worst_constraint
+   use limber_system_kinematics, only: place_frames
+   use limber_system_multiplier, only: update_jacobians
+   use limber_system_projection, only: settle
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: pass_break
+
+contains
+
+   !> Starts the integrator anew at an instant from which other formulas hold. Velocities that a driver changes abruptly change as
+   !> by an impact; a position that it changes is an error.
+   subroutine pass_break(scene, t, last, of_time, jumps, fastest, integrator, sample, outcome, error)
+      type(scene_type), intent(inout) :: scene
+      !> The instant, and the time of the last step right before it
+      real(wp), intent(in) :: t, last
+      !> Whether a law of time changes there; else constraints are left only by what dense output errs
+      logical, intent(in) :: of_time
+      !> Whether a load may jump there
+      logical, intent(in) :: jumps
+      !> Largest speed so far [length/time]: where a motion turns back, what is left of its velocities is round-off
+      real(wp), intent(in) :: fastest
+      class(integrator_type), intent(inout) :: integrator
+      type(sample_type), intent(inout) :: sample
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      !> Relative residuals beyond which a position and a velocity have jumped
+      real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
+      !> Part of a step before its end at which a load has not jumped yet
+      real(wp), parameter :: aside = 1.0e-4_wp
+      real(wp) :: residual, energy(2), before, earlier
+      integer :: culprit
+      logical :: demanded, watched
+      associate (system => scene%system, work => scene%work)
+         watched = size(outcome%indicators%functions%beams) > 0
+         if (watched .and. jumps) then
+            earlier = last
+            ! Where a law of the motion jumps, `last` is behind it
+            if (.not. of_time) earlier = last - aside*(last - integrator%t_before)
+            call integrator%interpolate(earlier, sample%q, sample%v, sample%w)
+            call integrator%complete(system, work, earlier, sample%q, sample%v)
+            call observe_state(scene, earlier, before_break, sample, outcome)
+         end if
+         call integrator%interpolate(last, sample%q, sample%v, sample%w)
+         call integrator%complete(system, work, last, sample%q, sample%v)
+         demanded = demanded_jump(system, work, t, sample%q)
+         call linearise(system, work, t, sample%q, error)
+         if (allocated(error)) return
+         if (system%nc > 0) then
+            call worst_constraint(system, work, culprit, residual)
+            if (of_time .and. residual > jump*system%constraints(culprit)%item%scale) then
+               call raise(error, system%constraints(culprit)%item%label//' jumps by '//as_text(residual, 3)//' at t = '// &
+                  & as_text(t, 8)//'; a motion must be continuous: use smoothstep((t - t0)/duration) in place of a jump')
+               return
+            end if
+         end if
+         call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
+         before = sum(energy)
+         sample%change = sample%v
+         call settle(system, work, t, sample%q, sample%v, sample%a, .true., residual, error)
+         if (allocated(error)) return
+         call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
+         if (largest_speed(system, sample%v - sample%change) > impact*max(fastest, largest_speed(system, sample%v)) .and. &
+            & demanded) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for a driver changes'// &
+            & ' its speed abruptly there; the energy changes by '//as_text(sum(energy) - before, 3))
+         if (watched) call observe_state(scene, t, merge(behind_break, in_motion, jumps), sample, outcome)
+         integrator%work_at_start = sample%w + sum(energy) - before
+         associate (dynamics => system%model%dynamics)
+            call integrator%start(system, work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
+         end associate
+      end associate
+   end subroutine pass_break
+
+   !> Whether drivers ask for other velocities right after an instant than right before it.
+   logical function demanded_jump(system, work, t, q) result(jumps)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      real(wp), parameter :: little = 1.0e-7_wp
+      real(wp) :: before(system%nc), rest(size(q)), slow(system%nc), largest
+      integer :: i
+      jumps = .false.
+      if (system%nc == 0) return
+      rest = 0.0_wp
+      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, rest)
+      before = work%gamma(:system%nc)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, rest)
+      ! A driver that turns back has no speed to compare with: then the scale of the constraint, once in the whole run
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            slow(item%first:item%first + item%rows - 1) = item%scale/(system%model%dynamics%end - system%model%dynamics%start)
+         end associate
+      end do
+      jumps = any(abs(work%gamma(:system%nc) - before) > little*max(abs(before), abs(work%gamma(:system%nc)), slow))
+   end function demanded_jump
+
+end module limber_analysis_fresh_start

@@ -11,7 +11,7 @@ module limber_analysis_curve_path
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: curve_path_type, new_paths, follow_paths
+   public :: curve_path_type, new_paths, follow_paths, break_text
 
    !> What is remembered
    type :: curve_path_type
@@ -58,6 +58,8 @@ contains
       type(outcome_type), intent(inout) :: outcome
       !> A curve jumps
       type(error_type), allocatable, intent(out) :: error
+      !> Part of the length of the scene that is looked at beyond both places
+      real(wp), parameter :: aside = 1.0e-9_wp
       type(curve_break_type), allocatable :: breaks(:)
       real(wp) :: before
       integer :: i, j
@@ -67,7 +69,8 @@ contains
          if (.not. abs(self%x(i) - before) > 0.0_wp) cycle
          select type (item => system%constraints(self%joints(i))%item)
          type is (curve_joint_type)
-            call find_curve_breaks(item%curve, min(before, self%x(i)), max(before, self%x(i)), breaks)
+            call find_curve_breaks(item%curve, min(before, self%x(i)) - aside*system%model%length, &
+               & max(before, self%x(i)) + aside*system%model%length, breaks)
             do j = 1, size(breaks)
                if (breaks(j)%kind == break_jump) then
                   call raise(error, item%label//': its curve jumps at x = '//as_text(breaks(j)%place, 6)//', from y = '// &
@@ -84,6 +87,32 @@ contains
          end select
       end do
    end subroutine follow_paths
+
+   !> A hint at the jump or kink of a curve that is nearest to the place of its point, where none is found behind it; empty if there
+   !> is none in reach.
+   function break_text(self, system) result(text)
+      type(curve_path_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      character(:), allocatable :: text
+      type(curve_break_type), allocatable :: breaks(:)
+      real(wp) :: nearest
+      integer :: i, j
+      text = ''
+      nearest = system%model%length
+      do i = 1, size(self%joints)
+         select type (item => system%constraints(self%joints(i))%item)
+         type is (curve_joint_type)
+            call find_curve_breaks(item%curve, self%x(i) - nearest, self%x(i) + nearest, breaks)
+            do j = 1, size(breaks)
+               if (abs(breaks(j)%place - self%x(i)) > nearest) cycle
+               if (breaks(j)%kind /= break_jump .and. breaks(j)%kind /= break_kink) cycle
+               nearest = abs(breaks(j)%place - self%x(i))
+               text = '; the curve of '//item%label//' '//trim(merge('jumps     ', 'has a kink', breaks(j)%kind == break_jump))// &
+                  & ' at x = '//as_text(breaks(j)%place, 6)//': use smoothstep((x - x0)/width), or a *CURVE through points'
+            end do
+         end select
+      end do
+   end function break_text
 
    !> Where the point of a curve is.
    real(wp) function place_of(system, kinematics, joint) result(x)

@@ -1,7 +1,7 @@
-!> Curves of several formulas that points are held on, along a motion. Only the piece on which a point is counts, and goes on smoothly
-!> beyond its ends, so that steps do not see what comes behind. Where the point reaches an end the step is cut, and the next piece
-!> counts. A kink is an impact: what of the velocity is across the new direction is lost. A jump is an error, and so is a kink that the
-!> point cannot leave. Floor: analysis. Source: doc/theory, eqs. (K1)-(K3).
+!> Curves of several formulas that points are held on, along a motion. Only the piece on which a point is counts, and goes on
+!> smoothly beyond its ends, so that steps do not see what comes behind. Where the point reaches an end the step is cut, and the
+!> next piece counts. A kink is an impact: what of the velocity is across the new direction is lost. A jump is an error, and so
+!> is a kink that the point cannot leave. Floor: analysis. Source: doc/theory, eqs. (K1)-(K3).
 module limber_analysis_curve_pieces
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
@@ -285,8 +285,8 @@ contains
             if (path%kinks > 1) many = 'kinks of its curve '//as_text(path%kinks)//' times, the first at x = '
             call warn(outcome, system%constraints(path%joint)%item%label//': its point passes '//many//as_text(path%first, 6)// &
                & ', t = '//as_text(path%first_time, 8)//': velocities jump there as by an impact, and the energy changes by '// &
-               & as_text(path%energy, 3)//merge(' in all', '       ', path%kinks > 1)//'; if the curve is to have none, round'// &
-               & ' it by a *CURVE through points or smoothstep')
+               & as_text(path%energy, 3)//trim(merge(' in all', '       ', path%kinks > 1))//'; if the curve is to have none,'// &
+               & ' round it by a *CURVE through points or smoothstep')
          end associate
       end do
    end subroutine tell_kinks

@@ -6,7 +6,7 @@ module limber_analysis_kinematics
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
    use limber_analysis_driven_watch, only: driven_watch_type, start_driven_watch, observe_driven, tell_driven
-   use limber_analysis_curve_path, only: curve_path_type, new_paths, follow_paths
+   use limber_analysis_curve_path, only: curve_path_type, new_paths, follow_paths, break_text
    use limber_analysis_joint_watch, only: check_joints
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_sampling, only: check_residuals
@@ -179,7 +179,8 @@ contains
                h = 0.5_wp*h
                if (h < shortest) then
                   call raise(error, 'no position near the last one satisfies the constraints behind t = '//as_text(motion%t, 8)// &
-                     & ': the mechanism is at a dead centre or at the end of its reach there, or a driver jumps')
+                     & ': the mechanism is at a dead centre or at the end of its reach there, or a driver jumps'// &
+                     & break_text(motion%paths, system))
                   return
                end if
             end do

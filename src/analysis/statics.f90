@@ -7,7 +7,7 @@ module limber_analysis_statics
    use limber_base_text, only: as_text
    use limber_analysis_branch, only: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, &
       & find_critical, loads_drive, tell, tell_of_leaving, most_turn
-   use limber_analysis_curve_path, only: new_paths, follow_paths
+   use limber_analysis_curve_path, only: new_paths, follow_paths, break_text
    use limber_analysis_function_checks, only: function_load_warning, function_state_warning
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_observation, only: observe
@@ -381,7 +381,7 @@ contains
       integer :: culprit
       culprit = bent_law(scene%system, scene%work, time_of(step, statics%part), statics%q)
       if (culprit == 0) culprit = statics%culprit
-      text = '; '//question
+      text = '; '//question//break_text(statics%paths, scene%system)
       if (culprit > 0) text = '; '//describe_law(scene%system, culprit)//' jumps or bends there: does it hold'// &
          & ' the scene behind that place? Round it off (smoothstep, tanh), or use *DYNAMICS'
    end function law_text

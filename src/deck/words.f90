@@ -28,7 +28,7 @@ module limber_deck_words
       &    'the distance of the points stays LENGTH'), &
       & word_spec_type('JOINT', 'POINT ON CURVE', &
       &    'the first point stays on CURVE, whose origin is the second point, its x axis at ANGLE in the ' &
-      &    //'section there; a cam'), &
+      &    //'section there; a cam. A kink is an impact, a jump is refused; behind its ends an open curve is straight'), &
       & word_spec_type('JOINT', 'SLIDING', &
       &    'the first point slides along the line of the *BEAM that the second point names, as that bends'), &
       & word_spec_type('JOINT', 'GEAR', &

@@ -1,5 +1,5 @@
-!> Places where a curve, y as an expression of x, changes its formula: it jumps there, or has a kink, or bends otherwise than before.
-!> Floor: model. Source: doc/theory, eqs. (190), (K1).
+!> Places where a curve, y as an expression of x, changes its formula: it jumps there, or has a kink, or bends otherwise than
+!> before. Floor: model. Source: doc/theory, eqs. (190), (K1).
 module limber_model_curve_breaks
    use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp

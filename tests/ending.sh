@@ -67,7 +67,7 @@ sed 's/^\*DYNAMICS.*/*KINEMATICS, END=100, OUTPUTS=200000/' "$input/slider_crank
 sed 's/^\*INVERSE DYNAMICS.*/*INVERSE DYNAMICS, END=100, OUTPUTS=200000/' "$input/slider_crank_inverse.inp" > inverse.inp
 sed 's/END=2\*2\*pi/END=10*2*pi/; s/10:105:20/10:105:10/; s/6e-3, 8e-3, 10e-3, 12e-3/6e-3, 12e-3/' "$input/sweep_speed.inp" > sweep.inp
 { sed '/^\*SWEEP/,$d; s/END=10/END=200/' sweep.inp; printf '*STUDY, REPEATS=2\n tolerances, 1e-4, 1e-5, 1e-6\n integrators, RADAU, ADAMS\n'; } > study.inp
-sed '/^\*SCALAR/,$d; s/BENDING MODES=3, AXIAL MODES=0,//; s/GEOMETRIC=LINEAR, //; s/END=10/END=200/' sweep.inp > advise.inp
+sed '/^\*SCALAR/,$d; s/BENDING MODES=3, AXIAL MODES=0,//; s/GEOMETRIC=LINEAR, //; s/END=10/END=5000/' sweep.inp > advise.inp
 
 signal=TERM
 for what in statics kinematics inverse; do

@@ -4,6 +4,7 @@ module limber_analysis_advise
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_files, only: append_text, remove_file, rename_file, unused_name, kind_of_path, path_free
+   use limber_base_signals, only: catch_signals, release_signals
    use limber_base_text, only: as_text, newline
    use limber_analysis_advice, only: advice_type, make_advice, apply_advice, expected_error, cost_of
    use limber_analysis_fixed, only: free_options, free_integration, find_fixed, unverified_words
@@ -144,12 +145,14 @@ contains
       block = deck%find('ACCURACY')
       if (block > 0) where (deck%blocks(block)%options%name == 'TARGET') deck%blocks(block)%options%has_value = .false.
       call deck%set_option(deck%find('DYNAMICS'), 'INTEGRATOR', scene%system%model%dynamics%integrator)
-      ! Beside what has the name already, until it is whole
+      ! Beside what has the name already, until it is whole; no signal ends the process between
       new = unused_name(path, '.new')
+      call catch_signals()
       call append_text(new, effective_deck(deck), ok)
       if (ok) call rename_file(new, path, ok)
+      if (.not. ok) call remove_file(new)
+      call release_signals()
       if (ok) return
-      call remove_file(new)
       call raise(error, path//': cannot be written: is there room, and may you write there?', status_deck)
    end subroutine write_deck
 

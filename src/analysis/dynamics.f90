@@ -310,7 +310,7 @@ contains
          end select
          outcome%unfollowed = unfollowed_warning(unfollowed, scene%system, integrator%ringing, is_adams, dynamics)
          text = ''
-         if (.not. shows_vibrations(unfollowed, scene%system, integrator%ringing)) text = stiffness_warning(stiffening, &
+         if (.not. shows_vibrations(unfollowed, integrator%ringing)) text = stiffness_warning(stiffening, &
             & scene%system%model%units%time)
          if (text /= '') call warn(outcome, text)
       end subroutine warn_of_vibrations

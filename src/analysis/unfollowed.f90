@@ -35,6 +35,8 @@ module limber_analysis_unfollowed
       real(wp), allocatable :: reach(:, :)
       !> Bodies of the envelopes
       integer, allocatable, private :: bodies(:)
+      !> First entry of the same unit (asked)
+      integer, allocatable, private :: alike(:)
       !> Channels of disturbed states; the run's own recorder remembers turns and envelopes
       type(recorder_type), private :: recorder
       !> Scratch: coordinates, accelerations undisturbed and disturbed (nq)
@@ -63,6 +65,7 @@ contains
          end do
          asked = size(system%model%channels) + kinds*size(self%bodies)
          allocate (self%largest(asked), self%reach(asked, system%layout%nw), source=0.0_wp)
+         self%alike = first_alike(system%model, asked)
          associate (nq => system%layout%nq, width => sample_width(system))
             allocate (self%q(nq), self%a(nq), self%moved(nq), self%base(width), self%values(width), self%sections(kinds, n), &
                & self%others(kinds, n), source=0.0_wp)
@@ -236,12 +239,13 @@ contains
       !> Empty if all is well
       character(:), allocatable :: text
       character(:), allocatable :: vibration, errs
-      real(wp) :: lost(size(ringing%lost)), share, omega
+      real(wp), allocatable :: lost(:)
+      real(wp) :: share, omega
       integer :: worst, body
       text = ''
       if (.not. self%watched) return
       lost = ringing%lost_of(system, rest_of(system, dynamics, is_adams))
-      call find_worst(self, system%model, lost, worst, share)
+      call find_worst(self, lost, worst, share)
       if (share <= allowed) return
       call find_vibration(system, self%reach(worst, :)*lost, body, omega)
       associate (model => system%model)
@@ -261,15 +265,14 @@ contains
    end function unfollowed_warning
 
    !> Whether vibrations at the limit of the steps of ADAMS are part of something that is asked for.
-   logical function shows_vibrations(self, system, ringing) result(shows)
+   logical function shows_vibrations(self, ringing) result(shows)
       type(unfollowed_type), intent(in) :: self
-      type(system_type), intent(in) :: system
       type(ringing_type), intent(in) :: ringing
       real(wp) :: share
       integer :: worst
       shows = .false.
       if (.not. self%watched) return
-      call find_worst(self, system%model, ringing%top, worst, share)
+      call find_worst(self, ringing%top, worst, share)
       shows = share > allowed
    end function shows_vibrations
 
@@ -286,9 +289,8 @@ contains
    end function rest_of
 
    !> The channel or envelope that errs most, relative to its largest value, eq. (W9).
-   subroutine find_worst(self, model, lost, worst, share)
+   pure subroutine find_worst(self, lost, worst, share)
       type(unfollowed_type), intent(in) :: self
-      type(model_type), intent(in) :: model
       !> Accelerations of the vibrations (nw)
       real(wp), intent(in) :: lost(:)
       !> Which; part of it
@@ -302,7 +304,7 @@ contains
          off = dot_product(self%reach(i, :), lost)
          scale = self%largest(i)
          do j = 1, size(self%largest)
-            if (units_of(model, j) == units_of(model, i)) scale = max(scale, nothing*self%largest(j))
+            if (self%alike(j) == self%alike(i)) scale = max(scale, nothing*self%largest(j))
          end do
          if (.not. off > share*scale) cycle
          worst = i
@@ -310,17 +312,24 @@ contains
       end do
    end subroutine find_worst
 
-   !> Units of a channel, or of a force of an envelope.
-   pure function units_of(model, which) result(text)
+   !> First entry of the unit of each: channels with the same unit, and each internal force of all envelopes, are alike.
+   pure function first_alike(model, asked) result(first)
       type(model_type), intent(in) :: model
-      integer, intent(in) :: which
-      character(:), allocatable :: text
-      if (which <= size(model%channels)) then
-         text = model%channels(which)%units
-      else
-         text = trim(forces(1 + mod(which - size(model%channels) - 1, kinds)))
-      end if
-   end function units_of
+      !> Channels and forces of envelopes
+      integer, intent(in) :: asked
+      integer :: first(asked)
+      integer :: i, j, channels
+      channels = size(model%channels)
+      first = [(i, i=1, asked)]
+      do i = 1, channels
+         do j = i - 1, 1, -1
+            if (model%channels(j)%units == model%channels(i)%units) first(i) = first(j)
+         end do
+      end do
+      do i = channels + kinds + 1, asked
+         first(i) = first(i - kinds)
+      end do
+   end function first_alike
 
    !> The vibration that makes most of an error.
    subroutine find_vibration(system, part, body, omega)

@@ -33,11 +33,10 @@ module limber_integrator_conserving
    !> Largest ratio of successive corrections that the factors at hand may give, relative change of the step that they may serve,
    !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off, or that
    !> in units of the round-off of places: what is stiff multiplies it; part of the tolerance that counts as round-off where so
-   !> many corrections in a row make no progress, and at most: what bends much for little force multiplies it more, and so do
-   !> steps that are shorter than this part of the analysis, of which there are few
+   !> many corrections in a row make no progress, and at most: what bends much for little force multiplies it more; and the
+   !> corrections, in units of the round-off of coordinates, that count as round-off there
    real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
-      & no_progress = 0.5_wp, stiff = 200.0_wp, part_of_tolerance = 0.01_wp, &
-      & most_noise = 1.0e-7_wp, short = 1.0e-4_wp
+      & no_progress = 0.5_wp, stiff = 200.0_wp, part_of_tolerance = 0.01_wp, most_noise = 1.0e-7_wp, grains = 50.0_wp
    integer, parameter :: stalled = 4
 
    !> Memory of the method
@@ -63,14 +62,14 @@ module limber_integrator_conserving
       type(scales_type) :: scales
       !> Scales of coordinates and rates in the layout of the rates (nw)
       real(wp), allocatable :: scale_x(:), scale_w(:)
+      !> Changes of the coordinates in the layout of the rates that move places by round-off (nw)
+      real(wp), allocatable :: grain(:)
       !> Impulses of the multipliers that change the momenta much (nc)
       real(wp), allocatable :: scale_lambda(:)
       !> Largest coordinate of a place, or the length of the scene [length]
       real(wp) :: reach = 0.0_wp
       !> Next step, step of the factors at hand, what t is above the sum of all steps
       real(wp) :: h = 0.0_wp, h_factors = 0.0_wp, rounding = 0.0_wp
-      !> Length of the whole analysis
-      real(wp) :: duration = 0.0_wp
       !> Whether a constraint moves in time
       logical :: driven = .false.
    contains
@@ -98,7 +97,7 @@ contains
          allocate (self%q(nq), self%v(nq), self%b(nw), self%y(nw), self%lambda(nc), self%q_before(nq), self%w_before(nw), &
             & self%increment(nw), self%w(nw), self%motion(nw), self%phi(nc), self%unknown(nw + nc), self%e(nw), self%change(nq), &
             & self%scale_x(nw), self%scale_w(nw), self%scale_lambda(nc), self%new_w(nw), self%path_q(nq), self%path_v(nq), &
-            & self%held(nc), self%apart(nc))
+            & self%held(nc), self%apart(nc), self%grain(nw))
          call new_means(nw, nc, self%means)
          call new_forest(system, self%forest)
          if (.not. self%forest%usable) call new_tangent(system, self%tangent)
@@ -113,7 +112,6 @@ contains
       call self%ringing%forget()
       self%h_factors = 0.0_wp
       self%rounding = 0.0_wp
-      self%duration = duration
       self%q = q
       self%v = v
       self%t = t
@@ -170,7 +168,7 @@ contains
          if (good) then
             err = 0.0_wp
             if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, err)
-            good = err <= self%tolerance .or. self%fixed_step > 0.0_wp
+            good = err <= max(self%tolerance, roughness(self, h)) .or. self%fixed_step > 0.0_wp
             if (good) call measure_work(self, system, work, err, good)
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
          else
@@ -212,7 +210,7 @@ contains
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(wp) :: momentum
-      integer :: i
+      integer :: i, at
       call update_scales(system, self%q, self%v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
       momentum = 0.0_wp
@@ -220,6 +218,14 @@ contains
       do i = 1, size(system%model%bodies)
          self%reach = max(self%reach, abs(self%q(system%layout%q(i))), abs(self%q(system%layout%q(i) + 1)))
          momentum = momentum + system%model%bodies(i)%reduced%mass*max(self%scales%speed, self%scales%driven)
+      end do
+      self%grain = epsilon(1.0_wp)*self%reach
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         at = system%layout%w(i) + 3
+         self%grain(at - 1) = epsilon(1.0_wp)*self%reach/system%model%length
+         if (system%layout%n(i) == 0) cycle
+         self%grain(at:at + system%layout%n(i) - 1) = epsilon(1.0_wp)*self%reach/system%model%bodies(i)%largest_shape
       end do
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
@@ -229,6 +235,14 @@ contains
       ! Of redundant constraints the multipliers are known to round-off of the constraints only; the motion does not feel it
       if (system%redundant) self%scale_lambda = huge(1.0_wp)
    end subroutine find_scales
+
+   !> Part of their scales that round-off of places makes of the rates of a step: errors are known no better.
+   pure real(wp) function roughness(self, h)
+      class(conserving_type), intent(in) :: self
+      !> Length of the step
+      real(wp), intent(in) :: h
+      roughness = maxval(self%grain/(h*self%scale_w))
+   end function roughness
 
    !> The step that divides the way to the next stop evenly and is not above the one wanted.
    pure real(wp) function even_step(way, wanted) result(h)
@@ -307,8 +321,8 @@ contains
                self%h_factors = 0.0_wp
             end if
             idle = merge(idle + 1, 0, fresh .and. size_now > no_progress*least)
-            if (idle >= stalled .and. size_now <= self%tolerance .and. moved <= min(part_of_tolerance*self%tolerance, &
-               & most_noise*max(1.0_wp, short*self%duration/self%trial%h))) converged = .true.
+            if (idle >= stalled) converged = converged .or. all(abs(self%unknown(:nw)) <= grains*self%grain) &
+               & .or. (size_now <= self%tolerance .and. moved <= min(part_of_tolerance*self%tolerance, most_noise))
          end if
          least = min(least, size_now)
          size_last = size_now
@@ -587,6 +601,7 @@ contains
       call self%scales%exchange(snapshot)
       call snapshot%keep('scale_x', self%scale_x)
       call snapshot%keep('scale_w', self%scale_w)
+      call snapshot%keep('grain', self%grain)
       call snapshot%keep('scale_lambda', self%scale_lambda)
       call snapshot%exchange('reach', self%reach)
       call snapshot%exchange('h', self%h)

@@ -11,7 +11,7 @@ module limber_integrator_conserving
    use limber_integrator_cubic, only: cubic_state
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_means, only: means_type, new_means, begin_means, predict, find_curvature, note_mean
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale
+   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain
    use limber_system_discrete, only: step_residual, linearise_step, step_work
    use limber_system_dynamics, only: linearise, accelerations
    use limber_system_forest, only: forest_type, new_forest, forest_solve
@@ -34,7 +34,7 @@ module limber_integrator_conserving
    !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off, or that
    !> in units of the round-off of places: what is stiff multiplies it; part of the tolerance that counts as round-off where so
    !> many corrections in a row make no progress, and at most: what bends much for little force multiplies it more; and the
-   !> corrections, in units of the round-off of coordinates, that count as round-off there
+   !> corrections, in units of the round-off of coordinates, eq. (H5), that count as round-off there
    real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
       & no_progress = 0.5_wp, stiff = 200.0_wp, part_of_tolerance = 0.01_wp, most_noise = 1.0e-7_wp, grains = 50.0_wp
    integer, parameter :: stalled = 4
@@ -62,7 +62,7 @@ module limber_integrator_conserving
       type(scales_type) :: scales
       !> Scales of coordinates and rates in the layout of the rates (nw)
       real(wp), allocatable :: scale_x(:), scale_w(:)
-      !> Changes of the coordinates in the layout of the rates that move places by round-off (nw)
+      !> Changes of the coordinates in the layout of the rates that move places by round-off, eq. (H5) (nw)
       real(wp), allocatable :: grain(:)
       !> Impulses of the multipliers that change the momenta much (nc)
       real(wp), allocatable :: scale_lambda(:)
@@ -168,7 +168,8 @@ contains
          if (good) then
             err = 0.0_wp
             if (.not. self%fixed_step > 0.0_wp) call estimate_error(self, system, err)
-            good = err <= max(self%tolerance, roughness(self, h)) .or. self%fixed_step > 0.0_wp
+            ! What round-off of places makes of the rates is no error
+            good = err <= max(self%tolerance, maxval(self%grain/(h*self%scale_w))) .or. self%fixed_step > 0.0_wp
             if (good) call measure_work(self, system, work, err, good)
             factor = max(0.2_wp, min(1.6_wp, 0.8_wp*(self%tolerance/max(err, 1.0e-6_wp*self%tolerance))**(1.0_wp/3)))
          else
@@ -210,7 +211,7 @@ contains
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(wp) :: momentum
-      integer :: i, at
+      integer :: i
       call update_scales(system, self%q, self%v, self%scales)
       call rate_scales(system, self%scales, self%scale_x, self%scale_w)
       momentum = 0.0_wp
@@ -219,14 +220,7 @@ contains
          self%reach = max(self%reach, abs(self%q(system%layout%q(i))), abs(self%q(system%layout%q(i) + 1)))
          momentum = momentum + system%model%bodies(i)%reduced%mass*max(self%scales%speed, self%scales%driven)
       end do
-      self%grain = epsilon(1.0_wp)*self%reach
-      do i = 1, size(system%layout%q)
-         if (.not. system%layout%framed(i)) cycle
-         at = system%layout%w(i) + 3
-         self%grain(at - 1) = epsilon(1.0_wp)*self%reach/system%model%length
-         if (system%layout%n(i) == 0) cycle
-         self%grain(at:at + system%layout%n(i) - 1) = epsilon(1.0_wp)*self%reach/system%model%bodies(i)%largest_shape
-      end do
+      call find_grain(system, self%reach, self%grain)
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
             self%scale_lambda(item%first:item%first + item%rows - 1) = momentum*system%model%length/item%scale
@@ -235,14 +229,6 @@ contains
       ! Of redundant constraints the multipliers are known to round-off of the constraints only; the motion does not feel it
       if (system%redundant) self%scale_lambda = huge(1.0_wp)
    end subroutine find_scales
-
-   !> Part of their scales that round-off of places makes of the rates of a step: errors are known no better.
-   pure real(wp) function roughness(self, h)
-      class(conserving_type), intent(in) :: self
-      !> Length of the step
-      real(wp), intent(in) :: h
-      roughness = maxval(self%grain/(h*self%scale_w))
-   end function roughness
 
    !> The step that divides the way to the next stop evenly and is not above the one wanted.
    pure real(wp) function even_step(way, wanted) result(h)

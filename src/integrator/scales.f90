@@ -11,7 +11,7 @@ module limber_integrator_scales
    use limber_system_system, only: system_type
    implicit none
    private
-   public :: scales_type, new_scales, update_scales, rate_scales, energy_scale
+   public :: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain
 
    !> A scale for each component of [q; v]
    type :: scales_type
@@ -126,6 +126,24 @@ contains
          rate(to + 2:to + 2 + n) = scales%value(nq + from + 3:nq + from + 3 + n)
       end do
    end subroutine rate_scales
+
+   !> Changes of the coordinates in the layout of the independent rates that move places by their round-off, eq. (H5).
+   pure subroutine find_grain(system, reach, grain)
+      type(system_type), intent(in) :: system
+      !> Largest coordinate of a place [length]
+      real(wp), intent(in) :: reach
+      !> (nw)
+      real(wp), intent(inout) :: grain(:)
+      integer :: i, at, n
+      grain = epsilon(reach)*reach
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         at = system%layout%w(i) + 2
+         n = system%layout%n(i)
+         grain(at) = grain(at)/system%model%length
+         if (n > 0) grain(at + 1:at + n) = grain(at + 1:at + n)/system%model%bodies(i)%largest_shape
+      end do
+   end subroutine find_grain
 
    !> Scale of the work: a tenth of an energy of the motion, for errors of the work add up.
    pure real(wp) function energy_scale(system, scales)

@@ -24,6 +24,7 @@ program test_exact_conserving
    call check_crank()
    call check_sliding()
    call check_start()
+   call check_springs()
    call finish()
 
 contains
@@ -172,5 +173,25 @@ contains
       call check_energy(reader, 1.0e-9_wp, 'a light bar on a slope')
       call reader%close()
    end subroutine check_start
+
+   !> A light bar that springs set off, by steps of nanoseconds: what no correction makes smaller there is round-off of places. It
+   !> neither ends the run nor costs energy.
+   subroutine check_springs()
+      character(6), parameter :: diameters(3) = ['0.0226', '0.0150', '0.0100']
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      integer :: i
+      do i = 1, size(diameters)
+         call change_deck('verification/exact_springs.inp', trim(results)//'.inp', ['DIAMETER=0.0226'], ['DIAMETER='//diameters(i)])
+         call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+         call check_no_error(error, 'a bar that springs set off, '//diameters(i))
+         if (allocated(error)) cycle
+         call reader%open(trim(results), error)
+         call check_no_error(error, 'results of the bar that springs set off')
+         call check_energy(reader, 1.0e-10_wp, 'a bar that springs set off, '//diameters(i))
+         call reader%close()
+      end do
+   end subroutine check_springs
 
 end program test_exact_conserving

@@ -35,7 +35,7 @@ contains
       type(support_type), intent(in) :: support
       type(held_type), intent(out) :: held
       real(wp) :: moved(exact%points, exact%angles + whole), mass(exact%angles + whole, exact%angles + whole)
-      real(wp), allocatable :: motions(:, :), heavy(:, :), stiff(:, :), value(:), room(:), shape(:, :)
+      real(wp), allocatable :: motions(:, :), heavy(:, :), stiff(:, :), value(:), room(:)
       integer :: free, info, i, j, rigid
       moved = motions_of(exact)
       mass = masses_of(exact, moved)
@@ -45,7 +45,6 @@ contains
       if (free == 0) return
       allocate (heavy(free, free), stiff(free, free), value(free), room(64*free + 64))
       heavy = matmul(transpose(motions), matmul(mass, motions))
-      allocate (shape, source=heavy)
       do j = 1, free
          do i = 1, free
             ! The curvatures of the functions are orthonormal in the stiffness up to the squared frequencies
@@ -57,8 +56,13 @@ contains
       rigid = count(value <= still*maxval(value))
       held%count = free - rigid
       held%omega2 = value(rigid + 1:)
-      held%part = coordinates_to(motions, matmul(transpose(stiff(:, rigid + 1:)), shape), exact%angles)
       motions = matmul(motions, stiff(:, rigid + 1:))
+      ! By the stiffness: what a support that moves bends as at rest is no vibration
+      deallocate (held%part)
+      allocate (held%part(held%count, exact%angles))
+      do j = 1, held%count
+         held%part(j, :) = stiffness_of(exact)*motions(whole + 1:, j)/held%omega2(j)
+      end do
       held%place = matmul(moved(:exact%stations, :), motions)
       call find_forces(exact, support, moved, motions, held)
    end subroutine new_held
@@ -158,25 +162,6 @@ contains
       end do
       motions = motions(:, [(j, j=1, out - 1), (j, j=out + 1, size(felt))])
    end subroutine hold
-
-   !> What each coordinate is of a vibration: the motion that has this coordinate alone, if it is free.
-   pure function coordinates_to(motions, amounts, angles) result(part)
-      !> (2 + angles, motions), (vibrations, motions)
-      real(wp), intent(in) :: motions(:, :), amounts(:, :)
-      integer, intent(in) :: angles
-      real(wp) :: part(size(amounts, 1), angles)
-      integer :: j, k, others
-      part = 0.0_wp
-      do k = 1, angles
-         do j = 1, size(motions, 2)
-            others = count(abs(motions(whole + 1:, j)) > 0.0_wp)
-            if (others == 0 .or. abs(motions(whole + k, j) - 1.0_wp) > 0.0_wp) cycle
-            if (any(abs(motions(whole + k, :j - 1)) > 0.0_wp) .or. any(abs(motions(whole + k, j + 1:)) > 0.0_wp)) cycle
-            part(:, k) = amounts(:, j)
-            exit
-         end do
-      end do
-   end function coordinates_to
 
    !> Bending moments and shear forces by equilibrium, with the forces of the supports that make the least difference from what the
    !> functions have, and the error of the frequency which is left, eq. (Q2).

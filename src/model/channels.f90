@@ -7,7 +7,7 @@ module limber_model_channels
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: slot_type, is_binary
    use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, &
-      & function_names
+      & op_abs, function_names
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
@@ -361,23 +361,28 @@ contains
       end do
    end function is_moment
 
-   !> Dimension of an expression: its postfix program run on exponents. Plain numbers have none.
+   !> Dimension of an expression: its postfix program run on exponents. Plain numbers have none; what they are added to or taken
+   !> from says theirs, but who multiplies that by another number may mean any dimension.
    pure function expression_dimension(channel) result(dimension)
       type(channel_type), intent(in) :: channel
       integer :: dimension(3), stack(3, 128), i, top
+      logical :: plain(128), shifted(128)
       top = 0
       do i = 1, size(channel%expression%codes)
          associate (code => channel%expression%codes(i))
-            if (code == op_constant) then
+            if (code == op_constant .or. code == op_slot) then
                top = top + 1
                stack(:, top) = 0
-            else if (code == op_slot) then
-               top = top + 1
-               stack(:, top) = channel%quantities(channel%expression%operands(i))%dimension
+               plain(top) = code == op_constant
+               shifted(top) = .false.
+               if (code == op_slot) stack(:, top) = channel%quantities(channel%expression%operands(i))%dimension
             else if (is_binary(code)) then
                top = top - 1
-               stack(:, top) = combined(code, stack(:, top), stack(:, top + 1))
-            else if (code /= op_negate .and. any(stack(:, top) /= 0)) then
+               stack(:, top) = combined(code, stack(:, top), stack(:, top + 1), plain(top:top + 1), shifted(top:top + 1))
+               shifted(top) = any(shifted(top:top + 1)) .or. ((code == op_add .or. code == op_subtract) .and. &
+                  & (plain(top) .neqv. plain(top + 1)))
+               plain(top) = all(plain(top:top + 1))
+            else if (code /= op_negate .and. code /= op_abs .and. any(stack(:, top) /= 0)) then
                stack(:, top) = unknown
             end if
          end associate
@@ -385,20 +390,23 @@ contains
       dimension = stack(:, 1)
    end function expression_dimension
 
-   pure function combined(code, a, b) result(c)
+   pure function combined(code, a, b, plain, shifted) result(c)
       integer, intent(in) :: code, a(3), b(3)
+      !> Of both: whether it is a plain number, and whether one has been added to it
+      logical, intent(in) :: plain(2), shifted(2)
       integer :: c(3)
-      if (any(a == unknown) .or. any(b == unknown)) then
-         c = unknown
-      else if (code == op_multiply) then
-         c = a + b
-      else if (code == op_divide) then
-         c = a - b
-      else if (all(a == b) .and. (code == op_add .or. code == op_subtract .or. all(a == 0))) then
-         c = a
-      else
-         c = unknown
-      end if
+      c = unknown
+      if (any(a == unknown) .or. any(b == unknown)) return
+      select case (code)
+      case (op_multiply, op_divide)
+         if (any(plain .and. shifted(2:1:-1)) .and. any(abs(a) + abs(b) > 0)) return
+         c = a + merge(b, -b, code == op_multiply)
+      case (op_add, op_subtract)
+         if (all(a == b) .or. plain(2)) c = a
+         if (plain(1)) c = b
+      case default
+         if (all(a == b .and. a == 0)) c = 0
+      end select
    end function combined
 
    !> A dimension in the deck's units: 'm', 'm/s', 'N', '1'.
@@ -409,16 +417,13 @@ contains
       !> Whether what has the dimension of an energy is a moment; if not given, it is none
       logical, intent(in), optional :: is_moment
       character(:), allocatable :: text
-      if (units%length == 'm' .and. units%time == 's' .and. units%mass == 'kg') then
-         text = ''
-         if (all(dimension == [1, -2, 1])) text = 'N'
-         if (all(dimension == energy)) text = 'J'
-         if (all(dimension == [-1, -2, 1])) text = 'Pa'
-         if (text == 'J' .and. present(is_moment)) then
-            if (is_moment) text = 'N m'
-         end if
-         if (text /= '') return
+      text = named(dimension, units%length//' '//units%mass//' '//units%time)
+      if (present(is_moment)) then
+         if (is_moment .and. all(dimension == energy)) text = named([1, -2, 1], units%length//' '//units%mass//' '//units%time) &
+            & //' '//units%length
+         if (text(1:min(1, len(text))) == ' ') text = ''
       end if
+      if (text /= '') return
       text = power(units%mass, dimension(3))//power(units%length, dimension(1))//power(units%time, dimension(2))
       if (text == '') then
          text = '1'
@@ -426,6 +431,23 @@ contains
          text = text(2:)
       end if
    end function unit_text
+
+   !> Units with names of their own: of force, energy, stress, power; empty for others.
+   pure function named(dimension, system) result(text)
+      integer, intent(in) :: dimension(3)
+      !> Units of length, mass and time
+      character(*), intent(in) :: system
+      character(:), allocatable :: text
+      integer :: which
+      integer, parameter :: known(3, 4) = reshape([1, -2, 1, 2, -2, 1, -1, -2, 1, 2, -3, 1], [3, 4])
+      character(*), parameter :: names(4, 2) = reshape([character(3) :: 'N', 'J', 'Pa', 'W', 'N', 'mJ', 'MPa', 'mW'], [4, 2])
+      text = ''
+      do which = 1, size(known, 2)
+         if (any(dimension /= known(:, which))) cycle
+         if (system == 'm kg s') text = trim(names(which, 1))
+         if (system == 'mm t s') text = trim(names(which, 2))
+      end do
+   end function named
 
    pure function power(unit, exponent) result(text)
       character(*), intent(in) :: unit

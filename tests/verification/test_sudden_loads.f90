@@ -35,6 +35,7 @@ program test_sudden_loads
    call check_cantilever()
    call check_hub()
    call check_bob()
+   call check_head()
    call check_rod()
    call check_place()
    call finish()
@@ -106,6 +107,36 @@ contains
          & at_tip//'1e-3*step(0.01 - t)'//nl//'*DYNAMICS, END=2, OUTPUTS=100'//nl//'*OUTPUT'//nl//' y(bob)'//nl, report)
       call check(told_of(report, 'its largest deflection') > 0.02_wp, 'place of a ball on a tip is told: '//report)
    end subroutine check_bob
+
+   !> A column with a heavy head on a carriage that a spring pulls along slowly: what the head bends is no vibration, whatever the
+   !> functions, and the shear force of few is that of many.
+   subroutine check_head()
+      character(*), parameter :: functions(3) = [character(14) :: ', FUNCTIONS=20', ', FUNCTIONS=15', '']
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: truth(:), force(:)
+      integer :: i
+      do i = 1, size(functions)
+         call run('*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl//'*SECTION, NAME=col, SHAPE=RECTANGLE, WIDTH=0.04, '// &
+            & 'HEIGHT=0.02'//nl//'*RIGID BODY, NAME=carriage, MASS=20, INERTIA=1'//nl//'*BEAM, NAME=column, MATERIAL=steel, '// &
+            & 'SECTION=col, LENGTH=0.8, ANGLE=90 deg'//trim(functions(i))//nl//'*POINT MASS, NAME=top, MASS=5, Y=0.8'//nl// &
+            & '*JOINT, NAME=guide, TYPE=TRANSLATIONAL'//nl//' carriage.origin, ground.origin'//nl// &
+            & '*JOINT, NAME=foot, TYPE=WELD'//nl//' column.start, carriage.origin'//nl// &
+            & '*JOINT, NAME=head, TYPE=REVOLUTE'//nl//' top, column.end'//nl//'*GROUND'//nl//' far, 10, 0'//nl// &
+            & '*SPRING, NAME=servo, STIFFNESS=8e5, LENGTH=10, DAMPING=200'//nl// &
+            & ' carriage.origin, ground.far, 8e5*0.4*cycloidal(t/0.5)'//nl// &
+            & '*DYNAMICS, END=1, OUTPUTS=200, TOLERANCE=1e-8, INTEGRATOR=RADAU'//nl//'*OUTPUT'//nl// &
+            & ' v = shear_force(column.start)'//nl, report)
+         call check(index(report, 'too few functions') == 0, 'a head that moves slowly: '//report)
+         call reader%open(trim(results), error)
+         call check_no_error(error, 'results')
+         force = channel(reader, 'v')
+         call reader%close()
+         if (i == 1) truth = force
+         call check(maxval(abs(force - truth)) < 2.0e-3_wp*maxval(abs(truth)), 'its shear force'//functions(i))
+      end do
+   end subroutine check_head
 
    !> A rod that is clamped and pulled at once: the force at the wall jumps to twice the load when the wave arrives, a square wave
    !> between 0 and 2, and in the middle between 0, 1 and 2 (d'Alembert). With one function it is a cosine: half of it off.

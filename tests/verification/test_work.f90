@@ -29,6 +29,7 @@ program test_work
    call check_kept_axial()
    call check_unasked()
    call check_no_circle()
+   call check_units()
    call finish()
 
 contains
@@ -360,6 +361,42 @@ contains
       call check(index(report, 'INTEGRATOR=') == 0, 'and names no other integrator: '//report)
       call reader%close()
    end subroutine check_no_circle
+
+   !> Units of moments, energies, power and of numbers that are taken from lengths; none where a number may mean anything.
+   subroutine check_units()
+      character(*), parameter :: scene = '*PARAMETER'//nl//' base = 0.1, k = 5'//nl//'*RIGID BODY, NAME=crank, MASS=2, '// &
+         & 'INERTIA=0.01'//nl//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' crank.origin, ground.origin'//nl// &
+         & '*DRIVER, NAME=motor, TYPE=ANGLE, BODY=crank'//nl//' t'//nl
+      character(*), parameter :: dynamics = 'END=0.1, OUTPUTS=2'//nl//'*OUTPUT'//nl// &
+         & ' a = torque(motor), b = kinetic_energy(system), c = power(motor), d = x(crank) - base'//nl// &
+         & ' e = k*(base - x(crank)), f = 2*moment(pin)'//nl// &
+         & ' g = torque(motor)*angle(crank), h = abs(force_x(pin))'
+      character(*), parameter :: names(8) = ['a', 'b', 'c', 'd', 'e', 'f', 'g', 'h']
+      character(*), parameter :: si(8) = [character(7) :: 'N m', 'J', 'W', 'm', 'unknown', 'N m', 'J', 'N']
+      character(*), parameter :: small(8) = [character(7) :: 'N mm', 'mJ', 'mW', 'mm', 'unknown', 'N mm', 'mJ', 'N']
+      integer :: i
+      call run(scene, dynamics, 'RADAU', '1e-6')
+      do i = 1, size(names)
+         call check(unit_of(names(i)) == trim(si(i)), 'unit of '//names(i)//': '//unit_of(names(i)))
+      end do
+      call reader%close()
+      call run('*UNITS, LENGTH=mm, MASS=t'//nl//scene, dynamics, 'RADAU', '1e-6')
+      do i = 1, size(names)
+         call check(unit_of(names(i)) == trim(small(i)), 'unit of '//names(i)//' in mm and t: '//unit_of(names(i)))
+      end do
+      call reader%close()
+   end subroutine check_units
+
+   !> Unit of a channel of the open results.
+   function unit_of(name) result(text)
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      integer :: i
+      text = ''
+      do i = 1, size(reader%channels)
+         if (reader%channels(i)%name == name) text = reader%channels(i)%units
+      end do
+   end function unit_of
 
    !> A mass that slides along a hinged beam: the beam vibrates along its axis by local errors of ADAMS alone, at orders of 5 to 8.
    !> Its axial force at the pin is told to be wrong, in any units; by RADAU it is the truth.

@@ -239,31 +239,37 @@ contains
       integer, intent(in) :: body
       character(:), allocatable, intent(out) :: text
       character(:), allocatable :: names
-      call find_weak(system, work, t, q, names)
+      real(wp) :: grip
+      call find_weak(system, work, t, q, names, grip)
       if (names == '') return
       text = "the velocities of body '"//system%model%bodies(body)%name//"' change abruptly at t = "//as_text(t, 8)// &
-         & ', where branches of the motion meet ('//names//' without grip): it may have gone over to'// &
-         & ' another branch; compare with INTEGRATOR=ADAMS or a smaller TOLERANCE'
+         & ', where branches of the motion meet ('//names//' have lost their grip but for '// &
+         & as_text(100*grip, 2)//' %): it may have gone over to another branch; compare with INTEGRATOR=ADAMS or a smaller'// &
+         & ' TOLERANCE'
    end subroutine explain
 
    !> Names of the constraints that have lost their grip at a state, as at a dead centre or a fold; empty if there are none.
-   subroutine find_weak(system, work, t, q, names)
+   subroutine find_weak(system, work, t, q, names, grip)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Time; coordinates (nq)
       real(wp), intent(in) :: t, q(:)
       character(:), allocatable, intent(out) :: names
+      !> How much is left of it; `weak` at most where there are names
+      real(wp), intent(out), optional :: grip
       type(crossing_type) :: scratch
       type(error_type), allocatable :: error
       logical :: part(size(system%constraints))
       real(wp) :: strength
       integer :: i
       names = ''
+      if (present(grip)) grip = huge(grip)
       if (maxval([0, system%tree%row]) == 0 .or. system%redundant) return
       call linearise(system, work, t, q, error)
       if (allocated(error)) return
       call new_crossing(system, scratch)
       call find_weakest(scratch, system, work, strength)
+      if (present(grip)) grip = strength
       if (strength > weak) return
       scratch%weakest = scratch%unit*scratch%weakest
       do i = 1, size(part)

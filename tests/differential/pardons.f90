@@ -18,8 +18,10 @@ module pardons
    character(*), parameter :: energy_words = 'energy balance is off by ', ringing_words = 'there may err by ', &
       & slip_words = 'they are off by ', phase_words = 'the motion is ', price_words = 'longer shows: up to '
    character(*), parameter :: kept_words = 'keeps up a vibration'
+   !> A warning that begins below a part of something
+   character(*), parameter :: grip_words = 'lost their grip but for '
    real(wp), parameter :: energy_begins = 1.0e-2_wp, ringing_begins = 1.0e-2_wp, slip_begins = 2.0e-2_wp, &
-      & phase_begins = 2.0e-2_wp, price_begins = 1.0e4_wp
+      & phase_begins = 2.0e-2_wp, price_begins = 1.0e4_wp, grip_begins = 1.0e-2_wp
    !> A warning that tells less than so many times the part at which it begins may be missing in another view
    real(wp), parameter :: near = 10.0_wp
 
@@ -78,6 +80,7 @@ contains
             if (.not. (is_near(line, energy_words, 0.01_wp, energy_begins) .or. is_near(line, ringing_words, 0.01_wp, &
                & ringing_begins) .or. is_near(line, slip_words, 0.01_wp, slip_begins) .or. is_near(line, ' by about ', 1.0_wp, &
                & phase_begins) .or. is_near(line, price_words, 1.0_wp, price_begins) .or. &
+               & (index(line, grip_words) > 0 .and. 0.01_wp*number_behind(line, grip_words) > grip_begins/near) .or. &
                & (stands .and. index(line, kept_words) > 0))) left = left//line//newline
          end associate
          first = last + 2

@@ -10,7 +10,8 @@ module limber_analysis_indicator_start
    use limber_analysis_surveys, only: start_surveys, is_base
    use limber_flex_quasistatic, only: new_quasistatic
    use limber_flex_reduced, only: reduced_type
-   use limber_flex_stations, only: new_stations
+   use limber_flex_stations, only: new_stations, patch_type
+   use limber_model_spreads, only: spread_parts
    use limber_model_scene, only: ground, body_rigid, body_type, joint_point_on_line, joint_translational, joint_curve, &
       & joint_sliding, joint_revolute, joint_weld
    use limber_model_quantities, only: quantity_shear_force, quantity_bending_moment, quantity_stress_top, &
@@ -176,10 +177,11 @@ contains
       type(contact_type), intent(in) :: contacts(:)
       type(body_indicators_type), intent(inout) :: body
       real(wp), allocatable :: place(:)
+      type(patch_type), allocatable :: patch(:)
       logical, allocatable :: jointed(:), welded(:)
       logical :: held, clamped
       body%is_rigid = .true.
-      call find_places(self, system, index, contacts, place, jointed, welded, held)
+      call find_places(self, system, index, contacts, place, patch, jointed, welded, held)
       clamped = self%turned(index) .or. any(contacts%is_weld)
       associate (beam => system%model%bodies(index)%beam, choice => system%model%bodies(index)%choice)
          body%quasistatic = new_quasistatic(beam%ei, beam%rho_a, beam%length, choice%origin, place, jointed, clamped)
@@ -214,6 +216,7 @@ contains
       type(contact_type), intent(in) :: contacts(:)
       type(body_indicators_type), intent(inout) :: body
       real(wp), allocatable :: place(:)
+      type(patch_type), allocatable :: patch(:)
       logical, allocatable :: jointed(:), clamped(:)
       logical :: held
       body%body = index
@@ -233,10 +236,10 @@ contains
          call start_false_damping(body%false_damping, flexible%reduced)
          if (flexible%is_frame) call start_frame(self, index, flexible%reduced, body)
          if (.not. body%is_beam) return
-         call find_places(self, system, index, contacts, place, jointed, clamped, held)
+         call find_places(self, system, index, contacts, place, patch, jointed, clamped, held)
          ! Beside the one place that holds it, it hangs: what turns with that body, or is turned, is clamped there
          if (count(jointed) == 1 .and. (self%turned(index) .or. any(contacts%is_weld))) clamped = jointed
-         call find_set(self, system, index, place, jointed, clamped, held, body%set)
+         call find_set(self, system, index, place, patch, jointed, clamped, held, body%set)
          body%is_beam = body%set > 0
          if (.not. body%is_beam) return
          associate (stations => self%sets(body%set)%stations)
@@ -274,13 +277,14 @@ contains
    end subroutine start_frame
 
    !> The set of constants of a beam: that of an earlier one if it is the same, else a new one; 0 if they cannot be made.
-   subroutine find_set(self, system, index, place, jointed, clamped, held, set)
+   subroutine find_set(self, system, index, place, patch, jointed, clamped, held, set)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       !> The body; coordinates along it where joints and loads act, and whether these are joints, and welds to the ground; whether
       !> two of them are held by the same other body
       integer, intent(in) :: index
       real(wp), intent(in) :: place(:)
+      type(patch_type), intent(in) :: patch(:)
       logical, intent(in) :: jointed(:), clamped(:), held
       integer, intent(out) :: set
       !> Sets before the last that are looked at
@@ -293,7 +297,7 @@ contains
       set = self%count + 1
       associate (new => self%sets(set), flexible => system%model%bodies(index))
          call new_stations(flexible%beam, flexible%choice, flexible%field, flexible%reduced, place, jointed, clamped, held, &
-            & new%stations, error)
+            & new%stations, error, patch)
          if (.not. allocated(error)) then
             new%body = index
             new%held = held
@@ -316,9 +320,23 @@ contains
          if (is_same) is_same = size(other%jointed) == size(jointed)
          if (is_same) is_same = all(other%jointed .eqv. jointed) .and. all(other%clamped .eqv. clamped) .and. &
             & all(abs(other%stations%place - place) <= 0.0_wp)
+         if (is_same) is_same = are_same(other%stations%patch, patch)
       end function is_same
 
    end subroutine find_set
+
+   !> Whether loads along two beams are spread alike.
+   pure logical function are_same(one, other)
+      type(patch_type), intent(in) :: one(:), other(:)
+      integer :: i
+      are_same = .true.
+      do i = 1, size(one)
+         are_same = are_same .and. (allocated(one(i)%at) .eqv. allocated(other(i)%at))
+         if (.not. (are_same .and. allocated(one(i)%at))) cycle
+         are_same = size(one(i)%at) == size(other(i)%at)
+         if (are_same) are_same = all(abs(one(i)%at - other(i)%at) <= 0.0_wp) .and. all(abs(one(i)%part - other(i)%part) <= 0.0_wp)
+      end do
+   end function are_same
 
    !> Twice as many sets.
    subroutine make_room(self)
@@ -407,7 +425,7 @@ contains
    end subroutine list_contacts
 
    !> Where joints and loads act on a beam.
-   subroutine find_places(self, system, index, contacts, place, jointed, clamped, held)
+   subroutine find_places(self, system, index, contacts, place, patch, jointed, clamped, held)
       type(indicators_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       integer, intent(in) :: index
@@ -415,12 +433,15 @@ contains
       type(contact_type), intent(in) :: contacts(:)
       !> Coordinates along the beam, all different, and whether joints act there, and welds to the ground
       real(wp), allocatable, intent(out) :: place(:)
+      !> Loads along the beam among them, each at its mean place (places)
+      type(patch_type), allocatable, intent(out) :: patch(:)
       logical, allocatable, intent(out) :: jointed(:), clamped(:)
       !> Whether two places are pinned or welded to the same other body
       logical, intent(out) :: held
       real(wp) :: found(size(contacts)), x
       logical :: joint(size(contacts)), weld(size(contacts))
-      integer :: i, k, count
+      type(patch_type) :: spread_out(size(contacts))
+      integer :: i, k, count, spread
       count = 0
       joint = .false.
       weld = .false.
@@ -428,12 +449,15 @@ contains
       associate (body => system%model%bodies(index))
          do i = 1, size(contacts)
             x = min(max(system%model%points(contacts(i)%point)%p0(1) + body%choice%origin, 0.0_wp), body%beam%length)
+            spread = findloc(system%model%spreads%point, contacts(i)%point, dim=1)
             do k = 1, count
-               if (abs(found(k) - x) <= 1.0e-9_wp*body%beam%length) exit
+               if (spread == 0 .and. .not. allocated(spread_out(k)%at) .and. abs(found(k) - x) <= 1.0e-9_wp*body%beam%length) exit
             end do
             if (k > count) then
                count = k
                found(k) = x
+               if (spread > 0) call spread_parts(system%model%spreads(spread), body, [real(wp) ::], spread_out(k)%at, &
+                  & spread_out(k)%part)
             end if
             joint(k) = joint(k) .or. contacts(i)%is_joint
             weld(k) = weld(k) .or. (contacts(i)%is_weld .and. contacts(i)%partner == ground)
@@ -447,6 +471,7 @@ contains
          end do
       end do
       allocate (place, source=found(:count))
+      allocate (patch, source=spread_out(:count))
       allocate (jointed, source=joint(:count))
       allocate (clamped, source=weld(:count))
    end subroutine find_places

@@ -312,7 +312,7 @@ contains
       end do
    end subroutine find_worst
 
-   !> First entry of the unit of each: channels with the same unit, and each internal force of all envelopes, are alike.
+   !> First entry of the unit of each: channels with the same unit, forces of all envelopes, and their moments are alike.
    pure function first_alike(model, asked) result(first)
       type(model_type), intent(in) :: model
       !> Channels and forces of envelopes
@@ -326,8 +326,9 @@ contains
             if (model%channels(j)%units == model%channels(i)%units) first(i) = first(j)
          end do
       end do
-      do i = channels + kinds + 1, asked
-         first(i) = first(i - kinds)
+      do i = channels + 2, asked
+         if (mod(i - channels, kinds) == 2) first(i) = first(i - 1)
+         if (i > channels + kinds) first(i) = first(i - kinds)
       end do
    end function first_alike
 

@@ -14,7 +14,13 @@ module limber_flex_stations
    use limber_flex_reduction, only: reduction_type
    implicit none
    private
-   public :: stations_type, new_stations
+   public :: stations_type, patch_type, new_stations
+
+   !> A load along a beam that acts as one force
+   type :: patch_type
+      !> Coordinates along the beam [length] and parts of the force there, whose sum is one; not allocated of a force at a place
+      real(wp), allocatable :: at(:), part(:)
+   end type patch_type
 
    !> The constants of one beam
    type :: stations_type
@@ -30,6 +36,8 @@ module limber_flex_stations
       real(wp), allocatable :: deflection(:, :), slope(:, :)
       !> Coordinates along the beam of the places [length]
       real(wp), allocatable :: place(:)
+      !> Of loads along the beam, whose mean places they are (places)
+      type(patch_type), allocatable :: patch(:)
       !> Axial force at each station for unit amplitudes (2 + axial + bending + places, count), eq. (157)
       real(wp), allocatable :: pull(:, :)
       !> Tension that the model itself has at each station for unit axial coordinates (axial, count), and of the model full the
@@ -60,7 +68,7 @@ module limber_flex_stations
 contains
 
    !> Makes the stations of a beam.
-   subroutine new_stations(beam, choice, field, body, place, jointed, clamped, held, stations, error)
+   subroutine new_stations(beam, choice, field, body, place, jointed, clamped, held, stations, error, patch)
       type(beam_type), intent(in) :: beam
       type(reduction_type), intent(in) :: choice
       type(field_type), intent(in) :: field
@@ -72,12 +80,16 @@ contains
       logical, intent(in) :: held
       type(stations_type), intent(out) :: stations
       type(error_type), allocatable, intent(out) :: error
+      !> Loads along the beam among these places; without them there are none
+      type(patch_type), intent(in), optional :: patch(:)
       stations%bending = body%bending
       stations%axial = body%n - body%bending
       stations%places = size(place)
       stations%elements = choice%geometric_elements
       stations%linear = choice%linear
       allocate (stations%place, source=place)
+      allocate (stations%patch(size(place)))
+      if (present(patch)) stations%patch = patch
       allocate (stations%stretch(stations%axial))
       stations%stretch = field%u(beam%elements, :) - field%u(0, :)
       if (held .or. (choice%support%u_start .and. choice%support%u_end)) &
@@ -180,7 +192,13 @@ contains
             call add(e, -beam%rho_a*(part - beyond))
          end if
          do p = 1, stations%places
-            if (stations%place(p) > stations%x(s)) stations%pull(2 + stations%axial + stations%bending + p, s) = 1.0_wp
+            associate (pull => stations%pull(2 + stations%axial + stations%bending + p, s), patch => stations%patch(p))
+               if (allocated(patch%at)) then
+                  pull = sum(patch%part, mask=patch%at > stations%x(s))
+               else if (stations%place(p) > stations%x(s)) then
+                  pull = 1.0_wp
+               end if
+            end associate
          end do
       end do
 
@@ -297,7 +315,7 @@ contains
       type(frame_type) :: frame
       type(solver_type) :: solver
       real(wp), allocatable :: shape(:, :, :), load(:, :, :), u(:, :)
-      integer :: i, j, n
+      integer :: i, j, k, n
       n = 2 + 2*stations%places
       allocate (stations%left_out(n, n))
       stations%left_out = 0.0_wp
@@ -310,7 +328,15 @@ contains
       load(2, :, 2) = frame%mass(2, :)*frame%place(1, :)
       load(3, :, 2) = frame%mass(3, :)
       do i = 1, stations%places
-         call put_load(frame, stations%place(i), load(:, :, 1 + 2*i), load(:, :, 2 + 2*i))
+         associate (patch => stations%patch(i))
+            if (allocated(patch%at)) then
+               do k = 1, size(patch%at)
+                  call put_load(frame, patch%at(k), patch%part(k), load(:, :, 1 + 2*i), load(:, :, 2 + 2*i))
+               end do
+            else
+               call put_load(frame, stations%place(i), 1.0_wp, load(:, :, 1 + 2*i), load(:, :, 2 + 2*i))
+            end if
+         end associate
       end do
       where (spread(.not. frame%free, 3, n)) load = 0.0_wp
       do j = 1, n
@@ -324,20 +350,20 @@ contains
       end do
    end subroutine find_left_out
 
-   !> Unit force across and unit couple at a place of the beam on the nodes of its element.
-   pure subroutine put_load(frame, place, force, couple)
+   !> A part of a unit force across and of a unit couple at a place of the beam on the nodes of its element.
+   pure subroutine put_load(frame, place, part, force, couple)
       type(frame_type), intent(in) :: frame
-      real(wp), intent(in) :: place
+      real(wp), intent(in) :: place, part
       !> (3, nodes)
       real(wp), intent(inout) :: force(:, :), couple(:, :)
       real(wp) :: own(4), x
       integer :: e
       e = min(size(frame%from), max(1, count(frame%from <= place)))
       x = min(place - frame%from(e), frame%length(e))
-      own = bending_shape(x, frame%length(e))
+      own = part*bending_shape(x, frame%length(e))
       force(2:3, frame%ends(1, e)) = force(2:3, frame%ends(1, e)) + own(1:2)
       force(2:3, frame%ends(2, e)) = force(2:3, frame%ends(2, e)) + own(3:4)
-      own = bending_slope(x, frame%length(e))
+      own = part*bending_slope(x, frame%length(e))
       couple(2:3, frame%ends(1, e)) = couple(2:3, frame%ends(1, e)) + own(1:2)
       couple(2:3, frame%ends(2, e)) = couple(2:3, frame%ends(2, e)) + own(3:4)
    end subroutine put_load

@@ -15,7 +15,7 @@ module pardons
    !> vibrations first of all
    real(wp), parameter :: of_vibrations = 10.0_wp
    !> Warnings that begin at a part of something: what stands before the number and behind it, and the part at which they begin
-   character(*), parameter :: energy_words = 'energy balance is off by ', ringing_words = 'there may err by ', &
+   character(*), parameter :: energy_words = 'energy balance is off by ', ringing_words = ' may err by about ', &
       & slip_words = 'they are off by ', phase_words = 'the motion is ', price_words = 'longer shows: up to '
    character(*), parameter :: kept_words = 'keeps up a vibration'
    !> A warning that begins below a part of something

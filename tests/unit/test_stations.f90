@@ -6,7 +6,7 @@ program test_stations
    use limber_flex_mesh, only: beam_type, field_type, new_support
    use limber_flex_reduced, only: reduced_type
    use limber_flex_reduction, only: reduction_type, reduce_beam, fidelity_kg
-   use limber_flex_stations, only: stations_type, new_stations
+   use limber_flex_stations, only: stations_type, patch_type, new_stations
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -14,18 +14,21 @@ program test_stations
    call test_euler()
    call test_rotation()
    call test_left_out()
+   call test_spread()
    call test_lumping()
    call finish()
 
 contains
 
    !> A beam of unit length, mass and bending rigidity with joints or loads at both ends.
-   subroutine make(support, elements, modes, jointed, stations, omega2)
+   subroutine make(support, elements, modes, jointed, stations, omega2, uniform)
       character(*), intent(in) :: support
       integer, intent(in) :: elements, modes
       logical, intent(in) :: jointed(2)
       type(stations_type), intent(out) :: stations
       real(wp), allocatable, intent(out) :: omega2(:)
+      !> A third place, of a uniform load along the beam; without it there is none
+      type(patch_type), intent(in), optional :: uniform
       type(beam_type) :: beam
       type(reduction_type) :: choice
       type(field_type) :: field
@@ -44,7 +47,12 @@ contains
       choice%static_axial = .true.
       call reduce_beam(beam, choice, body, field, error)
       call check_no_error(error, support)
-      call new_stations(beam, choice, field, body, [0.0_wp, 1.0_wp], jointed, [.false., .false.], .false., stations, error)
+      if (present(uniform)) then
+         call new_stations(beam, choice, field, body, [0.0_wp, 1.0_wp, 0.5_wp], [jointed, .false.], [.false., .false., .false.], &
+            & .false., stations, error, [patch_type(), patch_type(), uniform])
+      else
+         call new_stations(beam, choice, field, body, [0.0_wp, 1.0_wp], jointed, [.false., .false.], .false., stations, error)
+      end if
       call check_no_error(error, support//': stations')
       allocate (omega2, source=body%omega2(:body%bending))
    end subroutine make
@@ -101,6 +109,23 @@ contains
       call check_close(maxval(abs(stations%left_out(3:4, :))), 0.0_wp, 1.0e-12_wp, 'at the clamp')
       call check_close(maxval(abs(stations%left_out - transpose(stations%left_out))), 0.0_wp, 1.0e-12_wp, 'symmetric')
    end subroutine test_left_out
+
+   !> A uniform load acts all along: N = p (1 - x) of it along the beam, and across q^2/20 less q^2 (0.782992/omega)^2 of the first
+   !> mode. At its mean place it was N = p and ten times as much that one mode leaves out.
+   subroutine test_spread()
+      integer, parameter :: parts = 400
+      type(stations_type) :: stations
+      type(patch_type) :: uniform
+      real(wp), allocatable :: omega2(:)
+      integer :: i
+      allocate (uniform%at(parts), uniform%part(parts))
+      uniform%at(:) = [((i - 0.5_wp)/parts, i=1, parts)]
+      uniform%part = 1.0_wp/parts
+      call make('CLAMPED-FREE', 128, 1, [.true., .false.], stations, omega2, uniform)
+      i = size(stations%pull, 1)
+      call check_close(maxval(abs(stations%pull(i, :) - (1 - stations%x))), 0.0_wp, 1.0_wp/parts, 'load along the beam')
+      call check_close(stations%left_out(7, 7), 0.05_wp - 0.782992_wp**2/12.3623633683_wp, 1.0e-5_wp, 'load across the beam')
+   end subroutine test_spread
 
    !> Frequencies of lumped masses in closed form between pins, of a cantilever from tables.
    subroutine test_lumping()

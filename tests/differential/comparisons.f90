@@ -39,8 +39,8 @@ module comparisons
       real(wp), allocatable :: own(:), of_group(:)
       !> The same of the envelope
       real(wp) :: envelope(3) = 0.0_wp
-      !> Whether nothing moves
-      logical :: stands = .false.
+      !> Whether nothing moves; whether that is so or nothing is loaded that vibrates: forces and accelerations are round-off then
+      logical :: stands = .false., idle = .false.
    end type scales_type
 
    !> What came out
@@ -90,6 +90,8 @@ contains
       scales%stands = draft%timeless .or. max(largest(speeds), largest(spins)) < still
       if (scales%stands) lowest(resting) = of_rest
       if (scales%stands .and. draft%elastic) lowest(accelerations) = resting_acceleration
+      scales%idle = scales%stands .or. (draft%elastic .and. largest(accelerations) < lowest(accelerations) .and. &
+         & largest(forces) < lowest(forces) .and. largest(moments) < lowest(moments))
       ! Deflections at rest are known to their own scale, and energies to the work of the forces along it
       if (scales%stands) lowest(energies) = max(lowest(energies), largest(forces)*of_rest(3))
       answers = changed%status == 0 .and. all(shape(changed%values) == shape(reference%values))

@@ -65,11 +65,11 @@ contains
       part = multiple*part
    end function by_line
 
-   !> Warnings without those that are so near the part at which they begin that another view may not have them; and of a scene at
-   !> rest without those of vibrations that round-off sets off, in one view or another.
-   pure function without_near_ones(warnings, stands) result(left)
+   !> Warnings without those that are so near the part at which they begin that another view may not have them; and of a scene that
+   !> is at rest, or not loaded, without those of vibrations that round-off sets off, in one view or another.
+   pure function without_near_ones(warnings, idle) result(left)
       character(*), intent(in) :: warnings
-      logical, intent(in) :: stands
+      logical, intent(in) :: idle
       character(:), allocatable :: left
       integer :: first, last
       left = ''
@@ -81,7 +81,7 @@ contains
                & ringing_begins) .or. is_near(line, slip_words, 0.01_wp, slip_begins) .or. is_near(line, ' by about ', 1.0_wp, &
                & phase_begins) .or. is_near(line, price_words, 1.0_wp, price_begins) .or. &
                & (index(line, grip_words) > 0 .and. 0.01_wp*number_behind(line, grip_words) > grip_begins/near) .or. &
-               & (stands .and. index(line, kept_words) > 0))) left = left//line//newline
+               & (idle .and. index(line, kept_words) > 0))) left = left//line//newline
          end associate
          first = last + 2
       end do

@@ -156,15 +156,15 @@ contains
          type(trial_type) :: moved
          type(view_type) :: view
          integer :: sign
-         more = missing_line(scales%stands, other, base)
-         fewer = missing_line(scales%stands, base, other)
+         more = missing_line(scales%idle, other, base)
+         fewer = missing_line(scales%idle, base, other)
          if (more == '' .and. fewer == '') return
          do sign = -1, 1, 2
             view = plan%base
             view%change = sign*large_change
             call run_view(draft, view, moved)
-            if (more /= '' .and. missing_line(scales%stands, other, moved) == '') return
-            if (fewer /= '' .and. missing_line(scales%stands, moved, other) == '') return
+            if (more /= '' .and. missing_line(scales%idle, other, moved) == '') return
+            if (fewer /= '' .and. missing_line(scales%idle, moved, other) == '') return
          end do
          if (more /= '') call disagree('warnings', name, 'more: '//more)
          if (more == '') call disagree('warnings', name, 'fewer: '//fewer)
@@ -200,13 +200,13 @@ contains
    end function first_words
 
    !> The first kind of warning that a run has, plainly, not near its threshold, and another one not at all; empty if there is none.
-   function missing_line(stands, run, other) result(line)
-      !> Whether nothing moves
-      logical, intent(in) :: stands
+   function missing_line(idle, run, other) result(line)
+      !> Whether nothing moves, or nothing is loaded
+      logical, intent(in) :: idle
       type(trial_type), intent(in) :: run, other
       character(:), allocatable :: line, kinds, others
       integer :: first, last
-      kinds = kinds_of_warnings(without_near_ones(run%plain_warnings, stands))
+      kinds = kinds_of_warnings(without_near_ones(run%plain_warnings, idle))
       others = kinds_of_warnings(other%warnings)
       line = ''
       first = 2

@@ -16,6 +16,7 @@ module limber_analysis_static_aside
    use limber_model_scene, only: model_type
    use limber_model_segments, only: name_in_deck
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
+   use limber_system_dynamics, only: mechanical_energy
    use limber_system_equilibrium, only: linearise_balance
    use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_kinematics, only: place_frames, move_frames
@@ -52,8 +53,10 @@ module limber_analysis_static_aside
       real(wp), allocatable :: assembled(:)
       !> Strain energy that is missed at the sample with the largest differences (bodies)
       real(wp), allocatable :: missed(:)
-      !> Whether anything is compared
-      logical :: used = .false.
+      !> Whether anything is compared; of a motion that drivers give whether that has begun, and its energy then: what it has more is
+      !> their work
+      logical :: used = .false., begun = .false.
+      real(wp) :: first_energy = 0.0_wp
    end type static_aside_type
 
    !> A sample of the scene: time, coordinates (nq) and multipliers (nc) of an equilibrium, angles of frames (bodies) [rad],
@@ -130,6 +133,7 @@ contains
          ! Places and angles without deflections, in the present frames and in those of the assembly
          call take_channels(self, sample, self%assembled, first)
          call take_channels(self, sample, straight_place(new%system, new%q), straight)
+         if (sample%driven) call take_work(self, sample, new%q)
          call take_channels(self, sample, new%q, self%last)
          off = abs(self%last - sample%values(:size(off)))
          self%force = max(self%force, largest_force(new%system, new%work))
@@ -168,11 +172,27 @@ contains
          call update_jacobians(system, work)
          work%lambda = lambda
          self%recorder%turns%angle = sample%angle
-         self%recorder%work = 0.0_wp
          call channel_values(self%recorder, system, work, sample%t, q, self%v, self%a, room)
       end associate
       channel = room(:size(channel))
    end subroutine take_channels
+
+   !> The work of drivers, as *INVERSE DYNAMICS finds it.
+   subroutine take_work(self, sample, q)
+      type(static_aside_type), intent(inout) :: self
+      type(sample_type), intent(in) :: sample
+      !> (nq of the scene aside)
+      real(wp), contiguous, intent(in) :: q(:)
+      real(wp) :: kinetic, potential
+      associate (system => self%aside%scene%system, work => self%aside%scene%work)
+         call place_frames(system%model, system%layout, sample%t, q, work%kinematics)
+         call move_frames(system%model, system%layout, q, self%v, work%kinematics)
+         call mechanical_energy(system, work, q, self%v, kinetic, potential)
+      end associate
+      if (.not. self%begun) self%first_energy = kinetic + potential
+      self%begun = .true.
+      self%recorder%work = kinetic + potential - self%first_energy
+   end subroutine take_work
 
    !> A place without deflections.
    pure function straight_place(system, q) result(place)

@@ -26,6 +26,7 @@ program test_driven_beams
    call check_chord()
    call check_watch()
    call check_columns()
+   call check_work()
    call finish()
 
 contains
@@ -58,6 +59,15 @@ contains
       call check_close(y(size(y)), truth, tolerance*abs(truth), name//', *STATICS')
       call check(index(report, 'warning') == 0, name//': '//report)
    end subroutine check_place
+
+   !> A beam with modes that is turned up: the driver lifts its weight by sin(1)/2, and nothing is told of that work.
+   subroutine check_work()
+      real(wp), allocatable :: y(:)
+      call run_bar('SUPPORT=CLAMPED-FREE, GEOMETRIC=K_G, BENDING MODES=4, AXIAL MODES=1', pin//'*DRIVER, NAME=hold, TYPE=ANGLE,'// &
+         & ' BODY=bar'//nl//' t'//nl//weight//'*INVERSE DYNAMICS, END=1, OUTPUTS=10'//nl, 'value = work(system)', y)
+      call check_close(y(size(y)), 0.5_wp*q*sin(1.0_wp), 5.0e-3_wp*q, 'work of the driver')
+      call check(index(report, 'warning') == 0, 'nothing is wrong with the work: '//report)
+   end subroutine check_work
 
    !> The first two frequencies of a cantilever.
    subroutine check_frequency()

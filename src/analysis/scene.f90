@@ -22,14 +22,16 @@ module limber_analysis_scene
    use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_rank, only: assembly_type
    use limber_system_drivers, only: driven_angle_type
-   use limber_system_redundancy, only: group_names, constraint_names
+   use limber_system_redundancy, only: redundancy_type, find_redundancy, group_names, constraint_names
    use limber_system_relaxation, only: balance_start
    use limber_system_softening, only: soften_constraints
    use limber_system_algebra, only: cross
    use limber_system_point_motion, only: point_position
    use limber_system_massless, only: find_massless
    use limber_system_modal_damping, only: any_modal, find_damping, damped_modes_type
-   use limber_system_kinematics, only: angle_type
+   use limber_system_kinematics, only: angle_type, place_frames
+   use limber_system_multiplier, only: update_jacobians
+   use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill
    use limber_system_supports, only: find_supports
    use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
    implicit none
@@ -262,13 +264,17 @@ contains
       type(diagnostics_type), intent(inout) :: diagnostics
       type(held_type) :: held
       real(wp), allocatable :: q(:), v(:), a(:)
+      character(:), allocatable :: names, why
       logical :: done
       allocate (q, source=scene%q)
       allocate (v, source=scene%v)
       allocate (a, source=scene%v)
       associate (start => scene%system%model%dynamics%start)
          call new_held(scene%system, held)
-         call balance_start(scene%system, scene%work, held, start, q, v, done)
+         ! Where deflections alone give way to joints, those of held deflections have no grip: what is found is found by chance
+         call find_unheld(scene, start, names)
+         done = .false.
+         if (names == '') call balance_start(scene%system, scene%work, held, start, q, v, done)
          ! Where no frame is free all are in equilibrium together
          if (.not. done .and. scene%system%nc >= sum(scene%system%layout%rates)) then
             q = scene%q
@@ -276,13 +282,35 @@ contains
          end if
       end associate
       if (.not. done) then
+         why = 'the motion is too fast for them to follow; use ZERO or GIVEN'
+         if (names /= '') why = names//' ask more of the bodies than these can do without deflections, as a rod along a beam'// &
+            & ' does; use ZERO or GIVEN'
          call diagnostics%add(scene%deck%blocks(scene%deck%find('ASSEMBLY'))%origin_of('INITIAL DEFLECTIONS'), &
-            & 'no equilibrium of the deflections is found', 'the motion is too fast for them to follow; use ZERO or GIVEN')
+            & 'no equilibrium of the deflections is found', why)
          return
       end if
       scene%q = q
       scene%v = v
    end subroutine settle_deflections
+
+   !> Names of constraints that are not independent of one another as long as deflections are held; empty if there are none.
+   subroutine find_unheld(scene, t, names)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: t
+      character(:), allocatable, intent(out) :: names
+      type(constraint_matrix_type) :: frames
+      type(redundancy_type) :: found
+      names = ''
+      associate (system => scene%system, work => scene%work)
+         if (system%nc == 0) return
+         call place_frames(system%model, system%layout, t, scene%q, work%kinematics)
+         call update_jacobians(system, work)
+         call new_constraint_matrix(system, .false., frames)
+         call fill(system, work, frames)
+         call find_redundancy(system, frames, found)
+         if (found%count > scene%assembly%equations - scene%assembly%rank) names = constraint_names(system, found%group > 0)
+      end associate
+   end subroutine find_unheld
 
    !> Where a joint or driver stands in the deck.
    pure function place_of(scene, constraint) result(origin)

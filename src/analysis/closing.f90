@@ -37,15 +37,17 @@ contains
    !> A warning if energy has come or gone from nowhere: the one check that every run has. Empty if all is well.
    pure function energy_warning(outcome) result(text)
       type(outcome_type), intent(in) :: outcome
-      character(:), allocatable :: text
+      character(:), allocatable :: text, cause
       real(wp) :: scale
       text = ''
       scale = energy_scale(outcome)
       if (outcome%imbalance <= allowed_imbalance*scale) return
+      cause = ''
+      if (outcome%shows_work) cause = ', or the errors of a work that goes to and fro add up'
       text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)// &
          & ' % of '//trim(merge('the largest energy  ', 'the energy exchanged', scale <= outcome%largest_energy))// &
-         & ': the integrator has damped or fed vibrations that the tolerance does not resolve;'// &
-         & ' compare with a run at a tenth of TOLERANCE'//newline
+         & ': the integrator has damped or fed vibrations that the tolerance does not resolve'//cause//'; compare with a run'// &
+         & ' at a tenth of TOLERANCE'//newline
    end function energy_warning
 
    !> Time, steps, residuals, energy balance, where the file is.

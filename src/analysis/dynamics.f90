@@ -98,6 +98,7 @@ contains
          if (allocated(scene%followed)) deallocate (scene%followed)
          if (allocated(scene%work%kinematics%angles)) allocate (scene%followed, source=scene%work%kinematics%angles)
          integrator%input%asked = recorder%needs_work
+         outcome%shows_work = recorder%needs_work
          integrator%speeds_asked = recorder%needs_velocities
          if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)
          outcome%reached = dynamics%start
@@ -551,7 +552,9 @@ contains
       other%input%asked = integrator%input%asked
       other%speeds_asked = integrator%speeds_asked
       other%ringing = integrator%ringing
+      other%input%passing = integrator%input%passing
       other%input%throughput = integrator%input%throughput
+      other%input%largest = integrator%input%largest
       call other%start(scene%system, scene%work, t, dynamics%end - dynamics%start, sample%q, sample%v, error)
       call move_alloc(other, integrator)
    end subroutine replace_integrator

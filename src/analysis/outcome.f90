@@ -35,10 +35,12 @@ module limber_analysis_outcome
       real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
       !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
       real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
-      !> Net work of each driver, load and body since the balance was off, eq. (T1), the time up to which it is summed up, and the
-      !> energy that counts as none: round-off, and a motion of almost nothing
+      !> Net work of each driver, load and body since the balance was off, eq. (T1), the work put in before, the time up to which it
+      !> is summed up, and the energy that counts as none: round-off, and a motion of almost nothing
       real(wp), allocatable :: net_work(:)
-      real(wp) :: summed = 0.0_wp, no_energy = 0.0_wp
+      !> Whether a channel has the work put in
+      logical :: shows_work = .false.
+      real(wp) :: work_before = 0.0_wp, summed = 0.0_wp, no_energy = 0.0_wp
       !> Time by which the motion is ahead for the energy that it has too much, eq. (L6)
       real(wp) :: ahead = 0.0_wp
       !> Angle by which each body has turned, from its spin at the samples (bodies) [rad]
@@ -78,6 +80,7 @@ contains
       call snapshot%exchange('imbalance', self%imbalance)
       call snapshot%exchange('largest_energy', self%largest_energy)
       call snapshot%keep('net_work', self%net_work)
+      call snapshot%exchange('work_before', self%work_before)
       call snapshot%exchange('summed', self%summed)
       call snapshot%exchange('ahead', self%ahead)
       call snapshot%keep('turned', self%turned)
@@ -90,8 +93,13 @@ contains
    !> what counts as none.
    pure real(wp) function energy_scale(outcome) result(scale)
       type(outcome_type), intent(in) :: outcome
+      real(wp) :: missed
       scale = max(outcome%largest_energy, outcome%no_energy)
-      if (allocated(outcome%net_work)) scale = max(scale, 0.5_wp*sum(abs(outcome%net_work)))
+      if (.not. allocated(outcome%net_work)) return
+      ! What samples miss of powers that change faster does not count where the work matters
+      missed = 0.0_wp
+      if (outcome%shows_work) missed = abs(sum(outcome%net_work) - (outcome%work - outcome%work_before))
+      scale = max(scale, 0.5_wp*sum(abs(outcome%net_work)) - missed)
    end function energy_scale
 
    !> All warnings of a run, those of vibrations that are not followed among them.

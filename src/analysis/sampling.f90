@@ -269,6 +269,7 @@ contains
       call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
       if (outcome%samples == 0) outcome%first_energy = kinetic + potential
       outcome%last_energy = kinetic + potential
+      if (.not. allocated(outcome%net_work)) outcome%work_before = outcome%work
       outcome%work = sample%w
       outcome%imbalance = max(outcome%imbalance, abs(kinetic + potential - outcome%first_energy - sample%w))
       outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))

@@ -18,6 +18,7 @@ module limber_analysis_statics
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_static_aside, only: static_aside_type, sample_type, start_static_aside, compare_sample, static_warning
    use limber_analysis_skipped, only: bent_law
+   use limber_analysis_watch, only: find_weak
    use limber_model_analyses, only: title
    use limber_model_scene, only: step_type, leave_unstable, stop_unstable
    use limber_output_channels, only: new_recorder, channel_values, sample_width
@@ -299,7 +300,13 @@ contains
          & step%instability == leave_unstable, statics%trial, statics%trial_lambda, done)
       call history%check_limit(time_of(step, statics%part), error)
       if (allocated(error)) return
-      if (.not. done) then
+      if (.not. done) text = open_text(scene, step, statics)
+      if (.not. done .and. text /= '') then
+         call raise(error, 'no position near the last one satisfies the constraints behind t = '// &
+            & as_text(time_of(step, statics%part), 8)//': '//text//'; the mechanism is at a dead centre or at the end of its'// &
+            & ' reach there, or a driver jumps'//break_text(statics%paths, scene%system))
+         return
+      else if (.not. done) then
          text = motion_text(scene%system, statics%balance%softest)
          call explain(scene, step, statics, outcome, law_text(scene, step, statics, 'is something missing that holds it?'), &
             & reason)
@@ -326,6 +333,20 @@ contains
       call accept(scene, statics, goal)
       if (statics%stopped .and. takes_time) call sample(scene, step, statics, history, outcome, error)
    end subroutine pass_instability
+
+   !> Which constraint could not be closed, or which lose their grip at the present state; empty if none does.
+   function open_text(scene, step, statics) result(text)
+      type(scene_type), intent(inout) :: scene
+      type(step_type), intent(in) :: step
+      type(statics_type), intent(in) :: statics
+      character(:), allocatable :: text
+      if (statics%balance%open > 0) then
+         text = scene%system%constraints(statics%balance%open)%item%label//' stays open by '//as_text(statics%balance%gap, 3)
+      else
+         call find_weak(scene%system, scene%work, time_of(step, statics%part), statics%q, text)
+         if (text /= '') text = text//' lose their grip on the motion'
+      end if
+   end function open_text
 
    !> Warns where exact beams buckle too late.
    subroutine check_load(scene, step, statics, motion, outcome)

@@ -304,7 +304,7 @@ contains
       else
          call update_scales(system, self%q, self%v, self%scales, raised)
       end if
-      if (self%input%asked .and. system%powered) self%input%throughput = self%input%throughput + self%h_last*abs(self%yp(self%ny))
+      if (self%input%asked .and. system%powered) call self%input%note_passing(self%h_last*abs(self%yp(self%ny)), self%y(self%ny))
       if (raised .or. self%input%asked) call keep_scales(self, system)
    end subroutine adams_step
 

@@ -13,6 +13,9 @@ module limber_integrator_work
    real(wp), parameter :: for_balance = 1.0e-4_wp
    !> Part of an energy of the motion below which the scale of the work does not go
    real(wp), parameter :: floor_asked = 1.0e-3_wp
+   !> How often the largest work may have gone through, to and fro, before errors that add up count more; part of the work of a
+   !> step that is as good as round-off
+   real(wp), parameter :: few = 10.0_wp, round_off = 1.0e-2_wp
    !> An error that a shorter step leaves above this part of itself is no error of the step
    real(wp), parameter :: stubborn = 0.5_wp
 
@@ -28,14 +31,14 @@ module limber_integrator_work
       real(wp) :: shape(4) = 0.0_wp, new_shape(4) = 0.0_wp
       !> Of the work that laws do what the forces of the steps have not done: energy that the scheme feeds, or takes
       real(wp) :: missed = 0.0_wp, new_missed = 0.0_wp
-      !> Integral of the size of the power
-      real(wp) :: throughput = 0.0_wp
+      !> Integral of the size of the power, of the last step and of all; largest size of the work
+      real(wp) :: passing = 0.0_wp, throughput = 0.0_wp, largest = 0.0_wp
       !> Error of the attempt before that was refused for its work; 0: none was
       real(wp) :: refused = 0.0_wp
    contains
       procedure :: begin => begin_work
       procedure :: exchange => exchange_work
-      procedure :: try_stages, try_ends, try_cubic, try_known, is_within, is_rough, allowed, scale_of, accept, within
+      procedure :: try_stages, try_ends, try_cubic, try_known, is_within, is_rough, allowed, scale_of, note_passing, accept, within
    end type work_type
 
 contains
@@ -114,14 +117,26 @@ contains
       self%new_missed = missed
    end subroutine try_known
 
-   !> Scale of the work: what has gone through so far, this step included; below it a part of the energy of the motion, or all of
-   !> it where nobody asks.
+   !> Scale of the work, eq. (W8): what has gone through so far, this step included, or less where it goes to and fro and its errors
+   !> add up; below it a part of the energy of the motion, or all of it where nobody asks.
    pure real(wp) function scale_of(self, energy, step)
       class(work_type), intent(in) :: self
       !> Energy of the motion; what goes through in the step
       real(wp), intent(in) :: energy, step
-      scale_of = max(self%throughput + step, merge(floor_asked, 1.0_wp, self%asked)*energy, tiny(energy))
+      scale_of = self%throughput + step
+      if (self%asked) scale_of = max(min(scale_of, (few*(self%largest + step))**2/max(scale_of, tiny(step))), &
+         & round_off*max(step, self%passing))
+      scale_of = max(scale_of, merge(floor_asked, 1.0_wp, self%asked)*energy, tiny(energy))
    end function scale_of
+
+   !> Notes what has gone through in a step, and the work after it.
+   pure subroutine note_passing(self, passing, done)
+      class(work_type), intent(inout) :: self
+      real(wp), intent(in) :: passing, done
+      self%passing = passing
+      self%throughput = self%throughput + passing
+      self%largest = max(self%largest, abs(done))
+   end subroutine note_passing
 
    !> The tolerance of the work.
    pure real(wp) function allowed(self, tolerance)
@@ -155,11 +170,11 @@ contains
       class(work_type), intent(inout) :: self
       !> Length; power at the end
       real(wp), intent(in) :: h, power
-      self%throughput = self%throughput + 0.5_wp*h*(abs(self%power) + abs(power))
       self%shape = self%new_shape
       self%missed = self%missed + self%new_missed
       self%before = self%done
       self%done = self%before + sum(self%shape)
+      call self%note_passing(0.5_wp*h*(abs(self%power) + abs(power)), self%done)
       self%power_before = self%power
       self%power = power
       self%length = h
@@ -184,7 +199,9 @@ contains
       call snapshot%exchange('work_length', self%length)
       call snapshot%exchange('work_shape', self%shape)
       call snapshot%exchange('missed', self%missed)
+      call snapshot%exchange('passing', self%passing)
       call snapshot%exchange('throughput', self%throughput)
+      call snapshot%exchange('largest_work', self%largest)
       call snapshot%exchange('refused', self%refused)
    end subroutine exchange_work
 

@@ -5,7 +5,7 @@ module limber_system_equilibrium
    use limber_base_kinds, only: wp
    use limber_base_signals, only: signal_came
    use limber_system_algebra, only: turn
-   use limber_system_dynamics, only: position_residual
+   use limber_system_dynamics, only: position_residual, worst_constraint
    use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness, has_potential, rate_scales
    use limber_system_kinematics, only: move_frames
    use limber_system_layout, only: advance
@@ -43,6 +43,9 @@ module limber_system_equilibrium
       !> Whether `descend` has left an unstable equilibrium on its way, and the motion in which it was unstable (nw)
       logical :: has_left = .false.
       real(wp), allocatable :: left(:)
+      !> Constraint that `descend` could not close, 0 if it could, and how far it was open [length, or 1 for angles]
+      integer :: open = 0
+      real(wp) :: gap = 0.0_wp
       !> Largest of the forces of constraints and loads in the scaled rates [energy]
       real(wp) :: forces = 0.0_wp
       !> Velocities and accelerations of the coordinates (nq); the latter in the layout of the rates too (nw)
@@ -384,30 +387,36 @@ contains
       !> Whether a stable equilibrium was found, or a neutral one; or an unstable one that is not to be left. Never once a signal
       !> asks for the end
       logical, intent(out) :: done
-      integer, parameter :: most = 1000
-      !> Part of a radian, or of the scene
-      real(wp), parameter :: push = 1.0e-2_wp
+      !> Rounds; those without progress in which constraints may stay open, and trials of springs in each round
+      integer, parameter :: most = 1000, most_open = 100, most_springs = 200
+      !> Part of a radian, or of the scene; residual of constraints that are closed
+      real(wp), parameter :: push = 1.0e-2_wp, closed = 1.0e-6_wp
       real(wp), allocatable :: found(:), found_lambda(:)
-      real(wp) :: spring, size_of
-      integer :: round
+      real(wp) :: spring, size_of, gap, least_gap
+      integer :: round, trial, closing
       allocate (found, source=q)
       allocate (found_lambda, source=lambda)
       done = .false.
       balance%has_left = .false.
+      balance%open = 0
+      closing = 0
+      least_gap = huge(least_gap)
       spring = 0.0_wp
       do round = 1, most
          call linearise_balance(system, work, balance, t, q, lambda)
+         if (stays_open()) exit
          call judge_stiffness(system, work, balance, lambda)
          if (balance%lowest < 0.0_wp) spring = max(spring, -2*balance%lowest)
          if (.not. spring > 0.0_wp) spring = max(1.0e-3_wp*balance%largest, balance%forces)
          if (.not. spring > 0.0_wp) spring = 1.0_wp
-         do
+         do trial = 1, most_springs
             if (signal_came()) return
             call solve_step(system, work, balance, spring, size_of)
             if (size_of <= most_change) exit
             spring = 3*spring
-            if (spring > 1.0e30_wp*max(balance%largest, balance%forces, 1.0_wp)) return
+            if (spring > 1.0e30_wp*max(balance%largest, balance%forces, 1.0_wp)) exit
          end do
+         if (size_of > most_change) exit
          call take_step(system, balance, 1.0_wp, q, lambda)
          if (size_of <= aim .and. settled(balance%solution(system%layout%nw + 1:), lambda)) then
             ! At rest where nothing holds it, or on top of a hill, which it leaves by a small push
@@ -435,6 +444,20 @@ contains
          lambda = found_lambda
          return
       end do
+      if (gap > closed) call worst_constraint(system, work, balance%open, balance%gap)
+
+   contains
+
+      !> Whether constraints have been open for long, and do not close: no place satisfies them.
+      logical function stays_open()
+         real(wp), parameter :: progress = 0.9_wp
+         gap = 0.0_wp
+         if (system%nc > 0) gap = position_residual(system, work)
+         if (gap <= max(closed, progress*least_gap)) closing = round
+         least_gap = min(least_gap, gap)
+         stays_open = round - closing >= most_open
+      end function stays_open
+
    end subroutine descend
 
    !> Whether multipliers have stopped changing.

@@ -9,13 +9,12 @@ module limber_analysis_fresh_start
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_analysis_sampling, only: sample_type
    use limber_analysis_scene, only: scene_type
+   use limber_analysis_speed_jumps, only: demanded_jumps
    use limber_analysis_watch, only: largest_speed
    use limber_integrator_integrator, only: integrator_type
-   use limber_system_dynamics, only: linearise, velocity_residual, mechanical_energy, worst_constraint
-   use limber_system_kinematics, only: place_frames
-   use limber_system_multiplier, only: update_jacobians
+   use limber_system_dynamics, only: linearise, mechanical_energy, worst_constraint
    use limber_system_projection, only: settle
-   use limber_system_system, only: system_type, workspace_type
+   use limber_system_redundancy, only: constraint_names
    implicit none
    private
    public :: pass_break
@@ -43,8 +42,9 @@ contains
       !> Part of a step before its end at which a load has not jumped yet
       real(wp), parameter :: aside = 1.0e-4_wp
       real(wp) :: residual, energy(2), before, earlier
+      real(wp) :: demanded(size(scene%system%constraints))
       integer :: culprit
-      logical :: demanded, watched
+      logical :: watched
       associate (system => scene%system, work => scene%work)
          watched = size(outcome%indicators%functions%beams) > 0
          if (watched .and. jumps) then
@@ -57,7 +57,7 @@ contains
          end if
          call integrator%interpolate(last, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, last, sample%q, sample%v)
-         demanded = demanded_jump(system, work, t, sample%q)
+         call demanded_jumps(system, work, t, sample%q, demanded)
          call linearise(system, work, t, sample%q, error)
          if (allocated(error)) return
          if (system%nc > 0) then
@@ -75,8 +75,9 @@ contains
          if (allocated(error)) return
          call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
          if (largest_speed(system, sample%v - sample%change) > impact*max(fastest, largest_speed(system, sample%v)) .and. &
-            & demanded) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for a driver changes'// &
-            & ' its speed abruptly there; the energy changes by '//as_text(sum(energy) - before, 3))
+            & any(demanded > 0.0_wp)) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for '// &
+            & constraint_names(system, demanded > 0.0_wp)//' changes speed abruptly there; the energy changes by '// &
+            & as_text(sum(energy) - before, 3))
          if (watched) call observe_state(scene, t, merge(behind_break, in_motion, jumps), sample, outcome)
          integrator%work_at_start = sample%w + sum(energy) - before
          associate (dynamics => system%model%dynamics)
@@ -84,33 +85,5 @@ contains
          end associate
       end associate
    end subroutine pass_break
-
-   !> Whether drivers ask for other velocities right after an instant than right before it.
-   logical function demanded_jump(system, work, t, q) result(jumps)
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      !> Time; coordinates (nq)
-      real(wp), intent(in) :: t, q(:)
-      real(wp), parameter :: little = 1.0e-7_wp
-      real(wp) :: before(system%nc), rest(size(q)), slow(system%nc), largest
-      integer :: i
-      jumps = .false.
-      if (system%nc == 0) return
-      rest = 0.0_wp
-      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
-      call update_jacobians(system, work)
-      largest = velocity_residual(system, work, rest)
-      before = work%gamma(:system%nc)
-      call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call update_jacobians(system, work)
-      largest = velocity_residual(system, work, rest)
-      ! A driver that turns back has no speed to compare with: then the scale of the constraint, once in the whole run
-      do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            slow(item%first:item%first + item%rows - 1) = item%scale/(system%model%dynamics%end - system%model%dynamics%start)
-         end associate
-      end do
-      jumps = any(abs(work%gamma(:system%nc) - before) > little*max(abs(before), abs(work%gamma(:system%nc)), slow))
-   end function demanded_jump
 
 end module limber_analysis_fresh_start

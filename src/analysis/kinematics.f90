@@ -11,6 +11,7 @@ module limber_analysis_kinematics
    use limber_analysis_outcome, only: outcome_type
    use limber_analysis_sampling, only: check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
+   use limber_analysis_speed_jumps, only: speed_jumps_type, new_speed_jumps, pass_speed_jumps, tell_speed_jumps
    use limber_analysis_static_aside, only: sample_type
    use limber_model_scene, only: step_type, step_inverse
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
@@ -34,6 +35,7 @@ module limber_analysis_kinematics
       !> What is told of deflections in equilibrium
       type(driven_watch_type) :: watch
       type(curve_path_type) :: paths
+      type(speed_jumps_type) :: jumps
       real(wp) :: t = 0.0_wp
       !> Coordinates, velocities, accelerations (nq); a trial place (nq); increments (nw); values of the channels
       real(wp), allocatable :: q(:), v(:), a(:), trial(:), change(:), values(:)
@@ -75,6 +77,7 @@ contains
          call progress%update(motion%t)
       end do
       if (step%static_deflections) call tell_driven(motion%watch, scene, step, outcome)
+      call tell_speed_jumps(motion%jumps, scene%system, outcome)
       scene%last%q = motion%q
       scene%last%v = motion%v
       scene%last%angle = motion%recorder%turns%angle
@@ -146,6 +149,7 @@ contains
       call follow_places(motion%recorder%turns, scene%system, scene%work%kinematics, motion%t, motion%q)
       call place_frames(scene%system%model, scene%system%layout, motion%t, motion%q, scene%work%kinematics)
       call new_paths(motion%paths, scene%system, scene%work%kinematics)
+      call new_speed_jumps(motion%jumps, scene%system)
    end subroutine start
 
    !> Moves on to a time in steps so small that the next position is sure to be on the same branch.
@@ -186,6 +190,8 @@ contains
             end do
             motion%t = merge(t, motion%t + h, t - motion%t - h < shortest)
             motion%q = motion%trial
+            call pass_speed_jumps(motion%jumps, system, work, motion%t, motion%q, error)
+            if (allocated(error)) return
             call place_frames(system%model, system%layout, motion%t, motion%q, work%kinematics)
             call settle_angles(work%kinematics, .false.)
             call follow_places(motion%recorder%turns, system, work%kinematics, motion%t, motion%q)

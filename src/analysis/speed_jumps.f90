@@ -1,0 +1,157 @@
+!> Instants at which drivers and couplers ask for other velocities than right before: an impact. Analyses without dynamics in time
+!> pass them with finite forces, which is told. Floor: analysis. Source: doc/theory, sections 8 and 23.
+module limber_analysis_speed_jumps
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type, raise
+   use limber_base_text, only: as_text
+   use limber_analysis_outcome, only: outcome_type, warn
+   use limber_model_breaks, only: find_breaks
+   use limber_system_dynamics, only: position_residual, velocity_residual
+   use limber_system_kinematics, only: place_frames
+   use limber_system_multiplier, only: update_jacobians
+   use limber_system_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: speed_jumps_type, new_speed_jumps, pass_speed_jumps, tell_speed_jumps, demanded_jumps
+
+   !> What is remembered
+   type :: speed_jumps_type
+      !> Instants at which laws of time change their formula, and how many of them are passed
+      real(wp), allocatable :: breaks(:)
+      integer :: passed = 0
+      !> Of each constraint the number of jumps, the time of the first, and the largest (constraints)
+      integer, allocatable :: count(:)
+      real(wp), allocatable :: first(:), largest(:)
+   end type speed_jumps_type
+
+contains
+
+   !> The instants of an analysis.
+   subroutine new_speed_jumps(self, system)
+      type(speed_jumps_type), intent(out) :: self
+      type(system_type), intent(in) :: system
+      character(:), allocatable :: restless
+      call find_breaks(system%model, self%breaks, restless)
+      allocate (self%count(size(system%constraints)), source=0)
+      allocate (self%first(size(system%constraints)), self%largest(size(system%constraints)), source=0.0_wp)
+   end subroutine new_speed_jumps
+
+   !> Looks at the instants up to a time. Leaves the kinematics placed at one of them if there is any.
+   subroutine pass_speed_jumps(self, system, work, t, q, error)
+      type(speed_jumps_type), intent(inout) :: self
+      type(system_type), intent(inout) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates then (nq)
+      real(wp), intent(in) :: t, q(:)
+      !> A driver jumps itself
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: jumps(size(system%constraints))
+      integer :: i
+      do while (self%passed < size(self%breaks))
+         if (self%breaks(self%passed + 1) > t) return
+         self%passed = self%passed + 1
+         associate (now => self%breaks(self%passed))
+            call check_places(system, work, now, q, error)
+            if (allocated(error)) return
+            call demanded_jumps(system, work, now, q, jumps)
+            do i = 1, size(jumps)
+               if (.not. jumps(i) > 0.0_wp) cycle
+               self%count(i) = self%count(i) + 1
+               if (self%count(i) == 1) self%first(i) = now
+               self%largest(i) = max(self%largest(i), jumps(i))
+            end do
+         end associate
+      end do
+   end subroutine pass_speed_jumps
+
+   !> A warning for each driver or coupler that has jumped.
+   subroutine tell_speed_jumps(self, system, outcome)
+      type(speed_jumps_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      type(outcome_type), intent(inout) :: outcome
+      character(:), allocatable :: text
+      integer :: i
+      do i = 1, size(self%count)
+         if (self%count(i) == 0) cycle
+         text = ' at t = '//as_text(self%first(i), 8)//', by '//as_text(self%largest(i), 3)
+         if (self%count(i) > 1) text = ' '//as_text(self%count(i))//' times, first at t = '//as_text(self%first(i), 8)// &
+            & ', by up to '//as_text(self%largest(i), 3)
+         call warn(outcome, system%constraints(i)%item%label//' changes its speed abruptly'//text//' '//units_of(i)// &
+            & ': velocities jump there, which takes an impact that accelerations, reactions, torques and powers lack; round its'// &
+            & ' law (smoothstep, INTERPOLATION=SPLINE), or use *DYNAMICS')
+      end do
+
+   contains
+
+      !> Of the speed of a constraint.
+      function units_of(i) result(units)
+         integer, intent(in) :: i
+         character(:), allocatable :: units
+         units = system%model%units%length
+         if (.not. abs(system%constraints(i)%item%scale - system%model%length) <= epsilon(1.0_wp)*system%model%length) units = 'rad'
+         units = units//'/'//system%model%units%time
+      end function units_of
+
+   end subroutine tell_speed_jumps
+
+   !> An error where a driver asks for another place right behind an instant than right before it.
+   subroutine check_places(system, work, t, q, error)
+      type(system_type), intent(inout) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t, q(:)
+      type(error_type), allocatable, intent(out) :: error
+      !> Relative to the scale of the constraint
+      real(wp), parameter :: jump = 1.0e-8_wp
+      real(wp) :: before(system%nc), residual
+      integer :: i
+      if (system%nc == 0) return
+      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
+      residual = position_residual(system, work)
+      before = work%phi(:system%nc)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      residual = position_residual(system, work)
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            residual = norm2(work%phi(item%first:item%first + item%rows - 1) - before(item%first:item%first + item%rows - 1))
+            if (residual <= jump*item%scale) cycle
+            call raise(error, item%label//' jumps by '//as_text(residual, 3)//' at t = '//as_text(t, 8)// &
+               & '; a motion must be continuous: use smoothstep((t - t0)/duration) in place of a jump')
+            return
+         end associate
+      end do
+   end subroutine check_places
+
+   !> By how much drivers and couplers ask for other velocities right behind an instant than right before it.
+   subroutine demanded_jumps(system, work, t, q, jumps)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates (nq)
+      real(wp), intent(in) :: t, q(:)
+      !> Zero where nothing jumps (constraints) [length/time or 1/time]
+      real(wp), intent(out) :: jumps(:)
+      real(wp), parameter :: little = 1.0e-7_wp
+      real(wp) :: before(system%nc), rest(size(q)), slow, largest
+      integer :: i
+      jumps = 0.0_wp
+      if (system%nc == 0) return
+      rest = 0.0_wp
+      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, rest)
+      before = work%gamma(:system%nc)
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, rest)
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            ! A driver that turns back has no speed to compare with: then the scale of the constraint, once in the whole run
+            slow = item%scale/(system%model%dynamics%end - system%model%dynamics%start)
+            associate (old => before(item%first:item%first + item%rows - 1), &
+               & new => work%gamma(item%first:item%first + item%rows - 1))
+               if (any(abs(new - old) > little*max(abs(new), abs(old), slow))) jumps(i) = maxval(abs(new - old))
+            end associate
+         end associate
+      end do
+   end subroutine demanded_jumps
+
+end module limber_analysis_speed_jumps

@@ -8,7 +8,7 @@ module limber_analysis_scene
    use limber_analysis_damping_watch, only: damping_warning
    use limber_analysis_laws, only: check_laws
    use limber_analysis_choice, only: choose_integrator
-   use limber_analysis_given, only: changed_place, changed_velocity
+   use limber_analysis_given, only: change_type, changed_places, changed_velocities
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
@@ -437,29 +437,47 @@ contains
       end associate
    end subroutine warn_of_springs
 
-   !> Says which body does not start as the deck gives it, the one that has changed most: its place if the motion depends on it, and
-   !> its velocity.
+   !> Says which bodies do not start as the deck gives them, at the one that has changed most: places if the motion depends on them,
+   !> and velocities.
    subroutine warn_of_changes(scene, diagnostics)
       type(scene_type), intent(in) :: scene
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: text
-      real(wp) :: off
-      integer :: body
+      type(change_type), allocatable :: changes(:)
       logical :: matters
       matters = scene%assembly%rank < sum(scene%system%layout%rates) .and. starts_with_dynamics(scene%system%model)
-      call changed_place(scene%system, scene%q, body, text)
+      call changed_places(scene%system, scene%q, changes)
       ! Of one that has turned far there has been a warning
-      if (scene%assembly%turned > scene%system%model%assembly%largest_turn) matters = matters .and. body /= scene%assembly%body
-      if (matters .and. body > 0) call diagnostics%warn(place_of_body(scene, body), "body '"// &
-         & name_in_deck(scene%system%model, body)//"' does not start where it is given, which its joints do not allow"// &
-         & ' together with what is given of the other bodies: '//text, &
+      if (scene%assembly%turned > scene%system%model%assembly%largest_turn .and. size(changes) > 0) then
+         if (changes(1)%body == scene%assembly%body) matters = .false.
+      end if
+      if (matters .and. size(changes) > 0) call diagnostics%warn(place_of_body(scene, changes(1)%body), "body '"// &
+         & name_in_deck(scene%system%model, changes(1)%body)// &
+         & "' does not start where it is given, which its joints do not allow together with what is given of the"// &
+         & ' other bodies: '//changes(1)%text//others(scene, changes), &
          & 'give X=, Y= and ANGLE= that its joints allow, or of fewer bodies')
-      call changed_velocity(scene%system, scene%q, scene%v, body, off, text)
-      if (body > 0) call diagnostics%warn(place_of_body(scene, body), "body '"//name_in_deck(scene%system%model, body)// &
+      call changed_velocities(scene%system, scene%q, scene%v, changes)
+      if (size(changes) > 0) call diagnostics%warn(place_of_body(scene, changes(1)%body), "body '"// &
+         & name_in_deck(scene%system%model, changes(1)%body)// &
          & "' does not start with the velocity that it is given, which its joints do not allow together with those of the"// &
-         & ' other bodies: it is off by '//as_text(100*off, 2)//' % ('//text//')', &
+         & ' other bodies: it is off by '//as_text(100*changes(1)%off, 2)//' % ('//changes(1)%text//')'//others(scene, changes), &
          & 'give VX=, VY= and SPIN= as the joints let them move, or of fewer bodies')
    end subroutine warn_of_changes
+
+   !> What has changed of the bodies behind the first.
+   function others(scene, changes) result(text)
+      type(scene_type), intent(in) :: scene
+      type(change_type), intent(in) :: changes(:)
+      character(:), allocatable :: text
+      !> As many as are named
+      integer, parameter :: most = 8
+      integer :: i
+      text = ''
+      do i = 2, min(most, size(changes))
+         text = text//trim(merge('; nor does', ',         ', i == 2))//" body '"// &
+            & name_in_deck(scene%system%model, changes(i)%body)//"' ("//changes(i)%text//')'
+      end do
+      if (size(changes) > most) text = text//' and '//as_text(size(changes) - most)//' more'
+   end function others
 
    !> Where a body stands in the deck.
    pure function place_of_body(scene, body) result(origin)

@@ -1,6 +1,7 @@
 !> The summary of a sweep: a results file in which a row stands for a sample, as in that of a study, and the same as text with
 !> commas. Floor: analysis.
 module limber_analysis_sweep_summary
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use limber_base_error, only: error_type, raise
    use limber_base_files, only: append_text, rename_file, remove_file, first_bytes
    use limber_base_kinds, only: wp
@@ -54,6 +55,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(history_type) :: file
       type(error_type), allocatable :: close_error
+      real(wp) :: scalars(size(sweep%scalars))
       integer :: i
       call remove_own(path, '')
       call file%create(path, .false., version, error)
@@ -62,7 +64,8 @@ contains
          if (.not. allocated(error)) call file%define_channel(trim(sweep%names(i)), 1, '', 'parameter of the deck', error)
       end do
       if (.not. allocated(error)) call file%define_channel('state', 1, '1', &
-         & '0 missing, 1 ok, 2 refused (deck), 3 failed (run), 4 crashed; /run/messages says why', error)
+         & '0 missing, 1 ok, 2 refused (deck), 3 failed (run), 4 crashed; /run/messages says why; scalars are NaN of all but 1', &
+         & error)
       if (.not. allocated(error)) call file%define_channel('error_estimate', 1, '1', &
          & 'largest estimated error of a channel relative to its magnitude; -1: none was asked for', error)
       if (.not. allocated(error)) call file%define_channel('warnings', 1, '1', 'number of warnings; /run/messages has them', error)
@@ -71,8 +74,10 @@ contains
       end do
       do i = 1, size(rows)
          if (allocated(error)) exit
+         scalars = ieee_value(1.0_wp, ieee_quiet_nan)
+         if (rows(i)%state == row_done) scalars = rows(i)%scalars
          call file%append(real(i, wp), [sweep%values(:, i), real(rows(i)%state, wp), rows(i)%error, real(rows(i)%warnings, wp), &
-            & rows(i)%scalars], error)
+            & scalars], error)
       end do
       if (.not. allocated(error)) call file%write_samples(error)
       if (.not. allocated(error)) call put_texts()

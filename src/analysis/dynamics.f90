@@ -18,7 +18,7 @@ module limber_analysis_dynamics
    use limber_analysis_function_sudden, only: at_start, in_motion
    use limber_analysis_noise, only: noise_of
    use limber_analysis_outcome, only: outcome_type, warn
-   use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy
+   use limber_analysis_sampling, only: sample_type, sample_time, record, look_between, check_energy, check_residuals
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_warning
    use limber_analysis_turning, only: turning_type, start_turning, turn_time, watch_turning
@@ -37,6 +37,7 @@ module limber_analysis_dynamics
    use limber_output_sink, only: sink_type
    use limber_output_turns, only: follow_places, follow_motion
    use limber_system_kinematics, only: place_frames, move_frames, settle_angles
+   use limber_system_multiplier, only: update_jacobians
    use limber_system_system, only: system_type
    implicit none
    private
@@ -416,6 +417,7 @@ contains
          end if
          at_end = .false.
          if (size(pieces%paths) > 0) at_end = pieces%t <= t
+         if (at_end .and. integrator%ends_on_samples) call look_at_slip()
          if (at_end) call pass_end(pieces, scene%system, time, error)
          if (allocated(error)) return
          call pass_break(scene, time, t, of_time, of_time .or. at_end .or. crossings%found == found_jump, watch%speed, integrator, &
@@ -431,6 +433,15 @@ contains
          if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, time, sample%q, sample%v, &
             & integrator%work_at_start)
       end subroutine start_anew
+
+      !> Looks how far the velocities have left the piece of a curve that ends: what they have too much there is no impact.
+      subroutine look_at_slip()
+         call integrator%interpolate(t, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
+         call place_frames(scene%system%model, scene%system%layout, t, sample%q, scene%work%kinematics)
+         call update_jacobians(scene%system, scene%work)
+         call check_residuals(scene%system, scene%work, t, .true., sample%v, outcome)
+      end subroutine look_at_slip
 
       !> Carries followed angles on to the state at hand, those of the channels and those that joints and loads depend on.
       subroutine follow_turns(t)

@@ -1,6 +1,6 @@
 !> The work put in by drivers and loads over the steps of an implicit integrator: an integral of the power, exact enough at any
 !> time within a step, with an estimate of its own error, which the step obeys as it does that of the motion. Floor: integrator.
-!> Source: doc/theory, eqs. (W1)-(W3).
+!> Source: doc/theory, eqs. (W1)-(W3), (W10).
 module limber_integrator_work
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -117,7 +117,7 @@ contains
       self%new_missed = missed
    end subroutine try_known
 
-   !> Scale of the work, eq. (W8): what has gone through so far, this step included, or less where it goes to and fro and its errors
+   !> Scale of the work, eq. (W10): what has gone through so far, this step included, or less where it goes to and fro and its errors
    !> add up; below it a part of the energy of the motion, or all of it where nobody asks.
    pure real(wp) function scale_of(self, energy, step)
       class(work_type), intent(in) :: self

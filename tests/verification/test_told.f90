@@ -1,0 +1,176 @@
+!> What a run must tell, or do right, beside its numbers: work that goes to and fro many times, against the kinetic energy; statics
+!> beyond the reach of a driver; speeds that drivers change abruptly in analyses without dynamics; all bodies whose first
+!> velocities the joints do not allow; velocities with which CONSERVING leaves a curve.
+!> Usage, in tests/: test_told RESULT_FILE
+program test_told
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: newline
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_text, channel
+   use testing, only: check, check_close, check_no_error, finish
+   implicit none
+
+   character(*), parameter :: nl = newline
+   character(256) :: results
+   character(:), allocatable :: report
+
+   call get_command_argument(1, results)
+   call check_work()
+   call check_reach()
+   call check_speeds()
+   call check_first_state()
+   call check_curve()
+   call finish()
+
+contains
+
+   !> Work is the kinetic energy of what is moved from rest, however often it has gone in and out.
+   subroutine check_work()
+      real(wp), parameter :: e = 0.5014_wp
+      character(*), parameter :: wheel = '*RIGID BODY, NAME=m, MASS=2, INERTIA=1, CENTRE X=0.5'//nl// &
+         & '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' m.origin, ground.origin'//nl
+      character(6), parameter :: integrators(3) = [character(6) :: 'ADAMS', 'RADAU', 'ALPHA']
+      character(:), allocatable :: analysis
+      integer :: i
+      analysis = ''
+      do i = 1, size(integrators)
+         analysis = '*DYNAMICS, END=0.5014, OUTPUTS=7, INTEGRATOR='//trim(integrators(i))//nl
+         ! J = 1 + 2*0.5**2 about the pin; half waves of the speed, the last one under way
+         call check_sum(wheel//'*DRIVER, NAME=f, TYPE=ANGLE, JOINT=pin, LEVEL=VELOCITY'//nl//' max(0, sin(3000*t))'//nl//analysis, &
+            & 0.75_wp*max(0.0_wp, sin(3000*e))**2, 2.0e-4_wp*0.75_wp, 'half waves of a driver, '//trim(integrators(i)))
+         if (i == 3) exit
+         ! From a speed of 3 rad/s
+         call check_sum(wheel//'*DRIVER, NAME=f, TYPE=ANGLE, JOINT=pin'//nl//' 0.002*sin(1500*t)'//nl//analysis, &
+            & 0.75_wp*9*(cos(1500*e)**2 - 1), 2.0e-4_wp*6.75_wp, 'position of a driver, '//trim(integrators(i)))
+         call check_sum('*RIGID BODY, NAME=m, MASS=2, INERTIA=1'//nl//'*MOTION, NAME=mo, BODY=m'//nl// &
+            & ' 0.002*sin(1500*t), 0.002*cos(1500*t), 0.3*sin(1000*t)'//nl//analysis, &
+            & 0.5_wp*300**2*(cos(1000*e)**2 - 1), 2.0e-4_wp*45000, '*MOTION, '//trim(integrators(i)))
+      end do
+   end subroutine check_work
+
+   !> The work of a scene at the end.
+   subroutine check_sum(scene, work, most, what)
+      character(*), intent(in) :: scene, what
+      real(wp), intent(in) :: work, most
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: values(:)
+      call run_text(scene//'*OUTPUT'//nl//' w=work(system)'//nl, trim(results), report, error)
+      call check_no_error(error, what)
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call check_no_error(error, what//': results')
+      allocate (values, source=channel(reader, 'w'))
+      call reader%close()
+      call check_close(values(size(values)), work, most, 'work: '//what)
+      call check(index(report, 'energy balance is off') == 0, what//': nothing to tell')
+   end subroutine check_sum
+
+   !> Statics in which a driver turns a four-bar beyond its reach ends at once and says why: from either side, by any law.
+   subroutine check_reach()
+      character(*), parameter :: laws(5) = [character(22) :: '1 + 100*t', '1 + 3*t', '1 - 100*t', '1 + sin(20*t)', &
+         & '1 + 5*step(t - 0.5)']
+      character(*), parameter :: increments(2) = [character(2) :: '1', '50']
+      integer :: i, j
+      do i = 1, size(laws)
+         do j = 1, size(increments)
+            call refuse(four_bar(1)//'*DRIVER, NAME=m, TYPE=ANGLE, JOINT=j1'//nl//' '//trim(laws(i))//nl// &
+               & '*STATICS, INCREMENTS='//trim(increments(j))//nl, 'no position near the last one satisfies the constraints', &
+               & 'statics, '//trim(laws(i)))
+         end do
+      end do
+      call refuse(four_bar(-1)//'*GRAVITY'//nl//'*DRIVER, NAME=m, TYPE=ANGLE, JOINT=j1'//nl//' -1 - 100*t'//nl//'*STATICS'//nl, &
+         & 'no position near the last one satisfies the constraints', 'statics, mirrored, with weight')
+   end subroutine check_reach
+
+   !> A four-bar whose crank of 0.3 does not go round.
+   function four_bar(side) result(text)
+      !> -1: mirrored
+      integer, intent(in) :: side
+      character(:), allocatable :: text
+      character(2) :: sign
+      sign = merge(' 1', '-1', side == 1)
+      text = '*GROUND'//nl//' g, 1, 0'//nl//'*RIGID BODY, NAME=a, MASS=1, INERTIA=0.1, ANGLE='//sign//nl//' e, 0.3, 0'//nl// &
+         & '*RIGID BODY, NAME=b, MASS=1, INERTIA=0.1, X=0.3*cos(1), Y='//sign//'*0.3*sin(1)'//nl//' e, 0.8, 0'//nl// &
+         & '*RIGID BODY, NAME=c, MASS=1, INERTIA=0.1, X=1, ANGLE='//sign//'*2'//nl//' e, 0.35, 0'//nl// &
+         & '*JOINT, NAME=j1, TYPE=REVOLUTE'//nl//' a.origin, ground.origin'//nl//'*JOINT, NAME=j2, TYPE=REVOLUTE'//nl// &
+         & ' b.origin, a.e'//nl//'*JOINT, NAME=j3, TYPE=REVOLUTE'//nl//' b.e, c.e'//nl//'*JOINT, NAME=j4, TYPE=REVOLUTE'//nl// &
+         & ' c.origin, ground.g'//nl
+   end function four_bar
+
+   !> Speeds of drivers that jump take an impact, which kinematics and inverse dynamics lack: told with driver and time.
+   subroutine check_speeds()
+      character(*), parameter :: kinds(2) = [character(16) :: 'KINEMATICS', 'INVERSE DYNAMICS']
+      character(*), parameter :: table = '*TABLE, NAME=tab, INTERPOLATION='
+      character(:), allocatable :: analysis
+      integer :: i
+      analysis = ''
+      do i = 1, size(kinds)
+         analysis = '*'//trim(kinds(i))//', END=3, OUTPUTS=30'//nl
+         call tell(driver('', 'abs(sin(3*t))')//analysis, &
+            & "driver 'f' changes its speed abruptly 2 times, first at t = 1.0471976, by up to 6 rad/s", .true.)
+         call tell(driver('', 'max(0, t - 0.77)')//analysis, &
+            & "driver 'f' changes its speed abruptly at t = 0.77, by 1 rad/s", .true.)
+         call tell(driver(', LEVEL=VELOCITY', '2*step(t - 1.23)')//analysis, &
+            & "driver 'f' changes its speed abruptly at t = 1.23, by 2 rad/s", .true.)
+         call tell(table//'LINEAR'//nl//' 0, 0'//nl//' 1.7, 1'//nl//' 4, 0'//nl//driver('', 'tab(t)')//analysis, &
+            & "driver 'f' changes its speed abruptly at t = 1.7", .true.)
+         call tell(driver('', 'max(0, t - 0.77)**2')//analysis, 'abruptly', .false.)
+         call tell(driver('', '1 + 2*t')//analysis, 'abruptly', .false.)
+         call tell(driver(', LEVEL=ACCELERATION', 'step(t - 1)')//analysis, 'abruptly', .false.)
+         call refuse(driver('', '0.02*step(t - 1)')//analysis, "driver 'f' jumps by 0.02 at t = 1; a motion must be continuous", &
+            & trim(kinds(i))//', a jump')
+      end do
+      call tell(driver('', 'max(0, t - 0.77)')//'*DYNAMICS, END=1'//nl, &
+         & "velocities jump at t = 0.77 as by an impact, for driver 'f' changes speed abruptly", .true.)
+   end subroutine check_speeds
+
+   function driver(options, law) result(text)
+      character(*), intent(in) :: options, law
+      character(:), allocatable :: text
+      text = '*RIGID BODY, NAME=m, MASS=2, INERTIA=1, CENTRE X=0.5'//nl//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl// &
+         & ' m.origin, ground.origin'//nl//'*DRIVER, NAME=f, TYPE=ANGLE, JOINT=pin'//options//nl//' '//law//nl
+   end function driver
+
+   !> All bodies are named that do not start as they are given, the one that has changed most first.
+   subroutine check_first_state()
+      character(*), parameter :: second = '*RIGID BODY, NAME=b, MASS=1, INERTIA=1, X=1, ', &
+         & joints = '*JOINT, NAME=j, TYPE=REVOLUTE'//nl//' a.e, b.origin'//nl//'*JOINT, NAME=g, TYPE=REVOLUTE'//nl// &
+         & ' a.origin, ground.origin'//nl//'*DYNAMICS, END=0.1'//nl
+      call tell('*RIGID BODY, NAME=a, MASS=1, INERTIA=1, VX=3, VY=2, SPIN=1'//nl//' e, 1, 0'//nl//second//'VX=-7'//nl//joints, &
+         & "(VX=-7 becomes 0); nor does body 'a' (VX=3 becomes 0, VY=2 becomes 0)", .true.)
+      call tell('*RIGID BODY, NAME=a, MASS=1, INERTIA=1, SPIN=1'//nl//' e, 1, 0'//nl//second//'VX=-7'//nl//joints, &
+         & 'nor does', .false.)
+      call tell('*RIGID BODY, NAME=a, MASS=1, INERTIA=1, X=0.3'//nl//' e, 1, 0'//nl//second//'Y=0.7'//nl//joints, &
+         & "; nor does body 'a' (X=0.3 becomes", .true.)
+   end subroutine check_first_state
+
+   !> On a steep ramp velocities of CONSERVING leave the curve; what they lose where its formula changes is no impact.
+   subroutine check_curve()
+      call tell('*CURVE, NAME=c'//nl//' 0.02*smoothstep(x/0.01)'//nl//'*POINT MASS, NAME=p, MASS=1, X=-0.1, VX=2'//nl// &
+         & '*JOINT, NAME=j, TYPE=POINT ON CURVE, CURVE=c'//nl//' p, ground.origin'//nl// &
+         & '*DYNAMICS, END=0.15, INTEGRATOR=CONSERVING, TOLERANCE=1e-3'//nl, &
+         & "CONSERVING does not keep the velocities that joint 'j' prescribes", .true.)
+   end subroutine check_curve
+
+   !> Whether a run, which must succeed, says something.
+   subroutine tell(scene, words, told)
+      character(*), intent(in) :: scene, words
+      logical, intent(in) :: told
+      type(error_type), allocatable :: error
+      call run_text(scene, trim(results), report, error)
+      call check_no_error(error, scene)
+      if (.not. allocated(error)) call check((index(report, words) > 0) .eqv. told, scene//': '//report)
+   end subroutine tell
+
+   !> Runs what must be refused with some words.
+   subroutine refuse(scene, words, what)
+      character(*), intent(in) :: scene, words, what
+      type(error_type), allocatable :: error
+      call run_text(scene, trim(results), report, error)
+      call check(allocated(error), what//' is refused')
+      if (allocated(error)) call check(index(error%message, words) > 0, what//': '//error%message)
+   end subroutine refuse
+
+end program test_told

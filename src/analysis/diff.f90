@@ -18,6 +18,8 @@ module limber_analysis_diff
       real(wp) :: of_range = 1.0e-6_wp
       !> In the unit of the channel, the same for all: for channels that are zero but for rounding
       real(wp) :: absolute = 0.0_wp
+      !> Whether a number that both lack counts as the same
+      logical :: blank = .false.
    end type tolerance_type
 
    !> How a channel differs from its reference
@@ -60,17 +62,19 @@ contains
    end subroutine compare_histories
 
    !> Compares two open files.
-   subroutine compare_open(a, b, tolerance, report, same, error)
+   subroutine compare_open(a, b, asked, report, same, error)
       type(history_reader_type), intent(in) :: a, b
-      type(tolerance_type), intent(in) :: tolerance
+      type(tolerance_type), intent(in) :: asked
       character(:), allocatable, intent(out) :: report
       logical, intent(out) :: same
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: time(:), time_a(:)
       integer :: i, failures, width
-      logical :: agrees, blank
+      logical :: agrees
+      type(tolerance_type) :: tolerance
+      tolerance = asked
       ! A row of a sweep, or a run of a study, that has not ended well has no numbers
-      blank = b%time_units == 'row' .or. b%time_units == 'run'
+      tolerance%blank = b%time_units == 'row' .or. b%time_units == 'run'
       width = max(8, maxval([(len(b%channels(i)%name), i=1, size(b%channels))]))
       report = cell('channel', width)//'   max |a-b|   of range     at time  verdict'
       failures = 0
@@ -78,10 +82,10 @@ contains
       if (.not. allocated(error)) call b%read_time(time, error)
       if (allocated(error)) return
       call judge('time', a%time_units, b%time_units, reshape(time_a, [1, size(time_a)]), &
-         & reshape(time, [1, size(time)]), time, tolerance, blank, width, report, agrees)
+         & reshape(time, [1, size(time)]), time, tolerance, width, report, agrees)
       if (.not. agrees) failures = failures + 1
       do i = 1, size(b%channels)
-         call compare_channel(a, b, i, time, tolerance, blank, width, report, agrees, error)
+         call compare_channel(a, b, i, time, tolerance, width, report, agrees, error)
          if (allocated(error)) return
          if (.not. agrees) failures = failures + 1
       end do
@@ -114,13 +118,11 @@ contains
    end subroutine compare_open
 
    !> Compares channel `which` of the reference and adds its line to the report.
-   subroutine compare_channel(a, b, which, time, tolerance, blank, width, report, agrees, error)
+   subroutine compare_channel(a, b, which, time, tolerance, width, report, agrees, error)
       type(history_reader_type), intent(in) :: a, b
       integer, intent(in) :: which, width
       real(wp), intent(in) :: time(:)
       type(tolerance_type), intent(in) :: tolerance
-      !> Whether a number may be missing in both
-      logical, intent(in) :: blank
       character(:), allocatable, intent(inout) :: report
       logical, intent(out) :: agrees
       type(error_type), allocatable, intent(out) :: error
@@ -136,17 +138,16 @@ contains
          call a%read_channel(channel%name, values, error)
          if (.not. allocated(error)) call b%read_channel(channel%name, reference, error)
          if (allocated(error)) return
-         call judge(channel%name, a%channels(in_a)%units, channel%units, values, reference, time, tolerance, blank, width, &
+         call judge(channel%name, a%channels(in_a)%units, channel%units, values, reference, time, tolerance, width, &
             & report, agrees)
       end associate
    end subroutine compare_channel
 
    !> Judges one channel and adds its line to the report.
-   subroutine judge(name, units, reference_units, values, reference, time, tolerance, blank, width, report, agrees)
+   subroutine judge(name, units, reference_units, values, reference, time, tolerance, width, report, agrees)
       character(*), intent(in) :: name, units, reference_units
       real(wp), intent(in) :: values(:, :), reference(:, :), time(:)
       type(tolerance_type), intent(in) :: tolerance
-      logical, intent(in) :: blank
       integer, intent(in) :: width
       character(:), allocatable, intent(inout) :: report
       logical, intent(out) :: agrees
@@ -160,7 +161,7 @@ contains
       else if (units /= reference_units) then
          reason = 'unit '//units//', not '//reference_units
       else if (size(reference) > 0) then
-         difference = compare_values(values, reference, tolerance, blank)
+         difference = compare_values(values, reference, tolerance)
          call write_numbers(difference, time(difference%worst), numbers)
          if (difference%not_finite > 0) then
             reason = as_text(difference%not_finite)//' of '//as_text(size(reference))//' not finite'
@@ -178,14 +179,13 @@ contains
    end subroutine judge
 
    !> The greatest difference of two channels of one shape, and how many numbers are beyond the tolerance.
-   pure function compare_values(values, reference, tolerance, blank) result(difference)
+   pure function compare_values(values, reference, tolerance) result(difference)
       !> Channel to judge, (width, samples)
       real(wp), intent(in) :: values(:, :)
       !> Its reference, of the same shape
       real(wp), intent(in) :: reference(:, :)
       !> What counts as the same
       type(tolerance_type), intent(in) :: tolerance
-      logical, intent(in) :: blank
       type(difference_type) :: difference
       real(wp) :: distance, lowest, highest
       logical :: usable
@@ -199,7 +199,7 @@ contains
          do i = 1, size(reference, 1)
             usable = ieee_is_finite(values(i, sample)) .and. ieee_is_finite(reference(i, sample))
             if (.not. usable) then
-               if (blank .and. ieee_is_nan(values(i, sample)) .and. ieee_is_nan(reference(i, sample))) cycle
+               if (tolerance%blank .and. ieee_is_nan(values(i, sample)) .and. ieee_is_nan(reference(i, sample))) cycle
                if (difference%not_finite == 0) difference%worst = sample
                difference%not_finite = difference%not_finite + 1
                cycle

@@ -6,6 +6,7 @@ module limber_analysis_speed_jumps
    use limber_base_text, only: as_text
    use limber_analysis_outcome, only: outcome_type, warn
    use limber_model_breaks, only: find_breaks
+   use limber_model_scene, only: driver_angle, driver_joint_angle
    use limber_system_dynamics, only: position_residual, velocity_residual
    use limber_system_kinematics, only: place_frames
    use limber_system_multiplier, only: update_jacobians
@@ -76,20 +77,23 @@ contains
          text = ' at t = '//as_text(self%first(i), 8)//', by '//as_text(self%largest(i), 3)
          if (self%count(i) > 1) text = ' '//as_text(self%count(i))//' times, first at t = '//as_text(self%first(i), 8)// &
             & ', by up to '//as_text(self%largest(i), 3)
-         call warn(outcome, system%constraints(i)%item%label//' changes its speed abruptly'//text//' '//units_of(i)// &
+         call warn(outcome, system%constraints(i)%item%label//' changes its speed abruptly'//text//units_of(i)// &
             & ': velocities jump there, which takes an impact that accelerations, reactions, torques and powers lack; round its'// &
             & ' law (smoothstep, INTERPOLATION=SPLINE), or use *DYNAMICS')
       end do
 
    contains
 
-      !> Of the speed of a constraint.
+      !> Of the speed of a driver; none of a coupler, whose terms have units of their own.
       function units_of(i) result(units)
          integer, intent(in) :: i
          character(:), allocatable :: units
-         units = system%model%units%length
-         if (.not. abs(system%constraints(i)%item%scale - system%model%length) <= epsilon(1.0_wp)*system%model%length) units = 'rad'
-         units = units//'/'//system%model%units%time
+         integer :: driver
+         units = ''
+         driver = i - size(system%model%joints)
+         if (driver < 1 .or. driver > size(system%model%drivers)) return
+         units = ' '//system%model%units%length//'/'//system%model%units%time
+         if (any(system%model%drivers(driver)%kind == [driver_angle, driver_joint_angle])) units = ' rad/'//system%model%units%time
       end function units_of
 
    end subroutine tell_speed_jumps

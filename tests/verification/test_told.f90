@@ -116,6 +116,8 @@ contains
             & "driver 'f' changes its speed abruptly at t = 1.23, by 2 rad/s", .true.)
          call tell(table//'LINEAR'//nl//' 0, 0'//nl//' 1.7, 1'//nl//' 4, 0'//nl//driver('', 'tab(t)')//analysis, &
             & "driver 'f' changes its speed abruptly at t = 1.7", .true.)
+         call tell('*RIGID BODY, NAME=m, MASS=2, INERTIA=1'//nl//'*MOTION, NAME=mo, BODY=m'//nl//' 0, abs(t - 0.5), 0'//nl// &
+            & analysis, "driver 'mo_y' changes its speed abruptly at t = 0.5, by 2 m/s", .true.)
          call tell(driver('', 'max(0, t - 0.77)**2')//analysis, 'abruptly', .false.)
          call tell(driver('', '1 + 2*t')//analysis, 'abruptly', .false.)
          call tell(driver(', LEVEL=ACCELERATION', 'step(t - 1)')//analysis, 'abruptly', .false.)

@@ -31,6 +31,7 @@ module limber_analysis_dynamics
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
    use limber_analysis_laws, only: find_instants
+   use limber_model_breaks, only: change_at
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, sample_width
    use limber_output_progress, only: progress_type
@@ -161,9 +162,9 @@ contains
       type(curve_watch_type) :: curves
       type(curve_pieces_type) :: pieces
       character(:), allocatable :: text
-      !> Where the next step must end at the latest, the next break, times so near that there is no step between them, and the time
-      !> up to which the last step counts
-      real(wp) :: stop, barrier, near, t
+      !> Where the next step must end at the latest, the next break, times so near that there is no step between them, the time
+      !> up to which the last step counts, the last break, and the end: right before it if a law of time changes there
+      real(wp) :: stop, barrier, near, t, since, last
       integer :: passed, seen, begun
       logical :: at_station, cut, stiff, changes, first
       call find_instants(scene%system%model, breaks, stations, outcome)
@@ -172,6 +173,9 @@ contains
       begun = scene%work%evaluations
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
       t = dynamics%start
+      since = t
+      last = dynamics%end
+      if (change_at(scene%system%model, last)) last = nearest(last, -1.0_wp)
       sample%q = scene%q
       sample%v = scene%v
       call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start, integrator%tolerance)
@@ -187,6 +191,7 @@ contains
       watch%late = dynamics%end - 0.1_wp*(dynamics%end - dynamics%start)
       if (restarts(guard)) then
          call restore()
+         if (passed > 0) since = breaks(passed)
       else
          call check_energy(scene, dynamics%start, sample, outcome)
          if (size(outcome%indicators%functions%beams) > 0) call look(scene, dynamics, integrator, at_start, sample, outcome)
@@ -200,7 +205,7 @@ contains
                & as_text(integrator%t, 6)//'; give more, or a looser TOLERANCE'//text)
             exit
          end if
-         barrier = dynamics%end
+         barrier = last
          if (passed < size(breaks)) barrier = nearest(breaks(passed + 1), -1.0_wp)
          stop = barrier
          do while (seen < size(stations))
@@ -270,6 +275,7 @@ contains
             call record_before(barrier - near)
             if (allocated(error)) exit
             passed = passed + 1
+            since = breaks(passed)
             call start_anew(breaks(passed), .true.)
          else if (cut) then
             call record_before(t + near)
@@ -520,21 +526,23 @@ contains
       !> Records the samples up to a time that the integrator has reached. At a break they are those that follow it.
       subroutine record_before(t)
          real(wp), intent(in) :: t
+         !> Of a sample, on its side of a break that is within round-off
+         real(wp) :: at
          if (sample%next + 1 < dynamics%outputs) then
             if (sample_time(dynamics, sample%next + 2) <= t) call look_between(scene, integrator, recorder, sample, outcome)
          end if
          do while (sample%next <= dynamics%outputs .and. sample_time(dynamics, sample%next) <= t)
+            at = min(max(sample_time(dynamics, sample%next), since), last)
             ! The last sample is a state that others may begin with
             if (recorder%needs_velocities .or. sample%next == dynamics%outputs) then
-               call integrator%interpolate(sample_time(dynamics, sample%next), sample%q, sample%v, sample%w)
+               call integrator%interpolate(at, sample%q, sample%v, sample%w)
             else
-               call integrator%interpolate_place(sample_time(dynamics, sample%next), sample%q, sample%v, sample%w)
+               call integrator%interpolate_place(at, sample%q, sample%v, sample%w)
             end if
-            call integrator%complete(scene%system, scene%work, sample_time(dynamics, sample%next), sample%q, sample%v)
-            call record(scene, sample_time(dynamics, sample%next), integrator, recorder, sample, history, outcome, error)
+            call integrator%complete(scene%system, scene%work, at, sample%q, sample%v)
+            call record(scene, at, integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
-            call watch_channels(unfollowed, scene, integrator%ringing, sample_time(dynamics, sample%next), dynamics, recorder, &
-               & sample)
+            call watch_channels(unfollowed, scene, integrator%ringing, at, dynamics, recorder, sample)
             sample%next = sample%next + 1
          end do
       end subroutine record_before

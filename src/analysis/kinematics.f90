@@ -13,6 +13,7 @@ module limber_analysis_kinematics
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_speed_jumps, only: speed_jumps_type, new_speed_jumps, pass_speed_jumps, tell_speed_jumps
    use limber_analysis_static_aside, only: sample_type
+   use limber_model_breaks, only: change_at
    use limber_model_scene, only: step_type, step_inverse
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_progress, only: progress_type
@@ -58,7 +59,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(motion_type) :: motion
       integer(long) :: tick
-      real(wp) :: cpu
+      real(wp) :: cpu, last
       integer :: k
       call system_clock(tick)
       call cpu_time(cpu)
@@ -69,8 +70,11 @@ contains
       if (allocated(error)) return
       call start(scene, step, motion)
       if (step%static_deflections) call start_driven_watch(motion%watch, scene, step, outcome)
+      ! Where a law of time changes at the end, as behind the last line of a table, the formula before counts
+      last = step%dynamics%end
+      if (change_at(scene%system%model, last)) last = nearest(last, -1.0_wp)
       do k = 0, step%dynamics%outputs
-         if (k > 0) call move_to(scene, sample_time(step, k), motion, history, outcome, error)
+         if (k > 0) call move_to(scene, min(last, sample_time(step, k)), motion, history, outcome, error)
          if (.not. allocated(error)) call sample(scene, step, motion, history, outcome, error)
          if (allocated(error)) exit
          outcome%reached = motion%t

@@ -11,7 +11,7 @@ module limber_model_breaks
    use limber_model_scene, only: model_type, effort_type, in_efforts
    implicit none
    private
-   public :: find_breaks, law_breaks, find_stations, law_stations, undefined_at
+   public :: find_breaks, change_at, law_breaks, find_stations, law_stations, undefined_at
 
    !> Equal parts of the time that are looked at whatever the bounds say; most of a law whose pulses are shorter
    integer, parameter :: parts = 500, most_parts = 32000
@@ -51,6 +51,37 @@ contains
       allocate (times(0))
       call visit_laws(model, .true., times, restless)
    end subroutine find_stations
+
+   !> Whether a law of time changes its formula right at an instant.
+   logical function change_at(model, t) result(changes)
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: t
+      integer :: i, j
+      changes = .false.
+      do i = 1, size(model%drivers)
+         changes = changes .or. differs(model%drivers(i)%law)
+      end do
+      do i = 1, size(model%joints)
+         if (model%joints(i)%has_law) changes = changes .or. differs(model%joints(i)%law)
+      end do
+      do i = 1, size(model%forces)
+         do j = 1, 2
+            changes = changes .or. differs(model%forces(i)%law(j))
+         end do
+      end do
+      do i = 1, size(model%torques)
+         changes = changes .or. differs(model%torques(i)%law)
+      end do
+
+   contains
+
+      logical function differs(law)
+         type(expression_type), intent(in) :: law
+         differs = .false.
+         if (size(law%slots) > 0) differs = law%branches(nearest(t, -1.0_wp)) /= law%branches(t)
+      end function differs
+
+   end function change_at
 
    !> Adds the instants of all laws of time.
    subroutine visit_laws(model, stations, times, restless)

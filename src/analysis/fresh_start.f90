@@ -1,5 +1,5 @@
 !> Starts of the integrator anew, at instants from which other formulas hold: velocities that drivers or curves change abruptly
-!> change as by an impact. Floor: analysis. Source: doc/theory, sections 8 and 38.
+!> change as by an impact. Floor: analysis. Source: doc/theory, sections 17 and 38.
 module limber_analysis_fresh_start
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

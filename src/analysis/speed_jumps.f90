@@ -1,5 +1,5 @@
 !> Instants at which drivers and couplers ask for other velocities than right before: an impact. Analyses without dynamics in time
-!> pass them with finite forces, which is told. Floor: analysis. Source: doc/theory, sections 8 and 23.
+!> pass them with finite forces, which is told. Floor: analysis. Source: doc/theory, sections 17 and 25.
 module limber_analysis_speed_jumps
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise

@@ -14,6 +14,7 @@ module limber_analysis_dynamics
    use limber_analysis_fresh_start, only: pass_break
    use limber_analysis_guard, only: guard_type
    use limber_analysis_indicator_start, only: start_indicators
+   use limber_analysis_joint_watch, only: watches_joints
    use limber_analysis_looks, only: look, look_at_end
    use limber_analysis_function_sudden, only: at_start, in_motion
    use limber_analysis_noise, only: noise_of
@@ -103,6 +104,7 @@ contains
          outcome%shows_work = recorder%needs_work
          integrator%speeds_asked = recorder%needs_velocities
          if (recorder%needs_accelerations) call integrator%ringing%watch(scene%system)
+         sample%local = .not. (recorder%needs_places .or. watches_joints(scene%system))
          outcome%reached = dynamics%start
          scene%assembling = scene%assembling + seconds_since(tick)
          call system_clock(tick)
@@ -528,7 +530,7 @@ contains
          real(wp), intent(in) :: t
          !> Of a sample, on its side of a break that is within round-off
          real(wp) :: at
-         if (sample%next + 1 < dynamics%outputs) then
+         if (sample%next + 1 < dynamics%outputs .and. .not. sample%local) then
             if (sample_time(dynamics, sample%next + 2) <= t) call look_between(scene, integrator, recorder, sample, outcome)
          end if
          do while (sample%next <= dynamics%outputs .and. sample_time(dynamics, sample%next) <= t)
@@ -539,7 +541,8 @@ contains
             else
                call integrator%interpolate_place(at, sample%q, sample%v, sample%w)
             end if
-            call integrator%complete(scene%system, scene%work, at, sample%q, sample%v)
+            if (.not. sample%local .or. sample%next == dynamics%outputs) call integrator%complete(scene%system, scene%work, at, &
+               & sample%q, sample%v)
             call record(scene, at, integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
             call watch_channels(unfollowed, scene, integrator%ringing, at, dynamics, recorder, sample)

@@ -14,9 +14,21 @@ module limber_analysis_joint_watch
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: check_joints
+   public :: check_joints, watches_joints
 
 contains
+
+   !> Whether there is a joint that takes anything for granted.
+   pure logical function watches_joints(system)
+      type(system_type), intent(in) :: system
+      integer :: i
+      watches_joints = .false.
+      do i = 1, size(system%model%joints)
+         select case (system%model%joints(i)%kind)
+         case (joint_gear, joint_rack, joint_belt, joint_sliding, joint_curve); watches_joints = .true.
+         end select
+      end do
+   end function watches_joints
 
    !> A warning, once for each joint, where what it takes for granted is not so.
    subroutine check_joints(system, work, t, q, outcome)

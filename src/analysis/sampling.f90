@@ -34,6 +34,8 @@ module limber_analysis_sampling
       integer :: next_evaluation = 0
       !> The step whose interpolated places are as good as the joints ask for
       real(wp) :: good_from = huge(1.0_wp), good_to = -huge(1.0_wp)
+      !> Whether samples show what bodies do in their own frames alone, and nothing of the joints
+      logical :: local = .false.
    contains
       procedure :: exchange => exchange_sample
    end type sample_type
@@ -78,10 +80,11 @@ contains
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: before, residual
-      logical :: moving
+      logical :: moving, good
       moving = recorder%needs_velocities .or. recorder%needs_accelerations
       associate (system => scene%system, work => scene%work)
-         if (t > sample%good_from .and. t < sample%good_to .and. .not. moving) then
+         good = t > sample%good_from .and. t < sample%good_to .and. .not. moving
+         if (good .or. (sample%local .and. sample%next < system%model%dynamics%outputs)) then
             call show(scene, t, recorder, sample, outcome, error)
             if (.not. allocated(error)) call history%take(t, sample%values, error)
             outcome%samples = outcome%samples + 1

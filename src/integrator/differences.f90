@@ -11,6 +11,9 @@ module limber_integrator_differences
    integer, parameter, public :: most = 12
    !> Components that are updated together, so that all their differences stay at hand
    integer, parameter :: block = 128
+   integer :: place
+   !> Integrals of 1, s, s**2, ... from 0 to 1
+   real(wp), parameter :: first_weight(most + 1) = [(1.0_wp/place, place=1, most + 1)]
 
 contains
 
@@ -58,16 +61,15 @@ contains
       real(wp), intent(in) :: back, psi(most)
       !> The first `order` are set; to be multiplied by `back`
       real(wp), intent(out) :: g(most + 1)
-      real(wp) :: weight(most + 1), term, ratio, part
+      real(wp) :: weight(most + 1), term, ratio, part, inverse
       integer :: i, j
-      do i = 1, order
-         weight(i) = 1.0_wp/i
-      end do
+      weight(:order) = first_weight(:order)
       g(1) = 1.0_wp
       term = 0.0_wp
       do j = 2, order
-         ratio = (back + term)/psi(j - 1)
-         part = back/psi(j - 1)
+         inverse = 1.0_wp/psi(j - 1)
+         ratio = (back + term)*inverse
+         part = back*inverse
          do i = 1, order + 1 - j
             weight(i) = ratio*weight(i) - part*weight(i + 1)
          end do

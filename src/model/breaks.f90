@@ -363,26 +363,37 @@ contains
       real(wp), intent(in) :: start, end
       !> Part of the time between two instants, modulo 1
       real(wp), parameter :: golden = 0.6180339887498949_wp
-      !> Of as many instants at first; most laws that move show it
-      integer, parameter :: few = 40
+      !> Instants that are looked at first, and of how many of them: most laws that move show it
+      integer, parameter :: first = parts/4, few = 40
       real(wp) :: value(parts), span
       type(range_type) :: range
-      integer :: i, near
+      integer :: i, k, near
       often_rests = .false.
       range = law_range(law, start, end)
-      near = 0
       do i = 1, parts
          value(i) = law%evaluate([start + modulo(i*golden, 1.0_wp)*(end - start)])
          if (.not. abs(value(i)) <= huge(span)) return
+         if (i /= first) cycle
+         call count_near(first)
+         if (near <= restful*first/4) return
       end do
-      span = maxval(value) - minval(value)
-      if (range%defined) span = range%high - range%low
-      do i = 1, parts
-         near = max(near, count(abs(value - value(i)) <= resting*span))
-         if (i == few .and. near <= restful*parts/4) return
-         if (near > restful*parts) exit
-      end do
+      call count_near(parts)
       often_rests = near > restful*parts
+
+   contains
+
+      !> The most of the first instants at which the law is as at one of them: of a few until these are all.
+      subroutine count_near(n)
+         integer, intent(in) :: n
+         span = maxval(value(:n)) - minval(value(:n))
+         if (range%defined) span = range%high - range%low
+         near = 0
+         do k = 1, merge(few, n, n < parts)
+            near = max(near, count(abs(value(:n) - value(k)) <= resting*span))
+            if (near > restful*n) exit
+         end do
+      end subroutine count_near
+
    end function often_rests
 
    !> Edges of the equal parts and breaks, in order.

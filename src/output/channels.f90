@@ -26,6 +26,8 @@ module limber_output_channels
    type :: recorder_type
       !> Of the bodies whose angle a channel asks for
       type(turns_type) :: turns
+      !> True if anything is asked for but deflections: where bodies are, too
+      logical :: needs_places = .false.
       !> True if a channel needs velocities; accelerations or multipliers; energies
       logical :: needs_velocities = .false., needs_accelerations = .false., needs_energy = .false., needs_momentum = .false.
       !> True if a channel is the work put in
@@ -35,8 +37,11 @@ module limber_output_channels
       type(effort_type), allocatable :: efforts(:)
       !> What is drawn of exact beams, if the motion is asked for
       type(drawn_type), allocatable :: drawn(:)
-      !> Scratch: values of one expression's slots
-      real(wp), allocatable :: slots(:)
+      !> What is asked for, each once, and which of it stands in the slots of the expressions, channel by channel
+      type(quantity_type), allocatable :: asked(:)
+      integer, allocatable :: which(:)
+      !> Scratch: values of what is asked for, and of one expression's slots
+      real(wp), allocatable :: found(:), slots(:)
       !> True if energies and momenta are those of this sample already
       logical :: is_balanced = .false.
       !> Kinetic and potential energy, and work, at the sample
@@ -53,7 +58,7 @@ contains
    function new_recorder(system, q) result(recorder)
       type(system_type), intent(in) :: system
       !> Coordinates (nq)
-      real(wp), intent(in) :: q(:)
+      real(wp), contiguous, intent(in) :: q(:)
       type(recorder_type) :: recorder
       integer, allocatable :: turning(:)
       integer :: i, j, most
@@ -63,6 +68,7 @@ contains
          most = max(most, size(system%model%channels(i)%quantities))
          do j = 1, size(system%model%channels(i)%quantities)
             associate (quantity => system%model%channels(i)%quantities(j))
+               recorder%needs_places = recorder%needs_places .or. is_of_place(system, quantity)
                select case (quantity%kind)
                case (quantity_angle); turning = [turning, quantity%of]
                case (quantity_joint_angle); turning = [turning, turning_bodies(system, quantity%of)]
@@ -89,11 +95,66 @@ contains
       end if
       recorder%needs_velocities = recorder%needs_velocities .or. recorder%needs_accelerations .or. recorder%needs_energy &
          & .or. recorder%needs_momentum
+      recorder%needs_places = recorder%needs_places .or. recorder%needs_velocities .or. system%model%motion
       allocate (recorder%slots(most))
+      call list_asked(system, recorder)
       allocate (recorder%efforts, source=new_efforts(system))
       if (system%model%motion) allocate (recorder%drawn, source=new_drawn(system%model))
       recorder%turns = new_turns(system, turning, q)
    end function new_recorder
+
+   !> Lists what is asked for. What several channels ask for, mostly channels that stand together, is found once.
+   pure subroutine list_asked(system, recorder)
+      type(system_type), intent(in) :: system
+      type(recorder_type), intent(inout) :: recorder
+      !> Last quantities among which the same is sought
+      integer, parameter :: near = 64
+      integer :: i, j, k, at, n
+      n = 0
+      do i = 1, size(system%model%channels)
+         n = n + size(system%model%channels(i)%quantities)
+      end do
+      allocate (recorder%asked(n), recorder%which(n))
+      n = 0
+      at = 0
+      do i = 1, size(system%model%channels)
+         do j = 1, size(system%model%channels(i)%quantities)
+            associate (quantity => system%model%channels(i)%quantities(j))
+               do k = n, max(1, n - near), -1
+                  if (same(quantity, recorder%asked(k))) exit
+               end do
+               if (k < max(1, n - near)) then
+                  n = n + 1
+                  recorder%asked(n) = quantity
+                  k = n
+               end if
+               at = at + 1
+               recorder%which(at) = k
+            end associate
+         end do
+      end do
+      recorder%asked = recorder%asked(:n)
+      allocate (recorder%found(n))
+   end subroutine list_asked
+
+   !> Whether two quantities are one.
+   pure logical function same(a, b)
+      type(quantity_type), intent(in) :: a, b
+      same = a%kind == b%kind .and. a%of == b%of .and. (a%of_load .eqv. b%of_load) .and. (a%of_coupler .eqv. b%of_coupler)
+   end function same
+
+   !> Whether a quantity depends on where frames are: the deflection of a body in its own frame does not.
+   pure logical function is_of_place(system, quantity)
+      type(system_type), intent(in) :: system
+      type(quantity_type), intent(in) :: quantity
+      is_of_place = quantity%kind /= 0
+      if (quantity%of_load) return
+      select case (quantity%kind)
+      case (quantity_length); is_of_place = .false.
+      case (quantity_deflection, quantity_u1, quantity_u2, quantity_rotation)
+         is_of_place = system%model%bodies(system%model%points(quantity%of)%body)%whole > 0
+      end select
+   end function is_of_place
 
    !> Bodies of a joint that have an angle.
    pure function turning_bodies(system, joint) result(bodies)
@@ -115,7 +176,8 @@ contains
       type(recorder_type), intent(in) :: recorder
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:)
       integer :: side
       real(wp) :: own
       angle = 0.0_wp
@@ -148,16 +210,22 @@ contains
       real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
       !> (sample_width)
       real(wp), intent(inout) :: values(:)
-      integer :: i, j
+      integer :: i, j, at, n
       if (.not. recorder%is_balanced) call gather_balance(recorder, system, work, q, v)
       recorder%is_balanced = .false.
       if (recorder%needs_sections) call gather_efforts(recorder%efforts, system, work, q, v, a)
+      do i = 1, size(recorder%asked)
+         recorder%found(i) = quantity_value(recorder, recorder%asked(i), system, work, t, q, v, a)
+      end do
+      at = 0
       do i = 1, size(system%model%channels)
          associate (channel => system%model%channels(i))
-            do j = 1, size(channel%quantities)
-               recorder%slots(j) = quantity_value(recorder, channel%quantities(j), system, work, t, q, v, a)
+            n = size(channel%quantities)
+            do j = 1, n
+               recorder%slots(j) = recorder%found(recorder%which(at + j))
             end do
-            values(i) = channel%expression%evaluate(recorder%slots(:size(channel%quantities)))
+            at = at + n
+            values(i) = channel%expression%evaluate(recorder%slots(:n))
          end associate
       end do
       if (system%model%motion) call drawn_coordinates(recorder%drawn, system%model, system%layout, q, &
@@ -182,7 +250,8 @@ contains
       type(quantity_type), intent(in) :: quantity
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
-      real(wp), intent(in) :: t, q(:), v(:), a(:)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
       real(wp) :: vector(2), force(3)
       if (quantity%kind == 0) then
          value = t
@@ -270,7 +339,8 @@ contains
       type(recorder_type), intent(in) :: recorder
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:)
       logical :: leans
       leans = .false.
       associate (whole => system%model%bodies(body)%whole)
@@ -308,7 +378,7 @@ contains
    pure real(wp) function deflection(system, point, q)
       type(system_type), intent(in) :: system
       integer, intent(in) :: point
-      real(wp), intent(in) :: q(:)
+      real(wp), contiguous, intent(in) :: q(:)
       real(wp) :: start(2), chord(2)
       integer :: first
       associate (points => system%model%points, body => system%model%bodies(system%model%points(point)%body))
@@ -329,7 +399,7 @@ contains
    pure function beam_displacement(system, point, q) result(displacement)
       type(system_type), intent(in) :: system
       integer, intent(in) :: point
-      real(wp), intent(in) :: q(:)
+      real(wp), contiguous, intent(in) :: q(:)
       real(wp) :: displacement(2)
       integer :: first, k
       displacement = 0.0_wp

@@ -14,10 +14,10 @@
 !>     /run               texts (deck, ...), statistics, /run/steps/... if there are several analyses; attributes complete (0, then
 !> 1) and status
 !>
-!> Samples are gathered in memory and go to the file whenever the buffer is full. The file is written under the name
-!> <name>.running (`limber_output_working_file`), and every few seconds a copy of it takes the name proper: what stands there
-!> is whole at any moment, with `complete` 0, and can be looked at while the run goes on; a killed run leaves it. An existing
-!> file is replaced, if that is allowed, by the first such copy.
+!> Samples are gathered in memory and go to the file whenever the buffer is full: those of a small run behind it, all at once. The
+!> file is written under the name <name>.running (`limber_output_working_file`), and every few seconds a copy of it takes the name
+!> proper: what stands there is whole at any moment, with `complete` 0, and can be looked at while the run goes on; a killed run
+!> leaves it. An existing file is replaced, if that is allowed, by the first such copy.
 module limber_output_history
    use hdf5, only: hid_t, h5fflush_f, h5f_scope_global_f, h5dclose_f
    use limber_base_error, only: error_type, raise
@@ -60,8 +60,10 @@ module limber_output_history
       !> with the first of them
       real(wp), allocatable, private :: times(:), buffer(:)
       integer, private :: waiting = 0
-      !> Clock at the last write [ticks]
-      integer(long), private :: last_write = 0
+      !> Clock at the last write, and when it was looked at last [ticks]
+      integer(long), private :: last_write = 0, looked = 0
+      !> Samples from one look at the clock to the next, and those that are left
+      integer, private :: stride = 1, countdown = 1
       !> Its names; not used by one in memory
       type(working_file_type), private :: names
       !> Whether it is in memory; whether it was there already: then series are opened, not made
@@ -136,6 +138,9 @@ contains
       self%trouble = ''
       allocate (self%channels(0))
       call system_clock(self%last_write)
+      self%looked = self%last_write
+      self%stride = 1
+      self%countdown = 1
    end subroutine begin_samples
 
    !> Opens a copy of the file of a run that goes on; its series are then defined as they were.
@@ -266,7 +271,6 @@ contains
       real(wp), intent(in) :: values(:)
       !> Allocated if the file cannot be written
       type(error_type), allocatable, intent(out) :: error
-      integer(long) :: clock, ticks_per_second
       if (self%failed .or. self%time%id == no_id) then
          call raise(error, 'results file: a sample for a history that is not open, or could not be written before')
          return
@@ -276,19 +280,39 @@ contains
          return
       end if
       if (.not. allocated(self%buffer)) then
-         allocate (self%times(chunk_rows(self%width)), self%buffer(self%width*chunk_rows(self%width)))
+         allocate (self%times(held_rows(self%width)), self%buffer(self%width*held_rows(self%width)))
       end if
       call put_sample(self%channels, size(self%times), self%waiting, values, self%buffer)
       self%waiting = self%waiting + 1
       self%samples = self%samples + 1
       self%times(self%waiting) = t
-      call system_clock(clock, ticks_per_second)
-      if (real(clock - self%last_write, wp) >= max(self%flush_interval, self%names%pause)*real(ticks_per_second, wp)) then
+      if (is_time(self)) then
          call self%flush(error)
       else if (self%waiting == size(self%times)) then
          call self%write_samples(error)
       end if
    end subroutine append
+
+   !> Whether the samples so far are to stand under the name of the file now. Where samples come quickly only some of them look at
+   !> the clock.
+   logical function is_time(self)
+      class(history_type), intent(inout) :: self
+      !> Time between two looks below which there are fewer [s]; most samples between two
+      real(wp), parameter :: quick = 1.0e-3_wp
+      integer, parameter :: most_between = 16
+      integer(long) :: clock, ticks_per_second
+      real(wp) :: interval
+      is_time = .false.
+      self%countdown = self%countdown - 1
+      if (self%countdown > 0) return
+      call system_clock(clock, ticks_per_second)
+      interval = max(self%flush_interval, self%names%pause)
+      is_time = real(clock - self%last_write, wp) >= interval*real(ticks_per_second, wp)
+      self%stride = min(2*self%stride, most_between)
+      if (real(clock - self%looked, wp) > min(quick, interval)*real(ticks_per_second, wp)) self%stride = 1
+      self%countdown = self%stride
+      self%looked = clock
+   end function is_time
 
    !> Puts a sample behind those that wait.
    pure subroutine put_sample(channels, capacity, waiting, values, buffer)
@@ -446,12 +470,21 @@ contains
       if (.not. allocated(error)) call attach_scale(self%file, '/step', self%time%id, error)
    end subroutine put_steps
 
-   !> Rows in a chunk of the file and in the buffer: 256, fewer if a row is long, at least 64.
+   !> Rows in a chunk of the file: 256, fewer if a row is long, at least 64.
    pure integer function chunk_rows(width) result(rows)
       !> Numbers in a row
       integer, intent(in) :: width
       integer, parameter :: numbers_at_once = 131072
       rows = max(64, min(256, numbers_at_once/max(1, width)))
    end function chunk_rows
+
+   !> Rows that the buffer holds: as many chunks as make 4096 rows, fewer if a row is long. To open a chunk costs as much as to take
+   !> a hundred samples.
+   pure integer function held_rows(width) result(rows)
+      !> Numbers in a row
+      integer, intent(in) :: width
+      integer, parameter :: most_rows = 4096, numbers_held = 131072
+      rows = chunk_rows(width)*max(1, min(most_rows, numbers_held/max(1, width))/chunk_rows(width))
+   end function held_rows
 
 end module limber_output_history

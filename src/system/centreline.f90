@@ -28,6 +28,9 @@ module limber_system_centreline
       real(wp), allocatable :: turning(:), drift(:, :), straining(:, :), bias(:, :)
       !> Velocities of the points (points, 2)
       real(wp), allocatable :: speed(:, :)
+      !> Coordinates at which the stations are placed (n), and whether they are
+      real(wp), allocatable :: at(:)
+      logical :: placed = .false.
       !> Whether the points are placed, and moved, as the stations are
       logical :: spread = .false., swept = .false.
       !> Scratch: (stations, n), (points, n); fields along the axis (points, 6), forces on the points (points, 2), pulls on the
@@ -61,6 +64,8 @@ contains
          line%straining = 0.0_wp
          line%bias = 0.0_wp
          line%speed = 0.0_wp
+         allocate (line%at(n))
+         line%at = 0.0_wp
       end associate
    end subroutine new_centreline
 
@@ -79,7 +84,7 @@ contains
       !> (n)
       real(wp), contiguous, intent(in) :: eta(:)
       call self%place_stations(eta)
-      call integrate(self, 2, self%g, self%p)
+      if (.not. self%spread) call integrate(self, 2, self%g, self%p)
    end subroutine place_axis
 
    !> Velocities of stations and points at the placed coordinates.
@@ -91,12 +96,17 @@ contains
       call sweep_points(self)
    end subroutine move
 
-   !> Places the stations: all that markers need. The points follow when something asks for them.
+   !> Places the stations, if they are elsewhere: all that markers need. The points follow when something asks for them.
    pure subroutine place_stations(self, eta)
       class(centreline_type), intent(inout) :: self
       !> (n)
       real(wp), contiguous, intent(in) :: eta(:)
       integer :: before
+      if (self%placed) then
+         if (.not. any(abs(eta - self%at) > 0.0_wp)) return
+      end if
+      self%at = eta
+      self%placed = all(abs(eta) <= huge(eta))
       do before = 0, self%stations - panel_stations, panel_stations
          call place_panel(before, self%stations, self%angles, self%strains, self%n, self%lean, self%angle, self%stretch, eta, &
             & self%g, self%gx, self%gy)
@@ -569,6 +579,7 @@ contains
       call snapshot%keep('straining', self%straining)
       call snapshot%keep('bias', self%bias)
       call snapshot%keep('speed', self%speed)
+      self%placed = .false.
       self%spread = .false.
       self%swept = .false.
    end subroutine exchange_centreline

@@ -202,12 +202,17 @@ contains
    real(wp) function position_residual(system, work) result(largest)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      integer :: i
+      real(wp) :: worst
+      integer :: i, k
       largest = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
             call item%residual(work%kinematics, work%phi(item%first:item%first + item%rows - 1))
-            largest = max(largest, maxval(abs(work%phi(item%first:item%first + item%rows - 1)))/item%scale)
+            worst = 0.0_wp
+            do k = item%first, item%first + item%rows - 1
+               worst = max(worst, abs(work%phi(k)))
+            end do
+            largest = max(largest, worst/item%scale)
          end associate
       end do
       if (system%parted) largest = largest_of(system, work%phi)
@@ -218,11 +223,16 @@ contains
       type(system_type), intent(in) :: system
       !> Of all equations (nc)
       real(wp), intent(in) :: residuals(:)
-      integer :: i
+      real(wp) :: worst
+      integer :: i, k
       largest = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
-            largest = max(largest, maxval(abs(residuals(item%first:item%first + item%rows - 1)))/item%scale)
+            worst = 0.0_wp
+            do k = item%first, item%first + item%rows - 1
+               worst = max(worst, abs(residuals(k)))
+            end do
+            largest = max(largest, worst/item%scale)
          end associate
       end do
    end function largest_of

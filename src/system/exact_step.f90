@@ -75,6 +75,7 @@ contains
             line%gy(k, a + i) = s*line%stretch(k, 1, i) + c*line%stretch(k, 2, i)
          end do
       end do
+      line%placed = .false.
       line%spread = .false.
       rate = change/h
       call line%move_stations(rate)

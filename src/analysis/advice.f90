@@ -154,10 +154,12 @@ contains
       if (strains_of(rung) > 0) cost = 3*cost
    end function cost_of
 
-   !> The rung of a beam in a run that is to verify another: two higher, and with strain where that may matter.
-   pure type(rung_type) function check_rung(advice, i) result(check)
+   !> The rung of a beam in a run that is to verify another: two higher, and with strain where that is expected to matter, or may.
+   pure type(rung_type) function check_rung(advice, i, doubted) result(check)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
+      !> Whether the strain is to be there also where nothing is known of it, or the probe has been wrong of the bending
+      logical, intent(in) :: doubted
       !> What an axial force in units of Euler's load makes of the bending by the stretch, which no channel of the rigid scene shows
       real(wp), parameter :: of_force = 4.0e-3_wp
       !> Part of the beam's share of the target that the stretch must be expected to make
@@ -165,8 +167,8 @@ contains
       associate (rung => advice%rungs(i), beam => advice%probe%beams(i))
          check = rung
          if (.not. matters(advice, i)) return
-         check = verifying(rung, advice%surprise*max(whole_stretch(beam), of_force*beam%force) > &
-            & of_stretch*advice%share/part_model .or. vibrates(advice, i))
+         check = verifying(rung, merge(advice%surprise, 1.0_wp, doubted)*max(whole_stretch(beam), of_force*beam%force) > &
+            & of_stretch*advice%share/part_model .or. vibrates(advice, i, doubted))
       end associate
    end function check_rung
 
@@ -180,13 +182,14 @@ contains
          & advice%surprise = max(advice%surprise, error/max(sum(advice%expected), error/most))
    end subroutine note_surprise
 
-   !> Whether axial vibrations of a beam matter to its bending, or nothing is known of them.
-   pure logical function vibrates(advice, i)
+   !> Whether axial vibrations of a beam matter to its bending, or may, as nothing is known of them.
+   pure logical function vibrates(advice, i, doubted)
       type(advice_type), intent(in) :: advice
       integer, intent(in) :: i
+      logical, intent(in) :: doubted
       !> Axial force in units of Euler's load from which on they do
       real(wp), parameter :: forced = 0.3_wp
-      vibrates = advice%probe%blind .or. advice%probe%beams(i)%force > forced
+      vibrates = doubted .and. advice%probe%blind .or. advice%probe%beams(i)%force > forced
    end function vibrates
 
    !> Whether a beam is to be verified: always if it bends, for the probe moves it slowly and by loads that do not answer its motion;
@@ -204,9 +207,12 @@ contains
       type(rung_type), intent(in) :: rung, higher
       type(prospect_type), intent(in) :: beam
       real(wp), parameter :: least = 0.1_wp, most = 1.0_wp
-      real(wp) :: low, high
-      low = expected_error(rung, beam)
-      high = expected_error(higher, beam)
+      real(wp) :: low, high, common
+      ! Stretch that both lack is verified by itself
+      common = 0.0_wp
+      if (strains_of(higher) == 0) common = expected_stretch(higher, beam)
+      low = max(0.0_wp, expected_error(rung, beam) - common)
+      high = max(0.0_wp, expected_error(higher, beam) - common)
       part = least
       if (low > 0.0_wp) part = max(least, min(most, high/max(low - high, 0.5_wp*high)))
    end function rest_beyond

@@ -15,10 +15,12 @@ module limber_analysis_descent
    private
    public :: descend
 
-   !> Tolerance that is the loosest, and what one is multiplied by
-   real(wp), parameter :: loosest = 1.0e-2_wp, looser(2) = [3.0_wp, 1.75_wp]
+   !> Tolerance that is the loosest, and what one is multiplied by at least and at most
+   real(wp), parameter :: loosest = 1.0e-2_wp, looser(2) = [1.75_wp, 10.0_wp]
    !> Part of the work that a setting must save, and what a rung must be expected to save to be tried
    real(wp), parameter :: saved = 0.1_wp, worth = 0.05_wp
+   !> Part of the target that what is left may err by: a step that is meant to come near to the target needs some room
+   real(wp), parameter :: near = 0.95_wp
    !> Work of the whole search in units of what is left after which nothing more is tried, and tries that there are all the same
    real(wp), parameter :: most_effort = 13.0_wp
    integer, parameter :: least_tries = 3
@@ -40,18 +42,20 @@ contains
       !> The deck is wrong (status 2), or a signal asks for the end (status 4)
       type(error_type), allocatable, intent(out) :: error
       type(rung_type), allocatable :: rungs(:)
-      !> Whether it has failed to leave out the strain of a beam, to take a lower rung (rungs), a looser tolerance, another integrator
-      logical :: unstrained(size(reached%advice%rungs)), lower(size(reached%advice%rungs)), loose(2), implicit
+      !> Whether it has failed to leave out the strain of a beam, to take a lower rung (rungs), another integrator
+      logical :: unstrained(size(reached%advice%rungs)), lower(size(reached%advice%rungs)), implicit, loose
+      !> Tolerances that may be tried and that is
+      real(wp) :: ceiling, tolerance
       integer :: tries, i
       !> Whether the last one that failed has cost too much, not erred by too much
       logical :: down, dear
       !> Errors of the integration are taken to grow with this power of the tolerance
       real(wp), parameter :: growing = 0.6_wp
-      if (any(truth%rest >= target*truth%scale)) return
+      if (any(truth%rest >= near*target*truth%scale)) return
       allocate (rungs, source=reached%advice%rungs)
       unstrained = .false.
       lower = .false.
-      loose = .false.
+      ceiling = loosest
       implicit = reached%advice%integrator /= ''
       tries = 0
       down = .true.
@@ -66,13 +70,15 @@ contains
          end do
          if (.not. down) call try_integrator()
          do i = 1, 2
-            if (down .or. loose(i) .or. allocated(error) .or. .not. reached%advice%open_tolerance) cycle
-            if (reached%advice%tolerance > 0.99_wp*loosest) cycle
-            loose(i) = reached%error + (looser(i)**growing - 1)*reached%of_time > target
-            if (loose(i)) cycle
-            call try(min(loosest, looser(i)*reached%advice%tolerance), loose(i))
-            ! A little looser saves even less, or is the same
-            if (loose(i) .and. (dear .or. looser(2)*reached%advice%tolerance >= loosest)) loose = .true.
+            if (down .or. allocated(error) .or. .not. reached%advice%open_tolerance) exit
+            tolerance = reached%advice%tolerance*min(looser(2), (1 + max(0.0_wp, near*target - reached%error)/max(reached%of_time, &
+               & tiny(1.0_wp)))**(1/growing))
+            tolerance = min(ceiling, tolerance)
+            if (tolerance < looser(1)*reached%advice%tolerance .and. tolerance < 0.99_wp*loosest) exit
+            if (tolerance < 1.01_wp*reached%advice%tolerance) exit
+            call try(tolerance, loose)
+            ! A little looser saves even less
+            if (loose) ceiling = merge(0.0_wp, sqrt(tolerance*reached%advice%tolerance), dear)
          end do
          do i = 1, size(rungs)
             if (down .or. allocated(error)) exit
@@ -114,7 +120,7 @@ contains
                & .or. size(truth%values, 2) /= trial%samples%samples
             dear = failed .and. .not. trial%leaves
             if (.not. failed) found = error_against(truth, trial%samples%values)
-            if (.not. failed) failed = found > target
+            if (.not. failed) failed = found > near*target
          end if
          if (failed) then
             rungs = reached%advice%rungs
@@ -142,7 +148,7 @@ contains
          real(wp), intent(in) :: tolerance
          type(trial_type), intent(inout) :: trial
          call pool%run(deck, rungs, tolerance, 1.0_wp, min(least_patience, 2*best%work), .false., quiet, &
-            & 'less: '//names_of(rungs), trial, error, truth%values, target*truth%scale - truth%rest, (1 - saved)*best%work)
+            & 'less: '//names_of(rungs), trial, error, truth%values, near*target*truth%scale - truth%rest, (1 - saved)*best%work)
       end subroutine run_less
 
    end subroutine descend

@@ -43,6 +43,8 @@ module limber_analysis_reached
       character(:), allocatable :: fixed, unverified
       !> Whether beams vibrate along themselves in ways that their functions of the strain do not follow; finer runs do not show it
       logical :: rings = .false.
+      !> Whether the strain is verified where nothing is known of it: all else keeps the target
+      logical :: doubted = .false.
       !> Whether a beam is rigid in the finest run too, as nothing is expected of its bending
       logical :: believed = .false.
       real(wp) :: of_fixed = 0.0_wp

@@ -13,7 +13,7 @@ module limber_analysis_target
    use limber_analysis_rungs, only: rung_type, richer, can_climb, names_of
    use limber_analysis_trial, only: trial_type, take_trial, take_samples, least_patience, least_verified
    use limber_analysis_truth, only: truth_type, error_against
-   use limber_analysis_verification, only: verify, does_for, falls_short, of_truth, ladder, widening, time_first
+   use limber_analysis_verification, only: verify, bound_strain, does_for, falls_short, of_truth, ladder, widening, time_first
    use limber_deck_content, only: deck_type
    implicit none
    private
@@ -95,6 +95,7 @@ contains
       do round = 1, most_rounds
          climbed = .false.
          reached%reason = ''
+         reached%doubted = .false.
          if (round == 1) then
             call begin(deck, quiet, pool, next, reached, error)
          else
@@ -114,7 +115,7 @@ contains
             if (on) call climb_all(reached, climbed)
          else
             if (does_for(truth, reached%advice%rungs, reached%advice%tolerance, target) .and. &
-               & .not. falls_short(truth, reached%advice)) then
+               & .not. falls_short(truth, reached%advice, .true.)) then
                reached%error = error_against(truth, candidate%samples%values)
                reached%of_model = reached%error
             else
@@ -122,8 +123,12 @@ contains
                if (allocated(error)) exit
                if (looser) cycle
                ! What the probe expects does not count where it has been wrong
-               if (reached%error <= target .and. falls_short(truth, reached%advice)) call verify(deck_of(reached%advice, deck), &
-                  & target, quiet, on, pool, candidate, reached, truth, looser, error)
+               if (reached%error <= target .and. falls_short(truth, reached%advice, .true.)) call bound_strain( &
+                  & deck_of(reached%advice, deck), target, quiet, pool, candidate, reached, truth, error)
+               if (allocated(error)) exit
+               reached%doubted = reached%error <= target .and. falls_short(truth, reached%advice, .true.)
+               if (reached%doubted) call verify(deck_of(reached%advice, deck), target, quiet, on, pool, candidate, reached, &
+                  & truth, looser, error)
                if (allocated(error)) exit
                if (looser) cycle
             end if
@@ -203,7 +208,7 @@ contains
             limit = cheaper*candidate%work
             ! What verifies it must be for ADAMS as well
             do i = 1, size(higher)
-               higher(i) = check_rung(advice, i)
+               higher(i) = check_rung(advice, i, doubted=.true.)
             end do
             call pool%run(deck, higher, tolerance, 1.0_wp, 0.0_wp, .false., quiet, 'choice of AUTO', adams, error, only='ADAMS')
             if (allocated(error) .or. adams%integrator /= 'ADAMS') return
@@ -232,7 +237,6 @@ contains
       real(wp), parameter :: of_tightened = 0.3_wp
       integer, parameter :: high = 7
       type(rung_type) :: higher
-      real(wp) :: aim
       integer :: i
       logical :: stalls
       climbed = .false.
@@ -240,7 +244,6 @@ contains
          & merge(stalled_high, stalled, any(reached%advice%rungs%step >= high))
       reached%before = 0.0_wp
       associate (advice => reached%advice)
-         aim = of_tightened*target
          if (stalls .and. does_for(truth, advice%rungs, advice%tolerance, target) .and. &
             & .not. any(truth%rungs%stretches .and. .not. advice%rungs%stretches)) then
             ! Beside a truth of a much smaller tolerance it may be the integration that is left
@@ -260,8 +263,8 @@ contains
             advice%tolerance = reached%tolerance_before
          end if
          if (widening*reached%of_time > time_first*target .and. advice%open_tolerance .and. .not. reached%useless) &
-            & call tighten(near_ladder(min(0.5_wp, max(0.02_wp, (aim/reached%of_time) &
-            & **(0.75_wp/reached%shown%falling)))))
+            & call tighten(merge(ladder, 2.5_wp*ladder, &
+            & (of_tightened*target/reached%of_time)**(0.75_wp/reached%shown%falling) < 1.5_wp*ladder))
          if (.not. climbed) reached%of_time_before = 0.0_wp
          if (.not. truth%known .and. climbed) return
          ! Neither functions nor strain: the truth itself errs in time
@@ -273,8 +276,8 @@ contains
                if (.not. can_climb(advice%rungs(i))) cycle
                higher = next_rung(advice%rungs(i), advice%probe%beams(i), stalls .and. truth%rungs(i)%stretches, &
                   & reached%of_model, target)
-               ! Which of the two it is that the truth has more of, nothing tells then; less is tried later
-               if (advice%probe%blind .and. truth%rungs(i)%stretches) higher = richer(higher, 0, .true.)
+               ! Without strain all has kept the target
+               if (reached%doubted .and. truth%rungs(i)%stretches) higher = richer(advice%rungs(i), 0, .true.)
                call put(i, higher)
             end do
          end if
@@ -301,14 +304,6 @@ contains
          reached%path = reached%path//': TOLERANCE='//as_text(reached%advice%tolerance, 2)
          climbed = .true.
       end subroutine tighten
-
-      !> A factor of the tolerance that the check verifies, whose run is there already, or that of the check.
-      pure real(wp) function near_ladder(factor)
-         real(wp), intent(in) :: factor
-         real(wp), parameter :: few = 1.5_wp, most = 2.5_wp
-         near_ladder = max(factor, most*ladder)
-         if (factor < few*ladder) near_ladder = ladder
-      end function near_ladder
 
       subroutine put(i, higher)
          integer, intent(in) :: i

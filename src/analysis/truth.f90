@@ -16,6 +16,8 @@ module limber_analysis_truth
    !> The finest run so far
    type :: truth_type
       logical :: known = .false.
+      !> Whether its own error contains what strain makes that it has not
+      logical :: strained = .false.
       !> Its rungs, tolerance, and the counted work of its time loop
       type(rung_type), allocatable :: rungs(:)
       real(wp) :: tolerance = 0.0_wp, work = 0.0_wp
@@ -132,6 +134,7 @@ contains
       end do
       self%tolerance = tolerance
       self%work = work
+      self%strained = .false.
       self%known = .true.
    end subroutine take
 

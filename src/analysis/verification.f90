@@ -13,7 +13,7 @@ module limber_analysis_verification
    use limber_deck_content, only: deck_type
    implicit none
    private
-   public :: verify, does_for, falls_short
+   public :: verify, bound_strain, does_for, falls_short
 
    !> Part of the target that the error of a truth may be that is good enough for another setting; that it is taken to err at least
    !> where there are beams
@@ -21,9 +21,11 @@ module limber_analysis_verification
    !> Part of the target that the integration of a truth may err by
    real(wp), parameter, public :: of_truth = 0.1_wp
    !> Ratio of the tolerances of a run and its check
-   real(wp), parameter, public :: ladder = 0.1_wp
+   real(wp), parameter, public :: ladder = 0.2_wp
    !> What differences are multiplied by where the integration is judged, and the part of the target from which on it is mended first
    real(wp), parameter, public :: widening = 1.25_wp, time_first = 0.75_wp
+   !> Tolerance from which on RADAU may step over vibrations of the strain; work of a run of higher rungs in units of the candidate's
+   real(wp), parameter :: loose = 1.0e-4_wp, most_higher = 16.0_wp
    !> Part of the error of the integration that is left where a smaller tolerance has been of use
    real(wp), parameter :: helped = 0.5_wp
 
@@ -41,16 +43,18 @@ contains
    end function does_for
 
    !> Whether a finer run lacks functions or strain that its beams are to be verified with by what is known now.
-   pure logical function falls_short(truth, advice)
+   pure logical function falls_short(truth, advice, doubted)
       type(truth_type), intent(in) :: truth
       type(advice_type), intent(in) :: advice
+      !> As in `check_rung`
+      logical, intent(in) :: doubted
       type(rung_type) :: check
       integer :: i
       falls_short = .false.
       if (.not. truth%known) return
       do i = 1, size(advice%rungs)
-         check = check_rung(advice, i)
-         falls_short = falls_short .or. (check%stretches .and. .not. truth%rungs(i)%stretches) .or. &
+         check = check_rung(advice, i, doubted)
+         falls_short = falls_short .or. (check%stretches .and. .not. (truth%rungs(i)%stretches .or. truth%strained)) .or. &
             & (check%step > advice%rungs(i)%step .and. truth%rungs(i)%step <= advice%rungs(i)%step)
       end do
    end function falls_short
@@ -74,8 +78,6 @@ contains
       type(rung_type) :: rungs(size(reached%advice%rungs))
       real(wp), allocatable :: of_time(:), rest(:)
       real(wp) :: step, part, beyond, falling, rest_of_time
-      !> Tolerance from which on RADAU may step over vibrations of the strain
-      real(wp), parameter :: loose = 1.0e-4_wp
       !> Tolerances of a check that is there already, in units of that of the run
       real(wp), parameter :: finest = 0.005_wp, coarsest = 0.41_wp
       !> Part of the target from which on an error of the models is one that may surprise
@@ -131,7 +133,7 @@ contains
                return
             end if
             do i = 1, size(rungs)
-               rungs(i) = check_rung(advice, i)
+               rungs(i) = check_rung(advice, i, reached%doubted)
             end do
             reached%believed = any(rungs%step == 0)
             reached%useless = reached%of_time_before > 0.0_wp .and. any(can_climb(advice%rungs)) .and. .not. reached%slow .and. &
@@ -151,7 +153,8 @@ contains
                if (reached%of_time > beyond*target) part = max(ladder, (beyond*target/reached%of_time)**(1/falling))
                if (part < 1.5_wp*ladder) part = ladder
                ! What vibrates along itself tells nothing where steps are longer than that
-               if (any([(vibrates(advice, i), i=1, size(rungs))] .and. rungs%stretches)) part = min(part, loose/advice%tolerance)
+               if (any([(vibrates(advice, i, reached%doubted), i=1, size(rungs))] .and. rungs%stretches)) &
+                  & part = min(part, loose/advice%tolerance)
                part = pool%kept_tolerance(deck, rungs, part*advice%tolerance, ladder*part*advice%tolerance, &
                   & min(2*part, 1.0_wp)*advice%tolerance)/advice%tolerance
                call run_higher(deck, rungs, advice%tolerance, part, candidate%work, quiet, pool, reached, check, error)
@@ -176,7 +179,7 @@ contains
                   & call note_surprise(advice, reached%of_model - reached%of_time)
                rest = max(beyond*rest + part**falling*of_time, doubt*target*truth%scale)
                call truth%take(rungs, part*advice%tolerance, check%samples%values(:channels, :n), check%work, rest)
-               if (on .and. .not. falls_short(truth, advice)) call look_further(deck, target, quiet, pool, &
+               if (on .and. .not. falls_short(truth, advice, reached%doubted)) call look_further(deck, target, quiet, pool, &
                   & candidate, check, part**falling*of_time, reached, truth, error)
                if (allocated(error)) return
             else if (size(rungs) > 0) then
@@ -188,6 +191,45 @@ contains
          end associate
       end associate
    end subroutine verify
+
+   !> What the strain makes of a run where nothing is known of it and all else keeps the target: beside the candidate's own functions,
+   !> and with its tolerance, it costs the least. If that is little it is counted as an error of the truth.
+   subroutine bound_strain(deck, target, quiet, pool, candidate, reached, truth, error)
+      type(deck_type), intent(in) :: deck
+      real(wp), intent(in) :: target
+      logical, intent(in) :: quiet
+      type(pool_type), intent(inout) :: pool
+      type(trial_type), intent(in) :: candidate
+      type(reached_type), intent(inout) :: reached
+      type(truth_type), intent(inout) :: truth
+      type(error_type), allocatable, intent(out) :: error
+      type(trial_type) :: strained
+      type(rung_type) :: rungs(size(reached%advice%rungs)), check
+      real(wp) :: rest(size(truth%rest)), part
+      integer :: i
+      associate (advice => reached%advice)
+         do i = 1, size(rungs)
+            check = check_rung(advice, i, doubted=.true.)
+            rungs(i) = richer(advice%rungs(i), 0, check%stretches)
+            ! Functions are to be verified first
+            if (check%step > advice%rungs(i)%step .and. truth%rungs(i)%step <= advice%rungs(i)%step) return
+         end do
+         part = 1.0_wp
+         if (advice%probe%blind) part = truth%tolerance/advice%tolerance
+         call pool%check(deck, rungs, advice%tolerance, part, 5*most_higher*candidate%work, .false., quiet, 'strain of '// &
+            & names_of(rungs), strained, error)
+         if (allocated(error) .or. strained%reason /= '') return
+         rest = truth%rest
+         truth%rest = rest + min(largest_difference(strained%samples%values, truth%values), &
+            & largest_difference(strained%samples%values, candidate%samples%values(:size(rest), :size(truth%values, 2))))
+         truth%strained = error_against(truth, candidate%samples%values) <= target
+         if (truth%strained) then
+            reached%error = error_against(truth, candidate%samples%values)
+         else
+            truth%rest = rest
+         end if
+      end associate
+   end subroutine bound_strain
 
    !> Error of a check as a part of its difference from the run, by the power that errors fall with; usually they fall faster.
    pure real(wp) function rest_of(step, falling)
@@ -272,7 +314,7 @@ contains
       type(reached_type), intent(in) :: reached
       type(trial_type), intent(inout) :: check
       type(error_type), allocatable, intent(out) :: error
-      real(wp), parameter :: most(4) = [16.0_wp, 24.0_wp, 32.0_wp, 200.0_wp], looser = 0.7_wp
+      real(wp), parameter :: most(4) = [most_higher, 24.0_wp, 32.0_wp, 200.0_wp], looser = 0.7_wp
       integer :: i
       real(wp) :: factor(4), asked, limit
       asked = part
@@ -282,8 +324,9 @@ contains
          part = factor(i)*asked
          if (part*tolerance < 0.1_wp*least_verified) cycle
          if (i == 3 .and. .not. asked < 1.0_wp) cycle
-         ! Strain has fast vibrations
-         limit = most(i)*merge(5.0_wp, 1.0_wp, any(rungs%stretches .and. .not. reached%advice%rungs%stretches))*work
+         ! Strain has fast vibrations, and a rigid beam has none
+         limit = most(i)*merge(5.0_wp, 1.0_wp, any(rungs%stretches .and. .not. reached%advice%rungs%stretches .or. &
+            & rungs%step > 0 .and. reached%advice%rungs%step == 0))*work
          if (i < size(factor)) limit = limit - least_patience
          call pool%check(deck, rungs, tolerance, part, limit, .false., quiet, 'check of '//names_of(rungs), check, error)
          if (allocated(error)) return

@@ -193,7 +193,7 @@ contains
    end subroutine verify
 
    !> What the strain makes of a run where nothing is known of it and all else keeps the target: beside the candidate's own functions,
-   !> and with its tolerance, it costs the least. If that is little it is counted as an error of the truth.
+   !> and with its tolerance, it costs the least. If that is little it is counted as an error of the truth, eq. (V21).
    subroutine bound_strain(deck, target, quiet, pool, candidate, reached, truth, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target

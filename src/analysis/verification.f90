@@ -24,7 +24,7 @@ module limber_analysis_verification
    real(wp), parameter, public :: ladder = 0.2_wp
    !> What differences are multiplied by where the integration is judged, and the part of the target from which on it is mended first
    real(wp), parameter, public :: widening = 1.25_wp, time_first = 0.75_wp
-   !> Tolerance from which on RADAU may step over vibrations of the strain; work of a run of higher rungs in units of the candidate's
+   !> Tolerance from which on RADAU may step over vibrations of the strain; work of a run of higher rungs in units of the run's
    real(wp), parameter :: loose = 1.0e-4_wp, most_higher = 16.0_wp
    !> Part of the error of the integration that is left where a smaller tolerance has been of use
    real(wp), parameter :: helped = 0.5_wp
@@ -192,8 +192,8 @@ contains
       end associate
    end subroutine verify
 
-   !> What the strain makes of a run where nothing is known of it and all else keeps the target: beside the candidate's own functions,
-   !> and with its tolerance, it costs the least. If that is little it is counted as an error of the truth, eq. (V21).
+   !> What the strain makes of a run where nothing is known of it and all else keeps the target: beside the run's own functions, and
+   !> with its tolerance, it costs the least. If that is little it is counted as an error of the truth, eq. (V21).
    subroutine bound_strain(deck, target, quiet, pool, candidate, reached, truth, error)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: target

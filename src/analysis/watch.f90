@@ -5,7 +5,7 @@ module limber_analysis_watch
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_integrator_crossing, only: crossing_type, new_crossing, find_weakest, weak
-   use limber_model_scene, only: dynamics_type
+   use limber_model_scene, only: body_type, dynamics_type
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise
    use limber_system_redundancy, only: constraint_names
@@ -52,6 +52,7 @@ contains
          first = system%layout%q(i) + 4
          associate (body => system%model%bodies(i))
             if (maxval(abs(q(first:first + n - 1)))*body%largest_shape <= body%size) cycle
+            if (largest_deflection(body, q(first:first + n - 1)) <= body%size) cycle
             spin = abs(cross(q(first - 2:first - 1), v(first - 2:first - 1)))
             first_frequency = sqrt(minval(body%reduced%omega2))
             kind = trim(merge('frame', 'beam ', body%is_frame))
@@ -69,6 +70,27 @@ contains
          end associate
       end do
    end subroutine check_deflections
+
+   !> Largest displacement of a node of a beam or frame with modes, across or along a beam. Only where the coordinates are so large
+   !> that it may matter: it goes through the nodes.
+   pure real(wp) function largest_deflection(body, eta) result(largest)
+      type(body_type), intent(in) :: body
+      !> (n)
+      real(wp), intent(in) :: eta(:)
+      integer :: i
+      largest = 0.0_wp
+      if (body%is_frame) then
+         do i = 1, size(body%shape, 2)
+            largest = max(largest, hypot(dot_product(body%shape(1, i, :), eta), dot_product(body%shape(2, i, :), eta)))
+         end do
+         return
+      end if
+      associate (b => body%reduced%bending, field => body%field)
+         do i = lbound(field%w, 1), ubound(field%w, 1)
+            largest = max(largest, abs(dot_product(field%w(i, :), eta(:b))), abs(dot_product(field%u(i, :), eta(b + 1:))))
+         end do
+      end associate
+   end function largest_deflection
 
    !> Begins to watch velocities; again after they have been changed on purpose.
    subroutine start_watch(self, t, v)

@@ -39,6 +39,7 @@ program test_frames
    call check_parts()
    call check_near()
    call check_ends_of_models()
+   call check_short_shapes()
    call check_held_ends()
    call check_deflected()
    call check_lattice()
@@ -441,6 +442,28 @@ contains
       call expect(bar//rest//', FOLLOWER'//nl//' -50, 0.1'//nl//'*DYNAMICS, END=20'//nl, &
          & "frame 'f' deflects by more than its length", 'use LARGE=YES')
    end subroutine check_ends_of_models
+
+   !> A heavy mass at the end of a light angle: coordinates that move the nodes little are large, and the frame deflects by a sixth
+   !> of its length. It rests where *STATICS has left it.
+   subroutine check_short_shapes()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: y(:)
+      call run_text('*MATERIAL, NAME=s, YOUNG=3.01e9, DENSITY=1200'//nl//'*SECTION, NAME=thin, SHAPE=TUBE, DIAMETER=0.01404,'// &
+         & ' THICKNESS=0.001404'//nl//'*FRAME, NAME=f, MATERIAL=s, SECTION=thin, DIVISIONS=4, MODES=2, ANGLE=2.12'//nl//'*NODE'// &
+         & nl//' 1, 0, 0, a'//nl//' 2, 0.3545, 0'//nl//' 3, 0.5424, 0.2389, e'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//' 2, 2, 3'// &
+         & nl//'*BOUNDARY'//nl//' 1, 1, 6'//nl//'*MASS'//nl//' 3, 0.438, 1e-3'//nl//'*JOINT, NAME=w, TYPE=WELD'//nl// &
+         & ' f.a, ground.origin'//nl//'*GRAVITY'//nl//'*STATICS, PERIOD=1, INCREMENTS=1'//nl//'*DYNAMICS, END=1.1, OUTPUTS=10'// &
+         & nl//'*OUTPUT'//nl//' y = y(f.e)'//nl, trim(results), report, error)
+      call check_no_error(error, 'a heavy mass at the end of an angle')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call check_no_error(error, 'results of the angle')
+      allocate (y, source=channel(reader, 'y'))
+      call check_close(maxval(abs(y(3:) - y(2))), 0.0_wp, 1.0e-6_wp, 'it rests')
+      call reader%close()
+   end subroutine check_short_shapes
 
    !> A run that fails says why and what to use.
    subroutine expect(scene, cause, remedy)

@@ -15,6 +15,7 @@ module limber_model_beam_choice
    use limber_model_scene, only: body_type
    use limber_model_sections, only: read_section
    use limber_model_segments, only: choose_frame, piece_at
+   use limber_model_short_beams, only: unsheared_beam
    implicit none
    private
    public :: read_beam
@@ -60,13 +61,14 @@ contains
          if (body%choice%fidelity /= fidelity_exact .or. (piece == 1 .and. pieces > 1)) &
             & call refuse_features(deck, index, body%choice%fidelity == fidelity_exact, diagnostics)
          if (body%choice%fidelity == fidelity_exact .and. section > 0 .and. material > 0 .and. diagnostics%count == before) &
-            & call read_features(deck, index, material, section, piece, body, diagnostics)
+            & call read_features(deck, index, material, section, body, diagnostics)
          usable = section > 0 .and. material > 0 .and. diagnostics%count == before .and. body%beam%length > 0.0_wp &
             & .and. body%beam%elements > 0 .and. body%choice%geometric_elements > 0
          if (usable) call check_modes(block, body, diagnostics)
          if (usable .and. pieces == 1 .and. body%choice%fidelity /= fidelity_exact) then
             call check_parts(deck, index, body, diagnostics)
             call check_chord(deck, block, diagnostics)
+            if (block%word('GEOMETRIC') /= 'RIGID') call weigh_shear(deck, index, material, section, body)
          end if
          usable = usable .and. diagnostics%count == before
       end associate
@@ -347,6 +349,19 @@ contains
       end function end_support
 
    end subroutine choose_exact
+
+   !> What a beam with modes lacks for want of shear, as an exact beam in its place would.
+   subroutine weigh_shear(deck, index, material, section, body)
+      type(deck_type), intent(in) :: deck
+      !> Blocks of the beam, of its material and of its section
+      integer, intent(in) :: index, material, section
+      type(body_type), intent(inout) :: body
+      type(body_type) :: other
+      other%beam = body%beam
+      other%choice = body%choice
+      call choose_exact(deck, index, 1, 1, other)
+      body%unsheared = unsheared_beam(deck, index, material, section, other)
+   end subroutine weigh_shear
 
    !> Joints between which the modes of a beam do not follow how it stretches.
    subroutine check_parts(deck, index, body, diagnostics)

@@ -5,23 +5,20 @@ module limber_model_beam_features
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_exact_profile, only: profile_type, profile_mean, profile_places, profile_values, of_ea, of_ei, of_ga, of_mass, &
       & of_rotary
-   use limber_flex_mesh, only: support_type
    use limber_model_parts, only: is_part
    use limber_model_scene, only: body_type
    use limber_model_sections, only: read_section, section_between, shear_factor
+   use limber_model_short_beams, only: unsheared_beam
    implicit none
    private
-   public :: read_features, refuse_features, find_shear, noticed
+   public :: read_features, refuse_features
 
    !> Options that exact beams only have, first those that are not for beams in segments
    character(*), parameter :: features(*) = [character(17) :: 'END SECTION', 'CURVATURE', 'SHEAR', 'THERMAL STRAIN', &
       & 'THERMAL CURVATURE', 'PRETENSION']
    integer, parameter :: whole_only = 2
-   !> Part of the first frequency that shear takes before it is worth a warning
-   real(wp), parameter :: noticed = 0.01_wp
 
 contains
 
@@ -68,10 +65,10 @@ contains
    end function is_off
 
    !> Reads all of it into the choice of an exact beam.
-   subroutine read_features(deck, index, material, section, piece, body, diagnostics)
+   subroutine read_features(deck, index, material, section, body, diagnostics)
       type(deck_type), intent(in) :: deck
-      !> Blocks of the beam, of its material and of its section; which piece of it
-      integer, intent(in) :: index, material, section, piece
+      !> Blocks of the beam, of its material and of its section
+      integer, intent(in) :: index, material, section
       type(body_type), intent(inout) :: body
       type(diagnostics_type), intent(inout) :: diagnostics
       integer, allocatable :: from(:), to(:)
@@ -95,7 +92,7 @@ contains
          if (diagnostics%count > before) return
          call multiply(deck, material, from, to, block%yes('SHEAR'), body%fibres, choice%profile)
          call use_mean(body)
-         if (piece == 1 .and. .not. block%yes('SHEAR')) call warn_of_shear(deck, index, material, section, body, diagnostics)
+         if (.not. block%yes('SHEAR')) body%unsheared = unsheared_beam(deck, index, material, section, body)
       end associate
 
    contains
@@ -250,77 +247,5 @@ contains
       body%beam%ei = mean(of_ei)
       body%beam%rho_a = mean(of_mass)
    end subroutine use_mean
-
-   !> A slender beam's model on a short one; members of a frame are told of together, by the frame.
-   subroutine warn_of_shear(deck, index, material, section, body, diagnostics)
-      type(deck_type), intent(in) :: deck
-      integer, intent(in) :: index, material, section
-      type(body_type), intent(in) :: body
-      type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: error
-      real(wp) :: part
-      call find_shear(deck, index, material, section, body, part, error)
-      associate (block => deck%blocks(index))
-         if (part > noticed .and. scan(block%name(), '/') == 0) call diagnostics%warn(block%origin_of('LENGTH'), "beam '"// &
-            & block%name()//"' is short: without shear "//error//' by about '//as_text(100*part, 2)//' %', 'use SHEAR=YES')
-      end associate
-   end subroutine warn_of_shear
-
-   !> What a beam lacks without shear, eq. (X20): of its frequencies where something may vibrate, else of its deflection, if anything
-   !> bends it.
-   subroutine find_shear(deck, index, material, section, body, part, error)
-      type(deck_type), intent(in) :: deck
-      !> Blocks of the beam, of its material and of its section
-      integer, intent(in) :: index, material, section
-      type(body_type), intent(in) :: body
-      !> Relative error, and what it is of
-      real(wp), intent(out) :: part
-      character(:), allocatable, intent(out) :: error
-      real(wp) :: factor, slender, softer
-      factor = shear_factor(deck%blocks(section), deck%blocks(section), 0.0_wp)
-      if (.not. factor > 0.0_wp) factor = 5.0_wp/6
-      associate (block => deck%blocks(index), beam => body%beam, choice => body%choice%exact)
-         slender = (wave(choice%support)/block%real('LENGTH'))**2*beam%ei/beam%ea
-         softer = 2*(1 + deck%blocks(material)%real('POISSON'))/factor
-         if (deck%find('DYNAMICS') > 0 .or. deck%find('MODES') > 0) then
-            part = 0.5_wp*slender*(1 + softer)
-            error = 'and rotary inertia its first bending frequency is too high'
-         else
-            part = merge(slender*softer, 0.0_wp, is_bent(deck, choice))
-            error = 'its deflection is too small'
-         end if
-      end associate
-   end subroutine find_shear
-
-   !> Whether anything bends a beam at rest: the links of a truss are only pulled.
-   pure logical function is_bent(deck, choice)
-      type(deck_type), intent(in) :: deck
-      type(exact_choice_type), intent(in) :: choice
-      integer :: i
-      is_bent = any(choice%moment) .or. abs(choice%arc) + abs(choice%hot_curvature) > 0.0_wp &
-         & .or. deck%find('GRAVITY') > 0 .or. deck%find('DISTRIBUTED LOAD') > 0
-      if (allocated(choice%kinks)) is_bent = is_bent .or. size(choice%kinks) > 0
-      if (allocated(choice%steps)) is_bent = is_bent .or. size(choice%steps) > 0
-      do i = 1, size(deck%blocks)
-         if (deck%blocks(i)%keyword == 'STATICS') is_bent = is_bent .or. deck%blocks(i)%has('ROTATION')
-      end do
-      if (allocated(choice%corners)) is_bent = is_bent .or. size(choice%corners) > 0
-   end function is_bent
-
-   !> Wave number of the first bending mode times the length.
-   pure real(wp) function wave(support)
-      type(support_type), intent(in) :: support
-      integer :: held
-      held = count([support%w_start, support%theta_start, support%w_end, support%theta_end])
-      select case (held)
-      case (4); wave = 4.730_wp
-      case (3); wave = 3.927_wp
-      case (2)
-         wave = 3.1416_wp
-         if (.not. (support%w_start .and. support%w_end)) wave = 1.875_wp
-      case (1); wave = 3.927_wp
-      case default; wave = 4.730_wp
-      end select
-   end function wave
 
 end module limber_model_beam_features

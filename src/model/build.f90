@@ -24,6 +24,7 @@ module limber_model_build
    use limber_model_ramps, only: warn_of_ramp
    use limber_model_scalars, only: add_scalars
    use limber_model_scene, only: model_type, body_flexible, ground
+   use limber_model_short_beams, only: warn_of_short
    use limber_model_segments, only: pieces_of
    use limber_model_spreads, only: add_distributed
    use limber_model_stresses, only: add_recoveries
@@ -85,7 +86,7 @@ contains
       call check_parts(deck, diagnostics)
       call trim_lists(model)
       do i = 1, size(deck%blocks)
-         if (is_large(deck%blocks(i))) call unite_frame(deck, i, model, diagnostics)
+         if (is_large(deck%blocks(i))) call unite_frame(deck, i, model)
       end do
       call add_analyses(deck, model, diagnostics)
       model%length = scene_length(model)
@@ -133,6 +134,7 @@ contains
       end do
       if (diagnostics%count == 0) call add_recoveries(model, diagnostics)
       if (diagnostics%count == 0) call warn_of_ramp(deck, model, diagnostics)
+      if (diagnostics%count == 0) call warn_of_short(deck, model, diagnostics)
       if (size(model%bodies) == 0 .and. diagnostics%count == 0) call diagnostics%add(origin_type(file=1), &
          & 'the deck has no body; it needs at least one *RIGID BODY, *POINT MASS, *BEAM or *FRAME')
    end subroutine build_blocks

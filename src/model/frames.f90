@@ -17,6 +17,7 @@ module limber_model_frames
    use limber_model_parts, only: is_part
    use limber_model_points, only: add_point
    use limber_model_scene, only: model_type, body_type, body_flexible, body_rigid
+   use limber_model_short_beams, only: unsheared_frame
    implicit none
    private
    public :: add_frame
@@ -69,6 +70,7 @@ contains
          body%reduced = rigid_frame(draft)
       else if (body%reduced%n > 0) then
          body%largest_shape = maxval(abs(body%shape(1:2, :, :)))
+         body%unsheared = unsheared_frame(deck, draft, body)
       end if
       if (usable .and. allocated(body%shape)) call warn_of_rounding(extent(draft%place(:, :size(draft%node)))/ &
          & minval(body%mesh%length), deck%blocks(index)%origin_of('DIVISIONS'), "frame '"//body%name//"'", diagnostics)

@@ -10,7 +10,6 @@ module limber_model_large_frames
    use limber_deck_families, only: options_of_frame_modes
    use limber_deck_origin, only: origin_type
    use limber_deck_reader, only: read_deck_text
-   use limber_model_beam_features, only: find_shear, noticed
    use limber_model_frame_draft, only: draft_type, read_draft, member_of
    use limber_model_parts, only: is_part
    use limber_model_points, only: find_body, find_named
@@ -259,12 +258,11 @@ contains
    end function member_name
 
    !> Makes a whole of the members of a large frame, which are in the model; its name stands for the first of them.
-   subroutine unite_frame(deck, index, model, diagnostics)
+   subroutine unite_frame(deck, index, model)
       type(deck_type), intent(in) :: deck
       !> Block of the frame
       integer, intent(in) :: index
       type(model_type), intent(inout) :: model
-      type(diagnostics_type), intent(inout) :: diagnostics
       type(diagnostics_type) :: none
       type(draft_type) :: draft
       type(whole_type) :: whole
@@ -301,7 +299,6 @@ contains
       end do
       call lean_points(model, whole)
       call append_whole(model, whole)
-      call warn_of_shear(deck, index, draft, model, whole%first, diagnostics)
 
    contains
 
@@ -322,32 +319,6 @@ contains
       end subroutine note
 
    end subroutine unite_frame
-
-   !> Members that are short, in one line, with the one that is shortest.
-   subroutine warn_of_shear(deck, index, draft, model, first, diagnostics)
-      type(deck_type), intent(in) :: deck
-      integer, intent(in) :: index
-      type(draft_type), intent(in) :: draft
-      type(model_type), intent(in) :: model
-      !> Body of the first member
-      integer, intent(in) :: first
-      type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp) :: part(size(draft%number))
-      character(:), allocatable :: error
-      integer :: m, short
-      do m = 1, size(part)
-         associate (body => model%bodies(first + m - 1))
-            call find_shear(deck, deck%find_named('BEAM', body%name), draft%material(m), draft%section(m), body, part(m), error)
-         end associate
-      end do
-      short = count(part > noticed)
-      if (short == 0) return
-      m = maxloc(part, dim=1)
-      call diagnostics%warn(deck%blocks(index)%origin, "frame '"//deck%blocks(index)%name()//"': "//as_text(short)//' of '// &
-         & as_text(size(part))//' members are short; of member '//as_text(draft%number(m))//', alone, without shear '//error// &
-         & ' by about '//as_text(100*part(m), 2)//' %', &
-         & 'where that counts, weld a *BEAM with SHEAR=YES in the place of such a member')
-   end subroutine warn_of_shear
 
    !> Axes of the points of a frame are parallel to those of the frame; those of the members' own points to the members.
    pure subroutine lean_points(model, whole)

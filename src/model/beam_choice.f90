@@ -68,8 +68,10 @@ contains
          if (usable .and. pieces == 1 .and. body%choice%fidelity /= fidelity_exact) then
             call check_parts(deck, index, body, diagnostics)
             call check_chord(deck, block, diagnostics)
-            if (block%word('GEOMETRIC') /= 'RIGID') call weigh_shear(deck, index, material, section, body)
          end if
+         ! Members of a frame are weighed with it
+         if (usable .and. piece == 1 .and. scan(block%name(), '/') == 0 .and. block%word('GEOMETRIC') /= 'RIGID' .and. &
+            & .not. block%yes('SHEAR')) call weigh_shear(deck, index, material, section, body)
          usable = usable .and. diagnostics%count == before
       end associate
    end subroutine read_beam
@@ -260,11 +262,13 @@ contains
 
    !> The functions of an exact beam: how many, the support of its modes, which follows from the joints that hold it if the deck does
    !> not say, the places within it where something acts, and whether moments and shear forces act at its ends.
-   subroutine choose_exact(deck, index, piece, pieces, body)
+   subroutine choose_exact(deck, index, piece, pieces, body, held)
       type(deck_type), intent(in) :: deck
       !> Block of the beam; which piece, of how many
       integer, intent(in) :: index, piece, pieces
       type(body_type), intent(inout) :: body
+      !> What joints hold, whatever the deck says of the modes
+      type(support_type), intent(out), optional :: held
       type(acting_type), allocatable :: points(:)
       real(wp), allocatable :: x(:)
       character(:), allocatable :: support
@@ -296,6 +300,7 @@ contains
             choice%steps = [choice%steps, pack(body%beam%place, body%beam%inertia > 0.0_wp)]
          end if
          support = end_support(0.0_wp)//'-'//end_support(length)
+         if (present(held)) held = new_support(support)
          ! Pieces are welded to each other
          if (pieces > 1) support = 'CLAMPED-FREE'
          if (pieces > 1 .or. .not. block%given('SUPPORT')) choice%support = new_support(support)
@@ -350,17 +355,19 @@ contains
 
    end subroutine choose_exact
 
-   !> What a beam with modes lacks for want of shear, as an exact beam in its place would.
+   !> What a beam lacks for want of shear, as an exact beam in one piece would in its place.
    subroutine weigh_shear(deck, index, material, section, body)
       type(deck_type), intent(in) :: deck
       !> Blocks of the beam, of its material and of its section
       integer, intent(in) :: index, material, section
       type(body_type), intent(inout) :: body
-      type(body_type) :: other
-      other%beam = body%beam
-      other%choice = body%choice
-      call choose_exact(deck, index, 1, 1, other)
-      body%unsheared = unsheared_beam(deck, index, material, section, other)
+      type(body_type) :: whole
+      type(support_type) :: support
+      whole%beam = body%beam
+      whole%beam%length = deck%blocks(index)%real('LENGTH')
+      whole%choice = body%choice
+      call choose_exact(deck, index, 1, 1, whole, support)
+      body%unsheared = unsheared_beam(deck, index, material, section, whole, support)
    end subroutine weigh_shear
 
    !> Joints between which the modes of a beam do not follow how it stretches.

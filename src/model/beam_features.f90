@@ -10,7 +10,6 @@ module limber_model_beam_features
    use limber_model_parts, only: is_part
    use limber_model_scene, only: body_type
    use limber_model_sections, only: read_section, section_between, shear_factor
-   use limber_model_short_beams, only: unsheared_beam
    implicit none
    private
    public :: read_features, refuse_features
@@ -92,7 +91,6 @@ contains
          if (diagnostics%count > before) return
          call multiply(deck, material, from, to, block%yes('SHEAR'), body%fibres, choice%profile)
          call use_mean(body)
-         if (.not. block%yes('SHEAR')) body%unsheared = unsheared_beam(deck, index, material, section, body)
       end associate
 
    contains

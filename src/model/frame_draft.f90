@@ -11,7 +11,7 @@ module limber_model_frame_draft
    use limber_model_sections, only: read_section
    implicit none
    private
-   public :: draft_type, read_draft, member_of
+   public :: draft_type, read_draft, member_of, node_named
 
    !> Finite elements of a member where the deck does not say: most and least, and of all members together. With 8 the masses in the
    !> nodes shift vibrations of higher modes that sudden loads excite by a sixth of a moment in thirty periods.
@@ -385,5 +385,28 @@ contains
       integer, intent(in) :: number
       member = place_of(draft%number, number)
    end function member_of
+
+   !> Index of the node that a point of a frame stands for; 0: none.
+   integer function node_named(deck, frame, draft, name) result(node)
+      type(deck_type), intent(in) :: deck
+      !> Index of its block
+      integer, intent(in) :: frame
+      type(draft_type), intent(in) :: draft
+      !> Of the point, without that of the frame
+      character(*), intent(in) :: name
+      integer :: i, k
+      node = 0
+      do i = 1, size(draft%node)
+         if (name == 'origin' .and. all(abs(draft%place(:, i)) <= 0.0_wp)) node = i
+      end do
+      do i = 1, size(deck%blocks)
+         if (deck%blocks(i)%keyword /= 'NODE') cycle
+         if (.not. is_part(deck, i, frame)) cycle
+         do k = 1, size(deck%blocks(i)%lines)
+            if (deck%blocks(i)%lines(k)%count() < 4) cycle
+            if (deck%blocks(i)%lines(k)%text(4) == name) node = findloc(draft%node, nint(deck%blocks(i)%lines(k)%number(1)), dim=1)
+         end do
+      end do
+   end function node_named
 
 end module limber_model_frame_draft

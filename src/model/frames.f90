@@ -13,11 +13,11 @@ module limber_model_frames
    use limber_flex_reduction, only: fidelity_linear, fidelity_kg
    use limber_model_acting, only: acting_type, acting_points
    use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
-   use limber_model_frame_draft, only: draft_type, read_draft, member_of
+   use limber_model_frame_draft, only: draft_type, read_draft, member_of, node_named
    use limber_model_parts, only: is_part
    use limber_model_points, only: add_point
    use limber_model_scene, only: model_type, body_type, body_flexible, body_rigid
-   use limber_model_short_beams, only: unsheared_frame
+   use limber_model_short_beams, only: weigh_frame
    implicit none
    private
    public :: add_frame
@@ -70,7 +70,7 @@ contains
          body%reduced = rigid_frame(draft)
       else if (body%reduced%n > 0) then
          body%largest_shape = maxval(abs(body%shape(1:2, :, :)))
-         body%unsheared = unsheared_frame(deck, draft, body)
+         call weigh_frame(deck, index, draft, body%unsheared, body%shortest)
       end if
       if (usable .and. allocated(body%shape)) call warn_of_rounding(extent(draft%place(:, :size(draft%node)))/ &
          & minval(body%mesh%length), deck%blocks(index)%origin_of('DIVISIONS'), "frame '"//body%name//"'", diagnostics)
@@ -213,21 +213,10 @@ contains
       integer, intent(out) :: member
       real(wp), intent(out) :: x
       logical, intent(out) :: found
-      integer :: i, k, node
+      integer :: i, node
       member = 0
       x = 0.0_wp
-      node = 0
-      do i = 1, size(draft%node)
-         if (name == 'origin' .and. all(abs(draft%place(:, i)) <= 0.0_wp)) node = i
-      end do
-      do i = 1, size(deck%blocks)
-         if (deck%blocks(i)%keyword /= 'NODE') cycle
-         if (.not. is_part(deck, i, index)) cycle
-         do k = 1, size(deck%blocks(i)%lines)
-            if (deck%blocks(i)%lines(k)%count() < 4) cycle
-            if (deck%blocks(i)%lines(k)%text(4) == name) node = findloc(draft%node, nint(deck%blocks(i)%lines(k)%number(1)), dim=1)
-         end do
-      end do
+      node = node_named(deck, index, draft, name)
       if (node > 0) then
          do member = 1, size(draft%members)
             if (any(draft%members(member)%ends == node)) exit

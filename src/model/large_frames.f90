@@ -15,6 +15,7 @@ module limber_model_large_frames
    use limber_model_points, only: find_body, find_named
    use limber_model_scene, only: model_type, whole_type
    use limber_model_segments, only: append_whole
+   use limber_model_short_beams, only: weigh_frame
    implicit none
    private
    public :: is_large, has_large_frames, expand_frames, unite_frame
@@ -299,6 +300,9 @@ contains
       end do
       call lean_points(model, whole)
       call append_whole(model, whole)
+      associate (body => model%bodies(whole%first))
+         call weigh_frame(deck, index, draft, body%unsheared, body%shortest)
+      end associate
 
    contains
 

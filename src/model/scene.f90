@@ -118,8 +118,10 @@ module limber_model_scene
       logical :: envelope = .false.
       !> Number of the sections of points
       integer :: point_sections = 0
-      !> What a beam or frame lacks for want of shear: of its first frequency, or of its deflection at rest, relative
+      !> What a beam or frame lacks for want of shear: of its first frequency, or of its deflection at rest, relative; the first body of
+      !> a whole has it. Number of the member of a frame that has most of it
       real(wp) :: unsheared = 0.0_wp
+      integer :: shortest = 0
       !> Of a flexible beam the first one with the same reduction, maybe itself
       integer :: twin = 0
       !> Of a piece of a beam in segments: which of the model's wholes it is a part of; else 0

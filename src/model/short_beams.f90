@@ -2,75 +2,61 @@
 !> frames of all models. Floor: model. Source: doc/theory, eqs. (X20), (U1).
 module limber_model_short_beams
    use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_exact_functions, only: exact_choice_type
+   use limber_flex_frame, only: frame_type, member_type, new_frame
+   use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes
    use limber_flex_mesh, only: support_type
-   use limber_model_frame_draft, only: draft_type
-   use limber_model_quantities, only: quantities
+   use limber_flex_reduced, only: reduced_type
+   use limber_flex_reduction, only: fidelity_linear
+   use limber_model_acting, only: acting_type, acting_points
+   use limber_model_frame_draft, only: draft_type, node_named
    use limber_model_scene, only: model_type, body_type
    use limber_model_sections, only: shear_factor
    implicit none
    private
-   public :: unsheared_beam, unsheared_frame, warn_of_short
+   public :: unsheared_beam, weigh_frame, warn_of_short
 
    !> Relative error for want of shear that is worth a warning
    real(wp), parameter :: noticed = 0.01_wp
+   !> Finite elements of each member of a frame for its first vibrations
+   integer, parameter :: divisions = 8
+   !> Vibrations of a frame that are looked at: the first may be one along its members
+   integer, parameter :: looked_at = 3
 
 contains
 
-   !> Warns of beams and frames that are short, if anything is asked for that depends on it; of the members of a frame in one line.
+   !> Warns of beams and frames that are short.
    subroutine warn_of_short(deck, model, diagnostics)
       type(deck_type), intent(in) :: deck
       type(model_type), intent(in) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: which
-      integer :: i, k
-      if (all(model%bodies%unsheared <= noticed)) return
-      if (.not. shows_deflections(deck, model)) return
+      character(:), allocatable :: name, error
+      integer :: i
+      error = ': without shear its deflection is too small by about '
+      if (vibrates(deck)) error = ': without shear and rotary inertia its first bending frequency is too high by about '
       do i = 1, size(model%bodies)
          associate (body => model%bodies(i))
-            if (body%whole > 0) cycle
-            if (body%is_frame) call tell(deck, body%name, ' has short members', body%unsheared, diagnostics)
-            if (.not. body%is_frame) call tell(deck, body%name, ' is short', body%unsheared, diagnostics)
-         end associate
-      end do
-      do k = 1, size(model%wholes)
-         associate (whole => model%wholes(k), part => model%bodies(model%wholes(k)%first:model%wholes(k)%last)%unsheared)
-            which = ' is short'
-            i = maxloc(part, dim=1)
-            if (allocated(whole%lean)) which = ': '//as_text(count(part > noticed))//' of '//as_text(size(part))// &
-               & ' members are short; of member '//as_text(whole%member_numbers(i))//', alone'
-            call tell(deck, whole%name, which, part(i), diagnostics)
+            if (body%unsheared <= noticed) cycle
+            name = body%name
+            if (body%whole > 0) name = model%wholes(body%whole)%name
+            associate (block => deck%blocks(deck%find_named('BEAM|FRAME', name)))
+               if (block%keyword == 'FRAME') then
+                  call diagnostics%warn(block%origin, "frame '"//name//"' has short members"//error// &
+                     & as_text(100*body%unsheared, 2)//' %, most of it in member '//as_text(body%shortest), &
+                     & 'where that counts, weld a *BEAM with SHEAR=YES in the place of such a member')
+               else
+                  call diagnostics%warn(block%origin_of('LENGTH'), "beam '"//name//"' is short"//error// &
+                     & as_text(100*body%unsheared, 2)//' %', trim(merge('use SHEAR=YES                 ', &
+                     & 'use GEOMETRIC=EXACT, SHEAR=YES', block%word('GEOMETRIC') == 'EXACT')))
+               end if
+            end associate
          end associate
       end do
    end subroutine warn_of_short
-
-   !> Tells of one, unless it is slender enough.
-   subroutine tell(deck, name, which, part, diagnostics)
-      type(deck_type), intent(in) :: deck
-      !> Of the beam or frame; what is short
-      character(*), intent(in) :: name, which
-      !> What it lacks
-      real(wp), intent(in) :: part
-      type(diagnostics_type), intent(inout) :: diagnostics
-      character(:), allocatable :: error, remedy
-      if (part <= noticed) return
-      error = ': without shear its deflection is too small by about '//as_text(100*part, 2)//' %'
-      if (vibrates(deck)) error = ': without shear and rotary inertia its first bending frequency is too high by about '// &
-         & as_text(100*part, 2)//' %'
-      remedy = 'where that counts, weld a *BEAM with SHEAR=YES in the place of such a member'
-      associate (block => deck%blocks(deck%find_named('BEAM|FRAME', name)))
-         if (block%keyword == 'BEAM') then
-            remedy = 'use SHEAR=YES'
-            if (block%word('GEOMETRIC') /= 'EXACT') remedy = 'use GEOMETRIC=EXACT, SHEAR=YES'
-            call diagnostics%warn(block%origin_of('LENGTH'), "beam '"//name//"'"//which//error, remedy)
-         else
-            call diagnostics%warn(block%origin, "frame '"//name//"'"//which//error, remedy)
-         end if
-      end associate
-   end subroutine tell
 
    !> Whether a motion or vibrations are asked for.
    pure logical function vibrates(deck)
@@ -78,72 +64,119 @@ contains
       vibrates = deck%find('DYNAMICS') > 0 .or. deck%find('MODES') > 0
    end function vibrates
 
-   !> Whether results depend on deflections: vibrations, and channels of all kinds but forces, moments and stresses at rest.
-   pure logical function shows_deflections(deck, model)
+   !> The error of a first frequency that is too high, or of a deflection at rest that is too small, relative to the true one, eq. (U1).
+   pure real(wp) function lacking(deck, shear, turning)
       type(deck_type), intent(in) :: deck
-      type(model_type), intent(in) :: model
-      integer :: i, k
-      shows_deflections = vibrates(deck) .or. model%motion
-      do i = 1, size(model%channels)
-         do k = 1, size(model%channels(i)%quantities)
-            associate (kind => model%channels(i)%quantities(k)%kind)
-               ! A parameter or the like has no kind
-               if (kind == 0) cycle
-               if (any(quantities(kind)%dimension(2:3) /= [-2, 1])) shows_deflections = .true.
-            end associate
-         end do
-      end do
-   end function shows_deflections
+      !> Elastic energy of shear beside that of the rest, kinetic energy of the sections' rotation beside that of the rest
+      real(wp), intent(in) :: shear, turning
+      lacking = shear/(1 + shear)
+      if (vibrates(deck)) lacking = sqrt(1 + shear + turning) - 1
+   end function lacking
 
-   !> What a beam lacks without shear, eq. (X20): of its frequencies where something may vibrate, else of its deflection, if anything
-   !> bends it.
-   real(wp) function unsheared_beam(deck, index, material, section, body) result(part)
+   !> What a beam lacks without shear, eqs. (X20), (U1): of its frequencies where something may vibrate, else of its deflection, if
+   !> anything bends it.
+   real(wp) function unsheared_beam(deck, index, material, section, body, support) result(part)
       type(deck_type), intent(in) :: deck
       !> Blocks of the beam, of its material and of its section
       integer, intent(in) :: index, material, section
       !> With the choice of an exact beam
       type(body_type), intent(in) :: body
-      real(wp) :: slender, softer
-      associate (block => deck%blocks(index), beam => body%beam, choice => body%choice%exact)
-         slender = (wave(choice%support)/block%real('LENGTH'))**2*beam%ei/beam%ea
-         softer = softness(deck, material, section)
-         if (vibrates(deck)) then
-            part = 0.5_wp*slender*(1 + softer)
-         else
-            part = merge(slender*softer, 0.0_wp, is_bent(deck, choice))
-         end if
-      end associate
+      !> Of the beam in the scene
+      type(support_type), intent(in) :: support
+      real(wp) :: slender, of_mode(2)
+      part = 0.0_wp
+      if (.not. (vibrates(deck) .or. is_bent(deck, body%choice%exact))) return
+      slender = body%beam%ei/body%beam%ea/deck%blocks(index)%real('LENGTH')**2
+      of_mode = shear_and_turning(support)
+      part = lacking(deck, of_mode(1)*slender*softness(deck, material, section), of_mode(2)*slender)
    end function unsheared_beam
 
-   !> The same of a frame: energies of the shear forces and of the rotation of the sections in its slowest coordinate, eq. (U1).
-   real(wp) function unsheared_frame(deck, draft, body) result(part)
+   !> The same of a frame by its first vibrations, held at the nodes that joints or *BOUNDARY hold, eq. (U1); and the member with most
+   !> of it.
+   subroutine weigh_frame(deck, index, draft, part, shortest)
+      type(deck_type), intent(in) :: deck
+      !> Block of the frame
+      integer, intent(in) :: index
+      type(draft_type), intent(in) :: draft
+      real(wp), intent(out) :: part
+      !> Number of the member in the deck
+      integer, intent(out) :: shortest
+      type(frame_type) :: mesh
+      type(frame_choice_type) :: choice
+      type(reduced_type) :: reduced
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: shape(:, :, :)
+      real(wp) :: shear(size(draft%number)), turning, own
+      integer :: k
+      part = 0.0_wp
+      shortest = 0
+      mesh = held_frame(deck, index, draft)
+      choice%modes = min(looked_at, available_frame_modes(mesh))
+      choice%fidelity = fidelity_linear
+      allocate (choice%attachments(2, 0))
+      if (choice%modes == 0) return
+      call reduce_frame(mesh, choice, reduced, shape, error)
+      if (allocated(error)) return
+      do k = 1, reduced%n
+         call find_energies(deck, draft, mesh, shape(:, :, k), shear, turning)
+         own = lacking(deck, sum(shear)/reduced%omega2(k), turning)*reduced%omega2(1)/reduced%omega2(k)
+         if (own > part) shortest = draft%number(maxloc(shear, dim=1))
+         part = max(part, own)
+      end do
+   end subroutine weigh_frame
+
+   !> Twice the energies of the shear forces (members) and of the rotation of the sections in a vibration of a frame with unit mass.
+   subroutine find_energies(deck, draft, mesh, shape, shear, turning)
       type(deck_type), intent(in) :: deck
       type(draft_type), intent(in) :: draft
-      type(body_type), intent(in) :: body
-      real(wp) :: shear, turning, ends(2, 2), bent
-      integer :: e, k, side
-      part = 0.0_wp
-      if (body%reduced%n == 0) return
-      k = minloc(body%reduced%omega2, dim=1)
+      type(frame_type), intent(in) :: mesh
+      !> Displacements and rotations of its nodes (3, nodes)
+      real(wp), intent(in) :: shape(:, :)
+      real(wp), intent(out) :: shear(:), turning
+      real(wp) :: force, bent, ends(2, 2)
+      integer :: e, side
+      shear = 0.0_wp
       turning = 0.0_wp
-      associate (mesh => body%mesh)
-         do e = 1, size(mesh%length)
-            do side = 1, 2
-               associate (shape => body%shape(:, mesh%ends(side, e), k))
-                  ! Displacement across the element, and rotation
-                  ends(:, side) = [mesh%axis(1, e)*shape(2) - mesh%axis(2, e)*shape(1), shape(3)]
-               end associate
-            end do
-            bent = ends(1, 2) - ends(1, 1)
-            shear = 6*mesh%ei(e)/mesh%length(e)**2*(sum(ends(2, :)) - 2*bent/mesh%length(e))
-            part = part + shear**2*mesh%length(e)/mesh%ea(e) &
-               & *softness(deck, draft%material(mesh%member(e)), draft%section(mesh%member(e)))
-            turning = turning + mesh%rho_a(e)*mesh%length(e)*mesh%ei(e)/mesh%ea(e)*(bent/mesh%length(e))**2
+      do e = 1, size(mesh%length)
+         do side = 1, 2
+            ! Displacement across the element, and rotation
+            associate (moved => shape(:, mesh%ends(side, e)))
+               ends(:, side) = [mesh%axis(1, e)*moved(2) - mesh%axis(2, e)*moved(1), moved(3)]
+            end associate
          end do
-      end associate
-      part = part/body%reduced%omega2(k)
-      if (vibrates(deck)) part = 0.5_wp*(part + turning)
-   end function unsheared_frame
+         bent = (ends(1, 2) - ends(1, 1))/mesh%length(e)
+         force = 6*mesh%ei(e)/mesh%length(e)**2*(sum(ends(2, :)) - 2*bent)
+         associate (m => mesh%member(e))
+            shear(m) = shear(m) + force**2*mesh%length(e)/mesh%ea(e)*softness(deck, draft%material(m), draft%section(m))
+         end associate
+         turning = turning + mesh%rho_a(e)*mesh%length(e)*mesh%ei(e)/mesh%ea(e)*bent**2
+      end do
+   end subroutine find_energies
+
+   !> The mesh of a frame in the scene.
+   function held_frame(deck, index, draft) result(mesh)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: index
+      type(draft_type), intent(in) :: draft
+      type(frame_type) :: mesh
+      type(member_type) :: members(size(draft%members))
+      type(acting_type), allocatable :: points(:)
+      integer :: i, node
+      members = draft%members
+      members%divisions = divisions
+      mesh = new_frame(draft%place, members)
+      do i = 1, size(draft%node)
+         mesh%free(:, i) = draft%free(:, i)
+         mesh%mass(:, i) = mesh%mass(:, i) + [draft%mass(i), draft%mass(i), draft%inertia(i)]
+      end do
+      call acting_points(deck, deck%blocks(index)%name(), points)
+      do i = 1, size(points)
+         node = node_named(deck, index, draft, trim(points(i)%name))
+         if (node == 0) cycle
+         if (points(i)%held) mesh%free(1:2, node) = .false.
+         if (points(i)%clamped) mesh%free(3, node) = .false.
+      end do
+   end function held_frame
 
    !> E A over the rigidity in shear of a section.
    real(wp) function softness(deck, material, section)
@@ -171,20 +204,21 @@ contains
       if (allocated(choice%corners)) is_bent = is_bent .or. size(choice%corners) > 0
    end function is_bent
 
-   !> Wave number of the first bending mode times the length.
-   pure real(wp) function wave(support)
+   !> Of the first vibration, for a beam of the length 1 with unit rigidities: energy of shear, and of the sections' rotation.
+   pure function shear_and_turning(support) result(parts)
       type(support_type), intent(in) :: support
+      real(wp) :: parts(2)
       integer :: held
       held = count([support%w_start, support%theta_start, support%w_end, support%theta_end])
       select case (held)
-      case (4); wave = 4.730_wp
-      case (3); wave = 3.927_wp
+      case (4); parts = [49.48_wp, 12.30_wp]
+      case (3); parts = [27.23_wp, 11.51_wp]
       case (2)
-         wave = 3.1416_wp
-         if (.not. (support%w_start .and. support%w_end)) wave = 1.875_wp
-      case (1); wave = 3.927_wp
-      case default; wave = 4.730_wp
+         parts = 9.870_wp
+         if (.not. (support%w_start .and. support%w_end)) parts = 4.648_wp
+      case (1); parts = [11.51_wp, 27.23_wp]
+      case default; parts = [12.30_wp, 49.48_wp]
       end select
-   end function wave
+   end function shear_and_turning
 
 end module limber_model_short_beams

@@ -8,7 +8,7 @@ module limber_analysis_function_report
       & of_forces, of_pulls
    use limber_analysis_function_buckling, only: buckles_unseen
    use limber_analysis_function_layers, only: layers_type, lost_in_layers
-   use limber_analysis_function_sudden, only: lost_deflection
+   use limber_analysis_function_sudden, only: lost_deflection, is_struck
    use limber_analysis_function_watch, only: function_watch_type
    use limber_analysis_noise, only: noise_of
    use limber_model_scene, only: model_type
@@ -167,7 +167,8 @@ contains
             call add(report%remedies, ' and ', remedy_of(beam%layers, model, beam%body))
          end associate
       end if
-      if (max(report%rest, sudden) > 0.0_wp) call add(report%remedies, ' and ', functions_for(sudden, functions))
+      if (max(report%rest, sudden) > 0.0_wp) call add(report%remedies, ' and ', functions_for(sudden, functions, &
+         & slower(self, report)))
       text = "warning: beam '"//report%name//"' has too few functions of the angle: its "//as_text(functions)//' do not follow '// &
          & report%causes//'; '//report%what//' may be off; use '//report%remedies//newline
    end function angle_warning
@@ -193,15 +194,30 @@ contains
    end subroutine add_error
 
    !> Functions for sudden loads: errors of forces fall about as one over their number.
-   pure function functions_for(error, functions) result(text)
+   pure function functions_for(error, functions, otherwise) result(text)
       real(wp), intent(in) :: error
       integer, intent(in) :: functions
+      !> What else helps against sudden loads
+      character(*), intent(in) :: otherwise
       character(:), allocatable :: text
       integer :: better
       better = nint(functions*max(2.0_wp, min(error, 1.0e3_wp)/aim))
       text = 'FUNCTIONS='//as_text(max(2*functions, min(better, most_functions)))
-      if (better > most_functions) text = text//', or loads that change more slowly'
+      if (better > most_functions .or. (error > 0.0_wp .and. index(otherwise, '*') > 0)) text = text//', or '//otherwise
    end function functions_for
+
+   !> What else helps against vibrations of a beam, by what sets them off.
+   pure function slower(self, report) result(text)
+      type(function_watch_type), intent(in) :: self
+      type(report_type), intent(in) :: report
+      character(:), allocatable :: text
+      integer :: k
+      text = 'loads that change more slowly'
+      do k = report%first, report%last
+         if (is_struck(self%beams(k)%sudden)) text = &
+            & '*ASSEMBLY, INITIAL DEFLECTIONS=STATIC, for it is the start without deflections that sets them off'
+      end do
+   end function slower
 
    !> Where layers are.
    pure function words_of(layers, model, body) result(text)
@@ -285,7 +301,7 @@ contains
          text = "warning: beam '"//report%name//"' vibrates along itself under sudden or fast loads in ways that its "// &
             & as_text(strains)//trim(merge(' function ', ' functions', strains == 1))//' of the strain do not follow: '// &
             & report%what//' may be off; use STRAIN FUNCTIONS='//as_text(max(3, 2*strains))// &
-            & ', STRAIN FUNCTIONS=0 to leave these vibrations out, or loads that change more slowly'//newline
+            & ', STRAIN FUNCTIONS=0 to leave these vibrations out, or '//slower(self, report)//newline
       end associate
    end function ring_warning
 

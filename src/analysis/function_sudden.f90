@@ -11,6 +11,7 @@ module limber_analysis_function_sudden
    implicit none
    private
    public :: sudden_type, start_sudden, observe_sudden, join_sudden, lost_deflection, lost_moments, lost_shears, lost_pulls
+   public :: is_struck
    public :: at_rest, in_motion, at_start, before_break, behind_break
 
    !> What a state is that is looked at: at rest; within a motion; its first one; on both sides of an instant at which loads jump
@@ -40,6 +41,8 @@ module limber_analysis_function_sudden
       !> Squares of the jumps of what the functions leave out of the axial force, added up, and largest axial force of
       !> vibrations that are late (stations)
       real(wp), allocatable :: pull(:), ring(:)
+      !> Largest bending moment and axial force of vibrations that the start sets off
+      real(wp) :: struck(2) = 0.0_wp
    contains
       procedure :: exchange => exchange_sudden
    end type sudden_type
@@ -114,6 +117,7 @@ contains
          call observe_stretch(self, exact, kind, t - self%begun, eta(a + 1:), acceleration(a + 1:), lack(2, :))
          select case (kind)
          case (at_start)
+            if (held%count > 0) self%struck(1) = maxval(load*maxval(abs(held%moment), dim=1))
             ! Of what is in balance nothing vibrates
             j = (held%count + 1)/2
             if (held%count > 0) call add_jump(self, exact, lack(1, :)*share(sum(load(j:)*maxval(abs(held%moment(:, j:)), dim=1)), &
@@ -151,6 +155,7 @@ contains
          ring = ring + late*abs(acceleration(b)/self%omega2(b)*exact%chi(1, b, :))
       end do
       self%ring = max(self%ring, exact%section(of_ea, :)*ring)
+      if (kind == at_start) self%struck(2) = maxval(exact%section(of_ea, :)*ring)
       if (size(self%omega2) == 0) return
       if (kind == at_start) self%pull = self%pull + (exact%section(of_ea, :)*lack*share(loads, presents))**2
       if (kind == behind_break) self%pull = self%pull + (exact%section(of_ea, :)*(lack - self%before(2, :)))**2
@@ -181,6 +186,18 @@ contains
       end if
       self%place = self%place + maxval(place**2)
    end subroutine add_jump
+
+   !> Whether it is the start, where the deck has the beam without the deflections that its loads ask for, that sets off its
+   !> vibrations: those across and along it, for each excites the other.
+   pure logical function is_struck(self)
+      type(sudden_type), intent(in) :: self
+      !> Part of the largest ones
+      real(wp), parameter :: much = 0.3_wp
+      real(wp) :: bent
+      bent = 0.0_wp
+      if (self%held%count > 0) bent = maxval(self%most*maxval(abs(self%held%moment), dim=1))
+      is_struck = any(self%struck > 0.0_wp .and. self%struck >= much*[bent, maxval(self%ring)])
+   end function is_struck
 
    !> Deflection that is off at most [length].
    pure real(wp) function lost_deflection(self) result(lost)
@@ -255,6 +272,7 @@ contains
       whole%pushed = max(whole%pushed, part%pushed)
       whole%pull = max(whole%pull, part%pull)
       whole%ring = max(whole%ring, part%ring)
+      whole%struck = max(whole%struck, part%struck)
    end subroutine join_sudden
 
    !> Saves or restores it.
@@ -273,6 +291,7 @@ contains
       call snapshot%keep('pushed', self%pushed)
       call snapshot%keep('jump_pull', self%pull)
       call snapshot%keep('ring', self%ring)
+      call snapshot%exchange('struck', self%struck)
       call snapshot%keep('before', self%before)
    end subroutine exchange_sudden
 

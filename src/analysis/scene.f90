@@ -19,6 +19,7 @@ module limber_analysis_scene
    use limber_model_segments, only: name_in_deck
    use limber_model_scene, only: model_type, step_dynamics, in_springs, ground
    use limber_system_assembly, only: first_guess, assemble
+   use limber_system_hanging, only: first_push, hang_bodies
    use limber_system_held, only: held_type, new_held, balance_deflections
    use limber_system_rank, only: assembly_type
    use limber_system_drivers, only: driven_angle_type
@@ -263,9 +264,13 @@ contains
       type(scene_type), intent(inout) :: scene
       type(diagnostics_type), intent(inout) :: diagnostics
       type(held_type) :: held
+      !> Acceleration of bodies beside that of gravity
+      real(wp), parameter :: noticed = 1.0e-6_wp
       real(wp), allocatable :: q(:), v(:), a(:)
       character(:), allocatable :: names, why
+      real(wp) :: push, left
       logical :: done
+      left = 0.0_wp
       allocate (q, source=scene%q)
       allocate (v, source=scene%v)
       allocate (a, source=scene%v)
@@ -274,7 +279,11 @@ contains
          ! Where deflections alone give way to joints, those of held deflections have no grip: what is found is found by chance
          call find_unheld(scene, start, names)
          done = .false.
-         if (names == '') call balance_start(scene%system, scene%work, held, start, q, v, done)
+         if (names == '') then
+            push = first_push(scene%system, scene%work, held, start, q, v)
+            call balance_start(scene%system, scene%work, held, start, q, v, done)
+            if (done) call hang_bodies(scene%system, scene%work, held, start, push, q, left)
+         end if
          ! Where no frame is free all are in equilibrium together
          if (.not. done .and. scene%system%nc >= sum(scene%system%layout%rates)) then
             q = scene%q
@@ -289,6 +298,12 @@ contains
             & 'no equilibrium of the deflections is found', why)
          return
       end if
+      associate (model => scene%system%model)
+         if (left*model%length > noticed*norm2(model%gravity)) call diagnostics%warn(scene%deck%blocks( &
+            & scene%deck%find('ASSEMBLY'))%origin_of('INITIAL DEFLECTIONS'), 'bodies that hang in balance where the deck has'// &
+            & ' them do not where deflections take them, and start to swing: no equilibrium of all is found nearby', &
+            & 'let *STATICS, PERIOD=0, RAMP=NO find it before this analysis, or damp the swing')
+      end associate
       scene%q = q
       scene%v = v
    end subroutine settle_deflections

@@ -46,10 +46,12 @@ contains
       if (count > 0) model%dynamics = model%steps(1)%dynamics
       if (model%accuracy%target > 0.0_wp .and. count > 0 .and. .not. single_dynamics(model)) call diagnostics%add( &
          & deck%blocks(deck%find('ACCURACY'))%origin_of('TARGET'), 'an accuracy can be asked of a single *DYNAMICS only', &
-         & 'remove TARGET or the other analyses; *ASSEMBLY, INITIAL DEFLECTIONS=STATIC starts with loads in balance')
+         & 'remove TARGET or the other analyses; *ASSEMBLY, INITIAL DEFLECTIONS=STATIC starts with beams '// &
+         & 'in balance, and bodies that hang at rest in the deck')
       if (model%accuracy%estimate .and. count > 0 .and. .not. single_dynamics(model)) call diagnostics%add( &
          & deck%blocks(deck%find('ACCURACY'))%origin_of('ESTIMATE'), 'errors are estimated of a single *DYNAMICS only', &
-         & 'remove ESTIMATE or the other analyses; *ASSEMBLY, INITIAL DEFLECTIONS=STATIC starts with loads in balance')
+         & 'remove ESTIMATE or the other analyses; *ASSEMBLY, INITIAL DEFLECTIONS=STATIC starts with beams '// &
+         & 'in balance, and bodies that hang at rest in the deck')
    end subroutine add_analyses
 
    !> Whether a model has one analysis only, a dynamic one.

@@ -108,6 +108,16 @@ module limber_model_quantities
       & quantity_spec_type('coupling', of_coupler, [2, -2, 1], .false., &
       &    'what a coupler exerts: times the coefficient of a term it is the torque or force on that coordinate')]
 
+   !> Flexible bodies, and where their frames lie
+   character(100), parameter :: frames(2, 7) = reshape([character(100) :: &
+      & '`*BEAM`, exact (the default)', 'the section at `ORIGIN`, at the start if not given: there `u1`, `u2`, `rotation` are 0', &
+      & '`*BEAM` in `SEGMENTS`', 'the section at its start if that is clamped, else the line through its ends', &
+      & '`*BEAM`, `K_G` or `LINEAR`, `SUPPORT=CLAMPED-...`', 'the section at its start', &
+      & 'the same, `SUPPORT=PINNED-...` (the default)', 'the line through its ends, from the start', &
+      & 'the same, `SUPPORT=FREE-FREE`', 'the mean motion of all of the beam: its vibrations have no momentum in it', &
+      & '`*FRAME`', 'where `*BOUNDARY` holds its nodes; without it the mean motion of all of the frame', &
+      & '`*FRAME, LARGE=YES`', 'the section at the start of member 1'], [2, 7])
+
 contains
 
    !> Whether a quantity, by its index, is one of the internal forces of a beam.
@@ -136,6 +146,13 @@ contains
       do i = 1, size(quantities)
          text = text//'| `'//trim(quantities(i)%name)//'` | '//trim(argument(quantities(i)%of))//' | '// &
             & trim(quantities(i)%meaning)//' |'//newline
+      end do
+      text = text//newline//'## Frames of flexible bodies'//newline//newline// &
+         & 'From these `u1`, `u2`, `rotation`, `angle` and `spin` are measured, and along them `force_1`, `force_2`. The same'// &
+         & ' beam has'//newline//'other values of them in another model; those of `deflection(point)`, `x` and `y` are the same'// &
+         & ' in all.'//newline//newline//'| body | its frame is |'//newline//'|---|---|'//newline
+      do i = 1, size(frames, 2)
+         text = text//'| '//trim(frames(1, i))//' | '//trim(frames(2, i))//' |'//newline
       end do
    end function quantity_manual
 

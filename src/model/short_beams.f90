@@ -1,5 +1,5 @@
-!> Models of slender beams on short ones: what they lack for want of shear and rotary inertia, and the warnings of that, for beams and
-!> frames of all models. Floor: model. Source: doc/theory, eqs. (X20), (U1).
+!> Models of slender beams on short ones: what they lack for want of shear and rotary inertia, and the warnings of that, for beams
+!> and frames of all models. Floor: model. Source: doc/theory, eqs. (X20), (U1).
 module limber_model_short_beams
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -64,7 +64,7 @@ contains
       vibrates = deck%find('DYNAMICS') > 0 .or. deck%find('MODES') > 0
    end function vibrates
 
-   !> The error of a first frequency that is too high, or of a deflection at rest that is too small, relative to the true one, eq. (U1).
+   !> The error of a first frequency that is too high, or of a deflection at rest that is too small, beside the true one, eq. (U1).
    pure real(wp) function lacking(deck, shear, turning)
       type(deck_type), intent(in) :: deck
       !> Elastic energy of shear beside that of the rest, kinetic energy of the sections' rotation beside that of the rest
@@ -91,8 +91,8 @@ contains
       part = lacking(deck, of_mode(1)*slender*softness(deck, material, section), of_mode(2)*slender)
    end function unsheared_beam
 
-   !> The same of a frame by its first vibrations, held at the nodes that joints or *BOUNDARY hold, eq. (U1); and the member with most
-   !> of it.
+   !> The same of a frame by its first vibrations, held at the nodes that joints or *BOUNDARY hold, eq. (U1); and the member with
+   !> most of it.
    subroutine weigh_frame(deck, index, draft, part, shortest)
       type(deck_type), intent(in) :: deck
       !> Block of the frame

@@ -3,10 +3,11 @@
 !> test_first_deflections RESULT_FILE
 program test_first_deflections
    use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
    use limber_base_text, only: newline, as_text
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel, run_changed
-   use testing, only: check, check_close, finish
+   use runs, only: channel, run_changed, run_text
+   use testing, only: check, check_close, check_no_error, finish
    implicit none
 
    character(256) :: results
@@ -16,6 +17,7 @@ program test_first_deflections
    call check_free_beam()
    call check_statics()
    call check_rotating()
+   call check_hanging()
    call finish()
 
 contains
@@ -111,6 +113,49 @@ contains
       end do
       call reader%close()
    end subroutine start_of
+
+   !> A load that hangs on a rod below the tip of an arm goes with it where the arm sags, and stays there: of all models, also where
+   !> a driver holds the arm. The tip of a slender cantilever moves by (M + 3/8 m) g cos(0.6) L^3/(3 EI) across, and more by the
+   !> thrust (M + 0.3 m) g sin(0.6) beside Euler's pi^2 EI/(4 L^2).
+   subroutine check_hanging()
+      character(*), parameter :: section = ', MATERIAL=steel, SECTION=bar', place = ', ANGLE=0.6'
+      character(*), parameter :: nodes = newline//'*NODE'//newline//' 1, 0, 0, start'//newline//' 2, 1, 0'//newline// &
+         & ' 3, 2, 0, end'//newline//'*ELEMENT'//newline//' 1, 1, 2'//newline//' 2, 2, 3'//newline
+      character(*), parameter :: weld = '*JOINT, NAME=foot, TYPE=WELD'//newline//' arm.start, base'//newline
+      real(wp), parameter :: pi = acos(-1.0_wp), g = 9.80665_wp, m = 24.96_wp, ei = 2.0e11_wp*0.04_wp**4/12
+      real(wp), parameter :: sag = (50 + 0.375_wp*m)*g*cos(0.6_wp)*8/(3*ei), thrust = (50 + 0.3_wp*m)*g*sin(0.6_wp), &
+         & buckling = pi**2*ei/16
+      character(200) :: arms(4)
+      character(:), allocatable :: report
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: x(:), y(:), across(:)
+      integer :: i
+      arms = [character(200) :: '*BEAM, NAME=arm, LENGTH=2'//section//place//newline, '*BEAM, NAME=arm, LENGTH=2'//section// &
+         & place//', GEOMETRIC=K_G, SUPPORT=CLAMPED-FREE'//newline, '*FRAME, NAME=arm'//section//place, '*FRAME, NAME=arm'// &
+         & section//place//', LARGE=YES']
+      do i = 1, size(arms)
+         if (i > 2) arms(i) = trim(arms(i))//nodes
+         call run_text('*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7800'//newline// &
+            & '*SECTION, NAME=bar, SHAPE=RECTANGLE, WIDTH=0.04, HEIGHT=0.04'//newline// &
+            & '*RIGID BODY, NAME=base, MASS=1, INERTIA=1'//newline//trim(arms(i))//newline// &
+            & '*POINT MASS, NAME=load, MASS=50, X=2*cos(0.6), Y=2*sin(0.6) - 0.7'//newline// &
+            & '*JOINT, NAME=pin, TYPE=REVOLUTE'//newline//' base, ground.origin'//newline//weld// &
+            & '*DRIVER, NAME=motor, TYPE=ANGLE, BODY=base'//newline//' 0'//newline//'*JOINT, NAME=rope, TYPE=ROD'//newline// &
+            & ' load, arm.end'//newline//'*GRAVITY'//newline//'*ASSEMBLY, INITIAL DEFLECTIONS=STATIC'//newline// &
+            & '*DYNAMICS, END=1, OUTPUTS=20'//newline//'*OUTPUT'//newline//' x = x(load) - x(arm.end), y = y(arm.end) - y(load)'// &
+            & newline//' across = (2*sin(0.6) - y(arm.end))*cos(0.6) + (x(arm.end) - 2*cos(0.6))*sin(0.6)'//newline, &
+            & trim(results), report, error)
+         call check_no_error(error, arms(i))
+         if (allocated(error)) return
+         call reader%open(trim(results), error)
+         x = channel(reader, 'x')
+         y = channel(reader, 'y')
+         across = channel(reader, 'across')
+         call check(maxval(abs(x)) < 1.0e-6_wp .and. maxval(abs(y - 0.7_wp)) < 1.0e-6_wp, 'a load hangs still: '//arms(i))
+         call check_close(maxval(abs(across)), sag/(1 - thrust/buckling), 2.0e-3_wp*sag, 'and the arm sags: '//arms(i))
+         call reader%close()
+      end do
+   end subroutine check_hanging
 
    !> The keyword that the blocks are put before.
    function nl_output() result(text)

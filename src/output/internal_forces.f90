@@ -98,7 +98,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       !> Coordinates, velocities, accelerations (nq)
-      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
+      real(wp), intent(in) :: q(:), v(:), a(:)
       integer :: i, first, last, n
       real(wp) :: u(2), heavy(2)
       do i = 1, size(efforts)
@@ -131,7 +131,7 @@ contains
       !> Its sections
       type(recovery_type), intent(in) :: recovery
       !> Coordinates, velocities, accelerations (nq)
-      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
+      real(wp), intent(in) :: q(:), v(:), a(:)
       real(wp) :: heavy(2)
       integer :: first, last, k, part
       first = system%layout%q(body)
@@ -161,7 +161,7 @@ contains
       type(effort_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
-      real(wp), contiguous, intent(in) :: eta(:)
+      real(wp), intent(in) :: eta(:)
       real(wp) :: value(5)
       integer :: k
       associate (recovery => system%model%bodies(body)%recovery, first => system%model%bodies(body)%point_sections)
@@ -224,7 +224,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       type(pull_type) :: pulls(most_pulls)
       real(wp) :: force(3)
       integer :: i, side, row, count
@@ -272,7 +272,7 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
       type(pull_type), intent(in) :: pulls(:)
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       integer :: j
       do j = 1, size(pulls)
          if (pulls(j)%body == body) call add_force(effort, system, body, pulls(j)%point, pulls(j)%force, q)
@@ -299,7 +299,7 @@ contains
       integer, intent(in) :: body
       type(centreline_type), intent(in) :: line
       type(recovery_type), intent(in) :: recovery
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: force(2), z(2), u(2), at
       integer :: i, first
       first = system%layout%q(body)
@@ -328,8 +328,7 @@ contains
       !> Indices of the body and of the point; 0: none
       integer, intent(in) :: body, point
       !> Along the fixed axes (2), and moment
-      real(wp), intent(in) :: force(3)
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: force(3), q(:)
       real(wp) :: u(2), couple
       integer :: first, at
       first = system%layout%q(body)
@@ -351,7 +350,7 @@ contains
       type(system_type), intent(in) :: system
       !> Index of the point, which has a section
       integer, intent(in) :: point
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: force(3)
       integer :: body, first
       body = system%model%points(point)%body

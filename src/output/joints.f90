@@ -37,7 +37,7 @@ contains
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: joint
       !> Coordinates (nq)
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: force(2), u(2), whole(2)
       u = frame_of(system, system%constraints(joint)%item%bodies(2), q)
       whole = joint_force(system, work, joint)
@@ -49,7 +49,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: joint
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: pull(3), place(2)
       integer :: side
       side = merge(2, 1, system%constraints(joint)%item%bodies(1) == ground)
@@ -83,7 +83,7 @@ contains
    pure real(wp) function joint_displacement(system, joint, q) result(place)
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: axis(2), turning(2)
       call find_axis(system, joint, q, q, axis, turning)
       associate (spec => system%model%joints(joint))
@@ -96,7 +96,7 @@ contains
    pure real(wp) function joint_sliding(system, joint, q, v) result(speed)
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint
-      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: q(:), v(:)
       real(wp) :: axis(2), turning(2)
       call find_axis(system, joint, q, v, axis, turning)
       associate (a => system%model%points(system%model%joints(joint)%points(1)), &
@@ -112,7 +112,7 @@ contains
    pure subroutine find_axis(system, joint, q, v, axis, turning)
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint
-      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: q(:), v(:)
       real(wp), intent(out) :: axis(2), turning(2)
       real(wp) :: p(2), slope, rate
       integer :: first, last
@@ -142,7 +142,7 @@ contains
       type(system_type), intent(in) :: system
       !> Index of the point
       integer, intent(in) :: point
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       integer :: first
       associate (own => system%model%points(point))
          angle = -own%lean
@@ -157,7 +157,7 @@ contains
    pure real(wp) function joint_spin(system, joint, q, v) result(spin)
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint
-      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: q(:), v(:)
       associate (spec => system%model%joints(joint))
          spin = section_spin(system, system%model%points(spec%points(1)), q, v) &
             & - section_spin(system, system%model%points(spec%points(2)), q, v)
@@ -167,7 +167,7 @@ contains
    pure real(wp) function section_spin(system, point, q, v) result(spin)
       type(system_type), intent(in) :: system
       type(point_type), intent(in) :: point
-      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: q(:), v(:)
       integer :: first, last
       spin = 0.0_wp
       if (point%body == ground) return
@@ -225,7 +225,7 @@ contains
    pure function frame_of(system, body, q) result(u)
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: u(2)
       u = [1.0_wp, 0.0_wp]
       if (body == ground) return

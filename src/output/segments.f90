@@ -18,7 +18,7 @@ contains
       !> Index of the whole
       integer, intent(in) :: whole
       !> Coordinates (nq)
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: direction(2)
       integer :: first
       first = system%layout%q(system%model%wholes(whole)%first) + 2
@@ -36,7 +36,7 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: whole
       !> Coordinates and velocities (nq)
-      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: q(:), v(:)
       real(wp) :: along(2), rate(2)
       integer :: first
       associate (own => system%model%bodies(system%model%wholes(whole)%first), points => system%model%points)
@@ -56,7 +56,7 @@ contains
    pure function chord(system, whole, q)
       type(system_type), intent(in) :: system
       integer, intent(in) :: whole
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: chord(2)
       associate (own => system%model%bodies(system%model%wholes(whole)%first), points => system%model%points)
          chord = point_position(system%model, system%layout, points(own%end_point), q) - point_position(system%model, &
@@ -70,7 +70,7 @@ contains
       type(system_type), intent(in) :: system
       !> Index of the point
       integer, intent(in) :: point
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: displacement(2), direction(2), arm(2)
       integer :: piece
       associate (own => system%model%points(point), points => system%model%points)
@@ -96,7 +96,7 @@ contains
    pure real(wp) function whole_rotation(system, point, q) result(angle)
       type(system_type), intent(in) :: system
       integer, intent(in) :: point
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: slope, before(2), here(2)
       integer :: body, first
       associate (own => system%model%points(point))

@@ -18,7 +18,7 @@ contains
       type(layout_type), intent(in) :: layout
       type(point_type), intent(in) :: point
       !> Coordinates (nq)
-      real(wp), contiguous, intent(in) :: q(:)
+      real(wp), intent(in) :: q(:)
       real(wp) :: position(2), p(2)
       integer :: first, k
       position = point%p0
@@ -43,7 +43,7 @@ contains
       type(layout_type), intent(in) :: layout
       type(point_type), intent(in) :: point
       !> Coordinates and velocities (nq)
-      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: q(:), v(:)
       real(wp) :: velocity(2), p(2), drift(2), push(2)
       integer :: first, last, k
       velocity = 0.0_wp
@@ -72,7 +72,7 @@ contains
       type(layout_type), intent(in) :: layout
       type(point_type), intent(in) :: point
       !> Coordinates, velocities and accelerations (nq)
-      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
+      real(wp), intent(in) :: q(:), v(:), a(:)
       real(wp) :: acceleration(2), p(2), drift(2), push(2)
       integer :: first, last, k
       acceleration = 0.0_wp

@@ -112,7 +112,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates (nq)
-      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp), intent(inout) :: q(:)
       real(wp) :: place(2)
       integer :: i, j, k, first
       call place_drives(system%model, t, work%kinematics)
@@ -173,7 +173,7 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq)
-      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      real(wp), intent(inout) :: q(:), v(:)
       integer :: i, j, k, first
       call place_drives(system%model, t, work%kinematics)
       associate (tree => system%tree)
@@ -205,7 +205,7 @@ contains
       type(point_type), intent(in) :: point
       !> First index of the frame's coordinates
       integer, intent(in) :: first
-      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      real(wp), intent(inout) :: q(:), v(:)
       real(wp) :: place(2), rate(2)
       if (point%body == ground) then
          q(first:first + 1) = point%p0
@@ -223,7 +223,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: constraint, first
-      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      real(wp), intent(inout) :: q(:), v(:)
       select type (item => system%constraints(constraint)%item)
       type is (driven_angle_type)
          associate (drive => work%kinematics%drives(item%drive))
@@ -315,7 +315,7 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
-      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp), intent(inout) :: q(:)
       real(wp), intent(out) :: residual
       type(error_type), allocatable, intent(out) :: error
       type(constraint_matrix_type) :: matrix
@@ -369,7 +369,7 @@ contains
    !> Brings every frame's u to unit length.
    pure subroutine normalise_frames(system, q)
       type(system_type), intent(in) :: system
-      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp), intent(inout) :: q(:)
       integer :: i
       do i = 1, size(system%layout%q)
          if (.not. system%layout%framed(i)) cycle

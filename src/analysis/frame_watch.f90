@@ -1,12 +1,14 @@
 !> Takes states into the indicators of frames: axial forces in all members against those under which the frame, as joints hold it
 !> on the ground, would buckle; what its model lacks of them; loads that its coordinates cannot carry. Floor: analysis.
-!> Source: doc/theory, section 43, eqs. (R2)-(R4), (R9), (R10), (V3)-(V5).
+!> Source: doc/theory, section 43, eqs. (R2)-(R4), (R9), (R10), (V3)-(V5), (E12)-(E14).
 module limber_analysis_frame_watch
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dsyev
+   use limber_analysis_drawing_in, only: start_drawing_in, find_drawing_in
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
       & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer, &
-      & peak_quartic, peak_quartic_grown, peak_membrane, peak_membrane_force, peak_pull
+      & peak_quartic, peak_quartic_grown, peak_membrane, peak_membrane_force, peak_pull, &
+      & peak_recoil, sum_shortening, add_vibration
    use limber_analysis_membrane, only: start_membrane, find_membrane
    use limber_analysis_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_flex_elastic, only: elastic_force
@@ -42,6 +44,8 @@ contains
             if (.not. self%bodies(self%of(body))%membrane%made) call start_membrane(self%bodies(self%of(body))%membrane, system, &
                & work, self%surveys, survey, q)
             call observe_frame(self%bodies(self%of(body)), survey, system%model%bodies(body)%reduced, t, q(first + 4:last))
+            call observe_drawing_in(self%bodies(self%of(body)), survey, system%model%bodies(body)%reduced, t, &
+               & q(first + 4:last), v(first + 4:last), a(first + 4:last))
          end associate
       end do
    end subroutine observe_frames
@@ -185,6 +189,20 @@ contains
       call raise_peak(self, peak_left_out, left_out, t)
       if (self%membrane%redundant) call observe_membrane(self, own, t, eta, elastic)
    end subroutine observe_frame
+
+   !> The inertia of the shortening that the model leaves out, eqs. (E12)-(E14).
+   subroutine observe_drawing_in(self, own, reduced, t, eta, rate, acceleration)
+      type(body_indicators_type), intent(inout) :: self
+      type(body_survey_type), intent(in) :: own
+      type(reduced_type), intent(in) :: reduced
+      !> Time; coordinates, their rates and accelerations (n)
+      real(wp), intent(in) :: t, eta(:), rate(:), acceleration(:)
+      if (.not. self%drawing_in%made) call start_drawing_in(self%drawing_in, self%membrane, own%survey, self%carried)
+      call find_drawing_in(self%drawing_in, own%survey, self%bending, eta, rate, acceleration)
+      call add_vibration(self, reduced%omega2, t, eta, rate, acceleration)
+      self%total(sum_shortening) = self%total(sum_shortening) + self%drawing_in%energy
+      call raise_peak(self, peak_recoil, abs(self%drawing_in%work), t)
+   end subroutine observe_drawing_in
 
    !> What the axial force that the shortening makes changes: the deflection, eq. (V5), and forces. Motions and eigenvalues under
    !> the axial forces of the loads are those of the state.

@@ -9,7 +9,6 @@ module limber_analysis_indicator_start
    use limber_analysis_phase, only: start_phase
    use limber_analysis_surveys, only: start_surveys, is_base
    use limber_flex_quasistatic, only: new_quasistatic
-   use limber_flex_reduced, only: reduced_type
    use limber_flex_stations, only: new_stations, patch_type
    use limber_model_spreads, only: spread_parts
    use limber_model_scene, only: ground, body_rigid, body_type, joint_point_on_line, joint_translational, joint_curve, &
@@ -191,17 +190,18 @@ contains
       allocate (body%modal(0), body%modal_time(0), body%moving(0), body%pressed(3, size(place)))
    end subroutine start_rigid
 
-   !> The masses that hang on a beam, and the place that stays where it is: one on the ground, or else the start.
+   !> The masses that hang on a beam or a frame, and the place that stays where it is: one on the ground, or else the start.
    subroutine find_carried(self, system, contacts, body)
       type(indicators_type), intent(in) :: self
       type(system_type), intent(in) :: system
       type(contact_type), intent(in) :: contacts(:)
       type(body_indicators_type), intent(inout) :: body
       integer :: i, at
-      allocate (body%carried(self%sets(body%set)%stations%places))
+      if (body%is_beam) allocate (body%carried(self%sets(body%set)%stations%places))
+      if (.not. body%is_beam) allocate (body%carried(self%surveys%bodies(self%surveys%of(body%body))%survey%places))
       body%carried = 0.0_wp
       do i = 1, size(contacts)
-         at = self%place(contacts(i)%point)
+         at = merge(self%place(contacts(i)%point), self%surveys%place(contacts(i)%point), body%is_beam)
          if (contacts(i)%partner == ground) body%anchor = at
          if (contacts(i)%partner > ground) body%carried(at) = body%carried(at) &
             & + system%model%bodies(contacts(i)%partner)%reduced%mass
@@ -219,6 +219,7 @@ contains
       type(patch_type), allocatable :: patch(:)
       logical, allocatable :: jointed(:), clamped(:)
       logical :: held
+      integer :: k
       body%body = index
       if (system%layout%n(index) == 0) then
          call start_rigid(self, system, index, contacts, body)
@@ -234,7 +235,7 @@ contains
          allocate (body%moving, source=body%modal)
          call start_phase(body%phase, system, index)
          call start_false_damping(body%false_damping, flexible%reduced)
-         if (flexible%is_frame) call start_frame(self, index, flexible%reduced, body)
+         if (flexible%is_frame) call start_frame(self, system, index, contacts, body)
          if (.not. body%is_beam) return
          call find_places(self, system, index, contacts, place, patch, jointed, clamped, held)
          ! Beside the one place that holds it, it hangs: what turns with that body, or is turned, is clamped there
@@ -248,6 +249,7 @@ contains
             body%misfit = stations%misfit
             if (stations%euler < huge(1.0_wp)) body%layer = sqrt(stations%euler/flexible%beam%ei)*flexible%beam%length/ &
                & stations%bending
+            body%bending = [(k, k=1, stations%bending)]
             call find_carried(self, system, contacts, body)
             allocate (body%lumping, source=stations%lumping)
             allocate (body%slope(stations%count), body%force(stations%count))
@@ -258,21 +260,23 @@ contains
    end subroutine start_body
 
    !> Room for what a frame is watched with; none if it has no survey.
-   subroutine start_frame(self, index, reduced, body)
+   subroutine start_frame(self, system, index, contacts, body)
       type(indicators_type), intent(in) :: self
+      type(system_type), intent(in) :: system
       integer, intent(in) :: index
-      type(reduced_type), intent(in) :: reduced
+      type(contact_type), intent(in) :: contacts(:)
       type(body_indicators_type), intent(inout) :: body
       integer :: m, k
       if (self%surveys%of(index) == 0) return
-      associate (survey => self%surveys%bodies(self%surveys%of(index))%survey)
+      associate (survey => self%surveys%bodies(self%surveys%of(index))%survey, reduced => system%model%bodies(index)%reduced)
          m = size(survey%chosen)
          allocate (body%slope_work(0:m, 0:m), body%lacking(0:m), body%elastic(reduced%n), &
             & body%s(size(reduced%cubic, 1)), body%lumping(reduced%n))
          body%lumping = 0.0_wp
          body%lumping(survey%chosen) = survey%lumping
-         body%layer = max(1, count([(survey%bending(k, k) > 0.5_wp*survey%omega2(k), k=1, m)]))/ &
-            & real(size(survey%mesh%first) - 1, wp)
+         body%bending = pack(survey%chosen, [(survey%bending(k, k) > 0.5_wp*survey%omega2(k), k=1, m)])
+         call find_carried(self, system, contacts, body)
+         body%layer = max(1, size(body%bending))/real(size(survey%mesh%first) - 1, wp)
       end associate
    end subroutine start_frame
 

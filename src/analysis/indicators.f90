@@ -11,6 +11,7 @@
 module limber_analysis_indicators
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
+   use limber_analysis_drawing_in, only: drawing_in_type
    use limber_analysis_false_damping, only: false_damping_type, join_false_damping, lost_amplitude
    use limber_analysis_function_watch, only: function_watch_type, join_functions
    use limber_analysis_membrane, only: membrane_type
@@ -21,7 +22,8 @@ module limber_analysis_indicators
    use limber_output_pulls, only: pulls_type
    implicit none
    private
-   public :: indicators_type, body_indicators_type, set_type, join_indicators, raise_peak, indicator_value, indicator_time
+   public :: indicators_type, body_indicators_type, set_type, join_indicators, raise_peak, add_vibration, indicator_value, &
+      & indicator_time
    public :: indicator_names, indicator_meanings, layer_errors
 
    !> Kinds of indicators, those of a body in this order
@@ -115,7 +117,10 @@ module limber_analysis_indicators
       !> Time of the last state, its compression in parts of Euler's load, by how much it is beyond that load, added up [time], and
       !> since when
       real(wp) :: pressed_at = huge(1.0_wp), compression = 0.0_wp, overload = 0.0_wp, since = huge(1.0_wp)
-      !> Masses that other bodies hang on its places, and which place does not follow the shortening; zero: the start (places)
+      !> Coordinates that bend it (bending)
+      integer, allocatable :: bending(:)
+      !> Masses that other bodies hang on its places, and which place of a beam does not follow the shortening; zero: the start
+      !> (places)
       real(wp), allocatable :: carried(:)
       integer :: anchor = 0
       !> Relative error of each bending frequency by the lumped masses (bending)
@@ -132,6 +137,8 @@ module limber_analysis_indicators
       real(wp), allocatable :: slope_work(:, :), loaded(:, :), value(:), room(:), elastic(:), s(:), lacking(:)
       !> Of a frame: axial forces where the ends of its members cannot approach each other
       type(membrane_type) :: membrane
+      !> Of a frame: inertia of the shortening of its members
+      type(drawing_in_type) :: drawing_in
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
       real(wp), allocatable :: slope(:), force(:), along(:), across(:), own(:), push(:, :)
@@ -189,6 +196,23 @@ contains
       self%peak(kind) = value
       self%time(kind) = t
    end subroutine raise_peak
+
+   !> Energies and accelerations of the vibration.
+   pure subroutine add_vibration(self, omega2, t, eta, rate, acceleration)
+      type(body_indicators_type), intent(inout) :: self
+      !> Squared frequencies (n); time; coordinates, their rates and accelerations (n)
+      real(wp), intent(in) :: omega2(:), t, eta(:), rate(:), acceleration(:)
+      integer :: i, k
+      do i = 1, size(self%bending)
+         k = self%bending(i)
+         self%total(sum_kinetic) = self%total(sum_kinetic) + rate(k)**2
+         self%total(sum_acceleration) = self%total(sum_acceleration) + acceleration(k)**2
+         self%total(sum_bent) = self%total(sum_bent) + eta(k)**2
+         self%total(sum_elastic) = self%total(sum_elastic) + omega2(k)*eta(k)**2
+      end do
+      self%looks = self%looks + 1
+      self%span = [min(self%span(1), t), max(self%span(2), t)]
+   end subroutine add_vibration
 
    !> Joins the maxima of an analysis to those of the ones before it.
    subroutine join_indicators(part, whole)
@@ -291,7 +315,7 @@ contains
       type(body_indicators_type), intent(in) :: self
       real(wp) :: frequency, vibrating, count, shift
       drift = 0.0_wp
-      if (.not. self%is_beam .or. self%held) return
+      if (self%held) return
       associate (total => self%total)
          if (.not. (total(sum_kinetic) > 0.0_wp .and. self%peak(peak_bent) > 0.0_wp .and. total(sum_elastic) > 0.0_wp)) return
          frequency = sqrt(total(sum_acceleration)/total(sum_kinetic))

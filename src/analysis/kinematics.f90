@@ -16,6 +16,7 @@ module limber_analysis_kinematics
    use limber_model_breaks, only: change_at
    use limber_model_scene, only: step_type, step_inverse
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
+   use limber_output_internal_forces, only: hold_efforts
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_output_turns, only: follow_places
@@ -24,6 +25,7 @@ module limber_analysis_kinematics
    use limber_system_held, only: held_type, new_held, held_position, held_motion, balance_deflections
    use limber_system_kinematics, only: place_frames, settle_angles
    use limber_system_layout, only: advance
+   use limber_system_motion, only: motion_residual
    use limber_system_multiplier, only: update_jacobians
    implicit none
    private
@@ -236,6 +238,11 @@ contains
          else
             call held_motion(system, work, motion%held, motion%t, motion%q, motion%v, motion%a, done)
             if (.not. done) call raise_singular(motion%t, error)
+            if (done .and. motion%recorder%needs_sections) then
+               call motion_residual(system, work, motion%t, motion%q, motion%v, motion%held%a, motion%held%lambda, &
+                  & motion%held%motion, motion%held%rates)
+               call hold_efforts(motion%recorder%efforts, system, motion%held%motion)
+            end if
          end if
          if (allocated(error)) return
          call watch_drivers(scene, motion)

@@ -18,7 +18,7 @@ module limber_analysis_membrane
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: membrane_type, start_membrane, find_membrane
+   public :: membrane_type, start_membrane, find_membrane, moved_by, pull_nodes, tension_times
 
    !> The constants of one frame, and what was found last
    type :: membrane_type
@@ -63,13 +63,13 @@ contains
          call find_joints(self, system, work, surveys, own, q, first, rows, rigid)
          loops = size(mesh%member) - size(mesh%place, 2) + 1
          self%redundant = loops > 0 .or. rows > motions .or. count(.not. mesh%free) > 3
-         if (.not. self%redundant) return
          allocate (self%response(3, size(mesh%place, 2), rows))
          do i = 1, rows
             self%load(:, :, i) = merge(self%load(:, :, i), 0.0_wp, mesh%free)
             call solve_static(mesh, survey%solver, self%load(:, :, i), self%response(:, :, i))
          end do
          call invert(self, rows, rigid(:, :rows))
+         if (.not. self%redundant) return
          allocate (self%force(size(mesh%member)), self%strain(size(mesh%member)), self%push(0:size(survey%chosen)))
          allocate (self%bent(3, size(mesh%place, 2)), self%u(3, size(mesh%place, 2)), self%nodal(3, size(mesh%place, 2)))
          allocate (self%side(rows + motions), self%lambda(rows + motions))
@@ -249,6 +249,31 @@ contains
       end associate
       call push_coordinates(self, survey)
    end subroutine find_membrane
+
+   !> What the joints make of displacements of the nodes that the frame by itself would have: a motion of the frame, and where that
+   !> is not enough forces of the joints, eq. (V4).
+   subroutine moved_by(self, mesh, u)
+      type(membrane_type), intent(in) :: self
+      type(frame_type), intent(in) :: mesh
+      !> (3, nodes)
+      real(wp), intent(inout) :: u(:, :)
+      real(wp) :: side(size(self%inverse, 1))
+      integer :: i, rows
+      rows = size(self%response, 3)
+      side = 0.0_wp
+      do i = 1, rows
+         side(i) = -sum(self%load(:, :, i)*u)
+      end do
+      side = matmul(self%inverse, side)
+      do i = 1, rows
+         u = u + side(i)*self%response(:, :, i)
+      end do
+      associate (motion => side(rows + 1:rows + 3))
+         u(1, :) = u(1, :) + motion(1) - motion(3)*mesh%place(2, :)
+         u(2, :) = u(2, :) + motion(2) + motion(3)*mesh%place(1, :)
+         u(3, :) = u(3, :) + motion(3)
+      end associate
+   end subroutine moved_by
 
    !> Work of the axial forces that were found, on the slopes of the state with those of rotation and coordinates.
    subroutine push_coordinates(self, survey)

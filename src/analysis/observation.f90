@@ -6,8 +6,8 @@ module limber_analysis_observation
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
-      & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_kinetic, sum_elastic, sum_shortening, &
-      & sum_bent, sum_acceleration, peak_quartic_grown, peak_growth
+      & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_shortening, &
+      & peak_quartic_grown, peak_growth, add_vibration
    use limber_flex_stations, only: stations_type
    use limber_analysis_false_damping, only: observe_false_damping
    use limber_analysis_function_watch, only: observe_functions
@@ -55,7 +55,7 @@ contains
                   & cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last))
                if (self%bodies(i)%held) cycle
                associate (body => system%model%bodies(self%bodies(i)%body))
-                  call add_vibration(self%bodies(i), stations%bending, body, t, eta, rate, a(first + 4:last))
+                  call add_vibration(self%bodies(i), body%reduced%omega2, t, eta, rate, a(first + 4:last))
                   call add_shortening(self%bodies(i), stations, body, rate)
                   call observe_recoil(self%bodies(i), stations, body, t, rate, a(first + 4:last))
                end associate
@@ -132,25 +132,6 @@ contains
       self%seen_at = t
       self%looks = self%looks + 1
    end subroutine observe_rigid
-
-   !> Energies and accelerations of the vibration.
-   pure subroutine add_vibration(self, bending, body, t, eta, rate, acceleration)
-      type(body_indicators_type), intent(inout) :: self
-      !> Number of bending coordinates
-      integer, intent(in) :: bending
-      type(body_type), intent(in) :: body
-      !> Time; coordinates, their rates and accelerations (n)
-      real(wp), intent(in) :: t, eta(:), rate(:), acceleration(:)
-      integer :: k
-      self%total(sum_kinetic) = self%total(sum_kinetic) + dot_product(rate(:bending), rate(:bending))
-      self%total(sum_acceleration) = self%total(sum_acceleration) + dot_product(acceleration(:bending), acceleration(:bending))
-      self%total(sum_bent) = self%total(sum_bent) + dot_product(eta(:bending), eta(:bending))
-      do k = 1, bending
-         self%total(sum_elastic) = self%total(sum_elastic) + body%reduced%omega2(k)*eta(k)**2
-      end do
-      self%looks = self%looks + 1
-      self%span = [min(self%span(1), t), max(self%span(2), t)]
-   end subroutine add_vibration
 
    !> Energy of the shortening that a vibration makes: what hangs on the beam, and its own mass, move along it by half of the
    !> squared slopes, eq. (199).

@@ -336,10 +336,13 @@ contains
 
    !> Axial force, shear force and bending moment at a section. The first is the part of the whole force along the deflected axis,
    !> eq. (G1), where tension acts on the bending: the shear force, minus the slope of the moment, is across that axis already.
-   pure function internal_forces(recovery, section, eta, amplitude) result(force)
+   !> Of coordinates that are held, forces are those of equilibrium, and the axis is deflected as it is held.
+   pure function internal_forces(recovery, section, eta, amplitude, lacking) result(force)
       type(recovery_type), intent(in) :: recovery
       integer, intent(in) :: section
       real(wp), intent(in) :: eta(:), amplitude(:)
+      !> By how much the coordinates that are held differ from those in equilibrium (n); unallocated if nothing is held
+      real(wp), allocatable, intent(in) :: lacking(:)
       real(wp) :: force(3), state(4)
       integer :: k
       state = 0.0_wp
@@ -349,6 +352,10 @@ contains
       do k = 1, size(recovery%load, 2)
          state = state + recovery%load(:, k, section)*amplitude(k)
       end do
+      if (allocated(lacking)) then
+         state(:3) = state(:3) + matmul(recovery%modal(:3, :, section), lacking)
+         state(4) = dot_product(recovery%modal(4, :, section), eta)
+      end if
       force = state(:3)
       if (recovery%deflected) force(1) = force(1) + state(2)*state(4)
    end function internal_forces

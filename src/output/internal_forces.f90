@@ -17,8 +17,8 @@ module limber_output_internal_forces
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: effort_type, new_efforts, start_effort, gather_efforts, gather_exact, join_envelopes, section_forces, stresses, &
-      & strength_at
+   public :: effort_type, new_efforts, start_effort, hold_efforts, gather_efforts, gather_exact, join_envelopes, section_forces, &
+      & stresses, strength_at
 
    !> What acts on one body that has sections; none otherwise
    type :: effort_type
@@ -38,6 +38,8 @@ module limber_output_internal_forces
       type(section_reach_type) :: sections
       !> What acts on its frame, which is the section at the origin: force and couple in the axes of the frame
       real(wp) :: on_frame(3) = 0.0_wp
+      !> Where the coordinates of a body with modes are held: those in equilibrium less these (n); otherwise unallocated
+      real(wp), allocatable :: lacking(:)
    end type effort_type
 
 contains
@@ -91,6 +93,20 @@ contains
          effort%place(i) = count
       end do
    end subroutine start_effort
+
+   !> The state that comes has its deflections held: what these would have to be besides to carry what acts, eq. (E15).
+   pure subroutine hold_efforts(efforts, system, motion)
+      type(effort_type), intent(inout) :: efforts(:)
+      type(system_type), intent(in) :: system
+      !> Residual of the equations of motion (nw)
+      real(wp), intent(in) :: motion(:)
+      integer :: i, from
+      do i = 1, size(efforts)
+         if (.not. allocated(efforts(i)%amplitude) .or. allocated(efforts(i)%exact)) cycle
+         from = system%layout%w(i) + system%layout%rates(i)
+         efforts(i)%lacking = -motion(from:from + system%layout%n(i) - 1)/system%model%bodies(i)%reduced%omega2
+      end do
+   end subroutine hold_efforts
 
    !> Amplitudes of all bodies that have sections; multipliers, Jacobians and kinematics are those of the state.
    subroutine gather_efforts(efforts, system, work, q, v, a)
@@ -169,7 +185,7 @@ contains
             if (allocated(effort%exact)) then
                value(:3) = effort%exact(:, first + k)
             else
-               value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude)
+               value(:3) = internal_forces(recovery, first + k, eta, effort%amplitude, effort%lacking)
             end if
             value(4:5) = stresses(value(:3), strength_at(system%model%bodies(body), recovery%sections(first + k)))
             effort%extremes(:, 1, k) = min(effort%extremes(:, 1, k), value)
@@ -361,7 +377,7 @@ contains
          return
       end if
       force = internal_forces(system%model%bodies(body)%recovery, system%model%points(point)%section, &
-         & q(first + 4:first + 3 + system%layout%n(body)), efforts(body)%amplitude)
+         & q(first + 4:first + 3 + system%layout%n(body)), efforts(body)%amplitude, efforts(body)%lacking)
    end function section_forces
 
 end module limber_output_internal_forces

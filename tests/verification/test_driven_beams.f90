@@ -27,6 +27,7 @@ program test_driven_beams
    call check_watch()
    call check_columns()
    call check_work()
+   call check_sections()
    call finish()
 
 contains
@@ -96,6 +97,49 @@ contains
          & 'value = y(bar.end)', y)
       call check_close(y(size(y)), -q/8, 2.0e-3_wp*q/8, '*MOTION of a beam with modes')
    end subroutine check_chord
+
+   !> Internal forces of a bar that a hinge turns with a steady speed under its weight, its deflections held: of beams and frames
+   !> with any model those of equilibrium.
+   subroutine check_sections()
+      character(*), parameter :: modes = 'SUPPORT=CLAMPED-FREE, ELEMENTS=60, BENDING MODES=3', &
+         & parts = '*NODE'//nl//' 1, 0, 0, start'//nl// &
+         & ' 2, 1, 0, end'//nl//'*ELEMENT'//nl//' 1, 1, 2'//nl//'*BOUNDARY'//nl//' 1, 1, 6'//nl
+      call check_section('exact beam', '*BEAM, LENGTH=1', ' mid, 0.5'//nl)
+      call check_section('K_G beam', '*BEAM, LENGTH=1, GEOMETRIC=K_G, AXIAL MODES=1, '//modes, ' mid, 0.5'//nl)
+      call check_section('K_G beam, responses', '*BEAM, LENGTH=1, GEOMETRIC=K_G, AXIAL MODES=1, CORRECTIONS=YES, '//modes, &
+         & ' mid, 0.5'//nl)
+      call check_section('LINEAR beam', '*BEAM, LENGTH=1, GEOMETRIC=LINEAR, '//modes, ' mid, 0.5'//nl)
+      call check_section('frame', '*FRAME, DIVISIONS=60', ' mid, 1, 0.5'//nl//parts)
+      call check_section('LINEAR frame', '*FRAME, DIVISIONS=60, GEOMETRIC=LINEAR', ' mid, 1, 0.5'//nl//parts)
+      call check_section('frame of few modes', '*FRAME, DIVISIONS=60, MODES=2', ' mid, 1, 0.5'//nl//parts)
+      call check_section('frame of exact beams', '*FRAME, LARGE=YES', ' mid, 1, 0.5'//nl//parts)
+   end subroutine check_sections
+
+   !> Forces in the middle when the bar has turned by 1: weight and centrifugal force of the outer half.
+   subroutine check_section(name, block, parts)
+      !> The block of the bar, and what stands below it
+      character(*), intent(in) :: name, block, parts
+      character(*), parameter :: asked(3) = [character(14) :: 'axial_force', 'shear_force', 'bending_moment']
+      real(wp), parameter :: speed = 0.02_wp, truth(3) = [-0.5_wp*q*sin(1.0_wp) + speed**2*0.375_wp, 0.5_wp*q*cos(1.0_wp), &
+         & -q*cos(1.0_wp)/8]
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: y(:)
+      integer :: i
+      call run_text(stuff//block//', NAME=bar, MATERIAL=stuff, SECTION=thin'//nl//parts//pin//'*DRIVER, NAME=motor, TYPE=ANGLE,'// &
+         & ' JOINT=pin'//nl//' 0.02*t'//nl//weight//'*KINEMATICS, END=50, OUTPUTS=2'//nl//'*OUTPUT, ENVELOPE=bar'//nl// &
+         & ' axial_force = axial_force(bar.mid), shear_force = shear_force(bar.mid)'//nl// &
+         & ' bending_moment = bending_moment(bar.mid)'//nl, trim(results), report, error)
+      call check_no_error(error, name)
+      if (allocated(error)) return
+      call check(index(report, 'warning') == 0, name//': '//report)
+      call reader%open(trim(results), error)
+      do i = 1, 3
+         y = channel(reader, trim(asked(i)))
+         call check_close(abs(y(3)), abs(truth(i)), 2.0e-3_wp*q/2, name//', held, '//asked(i))
+      end do
+      call reader%close()
+   end subroutine check_section
 
    !> Models beyond their range, and functions and modes that are too few, in both analyses.
    subroutine check_watch()

@@ -3,7 +3,7 @@
 !> Floor: analysis. Source: doc/theory, section 43, eqs. (E12)-(E14).
 !>
 !>     call start_drawing_in(self, membrane, survey, carried)                    ! allocates
-!>     call find_drawing_in(self, survey, bending, eta, rate, acceleration)      ! self%energy, self%work
+!>     call find_drawing_in(self, survey, bending, eta, rate, acceleration)      ! self%energy, %work, %force
 module limber_analysis_drawing_in
    use limber_base_kinds, only: wp
    use limber_analysis_membrane, only: membrane_type, moved_by, tension_times, pull_nodes
@@ -26,8 +26,9 @@ module limber_analysis_drawing_in
       real(wp), allocatable :: inertia(:, :)
       !> Shortening of the parts that bending makes, its speed and acceleration (parts) [length, /time, /time^2]
       real(wp), allocatable :: short(:), speed(:), quicker(:)
-      !> Twice the kinetic energy of the shortening; work of the axial forces of its inertia on the bending
-      real(wp) :: energy = 0.0_wp, work = 0.0_wp
+      !> Twice the kinetic energy of the shortening; work of the axial forces of its inertia on the bending, and the largest of
+      !> these forces
+      real(wp) :: energy = 0.0_wp, work = 0.0_wp, force = 0.0_wp
       !> Scratch: displacements of the nodes by bending, their rates and accelerations (3, nodes)
       real(wp), allocatable :: bent(:, :), rate(:, :), faster(:, :)
    end type drawing_in_type
@@ -127,6 +128,7 @@ contains
       end associate
       self%energy = 0.0_wp
       self%work = 0.0_wp
+      self%force = 0.0_wp
       do i = 1, size(self%short)
          row = 0.0_wp
          do k = 1, size(self%short)
@@ -134,6 +136,7 @@ contains
          end do
          self%energy = self%energy + self%speed(i)*row(1)
          self%work = self%work + 2*self%short(i)*row(2)
+         self%force = max(self%force, abs(row(2)))
       end do
    end subroutine find_drawing_in
 

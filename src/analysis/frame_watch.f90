@@ -8,7 +8,7 @@ module limber_analysis_frame_watch
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
       & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer, &
       & peak_quartic, peak_quartic_grown, peak_membrane, peak_membrane_force, peak_pull, &
-      & peak_recoil, sum_shortening, add_vibration
+      & peak_recoil, sum_shortening, add_vibration, raise_recoil_force
    use limber_analysis_membrane, only: start_membrane, find_membrane
    use limber_analysis_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_flex_elastic, only: elastic_force
@@ -202,6 +202,8 @@ contains
       call add_vibration(self, reduced%omega2, t, eta, rate, acceleration)
       self%total(sum_shortening) = self%total(sum_shortening) + self%drawing_in%energy
       call raise_peak(self, peak_recoil, abs(self%drawing_in%work), t)
+      call observe_pull(self, own, t)
+      call raise_recoil_force(self, self%drawing_in%force, t)
    end subroutine observe_drawing_in
 
    !> What the axial force that the shortening makes changes: the deflection, eq. (V5), and forces. Motions and eigenvalues under
@@ -230,6 +232,14 @@ contains
       end do
       call raise_peak(self, peak_membrane, 1 - kept, t)
       call raise_peak(self, peak_membrane_force, kept**2*maxval(abs(self%membrane%force)), t)
+   end subroutine observe_membrane
+
+   !> Largest axial force or load so far.
+   pure subroutine observe_pull(self, own, t)
+      type(body_indicators_type), intent(inout) :: self
+      type(body_survey_type), intent(in) :: own
+      real(wp), intent(in) :: t
+      integer :: i
       if (.not. self%shows_axial) return
       do i = 1, size(own%survey%pull, 1)
          call raise_peak(self, peak_pull, abs(dot_product(own%survey%pull(i, :), own%amplitude)), t)
@@ -237,7 +247,7 @@ contains
       do i = size(own%amplitude) - 3*own%survey%places + 1, size(own%amplitude), 3
          call raise_peak(self, peak_pull, norm2(own%amplitude(i:i + 1)), t)
       end do
-   end subroutine observe_membrane
+   end subroutine observe_pull
 
    !> Members by themselves: the length of one over that on which its bending dies out, sqrt(E I/N), where it is pulled most,
    !> eq. (R16); and what the force that buckles them grows by with the slopes, eq. (F3).

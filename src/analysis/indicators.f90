@@ -22,8 +22,8 @@ module limber_analysis_indicators
    use limber_output_pulls, only: pulls_type
    implicit none
    private
-   public :: indicators_type, body_indicators_type, set_type, join_indicators, raise_peak, add_vibration, indicator_value, &
-      & indicator_time
+   public :: indicators_type, body_indicators_type, set_type, join_indicators, raise_peak, raise_recoil_force, add_vibration, &
+      & indicator_value, indicator_time
    public :: indicator_names, indicator_meanings, layer_errors
 
    !> Kinds of indicators, those of a body in this order
@@ -32,13 +32,13 @@ module limber_analysis_indicators
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
       & indicator_phase = 19, indicator_false_damping = 20, indicator_membrane = 21, &
-      & indicator_reaction = 22, indicator_count = 22
+      & indicator_reaction = 22, indicator_recoil_force = 23, indicator_count = 23
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
       & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping', &
-      & 'membrane', 'membrane_force']
+      & 'membrane', 'membrane_force', 'recoil_force']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -61,7 +61,8 @@ module limber_analysis_indicators
       & 'shift of the vibrations / largest deflection, or of a swing / its amplitude, by the lumped masses', &
       & 'amplitude that vibrations lose or gain in rotation, by what the model lacks of the shortening / largest deflection', &
       & 'relative change of the deflection of a frame by axial force where the ends of its members cannot approach each other', &
-      & 'that axial force / largest axial force or load, where channels ask for axial forces, stresses or reactions']
+      & 'that axial force / largest axial force or load, where channels ask for axial forces, stresses or reactions', &
+      & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -73,7 +74,7 @@ module limber_analysis_indicators
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
       & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, &
       & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peak_growth = 26, &
-      & peaks = 26
+      & peak_recoil_force = 27, peaks = 27
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
    !> squared coordinates of bending
@@ -197,6 +198,15 @@ contains
       self%time(kind) = t
    end subroutine raise_peak
 
+   !> Axial force that the inertia of the shortening makes beside the largest axial force or load so far, eq. (E16): not of the
+   !> whole run, in which it may have fed an axial vibration without end.
+   pure subroutine raise_recoil_force(self, force, t)
+      type(body_indicators_type), intent(inout) :: self
+      real(wp), intent(in) :: force, t
+      if (.not. (self%shows_axial .and. force > 0.0_wp)) return
+      call raise_peak(self, peak_recoil_force, force/max(force, self%peak(peak_pull)), t)
+   end subroutine raise_recoil_force
+
    !> Energies and accelerations of the vibration.
    pure subroutine add_vibration(self, omega2, t, eta, rate, acceleration)
       type(body_indicators_type), intent(inout) :: self
@@ -282,6 +292,7 @@ contains
          case (indicator_reaction)
             value = 0.0_wp
             if (self%shows_axial) value = ratio(peak(peak_membrane_force), max(peak(peak_pull), peak(peak_membrane_force)))
+         case (indicator_recoil_force); value = peak(peak_recoil_force)
          case default; value = peak(kind)
          end select
       end associate
@@ -355,6 +366,7 @@ contains
       case (indicator_false_damping); t = max(0.0_wp, self%false_damping%span(2))
       case (indicator_membrane); t = self%time(peak_membrane)
       case (indicator_reaction); t = self%time(peak_membrane_force)
+      case (indicator_recoil_force); t = self%time(peak_recoil_force)
       case default; t = self%time(kind)
       end select
    end function indicator_time

@@ -11,7 +11,8 @@ module limber_analysis_ranges
       & indicator_count, indicator_deflection, indicator_slope, indicator_rotation, &
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
-      & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction
+      & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
+      & indicator_recoil_force
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -74,7 +75,7 @@ contains
          limit = 0.015_wp
       case (indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction)
          limit = 0.03_wp
-      case (indicator_elongation, indicator_recoil)
+      case (indicator_elongation, indicator_recoil, indicator_recoil_force)
          limit = 0.05_wp
       case (indicator_buckling, indicator_layer)
          if (.not. linear) limit = 0.05_wp
@@ -233,6 +234,10 @@ contains
          text = 'bends so quickly that the inertia of its shortening, which '//fidelity(body)//' leaves out, does work of '// &
             & percent//' of the energy of bending'//when
          if (body%reduced%geometric) text = text//": nothing else ends what axial vibrations feed to the bending of K_G"
+      case (indicator_recoil_force)
+         text = 'bends so quickly that the inertia of its shortening, which '//fidelity(body)//' leaves out, makes axial forces'// &
+            & ' of '//percent//' of the largest axial force or load'//when//': axial forces and reactions err by that'
+         if (body%reduced%geometric) text = text//', and by many times as much where these feed axial vibrations'
       case (indicator_buckling)
          text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 2)//' times its Euler load'// &
             & when//', which its functions take '//as_text(100*indicators%misfit, 2)//' % too large: they do not fit how its'// &

@@ -8,7 +8,7 @@ module limber_analysis_frame_watch
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_compression, peak_tension, &
       & peak_left_out, peak_geometric, peak_axial, peak_axial_grown, peak_stiffness, peak_layer, &
       & peak_quartic, peak_quartic_grown, peak_membrane, peak_membrane_force, peak_pull, &
-      & peak_recoil, sum_shortening, add_vibration, raise_recoil_force
+      & peak_own_pull, peak_recoil, sum_shortening, add_vibration, raise_recoil_force
    use limber_analysis_membrane, only: start_membrane, find_membrane
    use limber_analysis_surveys, only: body_survey_type, take_amplitudes, is_base
    use limber_flex_elastic, only: elastic_force
@@ -234,7 +234,7 @@ contains
       call raise_peak(self, peak_membrane_force, kept**2*maxval(abs(self%membrane%force)), t)
    end subroutine observe_membrane
 
-   !> Largest axial force or load so far.
+   !> Largest axial force, and largest one or load, so far.
    pure subroutine observe_pull(self, own, t)
       type(body_indicators_type), intent(inout) :: self
       type(body_survey_type), intent(in) :: own
@@ -242,11 +242,12 @@ contains
       integer :: i
       if (.not. self%shows_axial) return
       do i = 1, size(own%survey%pull, 1)
-         call raise_peak(self, peak_pull, abs(dot_product(own%survey%pull(i, :), own%amplitude)), t)
+         call raise_peak(self, peak_own_pull, abs(dot_product(own%survey%pull(i, :), own%amplitude)), t)
       end do
       do i = size(own%amplitude) - 3*own%survey%places + 1, size(own%amplitude), 3
          call raise_peak(self, peak_pull, norm2(own%amplitude(i:i + 1)), t)
       end do
+      call raise_peak(self, peak_pull, self%peak(peak_own_pull), self%time(peak_own_pull))
    end subroutine observe_pull
 
    !> Members by themselves: the length of one over that on which its bending dies out, sqrt(E I/N), where it is pulled most,

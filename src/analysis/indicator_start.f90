@@ -111,6 +111,7 @@ contains
          do i = 1, size(model%bodies)
             if (self%of(i) == 0 .or. .not. model%bodies(i)%envelope) cycle
             self%bodies(self%of(i))%shows_axial = .true.
+            self%bodies(self%of(i))%shows_force = .true.
             self%bodies(self%of(i))%shows_shear = .true.
             self%bodies(self%of(i))%shows_moment = .true.
             self%bodies(self%of(i))%phase%shown = .true.
@@ -157,7 +158,9 @@ contains
          if (point == 0) cycle
          body = system%model%points(point)%body
          if (body == ground) cycle
-         if (self%of(body) > 0) self%bodies(self%of(body))%shows_axial = .true.
+         if (self%of(body) == 0) cycle
+         self%bodies(self%of(body))%shows_axial = .true.
+         if (all(kind /= [quantity_stress_top, quantity_stress_bottom])) self%bodies(self%of(body))%shows_force = .true.
       end do
    end subroutine show_axial
 

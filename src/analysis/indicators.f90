@@ -74,7 +74,7 @@ module limber_analysis_indicators
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
       & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, &
       & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peak_growth = 26, &
-      & peak_recoil_force = 27, peaks = 27
+      & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peaks = 29
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
    !> squared coordinates of bending
@@ -105,6 +105,8 @@ module limber_analysis_indicators
       logical :: shows_shear = .false., shows_moment = .false., shows_reaction = .false.
       !> Whether they ask for its axial force or stresses, or for forces of a joint that holds it
       logical :: shows_axial = .false.
+      !> The same without stresses
+      logical :: shows_force = .false.
       !> Part of the length below which a deflection is one of the integrator's errors
       real(wp) :: noise = 0.0_wp
       !> First frequency, and length or size
@@ -198,13 +200,21 @@ contains
       self%time(kind) = t
    end subroutine raise_peak
 
-   !> Axial force that the inertia of the shortening makes beside the largest axial force or load so far, eq. (E16): not of the
-   !> whole run, in which it may have fed an axial vibration without end.
+   !> Axial force that the inertia of the shortening makes beside the largest axial force so far, or a part of the largest load,
+   !> eq. (E16): not of the whole run, in which it may feed an axial vibration without end. What was found of a much smaller force
+   !> is left.
    pure subroutine raise_recoil_force(self, force, t)
       type(body_indicators_type), intent(inout) :: self
       real(wp), intent(in) :: force, t
-      if (.not. (self%shows_axial .and. force > 0.0_wp)) return
-      call raise_peak(self, peak_recoil_force, force/max(force, self%peak(peak_pull)), t)
+      !> Part of the largest load that counts as axial force, and of the largest force that is kept
+      real(wp), parameter :: aside = 0.05_wp, small = 0.1_wp
+      if (.not. (self%shows_force .and. force > 0.0_wp)) return
+      if (self%peak(peak_recoil_kept) < small*force) self%peak(peak_recoil_force) = 0.0_wp
+      if (force < small*self%peak(peak_recoil_kept)) return
+      associate (value => force/max(force, self%peak(peak_own_pull), aside*self%peak(peak_pull)))
+         if (value > self%peak(peak_recoil_force)) self%peak(peak_recoil_kept) = force
+         call raise_peak(self, peak_recoil_force, value, t)
+      end associate
    end subroutine raise_recoil_force
 
    !> Energies and accelerations of the vibration.

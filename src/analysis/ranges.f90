@@ -73,9 +73,10 @@ contains
          limit = 0.03_wp
       case (indicator_drift)
          limit = 0.015_wp
-      case (indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction)
+      case (indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
+         & indicator_recoil_force)
          limit = 0.03_wp
-      case (indicator_elongation, indicator_recoil, indicator_recoil_force)
+      case (indicator_elongation, indicator_recoil)
          limit = 0.05_wp
       case (indicator_buckling, indicator_layer)
          if (.not. linear) limit = 0.05_wp
@@ -236,7 +237,7 @@ contains
          if (body%reduced%geometric) text = text//": nothing else ends what axial vibrations feed to the bending of K_G"
       case (indicator_recoil_force)
          text = 'bends so quickly that the inertia of its shortening, which '//fidelity(body)//' leaves out, makes axial forces'// &
-            & ' of '//percent//' of the largest axial force or load'//when//': axial forces and reactions err by that'
+            & ' of '//percent//' of the largest so far'//when//': axial forces and reactions err by that'
          if (body%reduced%geometric) text = text//', and by many times as much where these feed axial vibrations'
       case (indicator_buckling)
          text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 2)//' times its Euler load'// &

@@ -10,7 +10,7 @@ module limber_base_finite
       & lapack_dpbtrs => dpbtrs, lapack_dgeqp3 => dgeqp3, lapack_dorgqr => dorgqr
    implicit none
    private
-   public :: dsyev, dsygv, dgeev, dgelsd, dgesvd, dgetrf, dgetrs, dpbtrf, dpbtrs, dgeqp3, dorgqr, not_finite
+   public :: dsyev, dsygv, dgeev, dgelsd, dgesvd, dgetrf, dgetrs, dpbtrf, dpbtrs, dgeqp3, dorgqr, unit_matrix, not_finite
    ! Every program with a call of LAPACK has limber's own XERBLA by this
    public :: note_fault
 
@@ -135,6 +135,7 @@ contains
       end if
    end subroutine dgesvd
 
+   !> Unit matrix of n rows.
    pure function unit_matrix(n) result(unit)
       integer, intent(in) :: n
       real(wp) :: unit(n, n)

@@ -3,7 +3,7 @@
 !> Source: doc/theory, eqs. (112), (113), (M1)-(M3); Golub and Van Loan, Matrix Computations, section 8.7.
 module limber_system_eigenmodes
    use limber_base_kinds, only: wp
-   use limber_base_finite, only: dsyev, dsygv, dgeev, dgetrf, dgetrs
+   use limber_base_finite, only: dsyev, dsygv, dgeev, dgetrf, dgetrs, unit_matrix
    use limber_system_krylov, only: sort
    implicit none
    private
@@ -365,16 +365,6 @@ contains
          end if
       end do
    end function is_among
-
-   pure function unit_matrix(n) result(unit)
-      integer, intent(in) :: n
-      real(wp) :: unit(n, n)
-      integer :: j
-      unit = 0.0_wp
-      do j = 1, n
-         unit(j, j) = 1.0_wp
-      end do
-   end function unit_matrix
 
    !> Rank of a small matrix of damping, by its symmetric part.
    integer function rank_of(matrix) result(rank)

@@ -7,7 +7,7 @@ module runs
    use testing, only: check, check_no_error
    implicit none
    private
-   public :: run_changed, run_text, change_deck, contents, channel, read_columns
+   public :: run_changed, run_text, change_deck, contents, channel, check_warning, read_columns
 
 contains
 
@@ -26,6 +26,21 @@ contains
       call check_no_error(error, path//': results')
       call check(reader%complete, path//' is marked complete')
    end subroutine run_changed
+
+   !> Checks that a run has a warning with a text, or none.
+   subroutine check_warning(reader, warning, name)
+      type(history_reader_type), intent(in) :: reader
+      character(*), intent(in) :: warning, name
+      character(:), allocatable :: text
+      type(error_type), allocatable :: error
+      call reader%read_text('/run/warnings', text, error)
+      call check_no_error(error, name//': warnings')
+      if (warning == '') then
+         call check(text == '', name//' has no warning, but: '//text)
+      else
+         call check(index(text, warning) > 0, name//' is warned of: '//text)
+      end if
+   end subroutine check_warning
 
    !> Writes a deck beside its results, and runs it.
    subroutine run_text(text, results, report, error)

@@ -6,7 +6,7 @@ program test_model_watch
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel
+   use runs, only: run_changed, channel, check_warning
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    character(*), parameter :: rich = 'SECTION=bar@*NODE > SECTION=bar, MODES=20@*NODE'
@@ -536,20 +536,5 @@ contains
       call check_warning(reader, warning, 'pulled by '//as_text(pull, 6)//', '//words)
       call reader%close()
    end subroutine judge_pulled
-
-   !> Checks that a run has a warning with a text, or none.
-   subroutine check_warning(reader, warning, name)
-      type(history_reader_type), intent(in) :: reader
-      character(*), intent(in) :: warning, name
-      character(:), allocatable :: text
-      type(error_type), allocatable :: error
-      call reader%read_text('/run/warnings', text, error)
-      call check_no_error(error, name//': warnings')
-      if (warning == '') then
-         call check(text == '', name//' has no warning, but: '//text)
-      else
-         call check(index(text, warning) > 0, name//' is warned of: '//text)
-      end if
-   end subroutine check_warning
 
 end program test_model_watch

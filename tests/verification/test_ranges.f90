@@ -8,7 +8,7 @@ program test_ranges
    use limber_base_text, only: as_text, newline
    use limber_analysis_indicators, only: indicator_count, indicator_meanings, indicator_names
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel
+   use runs, only: run_changed, channel, check_warning
    use testing, only: check, check_no_error, check_text, finish
    implicit none
    !> The beam on a hinge and a roller, and between two hinges: words that are exchanged
@@ -298,20 +298,5 @@ contains
       end do
       call check_text(names//meanings, '', 'no more indicators')
    end subroutine check_labels
-
-   !> Checks that a run has a warning with a text, or none.
-   subroutine check_warning(reader, warning, name)
-      type(history_reader_type), intent(in) :: reader
-      character(*), intent(in) :: warning, name
-      character(:), allocatable :: text
-      type(error_type), allocatable :: error
-      call reader%read_text('/run/warnings', text, error)
-      call check_no_error(error, name//': warnings')
-      if (warning == '') then
-         call check(text == '', name//' has no warning, but: '//text)
-      else
-         call check(index(text, warning) > 0, name//' is warned of: '//text)
-      end if
-   end subroutine check_warning
 
 end program test_ranges

@@ -124,8 +124,15 @@ contains
             call raise(error, drivers//motion_text(system, freedom%basis(:, 1))//' although no driver moves it;'// &
                & ' drive as many motions as there are degrees of freedom, or use *DYNAMICS')
          else if (freedom%rank < system%nc .and. .not. system%redundant) then
-            call raise(error, 'the joints and drivers repeat each other in '//as_text(system%nc - freedom%rank)// &
-               & ' equations at the start, or the mechanism is at a dead centre: start elsewhere, or remove what repeats')
+            missing = system%nc - freedom%rank
+            call find_freedom(system, work, .false., freedom)
+            if (freedom%rank == system%nc) then
+               call raise(error, 'the joints bend bodies, and the motion of the frames does not say how; use *STATICS with'// &
+                  & ' PERIOD=, which finds the shapes in equilibrium as the drivers move on, or *DYNAMICS')
+            else
+               call raise(error, 'the joints and drivers repeat each other in '//as_text(missing)// &
+                  & ' equations at the start, or the mechanism is at a dead centre: start elsewhere, or remove what repeats')
+            end if
          end if
       end associate
    end subroutine check_freedom

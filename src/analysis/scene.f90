@@ -29,6 +29,7 @@ module limber_analysis_scene
    use limber_system_algebra, only: cross
    use limber_system_point_motion, only: point_position
    use limber_system_massless, only: find_massless
+   use limber_system_misfit, only: bend_least
    use limber_system_modal_damping, only: any_modal, find_damping, damped_modes_type
    use limber_system_kinematics, only: angle_type, place_frames
    use limber_system_multiplier, only: update_jacobians
@@ -178,6 +179,7 @@ contains
          call diagnostics%add(place_of(scene, culprit), error%message)
          return
       end if
+      if (scene%assembly%bends) call bend_bodies(scene, diagnostics)
       call warn_of_redundancy(scene, diagnostics)
       call refuse_turns_apart(scene, diagnostics)
       call warn_of_turn(scene, diagnostics)
@@ -191,6 +193,43 @@ contains
       end if
       if (scene%system%model%assembly%static_deflections) call settle_deflections(scene, diagnostics)
    end subroutine assemble_scene
+
+   !> Shape of least energy where joints bend bodies, and a word if that is more than figures of the deck that are rounded.
+   subroutine bend_bodies(scene, diagnostics)
+      type(scene_type), intent(inout) :: scene
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), parameter :: rounded = 1.0e-5_wp
+      type(assembly_type) :: again
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text
+      real(wp) :: most, bent
+      integer :: i, body, culprit
+      logical :: done
+      associate (system => scene%system, start => scene%system%model%dynamics%start)
+         call bend_least(system, start, scene%q, scene%v, done)
+         if (done) call assemble(system, scene%work, start, scene%q, scene%v, error, culprit, again)
+         most = 0.0_wp
+         body = 0
+         do i = 1, size(system%layout%q)
+            associate (own => scene%q(system%layout%q(i) + 4:system%layout%q(i) + 3 + system%layout%n(i)))
+               if (size(own) == 0) cycle
+               bent = maxval(abs(own))*system%model%bodies(i)%largest_shape/system%model%bodies(i)%size
+            end associate
+            if (.not. bent > most) cycle
+            most = bent
+            body = i
+         end do
+         if (most < rounded) return
+         text = "body '"//name_in_deck(system%model, body)//"' starts bent, for its joints do not meet it as it is given: "
+         if (done) then
+            call diagnostics%warn(place_of_body(scene, body), text//'it has the shape of least strain energy that closes them', &
+               & 'if that is not meant, correct the places of its joints')
+         else
+            call diagnostics%warn(place_of_body(scene, body), text//'no equilibrium of its shape is found, and it may vibrate', &
+               & 'start with *STATICS, or correct the places of its joints')
+         end if
+      end associate
+   end subroutine bend_bodies
 
    !> Drivers that turn one body to angles a turn apart: its direction is the same, its angle is not.
    subroutine refuse_turns_apart(scene, diagnostics)
@@ -293,7 +332,7 @@ contains
       if (.not. done) then
          why = 'the motion is too fast for them to follow; use ZERO or GIVEN'
          if (names /= '') why = names//' ask more of the bodies than these can do without deflections, as a rod along a beam'// &
-            & ' does; use ZERO or GIVEN'
+            & ' does; use ZERO, which starts with the shape of least strain energy where they bend bodies, or *STATICS first'
          call diagnostics%add(scene%deck%blocks(scene%deck%find('ASSEMBLY'))%origin_of('INITIAL DEFLECTIONS'), &
             & 'no equilibrium of the deflections is found', why)
          return

@@ -1,6 +1,6 @@
 !> Assembly: first place and motion. Starts from the guesses of the deck and satisfies every constraint to round-off, at
 !> position and at velocity level, with the least change of the frames; deflections and their rates stay as given
-!> unless the frames alone cannot satisfy the constraints. Says which equations are redundant. Floor: system.
+!> unless the frames alone cannot satisfy the constraints (then see `misfit`). Says which equations are redundant. Floor: system.
 !> Source: least-norm Gauss-Newton; Nikravesh 1988, chapter 5; doc/theory, eqs. (69)-(72).
 module limber_system_assembly
    use limber_base_kinds, only: wp
@@ -80,6 +80,7 @@ contains
       if (.not. done) then
          q = start
          call close_positions(system, work, bodies, t, q, done)
+         result%bends = done
       end if
       if (.not. done) then
          q = start

@@ -1,6 +1,6 @@
 !> Equilibrium of a scene at rest, or in a steady rotation as a whole: Newton's method with the exact tangent of motion and
 !> constraints, and a descent to a stable equilibrium where Newton finds none or an unstable one. Floor: system.
-!> Source: doc/theory, eqs. (105)-(109).
+!> Source: doc/theory, eqs. (105)-(109), (A1), (A2).
 module limber_system_equilibrium
    use limber_base_kinds, only: wp
    use limber_base_signals, only: signal_came
@@ -16,7 +16,8 @@ module limber_system_equilibrium
    use limber_system_vibrations, only: find_growth
    implicit none
    private
-   public :: equilibrium_type, new_equilibrium, find_equilibrium, linearise_balance, judge, descend, steady_motion, is_near, extent
+   public :: equilibrium_type, new_equilibrium, find_equilibrium, settle, settle_rates, linearise_balance, judge, &
+      & descend, steady_motion, is_near, extent
 
    !> Change of a coordinate relative to its scale: aimed at, taken where round-off forbids more, and most in an iteration
    real(wp), parameter :: aim = 1.0e-12_wp, good = 1.0e-8_wp, most_change = 0.25_wp
@@ -249,6 +250,62 @@ contains
          lambda = first_lambda
       end if
    end subroutine find_equilibrium
+
+   !> Nearest equilibrium of a scene without loads whose frames may be free, eq. (A1): Newton's method with a weak spring on every
+   !> change, so that what costs no energy stays where it is. Leaves the factors of its last step.
+   subroutine settle(system, work, balance, t, q, lambda, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: t
+      !> Coordinates (nq), multipliers (nc)
+      real(wp), intent(inout) :: q(:), lambda(:)
+      logical, intent(out) :: done
+      integer, parameter :: most = 200
+      !> Spring relative to the largest stiffness
+      real(wp), parameter :: weak = 1.0e-9_wp
+      real(wp) :: size_of, last, spring
+      integer :: round, i, k
+      done = .false.
+      last = huge(last)
+      do round = 1, most
+         call linearise_balance(system, work, balance, t, q, lambda)
+         spring = 0.0_wp
+         do i = 1, size(balance%tangent%bodies)
+            associate (stiffness => balance%tangent%bodies(i)%stiffness, scale => balance%scale(system%layout%w(i):))
+               do k = 1, size(stiffness, 1)
+                  spring = max(spring, weak*abs(stiffness(k, k))*scale(k)**2)
+               end do
+            end associate
+         end do
+         call solve_step(system, work, balance, spring, size_of)
+         if (size_of >= huge(size_of) .or. signal_came()) return
+         done = size_of <= aim .or. (size_of <= good .and. size_of >= 0.5_wp*last)
+         call take_step(system, balance, min(1.0_wp, most_change/max(size_of, tiny(size_of))), q, lambda)
+         if (done) return
+         last = size_of
+      end do
+   end subroutine settle
+
+   !> Rates by which that equilibrium follows its drivers, eq. (A2); behind `settle`.
+   subroutine settle_rates(system, work, balance, t, q, v, lambda, w)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: t
+      !> Coordinates, velocities (nq); multipliers (nc)
+      real(wp), intent(in) :: q(:), v(:), lambda(:)
+      !> Rates that belong to the velocities; corrected (nw)
+      real(wp), intent(inout) :: w(:)
+      associate (nw => system%layout%nw, solution => balance%solution)
+         balance%push = 0.0_wp
+         call motion_residual(system, work, t, q, v, balance%push, lambda, balance%motion, balance%rates)
+         solution(:nw) = 0.0_wp
+         solution(nw + 1:) = -balance%rates
+         call balance%tangent%matrix%solve(solution)
+         w = w + solution(:nw)
+      end associate
+   end subroutine settle_rates
 
    !> Largest entry of a change, each relative to its scale.
    pure real(wp) function extent(balance, change)

@@ -12,7 +12,8 @@ module limber_system_held
    use limber_system_tangent, only: tangent_type, new_tangent, combine, static_softness, solve_refined
    implicit none
    private
-   public :: held_type, new_held, factor_held, correct_motion, held_position, held_motion, balance_deflections, rest_multipliers
+   public :: held_type, new_held, factor_held, correct_motion, follows, held_position, held_motion, balance_deflections, &
+      & rest_multipliers
 
    !> Stiffness that holds a coordinate, relative to its mass of one
    real(wp), parameter :: rigid = 1.0e30_wp
@@ -131,7 +132,7 @@ contains
       held%w = 0.0_wp
       call correct_motion(system, work, held, t, q, v)
       work%lambda = held%lambda
-      done = all(abs(held%a) <= huge(1.0_wp)) .and. all(abs(held%lambda) <= huge(1.0_wp))
+      done = follows(held, v) .and. all(abs(held%a) <= huge(1.0_wp)) .and. all(abs(held%lambda) <= huge(1.0_wp))
       call accelerations_of(system, work, held%a, a)
    end subroutine held_motion
 
@@ -162,6 +163,15 @@ contains
          held%lambda = solution(nw + 1:)
       end associate
    end subroutine correct_motion
+
+   !> Whether the velocities of `correct_motion` satisfy the joints: not where these bend bodies as the motion goes on.
+   pure logical function follows(held, v)
+      type(held_type), intent(in) :: held
+      !> (nq)
+      real(wp), intent(in) :: v(:)
+      real(wp), parameter :: off = 1.0e-6_wp
+      follows = .not. any(abs(held%rates) > off*maxval(abs(v)))
+   end function follows
 
    !> Right-hand sides of the acceleration equations at the placed and moved kinematics.
    subroutine gather_gamma(system, work)

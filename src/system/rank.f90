@@ -24,6 +24,8 @@ module limber_system_rank
       !> Largest rotation from the guess to the first position [rad], and the body that has it; 0: none has turned
       real(wp) :: turned = 0.0_wp
       integer :: body = 0
+      !> Whether the frames alone could not close the joints, and deflections have
+      logical :: bends = .false.
    end type assembly_type
 
 contains

@@ -6,7 +6,7 @@ module limber_system_relaxation
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dgetrf, dgetrs
    use limber_model_scene, only: ground
-   use limber_system_held, only: held_type, factor_held, correct_motion, held_position
+   use limber_system_held, only: held_type, factor_held, correct_motion, follows, held_position
    use limber_system_kinematics, only: move_frames
    use limber_system_layout, only: rates_of, velocities_of
    use limber_system_motion, only: linearise_motion, motion_residual
@@ -49,6 +49,7 @@ contains
       do round = 1, most
          call start_motion(system, work, held, t, q, v, singular)
          if (singular) return
+         if (.not. follows(held, v)) return
          call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
          call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
          call relax_deflections(system, work, held, q, size_of)

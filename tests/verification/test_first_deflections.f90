@@ -1,6 +1,7 @@
 !> First deflections in balance with springs as stiff as the beams, and far stiffer ones: of a beam in space against the equation
-!> of the beam, of two beams on hinges against *STATICS, and of rotating ones by how they go on. Usage, in tests/:
-!> test_first_deflections RESULT_FILE
+!> of the beam, of two beams on hinges against *STATICS, and of rotating ones by how they go on. Bodies that their joints bend start
+!> in the shape of least energy: a shaft and its bearing out of line, a bar that is too short, a leaf spring on a lifted driver.
+!> Usage, in tests/: test_first_deflections RESULT_FILE
 program test_first_deflections
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -10,6 +11,11 @@ program test_first_deflections
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
+   character(*), parameter :: steel = '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//newline// &
+      & '*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.03'//newline//'*JOINT, NAME=wall, TYPE=WELD'//newline// &
+      & ' shaft.start, ground.origin'//newline
+   character(*), parameter :: shown = newline//'*OUTPUT'//newline//' axial_force(shaft.middle), y(shaft.middle),'// &
+      & ' potential_energy(system), force_y(bearing)'//newline
    character(256) :: results
    type(history_reader_type) :: reader
 
@@ -18,6 +24,11 @@ program test_first_deflections
    call check_statics()
    call check_rotating()
    call check_hanging()
+   call check_shaft('')
+   call check_shaft(', GEOMETRIC=K_G, SUPPORT=CLAMPED-FREE, BENDING MODES=4, CORRECTIONS=YES')
+   call check_shaft(', SEGMENTS=2')
+   call check_bar()
+   call check_lifted()
    call finish()
 
 contains
@@ -156,6 +167,77 @@ contains
          call reader%close()
       end do
    end subroutine check_hanging
+
+   !> A shaft clamped at one end whose bearing at the other is d out of line: a force of 3 E I d/L^3 holds it there, and at rest.
+   subroutine check_shaft(model)
+      !> Options of the beam
+      character(*), intent(in) :: model
+      real(wp), parameter :: d = 2.0e-3_wp, ei = 2.1e11_wp*acos(-1.0_wp)*0.03_wp**4/64
+      character(:), allocatable :: told
+      real(wp), allocatable :: values(:)
+      call run_shaft('*BEAM, NAME=shaft, MATERIAL=steel, SECTION=s, LENGTH=1'//model//newline//'*GROUND'//newline// &
+         & ' low, 1, -2e-3'//newline//'*JOINT, NAME=bearing, TYPE=POINT ON LINE'//newline//' shaft.end, ground.low'//newline// &
+         & '*DYNAMICS, END=0.05, OUTPUTS=50', told)
+      call check(index(told, "'shaft") > 0 .and. index(told, 'bent') > 0, 'a bearing out of line is told'//model//': '//told)
+      values = channel(reader, 'force_y_bearing')
+      call check_close(maxval(abs(values)), 3*ei*d, 1.0e-3_wp*3*ei*d, 'force of a bearing out of line'//model)
+      call check_close(minval(abs(values)), 3*ei*d, 1.0e-3_wp*3*ei*d, 'and it stays'//model)
+      values = channel(reader, 'y_shaft_middle')
+      call check_close(values(1), -0.3125_wp*d, 1.0e-3_wp*d, 'shape of a shaft with a bearing out of line'//model)
+      values = channel(reader, 'potential_energy_system')
+      call check_close(values(1), 1.5_wp*ei*d**2, 1.0e-3_wp*1.5_wp*ei*d**2, 'its energy'//model)
+      call reader%close()
+   end subroutine check_shaft
+
+   !> A bar between welds that stand 1e-4 of its length too far apart is pulled by 1e-4 E A.
+   subroutine check_bar()
+      real(wp), parameter :: pull = 1.0e-4_wp*2.1e11_wp*acos(-1.0_wp)*0.03_wp**2/4
+      character(:), allocatable :: told
+      real(wp), allocatable :: values(:)
+      call run_shaft('*BEAM, NAME=shaft, MATERIAL=steel, SECTION=s, LENGTH=1'//newline//'*GROUND'//newline// &
+         & ' low, 1.0001, 0'//newline//'*JOINT, NAME=bearing, TYPE=WELD'//newline//' shaft.end, ground.low'//newline// &
+         & '*DYNAMICS, END=0.01, OUTPUTS=10', told)
+      values = channel(reader, 'axial_force_shaft_middle')
+      call check_close(maxval(values), pull, 1.0e-3_wp*pull, 'pull of a bar that is too short')
+      call check_close(minval(values), pull, 1.0e-3_wp*pull, 'and it stays')
+      call reader%close()
+   end subroutine check_bar
+
+   !> A driver holds the end of a shaft aside and lifts it at a steady speed: shape and rates are those of 3 E I y/L^3 from the
+   !> start, and nothing vibrates. Deflections cannot be in balance with an inertia that nobody knows: refused with the cause.
+   subroutine check_lifted()
+      real(wp), parameter :: ei = 2.1e11_wp*acos(-1.0_wp)*0.03_wp**4/64, speed = 0.02_wp
+      character(*), parameter :: lifted = '*BEAM, NAME=shaft, MATERIAL=steel, SECTION=s, LENGTH=1'//newline// &
+         & '*DRIVER, NAME=bearing, TYPE=Y, POINT=shaft.end'//newline//' 2e-3 + 0.02*t'//newline
+      character(:), allocatable :: told
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: values(:)
+      real(wp) :: force
+      integer :: i
+      call run_shaft(lifted//'*DYNAMICS, END=0.05, OUTPUTS=50', told)
+      values = channel(reader, 'force_y_bearing')
+      do i = 1, size(values)
+         force = 3*ei*(2.0e-3_wp + speed*0.05_wp*(i - 1)/(size(values) - 1))
+         call check_close(abs(values(i)), force, 0.02_wp*force, 'force of a driver that lifts, sample '//as_text(i))
+      end do
+      call reader%close()
+      call run_text(steel//lifted//'*ASSEMBLY, INITIAL DEFLECTIONS=STATIC'//newline//'*DYNAMICS, END=0.05, OUTPUTS=50'//shown, &
+         & trim(results), told, error)
+      call check(allocated(error), 'a shaft that goes on to be bent has no balance at the start')
+      if (allocated(error)) call check(index(error%message, 'without deflections') > 0, 'it is said why: '//error%message)
+   end subroutine check_lifted
+
+   !> Runs a scene with a steel shaft that is clamped at its start, and opens the results in `reader`.
+   subroutine run_shaft(scene, told)
+      character(*), intent(in) :: scene
+      character(:), allocatable, intent(out) :: told
+      type(error_type), allocatable :: error
+      call run_text(steel//scene//shown, trim(results), told, error)
+      call check_no_error(error, scene)
+      if (allocated(error)) error stop 1
+      call reader%open(trim(results), error)
+      call check_no_error(error, scene)
+   end subroutine run_shaft
 
    !> The keyword that the blocks are put before.
    function nl_output() result(text)

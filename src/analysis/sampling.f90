@@ -14,6 +14,7 @@ module limber_analysis_sampling
    use limber_system_algebra, only: cross
    use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual, &
       & mechanical_energy, add_parts_of_power, worst_constraint
+   use limber_system_held, only: held_type, new_held, held_position
    use limber_system_kinematics, only: place_frames
    use limber_system_projection, only: harmless, settle, settle_place, settle_position, normalise_frames
    use limber_system_system, only: system_type, workspace_type
@@ -36,6 +37,8 @@ module limber_analysis_sampling
       real(wp) :: good_from = huge(1.0_wp), good_to = -huge(1.0_wp)
       !> Whether samples show what bodies do in their own frames alone, and nothing of the joints
       logical :: local = .false.
+      !> Of samples within steps that pass over vibrations
+      type(held_type), allocatable, private :: held
    contains
       procedure :: exchange => exchange_sample
    end type sample_type
@@ -90,6 +93,7 @@ contains
             outcome%samples = outcome%samples + 1
             return
          end if
+         if (recorder%needs_accelerations .and. integrator%steps_over .and. t < integrator%t) call close_by_frames(scene, t, sample)
          if (recorder%needs_velocities .and. .not. integrator%ends_on_samples) then
             call settle(system, work, t, sample%q, sample%v, sample%change, recorder%needs_accelerations, residual, error)
          else if (moving) then
@@ -112,6 +116,28 @@ contains
       if (.not. allocated(error)) call history%take(t, sample%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine record
+
+   !> Closes the joints of an interpolated state by its frames, and leaves the deflections as they are: moved by no more than the
+   !> error of the motion those that are stiff would make forces that are not there. Where frames alone cannot, nothing is done.
+   subroutine close_by_frames(scene, t, sample)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: t
+      type(sample_type), intent(inout) :: sample
+      real(wp) :: moved
+      logical :: closed
+      associate (system => scene%system, work => scene%work)
+         if (system%nc == 0 .or. .not. any(system%layout%n > 0)) return
+         if (.not. allocated(sample%held)) then
+            allocate (sample%held)
+            call new_held(system, sample%held)
+         end if
+         sample%change = sample%q
+         ! What a restart finds must not depend on samples before
+         call sample%held%tangent%matrix%release_factors()
+         call held_position(system, work, sample%held, t, sample%change, moved, closed)
+         if (closed) sample%q = sample%change
+      end associate
+   end subroutine close_by_frames
 
    !> The channels of a sample.
    subroutine show(scene, t, recorder, sample, outcome, error)

@@ -77,6 +77,7 @@ contains
       self%t = t
       self%t_before = t
       self%layout = system%layout
+      self%steps_over = .true.
       call self%renew_scales(system)
       call linearise(system, work, t, q, error)
       if (allocated(error)) return

@@ -42,6 +42,8 @@ module limber_integrator_integrator
       logical :: speeds_asked = .false.
       !> True if what it promises holds at the ends of its steps only: samples are then taken there, their velocities as they are
       logical :: ends_on_samples = .false.
+      !> Whether its steps pass over fast vibrations: a deflection within a step is as exact as a motion, not as its force
+      logical :: steps_over = .false.
       !> Steps that it takes behind a start until they are as long as before
       integer :: steps_to_start = 4
       type(step_statistics_type) :: statistics

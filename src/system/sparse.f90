@@ -57,6 +57,8 @@ module limber_system_sparse
       procedure :: mark, analyse, place, holds, follow_pivots, factor, solve, factor_complex, solve_complex
       final :: release
       procedure :: exchange => exchange_sparse
+      !> Gives the factors and their pivots back: the next ones depend on nothing before
+      procedure :: release_factors
    end type sparse_type
 
 contains
@@ -447,7 +449,7 @@ contains
 
    !> Gives the memory of KLU back, and forgets all factors.
    subroutine release(self)
-      type(sparse_type), intent(inout) :: self
+      class(sparse_type), intent(inout) :: self
       integer(c_int) :: ok
       self%own%n = 0
       self%complex_own%n = 0
@@ -524,7 +526,7 @@ contains
 
    !> Forgets the factors, not the order of the unknowns.
    subroutine release_factors(self)
-      type(sparse_type), intent(inout) :: self
+      class(sparse_type), intent(inout) :: self
       integer(c_int) :: ok
       self%own%n = 0
       self%complex_own%n = 0

@@ -449,7 +449,7 @@ contains
 
    !> Gives the memory of KLU back, and forgets all factors.
    subroutine release(self)
-      class(sparse_type), intent(inout) :: self
+      type(sparse_type), intent(inout) :: self
       integer(c_int) :: ok
       self%own%n = 0
       self%complex_own%n = 0

@@ -1,10 +1,11 @@
 !> Loads in whole runs against solutions in closed form, by all integrators, against the published one of the car axis, and
-!> against the tables of beams. Usage, in tests/: test_forces RESULT_FILE
+!> against the tables of beams. Forces between steps of a method that passes over vibrations, against a fine run. Usage, in tests/: test_forces RESULT_FILE
 program test_forces
    use limber_base_kinds, only: wp
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel
-   use testing, only: check, check_close, finish
+   use limber_base_error, only: error_type
+   use runs, only: run_changed, run_text, channel
+   use testing, only: check, check_close, check_no_error, finish
    implicit none
    character(256) :: results
 
@@ -19,9 +20,52 @@ program test_forces
    call check_damping('ADAMS', '1e-10', 1.0e-6_wp)
    call check_damping('CONSERVING', '1e-6', 1.0e-3_wp)
    call check_distributed()
+   call check_within_steps('*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=1', 'pinned')
+   call check_within_steps('*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=1, SEGMENTS=2', 'in segments')
    call finish()
 
 contains
+
+   !> Two stiff beams on soft springs, pushed by a force that comes smoothly: samples fall within the steps of RADAU, where joints
+   !> that are closed by the stretch of the beams would carry 100 times their force. Against a run with a tolerance of 1e-10.
+   subroutine check_within_steps(beam, name)
+      character(*), intent(in) :: beam, name
+      character(*), parameter :: nl = new_line('a')
+      character(*), parameter :: channels(5) = [character(3) :: 'fx', 'fy', 'gy', 'bm', 'af'], &
+         & tolerances(2) = [character(5) :: '1e-6', '1e-10']
+      character(:), allocatable :: told
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp) :: values(0:40, 5, 2), allowed
+      integer :: i, k
+      do k = 1, 2
+         call run_text('*MATERIAL, NAME=m, YOUNG=9.8e10, DENSITY=2500'//nl// &
+            & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.04, HEIGHT=0.019'//nl//beam//nl// &
+            & '*BEAM, NAME=c, MATERIAL=m, SECTION=s, LENGTH=0.37, X=1'//nl// &
+            & '*JOINT, NAME=j, TYPE=REVOLUTE'//nl//' b.start, ground.origin'//nl// &
+            & '*JOINT, NAME=i, TYPE=REVOLUTE'//nl//' c.start, b.end'//nl// &
+            & '*SPRING, NAME=r, TYPE=ROTATIONAL, STIFFNESS=60, DAMPING=1.2'//nl//' ground.origin, b.start'//nl// &
+            & '*SPRING, NAME=q, TYPE=ROTATIONAL, STIFFNESS=20, DAMPING=0.3'//nl//' b.end, c.start'//nl// &
+            & '*FORCE, NAME=f, POINT=c.end'//nl//' 0, -4.7*smoothstep(t/0.386)'//nl// &
+            & '*DYNAMICS, END=0.6, OUTPUTS=40, INTEGRATOR=RADAU, TOLERANCE='//trim(tolerances(k))//nl// &
+            & '*OUTPUT'//nl//' fx=force_x(j), fy=force_y(j), gy=force_y(i), bm=bending_moment(b.middle), af=axial_force(c.middle)'//nl, &
+            & trim(results), told, error)
+         call check_no_error(error, 'forces within steps, '//name)
+         if (allocated(error)) error stop 1
+         call reader%open(trim(results), error)
+         call check_no_error(error, 'results')
+         do i = 1, 5
+            values(:, i, k) = channel(reader, trim(channels(i)))
+         end do
+         call reader%close()
+      end do
+      do i = 1, 5
+         allowed = maxval(abs(values(:, i, 2)))
+         if (i == 1) allowed = max(allowed, 0.5_wp*maxval(abs(values(:, 2, 2))))
+         print '(4a,2es12.3)', 'within steps, ', name, ', ', channels(i), allowed, maxval(abs(values(:, i, 1) - values(:, i, 2)))
+         call check(maxval(abs(values(:, i, 1) - values(:, i, 2))) <= 0.02_wp*allowed, 'within steps, '//name//', '//channels(i))
+      end do
+   end subroutine check_within_steps
 
    !> The scene forces.inp.
    subroutine check_closed_forms(integrator, tolerance, allowed, balance)

@@ -15,7 +15,7 @@ program test_first_deflections
       & '*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.03'//newline//'*JOINT, NAME=wall, TYPE=WELD'//newline// &
       & ' shaft.start, ground.origin'//newline
    character(*), parameter :: shown = newline//'*OUTPUT'//newline//' axial_force(shaft.middle), y(shaft.middle),'// &
-      & ' potential_energy(system), force_y(bearing)'//newline
+      & ' potential_energy(system), force_y(wall)'//newline
    character(256) :: results
    type(history_reader_type) :: reader
 
@@ -179,7 +179,7 @@ contains
          & ' low, 1, -2e-3'//newline//'*JOINT, NAME=bearing, TYPE=POINT ON LINE'//newline//' shaft.end, ground.low'//newline// &
          & '*DYNAMICS, END=0.05, OUTPUTS=50', told)
       call check(index(told, "'shaft") > 0 .and. index(told, 'bent') > 0, 'a bearing out of line is told'//model//': '//told)
-      values = channel(reader, 'force_y_bearing')
+      values = channel(reader, 'force_y_wall')
       call check_close(maxval(abs(values)), 3*ei*d, 1.0e-3_wp*3*ei*d, 'force of a bearing out of line'//model)
       call check_close(minval(abs(values)), 3*ei*d, 1.0e-3_wp*3*ei*d, 'and it stays'//model)
       values = channel(reader, 'y_shaft_middle')
@@ -215,7 +215,7 @@ contains
       real(wp) :: force
       integer :: i
       call run_shaft(lifted//'*DYNAMICS, END=0.05, OUTPUTS=50', told)
-      values = channel(reader, 'force_y_bearing')
+      values = channel(reader, 'force_y_wall')
       do i = 1, size(values)
          force = 3*ei*(2.0e-3_wp + speed*0.05_wp*(i - 1)/(size(values) - 1))
          call check_close(abs(values(i)), force, 0.02_wp*force, 'force of a driver that lifts, sample '//as_text(i))

@@ -48,7 +48,8 @@ contains
             & '*SPRING, NAME=q, TYPE=ROTATIONAL, STIFFNESS=20, DAMPING=0.3'//nl//' b.end, c.start'//nl// &
             & '*FORCE, NAME=f, POINT=c.end'//nl//' 0, -4.7*smoothstep(t/0.386)'//nl// &
             & '*DYNAMICS, END=0.6, OUTPUTS=40, INTEGRATOR=RADAU, TOLERANCE='//trim(tolerances(k))//nl// &
-            & '*OUTPUT'//nl//' fx=force_x(j), fy=force_y(j), gy=force_y(i), bm=bending_moment(b.middle), af=axial_force(c.middle)'//nl, &
+            & '*OUTPUT'//nl//' fx=force_x(j), fy=force_y(j), gy=force_y(i), bm=bending_moment(b.middle)'//nl// &
+            & ' af=axial_force(c.middle)'//nl, &
             & trim(results), told, error)
          call check_no_error(error, 'forces within steps, '//name)
          if (allocated(error)) error stop 1

@@ -219,8 +219,8 @@ module limber_deck_keywords
       & option_spec_type('ASSEMBLY', 'LARGEST TURN', kind_positive, '', &
       &    'rad', '0.5', 'rotation of a body from its guess beyond which there is a warning: another branch may be meant'), &
       & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN|STATIC', &
-      &    '', 'ZERO', 'ZERO: but for what joints bend; GIVEN: as data lines say; STATIC: balance with loads and '// &
-      &    'inertia, also of what hangs'), &
+      &    '', 'ZERO', 'ZERO: but for what joints bend; GIVEN: by data lines; STATIC'// &
+      &    ': balance with loads, inertia, hanging bodies'), &
       & option_spec_type('ASSEMBLY', 'ELIMINATION', kind_yes, '', &
       &    '', 'YES', 'NO: bodies keep all unknowns and joints their multipliers, even where the motion is known; to compare'), &
       & option_spec_type('DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &

@@ -446,8 +446,8 @@ contains
       logical, intent(out) :: done
       !> Rounds; those without progress in which constraints may stay open, and trials of springs in each round
       integer, parameter :: most = 1000, most_open = 100, most_springs = 200
-      !> Part of a radian, or of the scene; residual of constraints that are closed
-      real(wp), parameter :: push = 1.0e-2_wp, closed = 1.0e-6_wp
+      !> Part of a radian, or of the scene; residual of constraints that are closed, and of those that a long way keeps open
+      real(wp), parameter :: push = 1.0e-2_wp, closed = 1.0e-6_wp, underway = 1.0e-3_wp
       real(wp), allocatable :: found(:), found_lambda(:)
       real(wp) :: spring, size_of, gap, least_gap
       integer :: round, trial, closing
@@ -510,7 +510,7 @@ contains
          real(wp), parameter :: progress = 0.9_wp
          gap = 0.0_wp
          if (system%nc > 0) gap = position_residual(system, work)
-         if (gap <= max(closed, progress*least_gap)) closing = round
+         if (gap <= max(underway, progress*least_gap)) closing = round
          least_gap = min(least_gap, gap)
          stays_open = round - closing >= most_open
       end function stays_open

@@ -433,14 +433,14 @@ contains
          if (i /= 2) call check(index(warnings, told) == 0, 'an arm, right: '//warnings)
          call reader%close()
       end do
-      do i = 1, 3
-         call run_scene(rod(trim(merge(', LARGE=YES', '           ', i == 1)), merge(' 4', '16', i == 3)), reader, warnings)
+      do i = 1, 2
+         call run_scene(rod(merge('16', ' 4', i == 1)), reader, warnings)
          x = channel(reader, 'm')
-         if (i == 1) right = x
-         print '(a,i2,2es12.4)', 'rod', i, maxval(abs(x)), maxval(abs(x - right))
-         if (i == 2) call check(maxval(abs(x - right)) > 0.05_wp*maxval(abs(right)) .and. index(warnings, told) > 0, &
-            & 'a rod, default: '//warnings)
-         if (i /= 2) call check(index(warnings, told) == 0, 'a rod, right: '//warnings)
+         print '(a,i2,es12.4)', 'rod', i, x(600)
+         ! Exact beams have -3.49
+         if (i == 1) call check(abs(x(600) + 3.49_wp) > 1.0_wp .and. index(warnings, told) > 0 .and. &
+            & index(warnings, 'shift the vibrations') > 0, 'a rod, default: '//warnings)
+         if (i == 2) call check(index(warnings, told) == 0, 'a rod, slow: '//warnings)
          call reader%close()
       end do
    end subroutine check_shortening
@@ -456,10 +456,10 @@ contains
    end function arm
 
    !> A straight frame of two members as connecting rod of a crank with a speed.
-   function rod(option, speed) result(text)
-      character(*), intent(in) :: option, speed
+   function rod(speed) result(text)
+      character(*), intent(in) :: speed
       character(:), allocatable :: text
-      text = plastic//'*FRAME, NAME=b, MATERIAL=st, SECTION=s, X=0.3'//option//nl//straight//' 1, 1, 2'//nl//' 3, 2'//nl// &
+      text = plastic//'*FRAME, NAME=b, MATERIAL=st, SECTION=s, X=0.3'//nl//straight//' 1, 1, 2'//nl//' 3, 2'//nl// &
          & '*RIGID BODY, NAME=cr, MASS=1, INERTIA=0.01'//nl//' pin, 0.3, 0'//nl//'*POINT MASS, NAME=sl, MASS=0.5, X=1.3'//nl// &
          & '*JOINT, NAME=sh, TYPE=REVOLUTE'//nl//' cr.origin, ground.origin'//nl//'*JOINT, NAME=cp, TYPE=REVOLUTE'//nl// &
          & ' cr.pin, b.start'//nl//'*JOINT, NAME=sp, TYPE=REVOLUTE'//nl//' b.end, sl'//nl//'*JOINT, NAME=gu, TYPE=POINT ON LINE' &

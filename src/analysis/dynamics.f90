@@ -32,7 +32,7 @@ module limber_analysis_dynamics
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
    use limber_analysis_laws, only: find_instants
-   use limber_model_breaks, only: change_at
+   use limber_model_breaks, only: last_instant
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, sample_width
    use limber_output_progress, only: progress_type
@@ -109,7 +109,7 @@ contains
          scene%assembling = scene%assembling + seconds_since(tick)
          call system_clock(tick)
          call cpu_time(cpu)
-         call integrator%start(scene%system, scene%work, dynamics%start, &
+         call integrator%start(scene%system, scene%work, max(scene%begin, dynamics%start), &
             & dynamics%end - dynamics%start, scene%q, scene%v, error)
          if (.not. allocated(error)) call advance(scene, dynamics, integrator, recorder, sample, history, progress, &
             & costs, tick, cpu, outcome, error, guard)
@@ -174,10 +174,9 @@ contains
       seen = 0
       begun = scene%work%evaluations
       near = 8*spacing(max(abs(dynamics%start), abs(dynamics%end)))
-      t = dynamics%start
+      t = max(scene%begin, dynamics%start)
       since = t
-      last = dynamics%end
-      if (change_at(scene%system%model, last)) last = nearest(last, -1.0_wp)
+      last = last_instant(scene%system%model, dynamics%start, dynamics%end)
       sample%q = scene%q
       sample%v = scene%v
       call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start, integrator%tolerance)
@@ -187,17 +186,17 @@ contains
       if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
       call new_pieces(pieces, scene%system, dynamics%start, dynamics%end - dynamics%start)
       if (size(pieces%paths) > 0) call begin_pieces(pieces, scene%system, scene%work, t, scene%q, scene%v)
-      call start_watch(watch, dynamics%start, scene%v)
-      call start_turning(turning, scene%system, dynamics%start, scene%q, scene%v, integrator%ends_on_samples)
-      call follow_turns(dynamics%start)
+      call start_watch(watch, t, scene%v)
+      call start_turning(turning, scene%system, t, scene%q, scene%v, integrator%ends_on_samples)
+      call follow_turns(t)
       watch%late = dynamics%end - 0.1_wp*(dynamics%end - dynamics%start)
       if (restarts(guard)) then
          call restore()
          if (passed > 0) since = breaks(passed)
       else
-         call check_energy(scene, dynamics%start, sample, outcome)
+         call check_energy(scene, t, sample, outcome)
          if (size(outcome%indicators%functions%beams) > 0) call look(scene, dynamics, integrator, at_start, sample, outcome)
-         call record(scene, dynamics%start, integrator, recorder, sample, history, outcome, error)
+         call record(scene, t, dynamics%start, integrator, recorder, sample, history, outcome, error)
       end if
       do while (sample%next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
@@ -543,7 +542,7 @@ contains
             end if
             if (.not. sample%local .or. sample%next == dynamics%outputs) call integrator%complete(scene%system, scene%work, at, &
                & sample%q, sample%v)
-            call record(scene, at, integrator, recorder, sample, history, outcome, error)
+            call record(scene, at, sample_time(dynamics, sample%next), integrator, recorder, sample, history, outcome, error)
             if (allocated(error)) exit
             call watch_channels(unfollowed, scene, integrator%ringing, at, dynamics, recorder, sample)
             sample%next = sample%next + 1

@@ -3,7 +3,7 @@
 module limber_analysis_fresh_start
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_base_text, only: as_text
+   use limber_base_text, only: as_text, newline
    use limber_analysis_function_sudden, only: in_motion, before_break, behind_break
    use limber_analysis_looks, only: observe_state
    use limber_analysis_outcome, only: outcome_type, warn
@@ -15,9 +15,13 @@ module limber_analysis_fresh_start
    use limber_system_dynamics, only: linearise, mechanical_energy, worst_constraint
    use limber_system_projection, only: settle
    use limber_system_redundancy, only: constraint_names
+   use limber_system_system, only: system_type
    implicit none
    private
-   public :: pass_break
+   public :: pass_break, meet_drivers
+
+   !> Part of the speed of the motion above which a change of velocities is told
+   real(wp), parameter :: impact = 1.0e-6_wp
 
 contains
 
@@ -37,8 +41,8 @@ contains
       type(sample_type), intent(inout) :: sample
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
-      !> Relative residuals beyond which a position and a velocity have jumped
-      real(wp), parameter :: jump = 1.0e-8_wp, impact = 1.0e-6_wp
+      !> Relative residual beyond which a position has jumped
+      real(wp), parameter :: jump = 1.0e-8_wp
       !> Part of a step before its end at which a load has not jumped yet
       real(wp), parameter :: aside = 1.0e-4_wp
       real(wp) :: residual, energy(2), before, earlier
@@ -57,7 +61,7 @@ contains
          end if
          call integrator%interpolate(last, sample%q, sample%v, sample%w)
          call integrator%complete(system, work, last, sample%q, sample%v)
-         call demanded_jumps(system, work, t, sample%q, demanded)
+         call demanded_jumps(system, work, nearest(t, -1.0_wp), t, sample%q, demanded)
          call linearise(system, work, t, sample%q, error)
          if (allocated(error)) return
          if (system%nc > 0) then
@@ -75,9 +79,7 @@ contains
          if (allocated(error)) return
          call mechanical_energy(system, work, sample%q, sample%v, energy(1), energy(2))
          if (largest_speed(system, sample%v - sample%change) > impact*max(fastest, largest_speed(system, sample%v)) .and. &
-            & any(demanded > 0.0_wp)) call warn(outcome, 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for '// &
-            & constraint_names(system, demanded > 0.0_wp)//' changes speed abruptly there; the energy changes by '// &
-            & as_text(sum(energy) - before, 3))
+            & any(demanded > 0.0_wp)) call warn(outcome, impact_text(system, t, demanded > 0.0_wp, sum(energy) - before))
          if (watched) call observe_state(scene, t, merge(behind_break, in_motion, jumps), sample, outcome)
          integrator%work_at_start = sample%w + sum(energy) - before
          associate (dynamics => system%model%dynamics)
@@ -85,5 +87,42 @@ contains
          end associate
       end associate
    end subroutine pass_break
+
+   !> Brings the state that an analysis before has left onto the drivers and joints, at the instant at which this one begins: its
+   !> velocities change as by an impact where drivers change their speed right there.
+   subroutine meet_drivers(scene, demanded, kept, error)
+      !> With the state and the instant; receives the warning
+      type(scene_type), intent(inout) :: scene
+      !> Drivers and couplers that change their speed there (constraints)
+      logical, intent(in) :: demanded(:)
+      !> Whether the velocities are those of a motion
+      logical, intent(in) :: kept
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: energy(2), before, residual, change(size(scene%q)), earlier(size(scene%q))
+      associate (system => scene%system, work => scene%work)
+         earlier = scene%v
+         if (kept) call mechanical_energy(system, work, scene%q, scene%v, energy(1), energy(2))
+         before = sum(energy, mask=kept)
+         call settle(system, work, scene%begin, scene%q, scene%v, change, .true., residual, error)
+         if (allocated(error) .or. .not. kept .or. .not. any(demanded)) return
+         if (largest_speed(system, scene%v - earlier) <= impact*max(largest_speed(system, earlier), largest_speed(system, &
+            & scene%v))) return
+         call mechanical_energy(system, work, scene%q, scene%v, energy(1), energy(2))
+         scene%warnings = scene%warnings//'warning: '//impact_text(system, scene%begin, demanded, sum(energy) - before)//newline
+      end associate
+   end subroutine meet_drivers
+
+   !> What is told of velocities that jump.
+   function impact_text(system, t, demanded, energy) result(text)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: t
+      !> Drivers and couplers that change their speed (constraints)
+      logical, intent(in) :: demanded(:)
+      !> Change of the energy
+      real(wp), intent(in) :: energy
+      character(:), allocatable :: text
+      text = 'velocities jump at t = '//as_text(t, 8)//' as by an impact, for '//constraint_names(system, demanded)// &
+         & ' changes speed abruptly there; the energy changes by '//as_text(energy, 3)
+   end function impact_text
 
 end module limber_analysis_fresh_start

@@ -232,7 +232,7 @@ contains
          do which = 1, size(self%driven)
             associate (of => self%driven(which))
                if (of%driver /= driver .or. .not. of%largest > nothing*of%lever*passed(3)) cycle
-               lost(of_forces:) = max(lost(of_forces:), passed(:2)*of%lever/of%largest)
+               lost(of_forces:) = max(lost(of_forces:), passed(:2)*of%lever/of%largest*beam%drawn_by(:, which))
             end associate
          end do
       end subroutine raise_driven

@@ -11,7 +11,8 @@ module limber_analysis_function_report
    use limber_analysis_function_sudden, only: lost_deflection, is_struck
    use limber_analysis_function_watch, only: function_watch_type
    use limber_analysis_noise, only: noise_of
-   use limber_model_scene, only: model_type
+   use limber_model_joints, only: most_bends
+   use limber_model_scene, only: model_type, joint_sliding
    implicit none
    private
    public :: function_warnings, ring_warnings
@@ -168,6 +169,7 @@ contains
          end associate
       end if
       if (max(report%rest, sudden) > 0.0_wp) call add(report%remedies, ' and ', functions_for(sudden, functions, &
+         & room(model, self%beams(report%first)%body) - strains_of(model, self%beams(report%first)%body), &
          & slower(self, report)))
       text = "warning: beam '"//report%name//"' has too few functions of the angle: its "//as_text(functions)//' do not follow '// &
          & report%causes//'; '//report%what//' may be off; use '//report%remedies//newline
@@ -194,16 +196,21 @@ contains
    end subroutine add_error
 
    !> Functions for sudden loads: errors of forces fall about as one over their number.
-   pure function functions_for(error, functions, otherwise) result(text)
+   pure function functions_for(error, functions, most, otherwise) result(text)
       real(wp), intent(in) :: error
-      integer, intent(in) :: functions
+      !> Number of them, and most that the beam can have
+      integer, intent(in) :: functions, most
       !> What else helps against sudden loads
       character(*), intent(in) :: otherwise
       character(:), allocatable :: text
-      integer :: better
+      integer :: better, allowed_here
       better = nint(functions*max(2.0_wp, min(error, 1.0e3_wp)/aim))
-      text = 'FUNCTIONS='//as_text(max(2*functions, min(better, most_functions)))
-      if (better > most_functions .or. (error > 0.0_wp .and. index(otherwise, '*') > 0)) text = text//', or '//otherwise
+      allowed_here = min(most, max(2*functions, min(better, most_functions)))
+      text = otherwise
+      if (allowed_here <= functions) return
+      text = 'FUNCTIONS='//as_text(allowed_here)
+      if (allowed_here == most .and. better > most) text = text//', all that a beam can have along which a point slides'
+      if (better > allowed_here .or. (error > 0.0_wp .and. index(otherwise, '*') > 0)) text = text//', or '//otherwise
    end function functions_for
 
    !> What else helps against vibrations of a beam, by what sets them off.
@@ -218,6 +225,38 @@ contains
             & '*ASSEMBLY, INITIAL DEFLECTIONS=STATIC, for it is the start without deflections that sets them off'
       end do
    end function slower
+
+   !> Most coordinates of a body: fewer where a point slides along it.
+   pure integer function room(model, body) result(most)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      integer :: i
+      most = huge(most)
+      do i = 1, size(model%joints)
+         if (model%joints(i)%kind /= joint_sliding) cycle
+         if (model%points(model%joints(i)%points(2))%body == body) most = most_bends
+      end do
+   end function room
+
+   !> Coordinates of the strain and the shear of an exact beam.
+   pure integer function strains_of(model, body) result(number)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      number = model%bodies(body)%reduced%n - model%bodies(body)%reduced%exact%angles
+   end function strains_of
+
+   !> 'STRAIN FUNCTIONS=...': twice as many, as far as the beam can have them; empty if it has all.
+   pure function strains_for(model, body) result(text)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      character(:), allocatable :: text
+      integer :: more
+      associate (own => model%bodies(body))
+         more = min(max(3, 2*own%choice%exact%strains), room(model, body) - own%reduced%n + own%choice%exact%strains)
+         text = ''
+         if (more > own%choice%exact%strains) text = 'STRAIN FUNCTIONS='//as_text(more)
+      end associate
+   end function strains_for
 
    !> Where layers are.
    pure function words_of(layers, model, body) result(text)
@@ -254,7 +293,7 @@ contains
          if (.not. allocated(own%choice%exact%layers)) return
          if (size(own%choice%exact%layers) == 0) return
          if (own%choice%exact%layers(1) < alike*sqrt(own%beam%ei/layers%tension)) &
-            & text = 'FUNCTIONS='//as_text(2*own%choice%exact%angles)
+            & text = 'FUNCTIONS='//as_text(min(2*own%choice%exact%angles, room(model, body) - strains_of(model, body)))
       end associate
    end function remedy_of
 
@@ -282,8 +321,9 @@ contains
          part = beams(worst)%left_out(2)/max(moved, beams(worst)%left_out(2), tiny(moved))
          if (part <= times*allowed(2) .or. beams(worst)%left_out(2) <= floor_of) return
          text = "warning: beam '"//report%name//"' has too few functions of the strain: they leave out about "// &
-            & as_text(100*part, 2)//' % of its largest '//trim(beside)//' at t = '//as_text(beams(worst)%when(2), 4)// &
-            & '; use STRAIN FUNCTIONS='//as_text(max(3, 2*body%choice%exact%strains))//newline
+            & as_text(100*part, 2)//' % of its largest '//trim(beside)//' at t = '//as_text(beams(worst)%when(2), 4)
+         if (strains_for(model, beams(1)%body) /= '') text = text//'; use '//strains_for(model, beams(1)%body)
+         text = text//newline
       end associate
    end function strain_warning
 
@@ -300,8 +340,10 @@ contains
       associate (strains => model%bodies(self%beams(report%first)%body)%choice%exact%strains)
          text = "warning: beam '"//report%name//"' vibrates along itself under sudden or fast loads in ways that its "// &
             & as_text(strains)//trim(merge(' function ', ' functions', strains == 1))//' of the strain do not follow: '// &
-            & report%what//' may be off; use STRAIN FUNCTIONS='//as_text(max(3, 2*strains))// &
-            & ', STRAIN FUNCTIONS=0 to leave these vibrations out, or '//slower(self, report)//newline
+            & report%what//' may be off; use '
+         if (strains_for(model, self%beams(report%first)%body) /= '') &
+            & text = text//strains_for(model, self%beams(report%first)%body)//', '
+         text = text//'STRAIN FUNCTIONS=0 to leave these vibrations out, or '//slower(self, report)//newline
       end associate
    end function ring_warning
 

@@ -16,7 +16,8 @@ module limber_analysis_function_watch
    use limber_output_internal_forces, only: effort_type, start_effort, gather_exact
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, &
       & quantity_torque, quantity_force, quantity_power
-   use limber_model_scene, only: model_type, joint_revolute, joint_weld, driver_joint_angle, ground
+   use limber_model_scene, only: model_type, body_point, body_flexible, joint_revolute, joint_weld, joint_sliding, &
+      & driver_joint_angle, driver_x, driver_y, ground
    use limber_output_joints, only: joint_force, driver_effort, joint_force_in_frame, frame_of
    use limber_system_algebra, only: turn, along, cross
    use limber_system_system, only: system_type, workspace_type
@@ -44,6 +45,8 @@ module limber_analysis_function_watch
       !> across the beam and of those along it (4, reactions)
       integer, allocatable :: held_at(:)
       real(wp), allocatable :: across(:, :), along(:, :)
+      !> The same along the direction of each driver that has one, else 1: of the axes across the beam and along it (2, driven)
+      real(wp), allocatable :: drawn_by(:, :)
    end type beam_watch_type
 
    !> The force of a joint that channels ask for
@@ -58,6 +61,10 @@ module limber_analysis_function_watch
       integer :: driver = 0
       !> Lever by which forces act on it at most [length], of a force 1; largest torque or force
       real(wp) :: lever = 1.0_wp, largest = 0.0_wp
+      !> 1, 2: the point that it draws along x or y takes all forces of the beams that it is joined to; 0: they reach it by levers.
+      !> Whether it slides along the beams, and takes no forces along them
+      integer :: axis = 0
+      logical :: slides = .false.
    end type driven_type
 
    !> All exact beams
@@ -119,9 +126,42 @@ contains
             if (driver%body > 0) self%driven(i)%lever = largest_lever(model, driver%body)
             if (driver%joint > 0 .and. driver%kind == driver_joint_angle) self%driven(i)%lever = maxval([(largest_lever(model, &
                & body_of(model, model%joints(driver%joint)%points(k))), k=1, 2)])
+            if (any(driver%kind == [driver_x, driver_y])) call find_axis(model, driver%points(1), self%driven(i))
+            if (self%driven(i)%axis > 0 .and. driver%kind == driver_y) self%driven(i)%axis = 2
          end associate
       end do
+      do k = 1, size(self%beams)
+         allocate (self%beams(k)%drawn_by(2, size(self%driven)), source=1.0_wp)
+         do i = 1, size(self%driven)
+            if (self%driven(i)%axis > 0) self%beams(k)%drawn_by(:, i) = 0.0_wp
+         end do
+      end do
    end subroutine start_driven
+
+   !> Whether a point that is drawn is all that forces of beams act on: a point mass, or the one point by which its body is joined.
+   pure subroutine find_axis(model, point, driven)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: point
+      type(driven_type), intent(inout) :: driven
+      integer :: body, i, side, other
+      if (point == 0) return
+      body = model%points(point)%body
+      if (body == ground) return
+      if (model%bodies(body)%kind == body_flexible) return
+      driven%slides = .true.
+      do i = 1, size(model%joints)
+         do side = 1, 2
+            if (body_of(model, model%joints(i)%points(side)) /= body) cycle
+            other = body_of(model, model%joints(i)%points(3 - side))
+            if (other == ground) return
+            if (.not. model%bodies(other)%reduced%is_exact) return
+            if (model%bodies(body)%kind /= body_point .and. norm2(model%points(point)%p0 &
+               & - model%points(model%joints(i)%points(side))%p0) > 0.0_wp) return
+            driven%slides = driven%slides .and. model%joints(i)%kind == joint_sliding
+         end do
+      end do
+      driven%axis = 1
+   end subroutine find_axis
 
    pure integer function body_of(model, point) result(body)
       type(model_type), intent(in) :: model
@@ -219,8 +259,33 @@ contains
       end do
       do i = 1, size(self%driven)
          self%driven(i)%largest = max(self%driven(i)%largest, abs(driver_effort(system, work, self%driven(i)%driver)))
+         if (self%driven(i)%axis > 0) call observe_drawn(self, system, q, i)
       end do
    end subroutine observe_functions
+
+   !> How beams lie to the direction in which a driver draws what they are joined to.
+   subroutine observe_drawn(self, system, q, which)
+      type(function_watch_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: q(:)
+      integer, intent(in) :: which
+      real(wp) :: angle, normal(2), tangent(2)
+      integer :: i, k, first
+      associate (driven => self%driven(which))
+         do i = 1, size(self%beams)
+            first = system%layout%q(self%beams(i)%body)
+            associate (exact => system%model%bodies(self%beams(i)%body)%reduced%exact, most => self%beams(i)%drawn_by(:, which))
+               do k = 1, exact%stations
+                  angle = exact%lean(k) + dot_product(exact%psi(:, k), q(first + 4:first + 3 + exact%angles))
+                  normal = along(q(first + 2:first + 3), [-sin(angle), cos(angle)])
+                  tangent = turn(normal)
+                  most(1) = max(most(1), abs(normal(driven%axis)))
+                  if (.not. driven%slides) most(2) = max(most(2), abs(tangent(driven%axis)))
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine observe_drawn
 
    !> The force of a joint, and how beams that may pass errors on to it lie to its axes.
    subroutine observe_reaction(self, system, work, q, which)
@@ -417,6 +482,7 @@ contains
             call join_buckling(own%buckling, beam%buckling)
             beam%across = max(beam%across, own%across)
             beam%along = max(beam%along, own%along)
+            beam%drawn_by = max(beam%drawn_by, own%drawn_by)
          end associate
       end do
       do i = 1, size(whole%reactions)
@@ -442,6 +508,7 @@ contains
          call self%beams(i)%buckling%exchange(snapshot)
          call snapshot%keep('across', self%beams(i)%across)
          call snapshot%keep('along', self%beams(i)%along)
+         call snapshot%keep('drawn_by', self%beams(i)%drawn_by)
       end do
       if (.not. allocated(self%reactions)) return
       do i = 1, size(self%reactions)

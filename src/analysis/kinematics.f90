@@ -13,13 +13,14 @@ module limber_analysis_kinematics
    use limber_analysis_scene, only: scene_type, seconds_since
    use limber_analysis_speed_jumps, only: speed_jumps_type, new_speed_jumps, pass_speed_jumps, tell_speed_jumps
    use limber_analysis_static_aside, only: sample_type
-   use limber_model_breaks, only: change_at
+   use limber_model_breaks, only: last_instant
    use limber_model_scene, only: step_type, step_inverse
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_internal_forces, only: hold_efforts
    use limber_output_progress, only: progress_type
    use limber_output_sink, only: sink_type
    use limber_output_turns, only: follow_places
+   use limber_system_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill
    use limber_system_dynamics, only: mechanical_energy
    use limber_system_freedom, only: freedom_type, find_freedom, motion_text
    use limber_system_held, only: held_type, new_held, held_position, held_motion, balance_deflections
@@ -27,6 +28,7 @@ module limber_analysis_kinematics
    use limber_system_layout, only: advance
    use limber_system_motion, only: motion_residual
    use limber_system_multiplier, only: update_jacobians
+   use limber_system_redundancy, only: redundancy_type, find_redundancy, constraint_names
    implicit none
    private
    public :: run_kinematics
@@ -73,8 +75,7 @@ contains
       call start(scene, step, motion)
       if (step%static_deflections) call start_driven_watch(motion%watch, scene, step, outcome)
       ! Where a law of time changes at the end, as behind the last line of a table, the formula before counts
-      last = step%dynamics%end
-      if (change_at(scene%system%model, last)) last = nearest(last, -1.0_wp)
+      last = last_instant(scene%system%model, step%dynamics%start, step%dynamics%end)
       do k = 0, step%dynamics%outputs
          if (k > 0) call move_to(scene, min(last, sample_time(step, k)), motion, history, outcome, error)
          if (.not. allocated(error)) call sample(scene, step, motion, history, outcome, error)
@@ -126,16 +127,37 @@ contains
          else if (freedom%rank < system%nc .and. .not. system%redundant) then
             missing = system%nc - freedom%rank
             call find_freedom(system, work, .false., freedom)
-            if (freedom%rank == system%nc) then
-               call raise(error, 'the joints bend bodies, and the motion of the frames does not say how; use *STATICS with'// &
-                  & ' PERIOD=, which finds the shapes in equilibrium as the drivers move on, or *DYNAMICS')
-            else
-               call raise(error, 'the joints and drivers repeat each other in '//as_text(missing)// &
-                  & ' equations at the start, or the mechanism is at a dead centre: start elsewhere, or remove what repeats')
-            end if
+            call raise(error, repeated_text(scene, missing, freedom%rank == system%nc))
          end if
       end associate
    end subroutine check_freedom
+
+   !> What is told of joints and drivers that hold what others hold, as long as bodies keep their shape. Their Jacobians are at hand.
+   function repeated_text(scene, number, bends) result(text)
+      type(scene_type), intent(inout) :: scene
+      !> Of equations
+      integer, intent(in) :: number
+      !> Whether all can be kept by bodies that bend
+      logical, intent(in) :: bends
+      character(:), allocatable :: text
+      type(constraint_matrix_type) :: frames
+      type(redundancy_type) :: found
+      associate (system => scene%system)
+         call new_constraint_matrix(system, .false., frames)
+         call fill(system, scene%work, frames)
+         call find_redundancy(system, frames, found)
+         text = 'joints and drivers'
+         if (found%count > 0) text = constraint_names(system, found%group > 0)
+         if (bends) then
+            text = 'the joints bend bodies, and the motion of the frames does not say how; use *STATICS with PERIOD=, which finds'// &
+               & ' the shapes in equilibrium as the drivers move on, or *DYNAMICS; or remove what repeats as long as bodies keep'// &
+               & ' their shape, '//as_text(number)//' equations among '//text
+         else
+            text = text//' repeat each other in '//as_text(number)//' equations at the start, or the mechanism is at a dead'// &
+               & ' centre: start elsewhere, or remove what repeats'
+         end if
+      end associate
+   end function repeated_text
 
    subroutine start(scene, step, motion)
       type(scene_type), intent(inout) :: scene

@@ -73,9 +73,10 @@ contains
 
    !> Projects a state onto the constraints, evaluates the channels there and hands them to the history. Velocities at the end of
    !> a step that conserves energy are left as they are: projected, they would have another.
-   subroutine record(scene, t, integrator, recorder, sample, history, outcome, error)
+   subroutine record(scene, t, time, integrator, recorder, sample, history, outcome, error)
       type(scene_type), intent(inout) :: scene
-      real(wp), intent(in) :: t
+      !> Time of the state, and of the sample: the same, or on different sides of an instant at which a law changes
+      real(wp), intent(in) :: t, time
       class(integrator_type), intent(in) :: integrator
       type(recorder_type), intent(inout) :: recorder
       type(sample_type), intent(inout) :: sample
@@ -89,7 +90,7 @@ contains
          good = t > sample%good_from .and. t < sample%good_to .and. .not. moving
          if (good .or. (sample%local .and. sample%next < system%model%dynamics%outputs)) then
             call show(scene, t, recorder, sample, outcome, error)
-            if (.not. allocated(error)) call history%take(t, sample%values, error)
+            if (.not. allocated(error)) call history%take(time, sample%values, error)
             outcome%samples = outcome%samples + 1
             return
          end if
@@ -113,7 +114,7 @@ contains
          if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
       end associate
       call show(scene, t, recorder, sample, outcome, error)
-      if (.not. allocated(error)) call history%take(t, sample%values, error)
+      if (.not. allocated(error)) call history%take(time, sample%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine record
 

@@ -8,6 +8,7 @@ module limber_analysis_scene
    use limber_analysis_damping_watch, only: damping_warning
    use limber_analysis_laws, only: check_laws
    use limber_analysis_choice, only: choose_integrator
+   use limber_analysis_speed_jumps, only: begin_behind
    use limber_analysis_given, only: change_type, changed_places, changed_velocities
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
@@ -59,6 +60,8 @@ module limber_analysis_scene
       type(workspace_type) :: work
       !> Assembled coordinates and velocities at the first time (nq)
       real(wp), allocatable :: q(:), v(:)
+      !> That time: the start of the analysis, or right behind it where a driver changes its speed there; less: not known
+      real(wp) :: begin = -huge(1.0_wp)
       !> Rank of the constraints, what is redundant, and the way from the guess
       type(assembly_type) :: assembly
       !> What the last analysis has left; and the accumulated angles that the present one starts from, if it is not the first
@@ -174,6 +177,8 @@ contains
       associate (model => scene%system%model)
          call first_guess(scene%system, model%dynamics%start, scene%q, scene%v)
          call assemble(scene%system, scene%work, model%dynamics%start, scene%q, scene%v, error, culprit, scene%assembly)
+         scene%begin = model%dynamics%start
+         if (.not. allocated(error) .and. starts_with_dynamics(model)) call begin_anew(scene, error, culprit)
       end associate
       if (allocated(error)) then
          call diagnostics%add(place_of(scene, culprit), error%message)
@@ -205,7 +210,7 @@ contains
       real(wp) :: most, bent
       integer :: i, body, culprit
       logical :: done
-      associate (system => scene%system, start => scene%system%model%dynamics%start)
+      associate (system => scene%system, start => scene%begin)
          call bend_least(system, start, scene%q, scene%v, done)
          if (done) call assemble(system, scene%work, start, scene%q, scene%v, error, culprit, again)
          most = 0.0_wp
@@ -230,6 +235,18 @@ contains
          end if
       end associate
    end subroutine bend_bodies
+
+   !> Assembles again for the instant right behind the start where a driver changes its speed right there.
+   subroutine begin_anew(scene, error, culprit)
+      type(scene_type), intent(inout) :: scene
+      type(error_type), allocatable, intent(out) :: error
+      integer, intent(inout) :: culprit
+      real(wp) :: jumps(size(scene%system%constraints))
+      call begin_behind(scene%system, scene%work, scene%q, .false., scene%begin, jumps, error)
+      if (allocated(error) .or. .not. scene%begin > scene%system%model%dynamics%start) return
+      call first_guess(scene%system, scene%begin, scene%q, scene%v)
+      call assemble(scene%system, scene%work, scene%begin, scene%q, scene%v, error, culprit, scene%assembly)
+   end subroutine begin_anew
 
    !> Drivers that turn one body to angles a turn apart: its direction is the same, its angle is not.
    subroutine refuse_turns_apart(scene, diagnostics)

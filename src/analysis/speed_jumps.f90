@@ -5,7 +5,7 @@ module limber_analysis_speed_jumps
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
    use limber_analysis_outcome, only: outcome_type, warn
-   use limber_model_breaks, only: find_breaks
+   use limber_model_breaks, only: find_breaks, changes_between, round_off
    use limber_model_scene, only: driver_angle, driver_joint_angle
    use limber_system_dynamics, only: position_residual, velocity_residual
    use limber_system_kinematics, only: place_frames
@@ -13,7 +13,7 @@ module limber_analysis_speed_jumps
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
-   public :: speed_jumps_type, new_speed_jumps, pass_speed_jumps, tell_speed_jumps, demanded_jumps
+   public :: speed_jumps_type, new_speed_jumps, pass_speed_jumps, tell_speed_jumps, demanded_jumps, begin_behind, refused_speeds
 
    !> What is remembered
    type :: speed_jumps_type
@@ -52,9 +52,9 @@ contains
          if (self%breaks(self%passed + 1) > t) return
          self%passed = self%passed + 1
          associate (now => self%breaks(self%passed))
-            call check_places(system, work, now, q, error)
+            call check_places(system, work, nearest(now, -1.0_wp), now, q, error)
             if (allocated(error)) return
-            call demanded_jumps(system, work, now, q, jumps)
+            call demanded_jumps(system, work, nearest(now, -1.0_wp), now, q, jumps)
             do i = 1, size(jumps)
                if (.not. jumps(i) > 0.0_wp) cycle
                self%count(i) = self%count(i) + 1
@@ -64,6 +64,60 @@ contains
          end associate
       end do
    end subroutine pass_speed_jumps
+
+   !> The instant at which the present analysis begins: its start, or right behind it where a law changes right there what it asks
+   !> of the motion, so that the first state is one of the formulas that follow.
+   subroutine begin_behind(system, work, q, follows, begin, jumps, error)
+      type(system_type), intent(inout) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      !> Whether a motion has come to this time by the formulas before
+      logical, intent(in) :: follows
+      real(wp), intent(out) :: begin
+      !> By how much drivers and couplers ask for other velocities from there on (constraints) [length/time or 1/time]
+      real(wp), intent(out) :: jumps(:)
+      !> A driver jumps itself
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: width
+      associate (dynamics => system%model%dynamics)
+         begin = dynamics%start
+         jumps = 0.0_wp
+         width = round_off(dynamics%start, dynamics%end)
+         if (.not. changes_between(system%model, merge(begin - width, begin, follows), begin + width)) return
+         call check_places(system, work, merge(begin - width, begin, follows), begin + width, q, error)
+         if (allocated(error) .and. follows) return
+         call demanded_jumps(system, work, merge(begin - width, begin, follows), begin + width, q, jumps)
+         if (allocated(error) .or. any(jumps > 0.0_wp)) begin = begin + width
+         if (allocated(error)) deallocate (error)
+      end associate
+   end subroutine begin_behind
+
+   !> What drivers, couplers and joints refuse of the velocities of a steady rotation.
+   subroutine refused_speeds(system, work, t, q, v, rotation, refused)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Time; coordinates and velocities (nq); rate of the rotation [rad/time]
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: rotation
+      !> Zero where all is well (constraints) [length/time or 1/time]
+      real(wp), intent(out) :: refused(:)
+      real(wp), parameter :: little = 1.0e-5_wp
+      real(wp) :: largest
+      integer :: i
+      refused = 0.0_wp
+      if (system%nc == 0) return
+      call place_frames(system%model, system%layout, t, q, work%kinematics)
+      call update_jacobians(system, work)
+      largest = velocity_residual(system, work, v)
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            refused(i) = maxval(abs(work%gamma(item%first:item%first + item%rows - 1)))
+            if (refused(i) <= little*item%scale*abs(rotation)) refused(i) = 0.0_wp
+         end associate
+      end do
+   end subroutine refused_speeds
 
    !> A warning for each driver or coupler that has jumped.
    subroutine tell_speed_jumps(self, system, outcome)
@@ -99,17 +153,17 @@ contains
    end subroutine tell_speed_jumps
 
    !> An error where a driver asks for another place right behind an instant than right before it.
-   subroutine check_places(system, work, t, q, error)
+   subroutine check_places(system, work, earlier, t, q, error)
       type(system_type), intent(inout) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t, q(:)
+      real(wp), intent(in) :: earlier, t, q(:)
       type(error_type), allocatable, intent(out) :: error
       !> Relative to the scale of the constraint
       real(wp), parameter :: jump = 1.0e-8_wp
       real(wp) :: before(system%nc), residual
       integer :: i
       if (system%nc == 0) return
-      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
+      call place_frames(system%model, system%layout, earlier, q, work%kinematics)
       residual = position_residual(system, work)
       before = work%phi(:system%nc)
       call place_frames(system%model, system%layout, t, q, work%kinematics)
@@ -126,11 +180,11 @@ contains
    end subroutine check_places
 
    !> By how much drivers and couplers ask for other velocities right behind an instant than right before it.
-   subroutine demanded_jumps(system, work, t, q, jumps)
+   subroutine demanded_jumps(system, work, earlier, t, q, jumps)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      !> Time; coordinates (nq)
-      real(wp), intent(in) :: t, q(:)
+      !> Time right before and behind; coordinates (nq)
+      real(wp), intent(in) :: earlier, t, q(:)
       !> Zero where nothing jumps (constraints) [length/time or 1/time]
       real(wp), intent(out) :: jumps(:)
       real(wp), parameter :: little = 1.0e-7_wp
@@ -139,7 +193,7 @@ contains
       jumps = 0.0_wp
       if (system%nc == 0) return
       rest = 0.0_wp
-      call place_frames(system%model, system%layout, nearest(t, -1.0_wp), q, work%kinematics)
+      call place_frames(system%model, system%layout, earlier, q, work%kinematics)
       call update_jacobians(system, work)
       largest = velocity_residual(system, work, rest)
       before = work%gamma(:system%nc)

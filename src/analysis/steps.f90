@@ -8,6 +8,7 @@ module limber_analysis_steps
    use limber_analysis_closing, only: energy_warning
    use limber_analysis_damping_watch, only: changed_damping
    use limber_analysis_dynamics, only: run_dynamics, new_integrator
+   use limber_analysis_fresh_start, only: meet_drivers
    use limber_analysis_gaps, only: pass_gap
    use limber_analysis_guard, only: guard_type
    use limber_analysis_outcome, only: outcome_type, all_warnings
@@ -17,12 +18,13 @@ module limber_analysis_steps
    use limber_analysis_modes, only: run_modes
    use limber_analysis_scene, only: scene_type, settle_integrator
    use limber_analysis_small_motions, only: linearise_state, lowest_vibrations
+   use limber_analysis_speed_jumps, only: begin_behind, refused_speeds
    use limber_analysis_statics, only: run_statics
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_model_analyses, only: title
-   use limber_model_scene, only: dynamics_type, step_type, step_kinematics, step_inverse, step_statics, step_modes, step_dynamics, &
-      & stop_unstable, velocities_none, velocities_of_deck
+   use limber_model_scene, only: model_type, dynamics_type, step_type, step_kinematics, step_inverse, step_statics, step_modes, &
+      & step_dynamics, stop_unstable, velocities_none, velocities_of_deck
    use limber_output_channels, only: recorder_type, new_recorder
    use limber_output_history, only: history_type
    use limber_output_internal_forces, only: join_envelopes
@@ -31,7 +33,6 @@ module limber_analysis_steps
    use limber_system_dynamics, only: linearise, worst_constraint
    use limber_system_equilibrium, only: equilibrium_type, new_equilibrium
    use limber_system_modal_damping, only: any_modal
-   use limber_system_projection, only: settle
    use limber_system_vibrations, only: vibrations_type, no_damping
    implicit none
    private
@@ -285,9 +286,10 @@ contains
       !> Index of the next
       integer, intent(in) :: i
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: guess(:), change(:)
-      real(wp) :: residual
+      real(wp), allocatable :: guess(:)
+      real(wp) :: residual, rotation, jumps(size(scene%system%constraints))
       integer :: culprit
+      logical :: follows
       !> Residual relative to the scales beyond which a scene is put together anew
       real(wp), parameter :: jump = 1.0e-6_wp
       if (i == 1) return
@@ -300,25 +302,46 @@ contains
          if (step%kind /= step_dynamics .and. .not. (size(scene%work%kinematics%drives) > 0 .and. &
             & abs(step%dynamics%start - system%model%steps(i - 1)%dynamics%end) > 0.0_wp)) return
          call pass_gap(scene, system%model%steps(i - 1)%dynamics%end, step%dynamics%start)
+         rotation = scene%last%rotation
          if (step%kind == step_dynamics) scene%last%rotation = 0.0_wp
-         allocate (guess(size(scene%q)), change(size(scene%q)))
+         allocate (guess(size(scene%q)))
          if (step%velocities == velocities_none) scene%v = 0.0_wp
          if (step%velocities == velocities_of_deck) call first_guess(system, step%dynamics%start, guess, scene%v)
+         follows = is_motion_before(system%model, i)
+         call begin_behind(system, scene%work, scene%q, follows, scene%begin, jumps, error)
+         if (allocated(error)) return
          residual = 0.0_wp
          if (system%nc > 0) then
-            call linearise(system, scene%work, step%dynamics%start, scene%q, error)
+            call linearise(system, scene%work, scene%begin, scene%q, error)
             if (allocated(error)) return
             call worst_constraint(system, scene%work, culprit, residual)
             residual = residual/system%constraints(culprit)%item%scale
          end if
          if (residual > jump) then
-            call assemble(system, scene%work, step%dynamics%start, scene%q, scene%v, error, culprit)
+            call assemble(system, scene%work, scene%begin, scene%q, scene%v, error, culprit)
          else if (step%kind == step_dynamics) then
-            call settle(system, scene%work, step%dynamics%start, scene%q, scene%v, change, .true., residual, error)
+            if (abs(rotation) > 0.0_wp) call refused_speeds(system, scene%work, scene%begin, scene%q, scene%v, rotation, jumps)
+            call meet_drivers(scene, jumps > 0.0_wp, (follows .or. abs(rotation) > 0.0_wp) .and. &
+               & step%velocities /= velocities_none .and. step%velocities /= velocities_of_deck, error)
          end if
          if (.not. allocated(error) .and. step%kind == step_dynamics) call settle_integrator(scene)
       end associate
    end subroutine enter_step
+
+   !> Whether a motion has come to the very time at which an analysis starts, and no other analysis has changed its state since.
+   pure logical function is_motion_before(model, i) result(follows)
+      type(model_type), intent(in) :: model
+      !> Index of the analysis
+      integer, intent(in) :: i
+      integer :: k
+      follows = .false.
+      do k = i - 1, 1, -1
+         if (model%steps(k)%kind == step_modes) cycle
+         follows = model%steps(k)%kind /= step_statics .and. .not. abs(model%steps(i)%dynamics%start &
+            & - model%steps(k)%dynamics%end) > 0.0_wp
+         return
+      end do
+   end function is_motion_before
 
    !> Adds the outcome of an analysis to that of all.
    subroutine add_outcome(part, is_first, outcome)

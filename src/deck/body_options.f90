@@ -55,7 +55,8 @@ module limber_deck_body_options
       & option_spec_type('BEAM', 'VY', kind_real, '', 'm/s', '0', 'velocity along y at first'), &
       & option_spec_type('BEAM', 'SPIN', kind_real, '', 'rad/s', '0', 'angular velocity at first'), &
       & option_spec_type('BEAM', 'FUNCTIONS', kind_counting, '', &
-      &    '', '7', 'functions of the section angle', most=200, models='EXACT'), &
+      &    '', '7', 'functions of the section angle; with those of the strain 24 at most where a point slides along (SLIDING)', &
+      &    most=200, models='EXACT'), &
       & option_spec_type('BEAM', 'STRAIN FUNCTIONS', kind_count, '', &
       &    '', '1', 'functions of the strain along the axis; 0: it does not stretch', most=100, models='EXACT'), &
       & option_spec_type('BEAM', 'SHEAR', kind_yes, '', &

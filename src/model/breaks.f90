@@ -11,7 +11,7 @@ module limber_model_breaks
    use limber_model_scene, only: model_type, effort_type, in_efforts
    implicit none
    private
-   public :: find_breaks, change_at, law_breaks, find_stations, law_stations, undefined_at
+   public :: find_breaks, changes_between, last_instant, round_off, law_breaks, find_stations, law_stations, undefined_at
 
    !> Equal parts of the time that are looked at whatever the bounds say; most of a law whose pulses are shorter
    integer, parameter :: parts = 500, most_parts = 32000
@@ -52,10 +52,28 @@ contains
       call visit_laws(model, .true., times, restless)
    end subroutine find_stations
 
-   !> Whether a law of time changes its formula right at an instant.
-   logical function change_at(model, t) result(changes)
+   !> Times so near that there is no step between them.
+   pure real(wp) function round_off(start, end)
+      real(wp), intent(in) :: start, end
+      round_off = 4*spacing(max(abs(start), abs(end)))
+   end function round_off
+
+   !> The last instant of an analysis: its end, or right before it where a law of time changes its formula there.
+   real(wp) function last_instant(model, start, end) result(last)
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: t
+      real(wp), intent(in) :: start, end
+      last = end
+      if (changes_between(model, end - round_off(start, end), nearest(end, -1.0_wp))) then
+         last = end - round_off(start, end)
+      else if (changes_between(model, nearest(end, -1.0_wp), end)) then
+         last = nearest(end, -1.0_wp)
+      end if
+   end function last_instant
+
+   !> Whether a law of time has other formulas at one instant than at another.
+   logical function changes_between(model, from, to) result(changes)
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: from, to
       integer :: i, j
       changes = .false.
       do i = 1, size(model%drivers)
@@ -78,10 +96,10 @@ contains
       logical function differs(law)
          type(expression_type), intent(in) :: law
          differs = .false.
-         if (size(law%slots) > 0) differs = law%branches(nearest(t, -1.0_wp)) /= law%branches(t)
+         if (size(law%slots) > 0) differs = law%branches(from) /= law%branches(to)
       end function differs
 
-   end function change_at
+   end function changes_between
 
    !> Adds the instants of all laws of time.
    subroutine visit_laws(model, stations, times, restless)
@@ -228,7 +246,8 @@ contains
       if (size(times) >= most_breaks) return
       if (law%branches(left) /= law%branches(right)) then
          found = first_change(law, left, right)
-         if (min(found - start, end - found) > apart*(end - start)) call insert(found, apart*(end - start), times)
+         if (min(found - start, end - found) > max(apart*(end - start), round_off(start, end))) &
+            & call insert(found, apart*(end - start), times)
          if (nearest(found, -1.0_wp) > left) call search_breaks(law, start, end, left, nearest(found, -1.0_wp), divided, times)
          if (found < right .and. found > left) call search_breaks(law, start, end, found, right, divided, times)
       else

@@ -16,7 +16,7 @@ module limber_model_joints
       & driver_joint_angle, driver_distance, driver_displacement, driver_x, driver_y
    implicit none
    private
-   public :: add_joint, add_coupler, add_driver
+   public :: add_joint, add_coupler, add_driver, most_bends
 
    !> Most coordinates of a beam that a point slides along
    integer, parameter :: most_bends = 24
@@ -147,7 +147,7 @@ contains
             if (model%bodies(bodies(2))%kind == body_flexible .and. model%bodies(bodies(2))%end_point > 0) then
                if (model%bodies(bodies(2))%reduced%n > most_bends) call diagnostics%add(block%lines(1)%origin_of(2), &
                   & "the beam of joint '"//block%name()//"' has "//as_text(model%bodies(bodies(2))%reduced%n)//' coordinates', &
-                  & 'at most '//as_text(most_bends))
+                  & 'a point slides along a beam with at most '//as_text(most_bends)//': functions of the angle and the strain')
                return
             end if
          end if

@@ -39,6 +39,7 @@ program test_sudden_loads
    call check_rod()
    call check_place()
    call check_running_start()
+   call check_trolley()
    call finish()
 
 contains
@@ -199,17 +200,49 @@ contains
       call check(index(report, 'do not follow') == 0, 'a running start with deflections: '//report)
    end subroutine check_running_start
 
+   !> A heavy trolley that a driver draws over a bridge: forces across err by 3 to 4 % (against 24 modes of the bridge with the
+   !> trolley on them), those that draw it no more, for it slides; forces along it by nothing. The remedy is one that the deck allows.
+   subroutine check_trolley()
+      character(*), parameter :: functions(3) = [character(14) :: '', ', FUNCTIONS=23', ', FUNCTIONS=40']
+      character(:), allocatable :: report
+      type(error_type), allocatable :: error
+      real(wp) :: told
+      integer :: i
+      do i = 1, size(functions)
+         call run('*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl// &
+            & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.2, HEIGHT=0.1'//nl//'*GROUND'//nl//' far, 8, 0'//nl// &
+            & '*BEAM, NAME=bridge, MATERIAL=steel, SECTION=s, LENGTH=8'//trim(functions(i))//nl// &
+            & '*POINT MASS, NAME=trolley, MASS=600, VX=20'//nl//'*JOINT, NAME=l, TYPE=REVOLUTE'//nl// &
+            & ' bridge.start, ground.origin'//nl//'*JOINT, NAME=r, TYPE=POINT ON LINE'//nl//' bridge.end, ground.far'//nl// &
+            & '*JOINT, NAME=contact, TYPE=SLIDING'//nl//' trolley, bridge'//nl//'*DRIVER, NAME=pull, TYPE=X, POINT=trolley'//nl// &
+            & ' 20*t'//nl//'*FORCE, NAME=weight, POINT=trolley'//nl//' 0, -9.81*600'//nl//'*DYNAMICS, END='// &
+            & merge('0.05', '0.4 ', i == 2)//nl// &
+            & '*OUTPUT'//nl//' force_y(l), force_y(r), force_y(contact), force(pull)'//nl, report, error)
+         call check(allocated(error) .eqv. i == 3, 'trolley'//functions(i))
+         if (allocated(error) .and. i == 3) call check(index(error%message, 'at most 24') > 0, error%message)
+         if (allocated(error)) return
+         told = told_of(report, 'shear forces and reactions')
+         if (i == 1) call check(told > 0.02_wp .and. told < 0.12_wp, 'errors across the bridge: '//report)
+         call check(index(report, 'axial') == 0, 'nothing along the bridge: '//report)
+         if (i == 1) call check(index(report, 'use FUNCTIONS=2') > 0, 'a remedy that the deck allows: '//report)
+         if (i == 2) call check(index(report, 'use FUNCTIONS') == 0, 'no more functions than the deck allows: '//report)
+      end do
+   end subroutine check_trolley
+
    !> Runs a scene.
-   subroutine run(text, report)
+   subroutine run(text, report, refusal)
       character(*), intent(in) :: text
       character(:), allocatable, intent(out) :: report
+      !> Where the deck may be refused
+      type(error_type), allocatable, intent(out), optional :: refusal
       type(error_type), allocatable :: error
       integer :: unit
       open (newunit=unit, file=trim(results)//'.inp', access='stream', action='write', status='replace')
       write (unit) text
       close (unit)
       call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
-      call check_no_error(error, text)
+      if (.not. present(refusal)) call check_no_error(error, text)
+      if (present(refusal)) call move_alloc(error, refusal)
    end subroutine run
 
    !> Root and shape of a mode of a cantilever: cosh(b x) - cos(b x) - s (sinh(b x) - sin(b x)).

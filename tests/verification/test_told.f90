@@ -22,6 +22,7 @@ program test_told
    call check_breaks()
    call check_first_state()
    call check_curve()
+   call check_repeats()
    call finish()
 
 contains
@@ -199,6 +200,26 @@ contains
       call check_no_error(error, scene)
       if (.not. allocated(error)) call check((index(report, words) > 0) .eqv. told, scene//': '//report)
    end subroutine tell
+
+   !> Inverse dynamics names the joints and drivers that hold what others hold as long as beams keep their shape: a scissor table
+   !> that its upper hinges and a guide keep level, and a bar that a second driver turns.
+   subroutine check_repeats()
+      character(*), parameter :: feet = '*JOINT, NAME=foot, TYPE=REVOLUTE'//nl//' a.start, ground.origin'//nl// &
+         & '*JOINT, NAME=slide, TYPE=POINT ON LINE'//nl//' b.start, ground.origin'//nl//'*JOINT, NAME=cross, TYPE=REVOLUTE'//nl// &
+         & ' a.middle, b.middle'//nl//'*DRIVER, NAME=cyl, TYPE=X, POINT=b.start'//nl//' cos(40 deg) + 0.1*smoothstep(t)'//nl
+      character(*), parameter :: steel = '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.03'//nl
+      call refuse(steel//'*BEAM, NAME=a, MATERIAL=steel, SECTION=s, LENGTH=1, ANGLE=40 deg'//nl// &
+         & '*BEAM, NAME=b, MATERIAL=steel, SECTION=s, LENGTH=1, ANGLE=140 deg, X=cos(40 deg)'//nl// &
+         & '*RIGID BODY, NAME=table, MASS=100, INERTIA=5, Y=sin(40 deg)'//nl//feet//'*JOINT, NAME=top, TYPE=REVOLUTE'//nl// &
+         & ' b.end, table.origin'//nl//'*JOINT, NAME=guide, TYPE=POINT ON LINE'//nl//' a.end, table.origin'//nl// &
+         & '*JOINT, NAME=vert, TYPE=TRANSLATIONAL, ANGLE=90 deg'//nl//' table.origin, ground.origin'//nl// &
+         & '*INVERSE DYNAMICS, END=1'//nl, "joint 'vert'", 'a table that is guided twice')
+      call refuse(steel//'*BEAM, NAME=a, MATERIAL=steel, SECTION=s, LENGTH=1'//nl//'*GROUND'//nl//' far, 1, 0'//nl// &
+         & '*JOINT, NAME=left, TYPE=REVOLUTE'//nl//' a.start, ground.origin'//nl//'*JOINT, NAME=right, TYPE=POINT ON LINE'//nl// &
+         & ' a.end, ground.far'//nl//'*DRIVER, NAME=turn, TYPE=ANGLE, BODY=a'//nl//' 0'//nl//'*INVERSE DYNAMICS, END=1'//nl, &
+         & "among joint 'right' and driver 'turn'", 'a bar that is held twice')
+   end subroutine check_repeats
 
    !> Runs what must be refused with some words.
    subroutine refuse(scene, words, what)

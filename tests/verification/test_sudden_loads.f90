@@ -200,8 +200,8 @@ contains
       call check(index(report, 'do not follow') == 0, 'a running start with deflections: '//report)
    end subroutine check_running_start
 
-   !> A heavy trolley that a driver draws over a bridge: forces across err by 3 to 4 % (against 24 modes of the bridge with the
-   !> trolley on them), those that draw it no more, for it slides; forces along it by nothing. The remedy is one that the deck allows.
+   !> A heavy trolley that a driver draws over a bridge: forces across err by 3 to 4 % (against 24 modes of the bridge and the
+   !> trolley), those that draw it no more, for it slides; forces along it by nothing. The remedy is one that the deck allows.
    subroutine check_trolley()
       character(*), parameter :: functions(3) = [character(14) :: '', ', FUNCTIONS=23', ', FUNCTIONS=40']
       character(:), allocatable :: report

@@ -132,7 +132,8 @@ contains
       end associate
    end subroutine check_freedom
 
-   !> What is told of joints and drivers that hold what others hold, as long as bodies keep their shape. Their Jacobians are at hand.
+   !> What is told of joints and drivers that hold what others hold, as long as bodies keep their shape. Their Jacobians are
+   !> at hand.
    function repeated_text(scene, number, bends) result(text)
       type(scene_type), intent(inout) :: scene
       !> Of equations
@@ -149,9 +150,9 @@ contains
          text = 'joints and drivers'
          if (found%count > 0) text = constraint_names(system, found%group > 0)
          if (bends) then
-            text = 'the joints bend bodies, and the motion of the frames does not say how; use *STATICS with PERIOD=, which finds'// &
-               & ' the shapes in equilibrium as the drivers move on, or *DYNAMICS; or remove what repeats as long as bodies keep'// &
-               & ' their shape, '//as_text(number)//' equations among '//text
+            text = 'the joints bend bodies, and the motion of the frames does not say how; use *STATICS with PERIOD=, which'// &
+               & ' finds the shapes in equilibrium as the drivers move on, or *DYNAMICS; or remove what repeats as long as'// &
+               & ' bodies keep their shape, '//as_text(number)//' equations among '//text
          else
             text = text//' repeat each other in '//as_text(number)//' equations at the start, or the mechanism is at a dead'// &
                & ' centre: start elsewhere, or remove what repeats'

@@ -218,7 +218,7 @@ contains
       call refuse(steel//'*BEAM, NAME=a, MATERIAL=steel, SECTION=s, LENGTH=1'//nl//'*GROUND'//nl//' far, 1, 0'//nl// &
          & '*JOINT, NAME=left, TYPE=REVOLUTE'//nl//' a.start, ground.origin'//nl//'*JOINT, NAME=right, TYPE=POINT ON LINE'//nl// &
          & ' a.end, ground.far'//nl//'*DRIVER, NAME=turn, TYPE=ANGLE, BODY=a'//nl//' 0'//nl//'*INVERSE DYNAMICS, END=1'//nl, &
-         & "among joint 'right' and driver 'turn'", 'a bar that is held twice')
+         & "joint 'right' and driver 'turn'", 'a bar that is held twice')
    end subroutine check_repeats
 
    !> Runs what must be refused with some words.

@@ -15,6 +15,7 @@ module limber_analysis_dynamics
    use limber_analysis_guard, only: guard_type
    use limber_analysis_indicator_start, only: start_indicators
    use limber_analysis_joint_watch, only: watches_joints
+   use limber_analysis_laws, only: find_instants
    use limber_analysis_looks, only: look, look_at_end
    use limber_analysis_function_sudden, only: at_start, in_motion
    use limber_analysis_noise, only: noise_of
@@ -31,7 +32,6 @@ module limber_analysis_dynamics
    use limber_integrator_conserving, only: conserving_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_analysis_laws, only: find_instants
    use limber_model_breaks, only: last_instant
    use limber_model_scene, only: dynamics_type
    use limber_output_channels, only: recorder_type, new_recorder, sample_width

@@ -124,14 +124,17 @@ contains
       type(speed_jumps_type), intent(in) :: self
       type(system_type), intent(in) :: system
       type(outcome_type), intent(inout) :: outcome
-      character(:), allocatable :: text
+      character(:), allocatable :: text, units
       integer :: i
+      text = ''
+      units = ''
       do i = 1, size(self%count)
          if (self%count(i) == 0) cycle
+         call find_units(i)
          text = ' at t = '//as_text(self%first(i), 8)//', by '//as_text(self%largest(i), 3)
          if (self%count(i) > 1) text = ' '//as_text(self%count(i))//' times, first at t = '//as_text(self%first(i), 8)// &
             & ', by up to '//as_text(self%largest(i), 3)
-         call warn(outcome, system%constraints(i)%item%label//' changes its speed abruptly'//text//units_of(i)// &
+         call warn(outcome, system%constraints(i)%item%label//' changes its speed abruptly'//text//units// &
             & ': velocities jump there, which takes an impact that accelerations, reactions, torques and powers lack; round its'// &
             & ' law (smoothstep, INTERPOLATION=SPLINE), or use *DYNAMICS')
       end do
@@ -139,16 +142,15 @@ contains
    contains
 
       !> Of the speed of a driver; none of a coupler, whose terms have units of their own.
-      function units_of(i) result(units)
+      subroutine find_units(i)
          integer, intent(in) :: i
-         character(:), allocatable :: units
          integer :: driver
          units = ''
          driver = i - size(system%model%joints)
          if (driver < 1 .or. driver > size(system%model%drivers)) return
          units = ' '//system%model%units%length//'/'//system%model%units%time
          if (any(system%model%drivers(driver)%kind == [driver_angle, driver_joint_angle])) units = ' rad/'//system%model%units%time
-      end function units_of
+      end subroutine find_units
 
    end subroutine tell_speed_jumps
 

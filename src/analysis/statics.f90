@@ -300,7 +300,8 @@ contains
          & step%instability == leave_unstable, statics%trial, statics%trial_lambda, done)
       call history%check_limit(time_of(step, statics%part), error)
       if (allocated(error)) return
-      if (.not. done) text = open_text(scene, step, statics)
+      text = ''
+      if (.not. done) call find_open(scene, step, statics, text)
       if (.not. done .and. text /= '') then
          call raise(error, 'no position near the last one satisfies the constraints behind t = '// &
             & as_text(time_of(step, statics%part), 8)//': '//text//'; the mechanism is at a dead centre or at the end of its'// &
@@ -335,18 +336,18 @@ contains
    end subroutine pass_instability
 
    !> Which constraint could not be closed, or which lose their grip at the present state; empty if none does.
-   function open_text(scene, step, statics) result(text)
+   subroutine find_open(scene, step, statics, text)
       type(scene_type), intent(inout) :: scene
       type(step_type), intent(in) :: step
       type(statics_type), intent(in) :: statics
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       if (statics%balance%open > 0) then
          text = scene%system%constraints(statics%balance%open)%item%label//' stays open by '//as_text(statics%balance%gap, 3)
       else
          call find_weak(scene%system, scene%work, time_of(step, statics%part), statics%q, text)
          if (text /= '') text = text//' lose their grip on the motion'
       end if
-   end function open_text
+   end subroutine find_open
 
    !> Warns where exact beams buckle too late.
    subroutine check_load(scene, step, statics, motion, outcome)

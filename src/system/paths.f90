@@ -55,6 +55,8 @@ contains
       real(wp), intent(out), optional :: rate(2)
       real(wp) :: y(2, most_vectors), v(2, most_vectors), s, fastest
       integer :: j
+      y = 0.0_wp
+      v = 0.0_wp
       do j = 1, self%vectors
          y(:, j) = kinematics%markers(self%markers(j))%position
       end do

@@ -448,6 +448,8 @@ contains
       integer, parameter :: most = 1000, most_open = 100, most_springs = 200
       !> Part of a radian, or of the scene; residual of constraints that are closed, and of those that a long way keeps open
       real(wp), parameter :: push = 1.0e-2_wp, closed = 1.0e-6_wp, underway = 1.0e-3_wp
+      !> Energy that none has
+      real(wp), parameter :: endless = 1.0e100_wp
       real(wp), allocatable :: found(:), found_lambda(:)
       real(wp) :: spring, size_of, gap, least_gap
       integer :: round, trial, closing
@@ -463,6 +465,8 @@ contains
          call linearise_balance(system, work, balance, t, q, lambda)
          if (stays_open()) exit
          call judge_stiffness(system, work, balance, lambda)
+         ! Forces without end: no place is found
+         if (max(balance%largest, balance%forces) > endless) exit
          if (balance%lowest < 0.0_wp) spring = max(spring, -2*balance%lowest)
          if (.not. spring > 0.0_wp) spring = max(1.0e-3_wp*balance%largest, balance%forces)
          if (.not. spring > 0.0_wp) spring = 1.0_wp

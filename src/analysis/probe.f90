@@ -8,7 +8,7 @@ module limber_analysis_probe
    use limber_analysis_probe_scenes, only: build_exact, probe_modally, make_rigid, build, probe_modes
    use limber_analysis_rungs, only: rung_type, bare_deck
    use limber_analysis_scene, only: scene_type
-   use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes
+   use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes, frequency_shifts
    use limber_deck_content, only: deck_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_breaks, only: find_breaks
@@ -137,10 +137,44 @@ contains
             call look_at_beam(flexible, track, mobility, stiffness, eta, probe%beams(i))
          end do
          call look_at_channels(flexible, track, eta, speed, probe)
+         call look_at_phases(mobility, stiffness, probe)
       end if
       call cpu_time(clock(2))
       probe%cpu = clock(2) - clock(1)
    end subroutine make_probe
+
+   !> Beams that stretch are softer supports of the others, whose vibrations lose their phase then: eq. (A4).
+   subroutine look_at_phases(mobility, stiffness, probe)
+      !> As in `find_mobility`
+      real(wp), intent(in) :: mobility(:, :), stiffness(:)
+      type(probe_type), intent(inout) :: probe
+      !> Of more coordinates than these the mobility is not known, and beams without effect on each other need no look
+      integer, parameter :: most = 80
+      logical :: bends(size(stiffness)), frees(size(stiffness))
+      real(wp) :: shifts(size(stiffness))
+      integer :: i, j
+      if (size(stiffness) > most .or. sum(probe%beams%bending + probe%beams%axial) < size(stiffness)) return
+      bends = .false.
+      do i = 1, size(probe%beams)
+         associate (beam => probe%beams(i))
+            bends(beam%first:beam%first + beam%bending - 1) = .true.
+         end associate
+      end do
+      do i = 1, size(probe%beams)
+         associate (beam => probe%beams(i))
+            if (beam%axial == 0) cycle
+            frees = .false.
+            frees(beam%first + beam%bending:beam%first + beam%bending + beam%axial - 1) = .true.
+            call frequency_shifts(mobility, stiffness, bends, frees, shifts)
+            do j = 1, size(probe%beams)
+               associate (other => probe%beams(j))
+                  if (other%bending > 0) beam%stretch = max(beam%stretch, &
+                     & other%effect*other%vibration*min(1.0_wp, shifts(other%first)*probe%duration))
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine look_at_phases
 
    !> What is assumed of beams where a probe fails: that they matter, and that nothing else is known.
    subroutine assume(probe)

@@ -3,10 +3,13 @@
 !> before it runs; plain numbers. Floor: analysis. Equations: doc/theory.md, accuracy on request.
 module limber_analysis_shadow
    use limber_base_kinds, only: wp
-   use limber_base_finite, only: dsyev
+   use limber_base_finite, only: dsyev, dgetrf, dgetrs
    implicit none
    private
-   public :: follow_forces, follow_first, vibration_modes
+   public :: follow_forces, follow_first, vibration_modes, frequency_shifts
+
+   !> Mobility of a coordinate that does not move; one that nothing holds has 1
+   real(wp), parameter :: unmoved = 1.0e-9_wp
 
 contains
 
@@ -29,6 +32,75 @@ contains
       call dsyev('V', 'L', n, vectors, max(1, n), square, work, size(work), info)
       done = info == 0
    end subroutine vibration_modes
+
+   !> By how much coordinates that follow lower the frequencies of bending: of each bending coordinate the shift of the mode that it
+   !> takes part in most, or of one of nearly the same frequency, with all other coordinates held and with some of these free, eq. (A3).
+   subroutine frequency_shifts(mobility, stiffness, bends, frees, shifts)
+      !> Accelerations (n) of the coordinates that a force on each of them makes (n, n); their stiffness (n) [1/time^2]
+      real(wp), intent(in) :: mobility(:, :), stiffness(:)
+      !> Which coordinates are those of bending, and which others are free (n)
+      logical, intent(in) :: bends(:), frees(:)
+      !> Lost frequency of each coordinate, 0 of those that do not bend (n) [1/time]
+      real(wp), intent(out) :: shifts(:)
+      real(wp), allocatable :: held(:, :), free(:, :), square(:), vectors(:, :), with(:), scratch(:, :)
+      integer, allocatable :: bending(:), all_free(:)
+      !> Modes whose frequencies differ by no more than this part share their motions
+      real(wp), parameter :: near = 0.05_wp
+      integer :: i, k, n, none
+      logical :: done
+      shifts = 0.0_wp
+      allocate (bending(count(bends)), all_free(count(bends .or. frees)))
+      bending = pack([(i, i=1, size(bends))], bends)
+      all_free = pack([(i, i=1, size(bends))], bends .or. frees)
+      allocate (held(size(bending), size(bending)), free(size(all_free), size(all_free)), square(size(bending)), &
+         & vectors(size(bending), size(bending)), with(size(all_free)), scratch(size(all_free), size(all_free)))
+      call hold_others(mobility, bends, held, done)
+      if (done) call hold_others(mobility, bends .or. frees, free, done)
+      if (done) call vibration_modes(held, stiffness(bending), square, vectors, done)
+      if (done) call vibration_modes(free, stiffness(all_free), with, scratch, done)
+      if (.not. done) return
+      ! What the constraints hold has no mobility, and the frequency zero in this form: it stands first
+      none = count(with < unmoved*minval(stiffness)) - count(square < unmoved*minval(stiffness))
+      n = min(size(square), size(with) - none)
+      if (none < 0) return
+      square = sqrt(max(square, 0.0_wp))
+      with = sqrt(max(with, 0.0_wp))
+      do i = 1, n
+         k = maxloc(abs(vectors(i, :)), 1)
+         shifts(bending(i)) = max(0.0_wp, maxval(square(:n) - with(1 + none:n + none), &
+            & abs(square(:n) - square(k)) <= near*square(k)))
+      end do
+   end subroutine frequency_shifts
+
+   !> Mobility of some coordinates with all others held.
+   subroutine hold_others(mobility, kept, held, done)
+      !> Of all coordinates (n, n); which are kept (n)
+      real(wp), intent(in) :: mobility(:, :)
+      logical, intent(in) :: kept(:)
+      !> Of those that are kept, in their order
+      real(wp), intent(out) :: held(:, :)
+      logical, intent(out) :: done
+      real(wp), allocatable :: among(:, :), across(:, :)
+      integer, allocatable :: stay(:), go(:), pivots(:)
+      integer :: i, info
+      allocate (stay(count(kept)), go(count(.not. kept)), pivots(count(.not. kept)))
+      stay = pack([(i, i=1, size(kept))], kept)
+      go = pack([(i, i=1, size(kept))], .not. kept)
+      allocate (among(size(go), size(go)), across(size(go), size(stay)))
+      held = mobility(stay, stay)
+      done = .true.
+      if (size(go) == 0) return
+      among = mobility(go, go)
+      across = mobility(go, stay)
+      ! Coordinates that the constraints hold have no mobility
+      do i = 1, size(go)
+         among(i, i) = among(i, i) + 1.0e-3_wp*unmoved
+      end do
+      call dgetrf(size(go), size(go), among, size(go), pivots, info)
+      if (info == 0) call dgetrs('N', size(go), size(stay), among, size(go), pivots, across, size(go), info)
+      done = info == 0
+      if (done) held = held - matmul(mobility(stay, go), across)
+   end subroutine hold_others
 
    !> Coordinates that forces make from rest: each mode answers a force that is linear between the samples
    !> exactly, eq. (171).

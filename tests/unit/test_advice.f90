@@ -9,7 +9,7 @@ program test_advice
    use limber_analysis_probe, only: prospect_type
    use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, richer, poorer, verifying, can_climb, rung_name, &
       & functions_of, strains_of, level_kg
-   use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes
+   use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes, frequency_shifts
    use limber_deck_content, only: deck_type
    use testing, only: check, check_close, check_no_error, finish
    use limber_deck_parameters, only: override_type
@@ -20,6 +20,7 @@ program test_advice
 
    call test_following()
    call test_first()
+   call test_shifts()
    call test_rungs()
    call test_given()
    call test_rests()
@@ -27,6 +28,21 @@ program test_advice
    call finish()
 
 contains
+
+   !> Bending and stretch with the masses [1 c; c 1] and the stiffness 4 and 10^4: with the stretch held w = 2, and with it free
+   !> (1 - c^2) w^4 - (4 + 10^4) w^2 + 4 10^4 = 0. A third coordinate, without mobility, changes nothing.
+   subroutine test_shifts()
+      real(wp), parameter :: c = 0.6_wp, left = 1 - c**2, soft = 4.0_wp, stiff = 1.0e4_wp
+      real(wp) :: mobility(3, 3), shifts(3), square
+      mobility = 0.0_wp
+      mobility(:2, :2) = reshape([1.0_wp, -c, -c, 1.0_wp], [2, 2])/left
+      call frequency_shifts(mobility, [soft, stiff, 1.0_wp], [.true., .false., .false.], [.false., .true., .false.], shifts)
+      square = 2*soft*stiff/(soft + stiff + sqrt((soft + stiff)**2 - 4*left*soft*stiff))
+      call check_close(shifts(1), 2 - sqrt(square), 1.0e-10_wp, 'frequency that a soft support takes')
+      call check_close(shifts(2), 0.0_wp, 1.0e-10_wp, 'coordinates that do not bend')
+      call frequency_shifts(mobility, [soft, stiff, 1.0_wp], [.true., .false., .false.], [.false., .false., .true.], shifts)
+      call check_close(shifts(1), 0.0_wp, 1.0e-9_wp, 'nothing follows')
+   end subroutine test_shifts
 
    !> Two coupled coordinates under a ramp: each mode of the scene follows it exactly.
    subroutine test_following()

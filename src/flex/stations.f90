@@ -50,7 +50,7 @@ module limber_flex_stations
       !> By how much the chosen functions take that load too large, relative; zero if nothing is known of it
       real(wp) :: misfit = 0.0_wp
       !> Flexibility across the beam that the chosen functions leave out, for unit amplitudes (2 + 2 places, 2 + 2 places), eq.
-      !> (161)
+      !> (163)
       real(wp), allocatable :: left_out(:, :)
       !> Relative error of each bending frequency by the lumped masses (bending), and what they lose of the force that a uniform
       !> acceleration, one about the origin of the frame, and those of the coordinates put on each (bending, 2 + bending),

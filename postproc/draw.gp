@@ -2,6 +2,7 @@
 # gnuplot -c draw.gp png|svg|gif|webm FOLDER_OF_STYLE OUTPUT_FILE
 format = ARG1; postproc = ARG2; output_file = ARG3
 load 'scene.gp'
+animated = format eq 'gif' || format eq 'webm'
 has(layer) = strstrt(layers.' ', ' '.layer.' ') > 0
 # The box with a margin, and not too slender; equal axes
 margin = 0.05*(right - left > top - bottom ? right - left : top - bottom)
@@ -9,7 +10,7 @@ left = left - margin; right = right + margin; bottom = bottom - margin; top = to
 least = 0.25*(right - left > top - bottom ? right - left : top - bottom)
 if (top - bottom < least) { middle = 0.5*(top + bottom); bottom = middle - 0.5*least; top = middle + 0.5*least }
 if (right - left < least) { middle = 0.5*(right + left); left = middle - 0.5*least; right = middle + 0.5*least }
-room_left = 1.9; room_right = 0.4; room_bottom = 1.5; room_top = 1.4
+room_left = 2.5; room_right = 0.4; room_bottom = 1.6; room_top = 1.4
 plot_width = 16 - room_left - room_right
 plot_height = plot_width*(top - bottom)/(right - left)
 if (plot_height > 14) { plot_height = 14; plot_width = plot_height*(right - left)/(top - bottom) }
@@ -19,14 +20,16 @@ load postproc.'/style.gp'
 set xrange [left:right]
 set yrange [bottom:top]
 eval panel(from, from + plot_width, room_bottom, room_bottom + plot_height)
-set label 'x ['.unit.']' noenhanced at screen (from + 0.5*plot_width)/width,0.4/height center
-set label 'y ['.unit.']' noenhanced at screen (from - 1.45)/width,(room_bottom + 0.5*plot_height)/height center rotate
+set label 'x ['.unit.']' noenhanced at screen (from + 0.5*plot_width)/width,0.35/height center
+set label 'y ['.unit.']' noenhanced at screen (from - 2.05)/width,(room_bottom + 0.5*plot_height)/height center rotate
 set label heading noenhanced at screen 0.5,1 - 0.45/height center
 # The same tics along both axes, at most eight
 rough = (right - left > top - bottom ? right - left : top - bottom)/8
 power = 10**floor(log10(rough))
 step = rough > 5*power ? 10*power : rough > 2*power ? 5*power : rough > power ? 2*power : power
-set xtics step
+set format '%g'
+# In SVG gnuplot writes the numbers a line too low
+set xtics step offset 0,(format eq 'svg' ? 0.5 : 0)
 set ytics step
 magnified_by = factor + 0 == 1 || !has('beams') ? '' : ', deflections × '.factor
 time_label = sprintf('noenhanced at screen %f,%f right', (from + plot_width)/width, 1 - 1.05/height)
@@ -54,7 +57,7 @@ sum_fills(frame, name, part, i) = i > 7 ? '' : layer(frame, name, sprintf( \
 disc(rgb, size) = sprintf('using 1:2:(%g*$4) with circles fillstyle solid 1 noborder fillcolor rgb %d', size, rgb)
 drawn(frame, part) = fills(frame, 'wheels', part).layer(frame, 'wheels', stroke(part, wide(1.6))) \
    .fills(frame, 'areas', part) \
-   .layer(frame, 'ground', stroke(part, wide(0.9))) \
+   .(animated || ground_moves || frame == frames - 1 ? layer(frame, 'ground', stroke(part, wide(0.9))) : '') \
    .layer(frame, 'guides', stroke(part, wide(1.2))) \
    .layer(frame, 'areas', stroke(part, wide(2))) \
    .layer(frame, 'bars', stroke(part, wide(3.6))) \
@@ -66,7 +69,7 @@ drawn(frame, part) = fills(frame, 'wheels', part).layer(frame, 'wheels', stroke(
    .layer(frame, 'joints', disc(mixed(0x202020, part), 1.0)).layer(frame, 'joints', disc(0xFFFFFF, 0.66))
 paths = has('paths') ? "'paths.txt' index 'paths' using 1:2:(colour($3, 0.2)) with lines linewidth 1.2 dashtype (2,3) linecolor rgb variable, " : ''
 
-if (format eq 'gif' || format eq 'webm') {
+if (animated) {
    do for [i = 0:frames - 1] {
       if (format eq 'webm') { set output sprintf('%d.png', i) }
       eval 'set label 100 time[i + 1].magnified_by '.time_label

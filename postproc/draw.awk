@@ -24,6 +24,7 @@ BEGIN { frames = 0; ground = ""; ground_moves = 0; file = "paths.txt"; layer = "
   time[++frames] = substr($0, index($0, ",") + 2)
   next
 }
+/^# undeformed$/ && ENVIRON["undeformed"] == "no" { layer = ""; next }
 /^# [a-z]+$/ { layer = $2; if (!(layer in known)) { known[layer] = 1; layers = layers " " layer } }
 NF >= 3 && layer != "" && !/^#/ {
   r = NF > 3 ? $4 : 0

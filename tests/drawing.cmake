@@ -58,6 +58,10 @@ count(crank.svg 1 "<polygon fill = 'rgb.  0, 158, 115.'")
 count(crank.svg 1 "<polygon fill = 'rgb.191, 230, 220.'")
 count(crank.svg 1 "t = 0.0042 s, deflections × 5")
 count(crank.svg 1 "Flexible slider-crank of Han and Lee 1993, large deflections<")
+# Without the undeformed rod
+draw(slider_crank_exact.h5 --sample 20 --deflection 5 --undeformed no -o bare.svg)
+count(bare.svg 0 "<path stroke='rgb.128, 128, 128.'")
+count(bare.svg 4 "<polygon fill = 'rgb. 32,  32,  32.'")
 # A path more
 draw(slider_crank_exact.h5 --path rod.middle --format svg -o path.svg)
 count(path.svg 1 "<path stroke='rgb.221, 126,  51.'")
@@ -71,6 +75,13 @@ foreach(colour ${colours})
 endforeach()
 count(andrews_squeezer.svg 1 "<path stroke='rgb.204, 226, 239.'")
 count(andrews_squeezer.svg 1 "<polygon fill = 'rgb.191, 230, 220.'")
+# The ground only once, the spring twice, and no points that nobody sees
+count(andrews_squeezer.svg 2 "<path stroke='rgb. 64,  64,  64.'")
+count(andrews_squeezer.svg 1 "<path stroke='rgb.216, 216, 216.'")
+file(SIZE ${WORK}/andrews_squeezer.svg size)
+if(size GREATER 40000)
+  message(FATAL_ERROR "andrews_squeezer.svg has ${size} bytes")
+endif()
 count(andrews_squeezer.svg 1 "2 instants, t = 0.0000 s to 0.0100 s")
 
 # A picture, and a film whose frames each begin with 21 f9 04
@@ -102,11 +113,11 @@ elseif(status EQUAL 0 OR NOT complaint MATCHES "WebM needs the program ffmpeg")
 endif()
 
 # What cannot be drawn
-foreach(bad "--sample;31" "--path;k9.end" "--format;bmp" "--frame;6")
+foreach(bad "--sample;31" "--path;k9.end" "--format;bmp" "--frame;6" "--undeformed;maybe")
   execute_process(COMMAND ${DRAW} andrews_squeezer.h5 ${bad} -o bad.png WORKING_DIRECTORY ${WORK} RESULT_VARIABLE status
     ERROR_VARIABLE complaint OUTPUT_QUIET)
   if(status EQUAL 0 OR EXISTS ${WORK}/bad.png OR NOT complaint MATCHES
-    "has no sample 31; its samples are 0 to 30|has no point 'k9.end'|there is no format 'bmp'|there is no option --frame")
+    "has no sample 31; its samples are 0 to 30|has no point 'k9.end'|there is no format 'bmp'|there is no option --frame|--undeformed is yes or no")
     message(FATAL_ERROR "draw ${bad}: ${complaint}")
   endif()
 endforeach()

@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# Links of the documents lead to files and headings that are there; each scene of the gallery is a deck of input/ with a small picture.
+#   documents.sh SOURCE
+set -uo pipefail
+export LC_ALL=C
+cd "$1" || exit 1
+failed=0
+complain() { printf 'FAILED: %s\n' "$*"; failed=1; }
+# Headings of a document as GitHub makes anchors of them, and its links, both outside fenced blocks
+anchors() {
+  awk '/^```/ { fenced = !fenced } !fenced && sub(/^#+ +/, "") { print tolower($0) }' "$1" | sed 's/[^a-z0-9 _-]//g; s/ /-/g'
+}
+links() { awk '/^```/ { fenced = !fenced } !fenced' "$1" | grep -o ']([^) ]*)' | sed 's/^](//; s/)$//'; }
+
+while read -r document; do
+  folder=$(dirname "$document")
+  while read -r link; do
+    case $link in http*) continue ;; esac
+    path=${link%%#*}
+    if [[ -z $path ]]; then file=$document; else file=$folder/$path; fi
+    [[ -e $file ]] || { complain "$document: there is no $link"; continue; }
+    [[ $link == *'#'* && $file == *.md ]] || continue
+    grep -qxF -- "${link#*#}" <(anchors "$file") || complain "$document: $file has no heading for #${link#*#}"
+  done < <(links "$document")
+done < <(find . -name '*.md' -not -path './build/*' -not -path './.git/*' -not -path './results/*' -not -path './doc/theory.md')
+
+while read -r scene; do
+  [[ -e input/$scene.inp ]] || complain "doc/gallery.md: there is no input/$scene.inp"
+  picture=doc/gallery/$scene.svg
+  [[ -e $picture ]] || { complain "there is no $picture"; continue; }
+  [[ $(wc -c < "$picture") -le 40000 ]] || complain "$picture is larger than 40 kB"
+done < <(sed -n 's/^### //p' doc/gallery.md)
+[[ $(grep -c '^### ' doc/gallery.md) -ge 20 ]] || complain 'doc/gallery.md has fewer than 20 scenes'
+[[ $failed -eq 0 ]] && echo 'all links lead somewhere'
+exit $failed

@@ -1,6 +1,6 @@
 !> What an exact beam at a state leaves of its equations of motion: inertia forces of given accelerations and weight, without a mass
 !> matrix, so that it costs as much as the accelerations of the points and the pulls that they make on the stations. Floor: system.
-!> Source: doc/theory, section "The exact beam", eqs. (X3), (X4), (X6), (Y1), (Y2).
+!> Source: doc/theory, section "The exact beam", eqs. (X1), (X4), (X6), (Y1), (Y2).
 module limber_system_beam_residual
    use limber_base_kinds, only: wp
    use limber_system_algebra, only: along

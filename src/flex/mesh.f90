@@ -257,7 +257,8 @@ contains
       end do
    end function packed
 
-   !> Rigid-body motions across the beam that the supports leave (free coordinates, number).
+   !> Rigid-body motions across the beam that the supports leave (free coordinates, number): a beam on one hinge turns about it, and one
+   !> whose section is held at one end moves across; a free one does both.
    pure function bending_motions(beam, support) result(rigid)
       type(beam_type), intent(in) :: beam
       type(support_type), intent(in) :: support
@@ -269,6 +270,8 @@ contains
       all(2::2, 1) = 0.0_wp
       all(1::2, 2) = field%s
       all(2::2, 2) = 1.0_wp
+      if (support%w_end) all(1::2, 2) = field%s - beam%length
+      if (support%w_start .or. support%w_end) all(:, 1) = all(:, 2)
       rigid = packed(all(:, :rigid_bending(support)), bending_free(beam, support))
    end function bending_motions
 

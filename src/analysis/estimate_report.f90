@@ -39,7 +39,8 @@ contains
       do i = 1, size(channels)
          row(1, :) = estimate%values(i, :)
          call history%put_beside(group, channels(i)%name, row, channels(i)%units, &
-            & 'estimated absolute error of the time integration of '//channels(i)%name, error)
+            & trim(merge('verified absolute error of                         ', &
+            & 'estimated absolute error of the time integration of', estimate%of_model))//' '//channels(i)%name, error)
          if (.not. allocated(error)) call history%put_attribute('/'//group//'/'//channels(i)%name, 'shrinkage', &
             & estimate%ratio(i), error)
          if (allocated(error)) return

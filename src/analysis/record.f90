@@ -131,7 +131,12 @@ contains
       if (allocated(body%note) .and. .not. allocated(error)) then
          if (body%note /= '') call history%put_attribute(group, 'left_out', body%note, error)
       end if
-      if (.not. allocated(error)) call history%put_real(group//'/frequency', sqrt(body%reduced%omega2), 'rad/'//units%time, &
+      if (allocated(error)) return
+      if (body%reduced%is_exact) then
+         call record_exact(body, units, group, history, error)
+         return
+      end if
+      call history%put_real(group//'/frequency', sqrt(body%reduced%omega2), 'rad/'//units%time, &
          & 'circular frequency of each coordinate, bending first, then axial', error)
       if (allocated(error)) return
       if (body%is_frame) then
@@ -164,6 +169,26 @@ contains
          & '1/sqrt('//units%mass//')', 'axial displacement of the nodes in each axial coordinate', error)
    end subroutine record_beam
 
+   !> Functions of an exact beam at its stations.
+   subroutine record_exact(body, units, group, history, error)
+      type(body_type), intent(in) :: body
+      type(units_type), intent(in) :: units
+      character(*), intent(in) :: group
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      associate (exact => body%reduced%exact)
+         call history%put_attribute(group, 'angle_functions', exact%angles, error)
+         if (.not. allocated(error)) call history%put_attribute(group, 'strain_functions', exact%strains - exact%shears, error)
+         if (.not. allocated(error)) call history%put_attribute(group, 'shear_functions', exact%shears, error)
+         if (.not. allocated(error)) call history%put_real(group//'/stations', exact%s, units%length, &
+            & 'coordinate of each station along the undeformed axis', error)
+         if (.not. allocated(error)) call history%put_real(group//'/angle_shapes', exact%psi, '1', &
+            & 'section angle at the stations in each coordinate of the angle', error)
+         if (.not. allocated(error) .and. exact%strains > 0) call history%put_real(group//'/strain_shapes', exact%chi(1, :, :), &
+            & '1', 'strain at the stations in each coordinate of the strain', error)
+      end associate
+   end subroutine record_exact
+
    !> Mesh and shapes of a frame.
    subroutine record_frame(body, units, group, history, error)
       type(body_type), intent(in) :: body
@@ -192,6 +217,8 @@ contains
          name = 'POINT MASS'
       else if (body%kind /= body_flexible) then
          name = 'RIGID'
+      else if (body%reduced%is_exact) then
+         name = 'EXACT'
       else if (body%reduced%geometric) then
          name = 'K_G'
       else

@@ -18,6 +18,7 @@ module limber_analysis_trial
    use limber_integrator_statistics, only: step_statistics_type
    use limber_model_scene, only: channel_type
    use limber_output_progress, only: progress_type
+   use limber_output_channels, only: sample_width
    use limber_output_sink, only: memory_type
    implicit none
    private
@@ -110,10 +111,9 @@ contains
          if (wide) then
             call move_alloc(model%channels, channels)
             call add_quantities(channels, model%channels)
-            width = size(model%channels)
-         else if (model%motion) then
-            width = width + scene%system%layout%nq
+            model%motion = .false.
          end if
+         width = sample_width(scene%system)
          model%dynamics%initial_step = part**(1.0_wp/3)*model%dynamics%initial_step
          model%dynamics%maximum_step = part**(1.0_wp/3)*model%dynamics%maximum_step
          model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step

@@ -10,7 +10,7 @@ program test_targets
    use limber_analysis_truth, only: shown_type
    use limber_deck_parameters, only: override_type
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel
+   use runs, only: channel, run_text
    use testing, only: check, check_no_error, finish
    implicit none
    character(*), parameter :: unit_beam = '*MATERIAL, NAME=unit, YOUNG=1e6, DENSITY=1'//newline// &
@@ -35,6 +35,7 @@ program test_targets
    call test_slow_fall()
    call test_long_way()
    call test_soft_supports()
+   call test_motion()
    call finish()
 
 contains
@@ -264,6 +265,28 @@ contains
          & as_text(maxval(abs(bend(samples) - truth))/largest, 3)//report)
       call reader%close()
    end subroutine test_soft_supports
+
+   !> The motion of all bodies is kept beside the channels of a run with a target.
+   subroutine test_motion()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: failure
+      real(wp), allocatable :: places(:), y(:)
+      call run_text(unit_beam//'LENGTH=1'//newline//'*JOINT, NAME=hub, TYPE=REVOLUTE'//newline//' bar.start, ground.origin'// &
+         & newline//'*FORCE, NAME=push, POINT=bar.end'//newline//' 0, 0.01*smoothstep(t)'//newline// &
+         & '*DYNAMICS, END=2, OUTPUTS=20'//newline//'*ACCURACY, TARGET=1e-2'//newline//'*OUTPUT, MOTION=YES'//newline// &
+         & ' y = y(bar.end)'//newline, trim(results), report, failure)
+      call check_no_error(failure, 'target and motion')
+      if (allocated(failure)) return
+      call reader%open(trim(results), failure)
+      call check_no_error(failure, 'target and motion')
+      y = channel(reader, 'y')
+      call check(size(y) == 21, 'target and motion: samples')
+      call reader%read_numbers('/motion/coordinates', places, failure)
+      call check_no_error(failure, 'target and motion: coordinates')
+      if (.not. allocated(failure)) call check(mod(size(places), size(y)) == 0 .and. size(places) > 3*size(y), &
+         & 'target and motion: a row of coordinates for each sample')
+      call reader%close()
+   end subroutine test_motion
 
    !> Runs a beam or another deck for a target and takes what it says.
    subroutine run_for(name, beam, target, deck, more)

@@ -270,7 +270,7 @@ contains
    subroutine test_motion()
       type(history_reader_type) :: reader
       type(error_type), allocatable :: failure
-      real(wp), allocatable :: places(:), y(:)
+      real(wp), allocatable :: places(:, :), y(:)
       call run_text(unit_beam//'LENGTH=1'//newline//'*JOINT, NAME=hub, TYPE=REVOLUTE'//newline//' bar.start, ground.origin'// &
          & newline//'*FORCE, NAME=push, POINT=bar.end'//newline//' 0, 0.01*smoothstep(t)'//newline// &
          & '*DYNAMICS, END=2, OUTPUTS=20'//newline//'*ACCURACY, TARGET=1e-2'//newline//'*OUTPUT, MOTION=YES'//newline// &
@@ -281,9 +281,9 @@ contains
       call check_no_error(failure, 'target and motion')
       y = channel(reader, 'y')
       call check(size(y) == 21, 'target and motion: samples')
-      call reader%read_numbers('/motion/coordinates', places, failure)
+      call reader%read_table('/motion/coordinates', places, failure)
       call check_no_error(failure, 'target and motion: coordinates')
-      if (.not. allocated(failure)) call check(mod(size(places), size(y)) == 0 .and. size(places) > 3*size(y), &
+      if (.not. allocated(failure)) call check(any(shape(places) == size(y)) .and. size(places) > 3*size(y), &
          & 'target and motion: a row of coordinates for each sample')
       call reader%close()
    end subroutine test_motion

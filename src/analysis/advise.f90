@@ -75,7 +75,8 @@ contains
          & fixed_lines(deck)
       if (.not. allocated(request%write)) return
       call write_deck(scene, request%write, error)
-      if (.not. allocated(error)) report = report//newline//'   The deck with these choices is '//request%write
+      if (.not. allocated(error)) report = report//newline//'   The deck with these choices is '//request%write// &
+         & ', without TARGET: nothing verifies them there'
    end subroutine advise_deck
 
    !> What is not in the expected errors.
@@ -192,6 +193,9 @@ contains
             & as_text(advice%probe%beams(i)%force, 2)//' of the Euler load: it moves as a rope, and its expected error may'// &
             & ' be far too small; verify it by `limber run` with a TARGET'
       end do
+      if (size(advice%rungs) > 0) text = text//newline//'   expected errors are estimates from the motion with rigid'// &
+         & ' beams; where vibrations count, as of loads that are there at once,'//newline// &
+         & '   they may be far too small: `limber run` with TARGET= verifies the choice, and takes another one then'
       if (advice%probe%blind) text = text//newline//'   with rigid beams the scene does not move: these are assumptions'
       text = text//newline//'   '//as_text(advice%probe%cpu, 2)//' s CPU for the probe: '//as_text(advice%probe%steps)// &
          & ' steps with rigid beams'

@@ -101,6 +101,7 @@ contains
                   body = self%of(model%points(quantity%of)%body)
                   if (body == 0) cycle
                   self%bodies(body)%phase%shown = .true.
+                  if (quantity%kind == quantity_u1 .and. self%bodies(body)%is_beam) call ask(self%bodies(body), quantity%of)
                   if (any(quantity%kind == [quantity_deflection, quantity_u1, quantity_u2, quantity_rotation])) cycle
                   if (quantity%kind == quantity_shear_force) self%bodies(body)%shows_shear = .true.
                   if (quantity%kind /= quantity_shear_force) self%bodies(body)%shows_moment = .true.
@@ -137,6 +138,14 @@ contains
       end subroutine show_reaction
 
    end subroutine find_shown
+
+   !> Notes a point whose displacement along its beam is asked for.
+   pure subroutine ask(body, point)
+      type(body_indicators_type), intent(inout) :: body
+      integer, intent(in) :: point
+      if (.not. allocated(body%asked)) allocate (body%asked(0))
+      body%asked = [body%asked, point]
+   end subroutine ask
 
    !> Which body a channel asks for axial forces of: at a point, or by the force of a joint.
    subroutine show_axial(self, system, kind, of, is_other)

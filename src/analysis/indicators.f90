@@ -32,13 +32,13 @@ module limber_analysis_indicators
       & indicator_axial = 10, indicator_coarseness = 11, indicator_lumping = 12, indicator_shortening = 13, &
       & indicator_drift = 14, indicator_elongation = 15, indicator_recoil = 16, indicator_buckling = 17, indicator_layer = 18, &
       & indicator_phase = 19, indicator_false_damping = 20, indicator_membrane = 21, &
-      & indicator_reaction = 22, indicator_recoil_force = 23, indicator_count = 23
+      & indicator_reaction = 22, indicator_recoil_force = 23, indicator_drawn = 24, indicator_count = 24
 
    !> Their names in results, and what they are
    character(*), parameter :: indicator_names(indicator_count) = [character(16) :: 'deflection', 'slope', 'rotation', &
       & 'compression', 'tension', 'pace', 'last_mode', 'residual', 'geometric', 'axial', 'coarseness', 'lumping', &
       & 'shortening', 'drift', 'elongation', 'recoil', 'buckling', 'layer', 'phase', 'false_damping', &
-      & 'membrane', 'membrane_force', 'recoil_force']
+      & 'membrane', 'membrane_force', 'recoil_force', 'drawn_in']
    character(*), parameter :: indicator_meanings(indicator_count) = [character(120) :: &
       & 'largest deflection in the frame / length', &
       & 'largest slope in the frame', &
@@ -62,7 +62,8 @@ module limber_analysis_indicators
       & 'amplitude that vibrations lose or gain in rotation, by what the model lacks of the shortening / largest deflection', &
       & 'relative change of the deflection of a frame by axial force where the ends of its members cannot approach each other', &
       & 'that axial force / largest axial force or load, where channels ask for axial forces, stresses or reactions', &
-      & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for']
+      & 'axial force by inertia that the shortening has and the model lacks / largest axial force or load, where it is asked for', &
+      & 'displacement along a beam by which bending draws it in and that the model lacks / largest one, where it is asked for']
 
    !> Kinetic over elastic energy, as `indicator_pace`, below which a compression lasts long enough to buckle a beam
    real(wp), parameter, public :: slow = 0.3_wp
@@ -74,7 +75,8 @@ module limber_analysis_indicators
       & peak_unstretched = 17, peak_recoil = 18, peak_axial_grown = 19, &
       & peak_coarse_grown = 20, peak_layer = 21, peak_quartic_grown = 22, &
       & peak_membrane = 23, peak_membrane_force = 24, peak_pull = 25, peak_growth = 26, &
-      & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peaks = 29
+      & peak_recoil_force = 27, peak_recoil_kept = 28, peak_own_pull = 29, peak_drawn = 30, peak_along = 31, &
+      & peaks = 31
 
    !> Sums over the states that were observed: kinetic and elastic energy of bending, that of the shortening, accelerations, and
    !> squared coordinates of bending
@@ -107,6 +109,8 @@ module limber_analysis_indicators
       logical :: shows_axial = .false.
       !> The same without stresses
       logical :: shows_force = .false.
+      !> Points of a beam whose displacements along it channels ask for; otherwise unallocated
+      integer, allocatable :: asked(:)
       !> Part of the length below which a deflection is one of the integrator's errors
       real(wp) :: noise = 0.0_wp
       !> First frequency, and length or size
@@ -140,7 +144,7 @@ module limber_analysis_indicators
       real(wp), allocatable :: slope_work(:, :), loaded(:, :), value(:), room(:), elastic(:), s(:), lacking(:)
       !> Of a frame: axial forces where the ends of its members cannot approach each other
       type(membrane_type) :: membrane
-      !> Of a frame: inertia of the shortening of its members
+      !> Of a frame: inertia of the shortening of its members; of a beam only its axial force
       type(drawing_in_type) :: drawing_in
       !> Scratch: slopes and axial forces at the stations, amplitudes along and across, and of the bending coordinates,
       !> forces on these
@@ -303,6 +307,7 @@ contains
             value = 0.0_wp
             if (self%shows_axial) value = ratio(peak(peak_membrane_force), max(peak(peak_pull), peak(peak_membrane_force)))
          case (indicator_recoil_force); value = peak(peak_recoil_force)
+         case (indicator_drawn); value = ratio(peak(peak_drawn), peak(peak_along))
          case default; value = peak(kind)
          end select
       end associate
@@ -377,6 +382,7 @@ contains
       case (indicator_membrane); t = self%time(peak_membrane)
       case (indicator_reaction); t = self%time(peak_membrane_force)
       case (indicator_recoil_force); t = self%time(peak_recoil_force)
+      case (indicator_drawn); t = self%time(peak_drawn)
       case default; t = self%time(kind)
       end select
    end function indicator_time

@@ -6,8 +6,9 @@ module limber_analysis_observation
    use limber_analysis_indicators, only: indicators_type, body_indicators_type, raise_peak, peak_deflection, peak_slope, &
       & peak_rotation, peak_compression, peak_tension, peak_energy, peak_kinetic, peak_left_out, peak_geometric, peak_axial, &
       & peak_coarse, peak_stiffness, peak_lost, peak_quartic, peak_bent, peak_stretch, &
-      & peak_unstretched, peak_recoil, peak_axial_grown, peak_coarse_grown, sum_shortening, &
-      & peak_quartic_grown, peak_growth, add_vibration
+      & peak_unstretched, peak_axial_grown, peak_coarse_grown, peak_quartic_grown, peak_growth, peak_pull, peak_own_pull, &
+      & add_vibration, raise_recoil_force
+   use limber_analysis_shortening, only: add_shortening, observe_recoil, observe_drawn
    use limber_flex_stations, only: stations_type
    use limber_analysis_false_damping, only: observe_false_damping
    use limber_analysis_function_watch, only: observe_functions
@@ -51,6 +52,7 @@ contains
             if (.not. self%bodies(i)%is_beam) cycle
             associate (stations => self%sets(self%bodies(i)%set)%stations)
                call bend(self%bodies(i), stations, t, eta)
+               call observe_drawn(self%bodies(i), stations, system%model, t, eta)
                call start_amplitudes(self%bodies(i), stations, a(first:first + 1) - system%model%gravity, u, &
                   & cross(u, v(first + 2:first + 3)), cross(u, a(first + 2:first + 3)), eta, rate, a(first + 4:last))
                if (self%bodies(i)%held) cycle
@@ -132,121 +134,6 @@ contains
       self%seen_at = t
       self%looks = self%looks + 1
    end subroutine observe_rigid
-
-   !> Energy of the shortening that a vibration makes: what hangs on the beam, and its own mass, move along it by half of the
-   !> squared slopes, eq. (199).
-   pure subroutine add_shortening(self, stations, body, rate)
-      type(body_indicators_type), intent(inout) :: self
-      type(stations_type), intent(in) :: stations
-      type(body_type), intent(in) :: body
-      !> Of the coordinates (n)
-      real(wp), intent(in) :: rate(:)
-      real(wp) :: fixed, part, energy
-      integer :: s, k, b
-      b = stations%bending
-      ! Scratch: the speed along the beam at each station
-      fixed = 0.0_wp
-      do s = 1, stations%count
-         part = 0.0_wp
-         do k = 1, b
-            part = part + stations%slope(k, s)*rate(k)
-         end do
-         part = 0.5_wp*stations%weight(s)*part*self%slope(s)
-         self%force(s) = fixed + part
-         fixed = self%force(s) + part
-      end do
-      fixed = 0.0_wp
-      if (self%anchor > 0) fixed = speed_at(self%anchor)
-      energy = 0.0_wp
-      do s = 1, stations%count
-         energy = energy + stations%weight(s)*body%beam%rho_a*(self%force(s) - fixed)**2
-      end do
-      do k = 1, size(self%carried)
-         energy = energy + self%carried(k)*(speed_at(k) - fixed)**2
-      end do
-      self%total(sum_shortening) = self%total(sum_shortening) + energy
-
-   contains
-
-      !> The speed at a place.
-      pure real(wp) function speed_at(at)
-         integer, intent(in) :: at
-         integer :: j
-         do j = 2, stations%count - 1
-            if (stations%x(j) > stations%place(at)) exit
-         end do
-         speed_at = self%force(j) + (self%force(j) - self%force(j - 1))*(stations%place(at) - stations%x(j))/(stations%x(j) &
-            & - stations%x(j - 1))
-      end function speed_at
-
-   end subroutine add_shortening
-
-   !> Work on the bending of the axial force that the inertia of the shortening makes, eq. (R14). A K_G beam does not have it, and
-   !> it is all that ends the growth of a bending which an axial vibration feeds.
-   pure subroutine observe_recoil(self, stations, body, t, rate, acceleration)
-      type(body_indicators_type), intent(inout) :: self
-      type(stations_type), intent(in) :: stations
-      type(body_type), intent(in) :: body
-      !> Time; rates and accelerations of the coordinates (n)
-      real(wp), intent(in) :: t, rate(:), acceleration(:)
-      real(wp) :: part, fixed, force, work, faster, turned
-      integer :: s, k, at
-      ! Scratch: how much the stations are drawn in, a unit of time squared
-      fixed = 0.0_wp
-      do s = 1, stations%count
-         turned = 0.0_wp
-         faster = 0.0_wp
-         do k = 1, stations%bending
-            turned = turned + stations%slope(k, s)*rate(k)
-            faster = faster + stations%slope(k, s)*acceleration(k)
-         end do
-         part = 0.5_wp*stations%weight(s)*(turned**2 + self%slope(s)*faster)
-         self%force(s) = fixed + part
-         fixed = self%force(s) + part
-      end do
-      fixed = 0.0_wp
-      if (self%anchor > 0) fixed = self%force(station_at(stations, self%anchor))
-      force = 0.0_wp
-      work = 0.0_wp
-      do s = stations%count, 1, -1
-         do k = 1, stations%places
-            at = station_at(stations, k)
-            if (at == s .and. k /= self%anchor) force = force + self%carried(k)*(self%force(s) - fixed)
-         end do
-         part = 0.5_wp*stations%weight(s)*body%beam%rho_a*(self%force(s) - fixed)
-         force = force + part
-         work = work + stations%weight(s)*force*self%slope(s)**2
-         force = force + part
-         if (self%anchor == 0) cycle
-         ! The ground takes what is beyond: from there on the other side counts
-         if (station_at(stations, self%anchor) == s) force = -drawn_before(self, stations, body, s, fixed)
-      end do
-      call raise_peak(self, peak_recoil, abs(work), t)
-   end subroutine observe_recoil
-
-   !> Force that draws in what lies before a station.
-   pure real(wp) function drawn_before(self, stations, body, station, fixed) result(force)
-      type(body_indicators_type), intent(in) :: self
-      type(stations_type), intent(in) :: stations
-      type(body_type), intent(in) :: body
-      integer, intent(in) :: station
-      real(wp), intent(in) :: fixed
-      integer :: s, k
-      force = 0.0_wp
-      do s = 1, station - 1
-         force = force + stations%weight(s)*body%beam%rho_a*(self%force(s) - fixed)
-      end do
-      do k = 1, stations%places
-         if (station_at(stations, k) < station) force = force + self%carried(k)*(self%force(station_at(stations, k)) - fixed)
-      end do
-   end function drawn_before
-
-   !> The station next to a place.
-   pure integer function station_at(stations, place)
-      type(stations_type), intent(in) :: stations
-      integer, intent(in) :: place
-      station_at = minloc(abs(stations%x - stations%place(place)), dim=1)
-   end function station_at
 
    !> Deflection and slope of a beam at its stations.
    pure subroutine bend(self, stations, t, eta)
@@ -472,6 +359,7 @@ contains
          work = work + stations%weight(s)*self%force(s)*self%slope(s)**2
          quartic = quartic + 0.5_wp*stations%weight(s)*self%force(s)*self%slope(s)**4
       end do
+      call observe_pull(self, stations, t)
       call compare_tension(self, stations, body, eta, lack, coarse)
       growth = 1/max(softest, 1 + min(load, 0.0_wp))**2
       call compare_length(self, stations, body, t, eta)
@@ -508,6 +396,22 @@ contains
       call raise_peak(self, peak_quartic, abs(quartic), t)
       call raise_peak(self, peak_quartic_grown, abs(quartic), t)
    end subroutine observe_forces
+
+   !> Largest axial force, and largest one or load, so far; and what the shortening adds to that, eq. (E16).
+   pure subroutine observe_pull(self, stations, t)
+      type(body_indicators_type), intent(inout) :: self
+      type(stations_type), intent(in) :: stations
+      real(wp), intent(in) :: t
+      integer :: at, from
+      if (.not. self%shows_force) return
+      from = size(self%along) - stations%places
+      call raise_peak(self, peak_own_pull, maxval(abs(self%force)), t)
+      do at = 1, stations%places
+         call raise_peak(self, peak_pull, norm2([self%along(from + at), self%across(1 + 2*at)]), t)
+      end do
+      call raise_peak(self, peak_pull, self%peak(peak_own_pull), t)
+      if (.not. self%held) call raise_recoil_force(self, self%drawing_in%force, t)
+   end subroutine observe_pull
 
    !> What the axial force that the model lacks does to the bending: by its means in the k_G elements, and by what varies about
    !> them; squares of the change: in energy, eqs. (160), (161).

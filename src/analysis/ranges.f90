@@ -12,7 +12,7 @@ module limber_analysis_ranges
       & indicator_compression, indicator_pace, indicator_residual, indicator_geometric, indicator_axial, indicator_coarseness, &
       & indicator_lumping, indicator_shortening, indicator_drift, indicator_elongation, indicator_recoil, &
       & indicator_buckling, indicator_layer, indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
-      & indicator_recoil_force
+      & indicator_recoil_force, indicator_drawn
    use limber_model_scene, only: model_type, body_type
    use limber_output_history, only: history_type
    implicit none
@@ -76,7 +76,7 @@ contains
       case (indicator_phase, indicator_false_damping, indicator_membrane, indicator_reaction, &
          & indicator_recoil_force)
          limit = 0.03_wp
-      case (indicator_elongation, indicator_recoil)
+      case (indicator_elongation, indicator_recoil, indicator_drawn)
          limit = 0.05_wp
       case (indicator_buckling, indicator_layer)
          if (.not. linear) limit = 0.05_wp
@@ -239,6 +239,9 @@ contains
          text = 'bends so quickly that the inertia of its shortening, which '//fidelity(body)//' leaves out, makes axial forces'// &
             & ' of '//percent//' of the largest so far'//when//': axial forces and reactions err by that'
          if (body%reduced%geometric) text = text//', and by many times as much where these feed axial vibrations'
+      case (indicator_drawn)
+         text = 'is drawn in by its bending, which '//fidelity(body)//' leaves out: displacements along it (u1) err by '// &
+            & percent//' of the largest'//when
       case (indicator_buckling)
          text = 'is compressed by '//as_text(indicator_value(indicators, indicator_compression), 2)//' times its Euler load'// &
             & when//', which its functions take '//as_text(100*indicators%misfit, 2)//' % too large: they do not fit how its'// &

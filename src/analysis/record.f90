@@ -51,6 +51,8 @@ contains
          do i = 1, size(model%channels)
             if (allocated(error)) return
             call history%define_channel(model%channels(i)%name, 1, model%channels(i)%units, model%channels(i)%long_name, error)
+            if (allocated(error) .or. resumed .or. model%channels(i)%reference == '') cycle
+            call history%put_attribute('/channels/'//model%channels(i)%name, 'measured_from', model%channels(i)%reference, error)
          end do
          if (model%motion .and. .not. allocated(error)) &
             & call define_motion(geometry_of(model, scene%system%layout), model%units%length, history, error)

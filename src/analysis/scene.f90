@@ -26,6 +26,7 @@ module limber_analysis_scene
    use limber_system_drivers, only: driven_angle_type
    use limber_system_redundancy, only: redundancy_type, find_redundancy, group_names, constraint_names
    use limber_system_relaxation, only: balance_start
+   use limber_system_start_rates, only: follow_balance
    use limber_system_softening, only: soften_constraints
    use limber_system_algebra, only: cross
    use limber_system_point_motion, only: point_position
@@ -228,7 +229,8 @@ contains
          text = "body '"//name_in_deck(system%model, body)//"' starts bent, for its joints do not meet it as it is given: "
          if (done) then
             call diagnostics%warn(place_of_body(scene, body), text//'it has the shape of least strain energy that closes them', &
-               & 'if that is not meant, correct the places of its joints')
+               & 'if that is not meant, correct the places of its joints; it may bend to the other side as well, which a small'// &
+               & ' CURVATURE decides')
          else
             call diagnostics%warn(place_of_body(scene, body), text//'no equilibrium of its shape is found, and it may vibrate', &
                & 'start with *STATICS, or correct the places of its joints')
@@ -322,11 +324,22 @@ contains
       type(held_type) :: held
       !> Acceleration of bodies beside that of gravity
       real(wp), parameter :: noticed = 1.0e-6_wp
+      !> Vibrations by rates that are left out, of a deflection, that are told
+      real(wp), parameter :: told = 0.04_wp
       real(wp), allocatable :: q(:), v(:), a(:)
       character(:), allocatable :: names, why
-      real(wp) :: push, left
-      logical :: done
+      real(wp) :: push, left, share
+      logical :: done, driven, followed
       left = 0.0_wp
+      driven = .false.
+      followed = .true.
+      share = 0.0_wp
+      if (max(scene%deck%find('BEAM'), scene%deck%find('FRAME')) == 0) then
+         call diagnostics%warn(scene%deck%blocks(scene%deck%find('ASSEMBLY'))%origin_of('INITIAL DEFLECTIONS'), &
+            & 'no body of the deck deflects: bodies start where they are given, in balance or not', &
+            & 'let *STATICS find a balance before this analysis')
+         return
+      end if
       allocate (q, source=scene%q)
       allocate (v, source=scene%v)
       allocate (a, source=scene%v)
@@ -344,6 +357,11 @@ contains
          if (.not. done .and. scene%system%nc >= sum(scene%system%layout%rates)) then
             q = scene%q
             call balance_deflections(scene%system, scene%work, held, start, q, v, a, done)
+            driven = done
+         end if
+         if (done) then
+            a = v
+            call follow_balance(scene%system, scene%work, held, start, driven, q, a, share, followed)
          end if
       end associate
       if (.not. done) then
@@ -359,6 +377,17 @@ contains
             & scene%deck%find('ASSEMBLY'))%origin_of('INITIAL DEFLECTIONS'), 'bodies that hang in balance where the deck has'// &
             & ' them do not where deflections take them, and start to swing: no equilibrium of all is found nearby', &
             & 'let *STATICS, PERIOD=0, RAMP=NO find it before this analysis, or damp the swing')
+      end associate
+      associate (block => scene%deck%blocks(scene%deck%find('ASSEMBLY')))
+         if (scene%system%model%assembly%following) then
+            v = a
+            if (.not. followed) call diagnostics%warn(block%origin_of('INITIAL DEFLECTIONS'), 'deflections start in balance,'// &
+               & ' but at rest: no balance is found right behind the start', 'start where the motion is slower')
+         else if (share > told) then
+            call diagnostics%warn(block%origin_of('INITIAL DEFLECTIONS'), 'deflections start in balance, but at rest in frames'// &
+               & ' whose motion goes on to change that balance: vibrations of about '//as_text(100*share, 2)//' % of a'// &
+               & ' deflection begin', 'let INITIAL DEFLECTIONS=FOLLOWING start them with the rates of their balance')
+         end if
       end associate
       scene%q = q
       scene%v = v

@@ -279,7 +279,10 @@ contains
       logical :: ok
       if (self%skipping) return
       if (self%row == 0) then
-         call diagnostics%add(content%origin, 'a data line without a keyword above it', 'begin with a line *KEYWORD')
+         call diagnostics%add(content%origin, 'a data line without a keyword above it', trim(merge( &
+            & '*REPEAT repeats whole blocks: begin with *KEYWORD within it; *OUTPUT, *GROUND, *NODE may stand many times', &
+            & 'begin with a line *KEYWORD                                                                               ', &
+            & self%turn > 0)))
          self%skipping = .true.
          return
       end if

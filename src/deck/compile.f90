@@ -377,6 +377,9 @@ contains
       argument = c%text(first:last)
       if (len(argument) == 0) then
          call fail(c, at, close, 'the quantity '//word//' of what?', 'write '//word//'(object) or '//word//'(object.point)')
+      else if (index(argument, '(') > 0) then
+         call fail(c, at, close, "'"//word//"(...)' is of a name, not of a quantity", 'give that a name as a channel of'// &
+            & ' *OUTPUT, name = '//argument//'), and in a *SCALAR write '//word//'(name)')
       else if (.not. is_point(argument)) then
          call fail(c, at, close, "'"//word//"' is no function, and '"//argument//"' no object", 'a quantity is written '// &
             & word//'(object) or '//word//'(object.point); functions: '//listed(function_names))

@@ -218,9 +218,9 @@ module limber_deck_keywords
       &    'N m s, N s/m', needed, 'torque for each unit of relative spin, force for each unit of sliding speed'), &
       & option_spec_type('ASSEMBLY', 'LARGEST TURN', kind_positive, '', &
       &    'rad', '0.5', 'rotation of a body from its guess beyond which there is a warning: another branch may be meant'), &
-      & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN|STATIC', &
+      & option_spec_type('ASSEMBLY', 'INITIAL DEFLECTIONS', kind_word, 'ZERO|GIVEN|STATIC|FOLLOWING', &
       &    '', 'ZERO', 'ZERO: but for what joints bend; GIVEN: by data lines; STATIC'// &
-      &    ': balance with loads, inertia, hanging bodies'), &
+      &    ': in balance, at rest; FOLLOWING: with its rates'), &
       & option_spec_type('ASSEMBLY', 'ELIMINATION', kind_yes, '', &
       &    '', 'YES', 'NO: bodies keep all unknowns and joints their multipliers, even where the motion is known; to compare'), &
       & option_spec_type('DYNAMICS', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &

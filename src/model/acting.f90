@@ -5,7 +5,7 @@ module limber_model_acting
    use limber_deck_content, only: deck_type, block_type
    implicit none
    private
-   public :: acting_type, acting_points, find_shared, find_turning
+   public :: acting_type, acting_points, find_shared, find_turning, body_of, point_of, has_pair
 
    !> Sine of the angle between line and axis that is none; a right angle
    real(wp), parameter :: nearly = 0.05_wp, right_angle = acos(0.0_wp)

@@ -5,7 +5,7 @@ module limber_model_beam_choice
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_functions, only: attachment_type
-   use limber_flex_mesh, only: beam_type, support_type, new_support, concentrate, put_nodes
+   use limber_flex_mesh, only: beam_type, new_support, concentrate, put_nodes
    use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
    use limber_model_acting, only: acting_type, acting_points, find_shared, find_turning
    use limber_model_parts, only: is_part
@@ -262,13 +262,11 @@ contains
 
    !> The functions of an exact beam: how many, the support of its modes, which follows from the joints that hold it if the deck does
    !> not say, the places within it where something acts, and whether moments and shear forces act at its ends.
-   subroutine choose_exact(deck, index, piece, pieces, body, held)
+   subroutine choose_exact(deck, index, piece, pieces, body)
       type(deck_type), intent(in) :: deck
       !> Block of the beam; which piece, of how many
       integer, intent(in) :: index, piece, pieces
       type(body_type), intent(inout) :: body
-      !> What joints hold, whatever the deck says of the modes
-      type(support_type), intent(out), optional :: held
       type(acting_type), allocatable :: points(:)
       real(wp), allocatable :: x(:)
       character(:), allocatable :: support
@@ -300,7 +298,6 @@ contains
             choice%steps = [choice%steps, pack(body%beam%place, body%beam%inertia > 0.0_wp)]
          end if
          support = end_support(0.0_wp)//'-'//end_support(length)
-         if (present(held)) held = new_support(support)
          ! Pieces are welded to each other
          if (pieces > 1) support = 'CLAMPED-FREE'
          if (pieces > 1 .or. .not. block%given('SUPPORT')) choice%support = new_support(support)
@@ -362,12 +359,11 @@ contains
       integer, intent(in) :: index, material, section
       type(body_type), intent(inout) :: body
       type(body_type) :: whole
-      type(support_type) :: support
       whole%beam = body%beam
       whole%beam%length = deck%blocks(index)%real('LENGTH')
       whole%choice = body%choice
-      call choose_exact(deck, index, 1, 1, whole, support)
-      body%unsheared = unsheared_beam(deck, index, material, section, whole, support)
+      call choose_exact(deck, index, 1, 1, whole)
+      body%unsheared = unsheared_beam(deck, index, material, section, whole)
    end subroutine weigh_shear
 
    !> Joints between which the modes of a beam do not follow how it stretches.

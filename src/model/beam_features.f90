@@ -9,7 +9,7 @@ module limber_model_beam_features
       & of_rotary
    use limber_model_parts, only: is_part
    use limber_model_scene, only: body_type
-   use limber_model_sections, only: read_section, section_between, shear_factor
+   use limber_model_sections, only: read_section, section_between, shear_factor, curved_inertia
    implicit none
    private
    public :: read_features, refuse_features
@@ -86,11 +86,12 @@ contains
          allocate (from(0), to(0))
          call read_stretches(deck, index, section, body%beam%length, from, to, body%fibres, diagnostics)
          if (diagnostics%count > before) return
-         call read_strengths(deck, from, to, body%fibres, diagnostics)
+         call read_strengths(deck, index, from, to, body%fibres, diagnostics)
          if (block%yes('SHEAR')) call check_shear(deck, material, from, to, diagnostics)
          if (diagnostics%count > before) return
          call multiply(deck, material, from, to, block%yes('SHEAR'), body%fibres, choice%profile)
          call use_mean(body)
+         call warn_of_arc(deck, block, from, body%fibres, diagnostics)
       end associate
 
    contains
@@ -155,14 +156,15 @@ contains
 
    end subroutine read_stretches
 
-   !> Areas, second moments and extreme fibres of the stretches.
-   subroutine read_strengths(deck, from, to, fibres, diagnostics)
+   !> Areas, second moments, extreme fibres and second moments as the beam is curved, of the stretches.
+   subroutine read_strengths(deck, index, from, to, fibres, diagnostics)
       type(deck_type), intent(in) :: deck
-      integer, intent(in) :: from(:), to(:)
+      integer, intent(in) :: index, from(:), to(:)
       type(profile_type), intent(inout) :: fibres
       type(diagnostics_type), intent(inout) :: diagnostics
-      real(wp) :: strength(4)
+      real(wp) :: strength(4), arc
       integer :: i, j, before
+      arc = deck%blocks(index)%real('CURVATURE')
       allocate (fibres%value(profile_values, profile_places, size(from)))
       fibres%value = 1.0_wp
       do i = 1, size(from)
@@ -179,10 +181,69 @@ contains
          end if
          if (diagnostics%count > before) cycle
          do j = 1, profile_places
-            fibres%value(:4, j, i) = section_between(deck%blocks(from(i)), deck%blocks(to(i)), (j - 1.0_wp)/(profile_places - 1))
+            strength = section_between(deck%blocks(from(i)), deck%blocks(to(i)), (j - 1.0_wp)/(profile_places - 1))
+            fibres%value(:4, j, i) = strength
+            if (inner_reach(arc, strength(3:4)) < 1.0_wp) cycle
+            call diagnostics%add(deck%blocks(index)%origin_of('CURVATURE'), "section '"//deck%blocks(from(i))%name()// &
+               & "' of beam '"//deck%blocks(index)%name()//"' reaches over the centre of its curvature", &
+               & 'a curvature below '//as_text(abs(arc)/inner_reach(arc, strength(3:4)), 3))
+            exit
+         end do
+         if (diagnostics%count > before) cycle
+         do j = 1, profile_places
+            fibres%value(5, j, i) = curved_inertia(deck%blocks(from(i)), fibres%value(:4, j, i), arc)
          end do
       end do
    end subroutine read_strengths
+
+   !> The distance of the extreme fibre on the inner side from the axis, in radii of curvature.
+   pure real(wp) function inner_reach(arc, extreme) result(reach)
+      !> Curvature [1/length]; distances to the left and to the right [length]
+      real(wp), intent(in) :: arc, extreme(2)
+      reach = abs(arc)*merge(extreme(1), extreme(2), arc > 0.0_wp)
+   end function inner_reach
+
+   !> Warns of beams that are thick beside their radius of curvature: axial force and bending go together there, which the functions
+   !> leave out; and what the shape of a section is that the deck does not tell, eq. (X30).
+   subroutine warn_of_arc(deck, block, from, fibres, diagnostics)
+      type(deck_type), intent(in) :: deck
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      !> Sections of the stretches (blocks)
+      integer, intent(in) :: from(:)
+      type(profile_type), intent(in) :: fibres
+      type(diagnostics_type), intent(inout) :: diagnostics
+      !> What is worth a warning, relative: of stiffness and of stresses
+      real(wp), parameter :: noticed = 0.01_wp
+      !> The stiffness of sections of unknown shape errs more; third moments, in second moments times the distance of both fibres
+      real(wp), parameter :: plain = 3.0_wp, skew = 0.4_wp
+      character(:), allocatable :: text
+      real(wp) :: soft, stress
+      logical :: unknown
+      integer :: i, j
+      soft = 0.0_wp
+      stress = 0.0_wp
+      associate (arc => block%real('CURVATURE'))
+         do i = 1, size(from)
+            unknown = deck%blocks(from(i))%word('SHAPE') == 'GENERAL'
+            do j = 1, profile_places
+               associate (value => fibres%value(:, j, i))
+                  soft = max(soft, arc**2*value(5)/value(1)*merge(plain, 1.0_wp, unknown))
+                  if (unknown) stress = max(stress, maxval(abs(arc*value(3:4)))**2 + skew*abs(arc*(value(3) - value(4))))
+               end associate
+            end do
+         end do
+         if (max(soft, stress) <= noticed) return
+         text = ''
+         if (soft > noticed) text = 'deflections may err by about '//as_text(100*soft, 2)//' %'
+         if (soft > noticed .and. stress > noticed) text = text//' and '
+         if (stress > noticed) text = text//'stresses by about '//as_text(100*stress, 2)//' %, as the shape of its section is'// &
+            & ' not known'
+         call diagnostics%warn(block%origin_of('CURVATURE'), "beam '"//block%name()//"' is thick beside its radius of"// &
+            & ' curvature: '//text, trim(merge('use SHAPE=RECTANGLE, CIRCLE or TUBE if it is one             ', &
+            & 'axial force and bending go together there; use solid elements', stress > noticed)))
+      end associate
+   end subroutine warn_of_arc
 
    !> What shear needs of material and sections.
    subroutine check_shear(deck, material, from, to, diagnostics)
@@ -221,7 +282,7 @@ contains
       associate (young => deck%blocks(material)%real('YOUNG'), density => deck%blocks(material)%real('DENSITY'), &
          & poisson => deck%blocks(material)%real('POISSON'))
          profile%value(of_ea, :, :) = young*fibres%value(1, :, :)
-         profile%value(of_ei, :, :) = young*fibres%value(2, :, :)
+         profile%value(of_ei, :, :) = young*fibres%value(5, :, :)
          profile%value(of_mass, :, :) = density*fibres%value(1, :, :)
          if (.not. shear) return
          profile%value(of_rotary, :, :) = density*fibres%value(2, :, :)
@@ -240,7 +301,8 @@ contains
       real(wp) :: mean(profile_values)
       mean = profile_mean(body%choice%exact%profile)
       if (size(body%choice%exact%profile%value, 3) == 1 .and. &
-         & all(abs(body%fibres%value(:4, 1, 1) - body%fibres%value(:4, profile_places, 1)) <= 0.0_wp)) return
+         & all(abs(body%fibres%value(:4, 1, 1) - body%fibres%value(:4, profile_places, 1)) <= 0.0_wp) .and. &
+         & .not. abs(body%choice%exact%arc) > 0.0_wp) return
       body%beam%ea = mean(of_ea)
       body%beam%ei = mean(of_ei)
       body%beam%rho_a = mean(of_mass)

@@ -14,6 +14,7 @@ module limber_model_channels
       & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
       & of_flexible_point, of_section, of_coupler, quantity_stress_top, quantity_stress_bottom, &
       & quantity_kinetic, quantity_potential, quantity_work
+   use limber_model_references, only: find_reference, warn_of_zero
    use limber_model_scene, only: model_type, body_type, channel_type, quantity_type, units_type, body_point, &
       & body_flexible, ground, &
       & joint_coupler, coordinate_displacement, &
@@ -70,6 +71,8 @@ contains
       end do
       if (any(channel%quantities%of < 0)) return
       channel%units = channel_units(channel, model%units)
+      call find_reference(model, channel)
+      call warn_of_zero(model, field, channel, diagnostics)
    end subroutine new_channel
 
    !> x(rod.middle) becomes x_rod_middle.

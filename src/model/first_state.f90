@@ -21,7 +21,8 @@ contains
       integer :: i
       model%assembly%largest_turn = block%real('LARGEST TURN')
       model%assembly%elimination = block%yes('ELIMINATION')
-      model%assembly%static_deflections = block%word('INITIAL DEFLECTIONS') == 'STATIC'
+      model%assembly%following = block%word('INITIAL DEFLECTIONS') == 'FOLLOWING'
+      model%assembly%static_deflections = block%word('INITIAL DEFLECTIONS') == 'STATIC' .or. model%assembly%following
       if (size(block%lines) > 0 .and. block%word('INITIAL DEFLECTIONS') /= 'GIVEN') then
          call diagnostics%add(block%lines(1)%origin, 'data lines give deflections, but INITIAL DEFLECTIONS='// &
             & block%word('INITIAL DEFLECTIONS'), &

@@ -118,6 +118,10 @@ module limber_model_quantities
       & '`*FRAME`', 'where `*BOUNDARY` holds its nodes; without it the mean motion of all of the frame', &
       & '`*FRAME, LARGE=YES`', 'the section at the start of member 1'], [2, 7])
 
+   !> Axes of points
+   character(*), parameter :: of_points = 'Sections of points, from which angles of joints and TURN= count, have the axes of'// &
+      & ' that frame in the'//newline//'undeformed body: in a beam with CURVATURE they are not along its tangent, but at ORIGIN.'
+
 contains
 
    !> Whether a quantity, by its index, is one of the internal forces of a beam.
@@ -136,6 +140,29 @@ contains
          text = text//'  '//quantities(i)%name//' of a '//argument(quantities(i)%of)//'  '// &
             & trim(quantities(i)%meaning)//newline
       end do
+      text = text//newline//'u1, u2, rotation, angle, spin of a flexible body are measured from its frame, and force_1, force_2'// &
+         & ' are along that; deflection'//newline//'is measured from the line through both ends. The frame is'//newline
+      do i = 1, size(frames, 2)
+         text = text//'  '//plain(frames(1, i))//'  '//trim(plain(frames(2, i)))//newline
+      end do
+      text = text//of_points//newline
+
+   contains
+
+      !> Without the marks of Markdown.
+      pure function plain(marked)
+         character(*), intent(in) :: marked
+         character(len(marked)) :: plain
+         integer :: k, n
+         plain = ''
+         n = 0
+         do k = 1, len(marked)
+            if (marked(k:k) == '`') cycle
+            n = n + 1
+            plain(n:n) = marked(k:k)
+         end do
+      end function plain
+
    end function quantity_help
 
    !> The same as a Markdown table.
@@ -154,6 +181,7 @@ contains
       do i = 1, size(frames, 2)
          text = text//'| '//trim(frames(1, i))//' | '//trim(frames(2, i))//' |'//newline
       end do
+      text = text//newline//of_points//' The results say it in the attribute'//newline//'`measured_from` of a channel.'//newline
    end function quantity_manual
 
    pure function argument(of) result(name)

@@ -111,7 +111,7 @@ module limber_model_scene
       !> Cross-section of each member, of a beam its only one: area [length^2], second moment of area [length^4], distances from the
       !> axis of the extreme fibres to the left and to the right [length], zero if not known (4, members)
       real(wp), allocatable :: strength(:, :)
-      !> The same along an exact beam; otherwise with unallocated values
+      !> The same along an exact beam, and its second moment of area as the beam is curved; otherwise with unallocated values
       type(profile_type) :: fibres
       !> Internal forces at the sections that are asked for: those of points, then, if an envelope is, those along the whole body
       type(recovery_type) :: recovery
@@ -299,6 +299,8 @@ module limber_model_scene
       character(:), allocatable :: name
       !> Text of its expression, and its units
       character(:), allocatable :: long_name, units
+      !> What its displacements and angles are measured from; empty if nothing is to be said
+      character(:), allocatable :: reference
       type(expression_type) :: expression
       !> What each slot of the expression stands for
       type(quantity_type), allocatable :: quantities(:)
@@ -350,6 +352,8 @@ module limber_model_scene
       real(wp) :: largest_turn = 0.5_wp
       !> Whether deflections start in equilibrium with loads and inertia
       logical :: static_deflections = .false.
+      !> Whether they start with the rates by which that goes on with the motion
+      logical :: following = .false.
       !> Whether what hangs, or is held by what is known, is solved without unknowns and multipliers
       logical :: elimination = .true.
       !> Deflections that are given; all others start at zero

@@ -6,7 +6,7 @@ module limber_model_sections
    use limber_deck_diagnostics, only: diagnostics_type
    implicit none
    private
-   public :: read_section, section_between, shear_factor
+   public :: read_section, section_between, shear_factor, curved_inertia
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -94,6 +94,51 @@ contains
       end function between
 
    end function section_between
+
+   !> The integral of y^2/(1 - c y) over a section, with the curvature c of the axis: the second moment of area of a beam whose
+   !> fibres towards the centre of curvature are shorter than its axis; of GENERAL, whose shape is not known, the plain one [length^4].
+   !> Source: doc/theory, eq. (X29).
+   real(wp) function curved_inertia(block, strength, arc) result(moment)
+      !> Its shape
+      type(block_type), intent(in) :: block
+      !> As in `read_section`
+      real(wp), intent(in) :: strength(4)
+      !> Curvature of the axis [1/length]; the extreme fibres are nearer than its centre
+      real(wp), intent(in) :: arc
+      real(wp) :: inner
+      moment = strength(2)
+      select case (block%word('SHAPE'))
+      case ('RECTANGLE')
+         moment = strength(1)*strength(3)**2*slender_part(arc*strength(3))
+      case ('CIRCLE', 'TUBE')
+         ! Radius of the hole
+         inner = sqrt(max(strength(3)**2 - strength(1)/pi, 0.0_wp))
+         moment = of_disc(strength(3)) - of_disc(inner)
+      end select
+
+   contains
+
+      real(wp) function of_disc(radius)
+         real(wp), intent(in) :: radius
+         of_disc = pi*radius**4/(1 + sqrt(1 - (arc*radius)**2))**2
+      end function of_disc
+
+   end function curved_inertia
+
+   !> (artanh(x)/x - 1)/x^2, by its series near zero.
+   pure real(wp) function slender_part(x) result(part)
+      real(wp), intent(in) :: x
+      real(wp), parameter :: small = 0.1_wp
+      integer :: k
+      if (abs(x) > small) then
+         part = (atanh(x)/x - 1)/x**2
+         return
+      end if
+      part = 0.0_wp
+      do k = 8, 0, -1
+         part = part*x**2 + 1.0_wp/(2*k + 3)
+      end do
+   end function slender_part
 
    !> Area in shear divided by area: as given, or Cowper's for a Poisson's ratio of zero, which for a rectangle is that of the
    !> parabolic shear stress; zero if not known.

@@ -4,15 +4,15 @@ module limber_model_short_beams
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_deck_content, only: deck_type
+   use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_flex_exact_functions, only: exact_choice_type
    use limber_flex_frame, only: frame_type, member_type, new_frame
    use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes
-   use limber_flex_mesh, only: support_type
+   use limber_flex_mesh, only: support_type, beam_type
    use limber_flex_reduced, only: reduced_type
    use limber_flex_reduction, only: fidelity_linear
-   use limber_model_acting, only: acting_type, acting_points
+   use limber_model_held_ends, only: hold_type, holds_of
    use limber_model_frame_draft, only: draft_type, node_named
    use limber_model_scene, only: model_type, body_type
    use limber_model_sections, only: shear_factor
@@ -26,6 +26,9 @@ module limber_model_short_beams
    integer, parameter :: divisions = 8
    !> Vibrations of a frame that are looked at: the first may be one along its members
    integer, parameter :: looked_at = 3
+   !> More than what a beam lacks however it is held, as in `shear_and_turning`; stiffness of springs that hold frames, in that of a
+   !> member
+   real(wp), parameter :: largest = 50.0_wp, firm = 40.0_wp
 
 contains
 
@@ -75,21 +78,69 @@ contains
 
    !> What a beam lacks without shear, eqs. (X20), (U1): of its frequencies where something may vibrate, else of its deflection, if
    !> anything bends it.
-   real(wp) function unsheared_beam(deck, index, material, section, body, support) result(part)
+   real(wp) function unsheared_beam(deck, index, material, section, body) result(part)
       type(deck_type), intent(in) :: deck
       !> Blocks of the beam, of its material and of its section
       integer, intent(in) :: index, material, section
       !> With the choice of an exact beam
       type(body_type), intent(in) :: body
-      !> Of the beam in the scene
-      type(support_type), intent(in) :: support
-      real(wp) :: slender, of_mode(2)
+      type(support_type) :: support
+      real(wp) :: slender, of_mode(2), hung
       part = 0.0_wp
       if (.not. (vibrates(deck) .or. is_bent(deck, body%choice%exact))) return
       slender = body%beam%ei/body%beam%ea/deck%blocks(index)%real('LENGTH')**2
-      of_mode = shear_and_turning(support)
+      ! Nothing can be held so that a slender one lacks anything
+      part = lacking(deck, largest*slender*softness(deck, material, section), largest*slender)
+      if (part <= noticed) return
+      call find_support(deck, deck%blocks(index), body%beam, support, hung)
+      of_mode = shear_and_turning(support, hung)
       part = lacking(deck, of_mode(1)*slender*softness(deck, material, section), of_mode(2)*slender)
    end function unsheared_beam
+
+   !> What holds the ends of a beam, springs too if they are stiff beside it, eq. (U3), and the mass at its free end.
+   subroutine find_support(deck, block, beam, support, hung)
+      type(deck_type), intent(in) :: deck
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      type(beam_type), intent(in) :: beam
+      type(support_type), intent(out) :: support
+      !> In masses of the beam
+      real(wp), intent(out) :: hung
+      !> Stiffness of springs across, in E I/L^3, and against turning, in E I/L, that hold: of a beam that moves freely without
+      !> them, and of one that is held
+      real(wp), parameter :: across(2) = [10.0_wp, 40.0_wp], turning(2) = [0.5_wp, 5.0_wp]
+      type(hold_type), allocatable :: holds(:)
+      logical :: at(2), held(2), clamped(2)
+      real(wp) :: spring(2, 2), mass(2)
+      integer :: i, k
+      held = .false.
+      clamped = .false.
+      spring = 0.0_wp
+      mass = 0.0_wp
+      call holds_of(deck, block%name(), holds)
+      associate (length => block%real('LENGTH'))
+         if (allocated(beam%mass)) mass = beam%mass([0, beam%elements])
+         do i = 1, size(holds)
+            at = abs(place_on(block, trim(holds(i)%name)) - [0.0_wp, length]) < 1.0e-6_wp*length
+            where (at)
+               held = held .or. holds(i)%held
+               clamped = clamped .or. holds(i)%clamped
+               spring(:, 1) = spring(:, 1) + holds(i)%across*length**3/beam%ei
+               spring(:, 2) = spring(:, 2) + holds(i)%turning*length/beam%ei
+               mass = mass + holds(i)%mass
+            end where
+         end do
+         do k = merge(1, 2, count([held, clamped]) < 2), 2
+            where (spring(:, 1) > across(k)) held = .true.
+            where (spring(:, 2) > turning(k)) clamped = .true.
+         end do
+         hung = sum(mass, mask=.not. held)/(beam%rho_a*length)
+      end associate
+      support%w_start = held(1)
+      support%theta_start = clamped(1)
+      support%w_end = held(2)
+      support%theta_end = clamped(2)
+   end subroutine find_support
 
    !> The same of a frame by its first vibrations, held at the nodes that joints or *BOUNDARY hold, eq. (U1); and the member with
    !> most of it.
@@ -160,7 +211,8 @@ contains
       type(draft_type), intent(in) :: draft
       type(frame_type) :: mesh
       type(member_type) :: members(size(draft%members))
-      type(acting_type), allocatable :: points(:)
+      type(hold_type), allocatable :: holds(:)
+      real(wp) :: length, ei
       integer :: i, node
       members = draft%members
       members%divisions = divisions
@@ -169,12 +221,15 @@ contains
          mesh%free(:, i) = draft%free(:, i)
          mesh%mass(:, i) = mesh%mass(:, i) + [draft%mass(i), draft%mass(i), draft%inertia(i)]
       end do
-      call acting_points(deck, deck%blocks(index)%name(), points)
-      do i = 1, size(points)
-         node = node_named(deck, index, draft, trim(points(i)%name))
+      length = sum(mesh%length)/size(draft%members)
+      ei = maxval(mesh%ei)
+      call holds_of(deck, deck%blocks(index)%name(), holds)
+      do i = 1, size(holds)
+         node = node_named(deck, index, draft, trim(holds(i)%name))
          if (node == 0) cycle
-         if (points(i)%held) mesh%free(1:2, node) = .false.
-         if (points(i)%clamped) mesh%free(3, node) = .false.
+         mesh%mass(1:2, node) = mesh%mass(1:2, node) + holds(i)%mass
+         if (holds(i)%held .or. holds(i)%across > firm*ei/length**3) mesh%free(1:2, node) = .false.
+         if (holds(i)%clamped .or. holds(i)%turning > firm*ei/length) mesh%free(3, node) = .false.
       end do
    end function held_frame
 
@@ -204,21 +259,48 @@ contains
       if (allocated(choice%corners)) is_bent = is_bent .or. size(choice%corners) > 0
    end function is_bent
 
-   !> Of the first vibration, for a beam of the length 1 with unit rigidities: energy of shear, and of the sections' rotation.
-   pure function shear_and_turning(support) result(parts)
+   !> Of the first vibration, for a beam of the length 1 with unit rigidities: energy of shear, and of the sections' rotation. A
+   !> guided end is the middle of a beam of twice the length.
+   pure function shear_and_turning(support, hung) result(parts)
       type(support_type), intent(in) :: support
+      !> Mass at the free end of a cantilever, in masses of the beam
+      real(wp), intent(in) :: hung
       real(wp) :: parts(2)
-      integer :: held
-      held = count([support%w_start, support%theta_start, support%w_end, support%theta_end])
-      select case (held)
-      case (4); parts = [49.48_wp, 12.30_wp]
-      case (3); parts = [27.23_wp, 11.51_wp]
-      case (2)
-         parts = 9.870_wp
-         if (.not. (support%w_start .and. support%w_end)) parts = 4.648_wp
-      case (1); parts = [11.51_wp, 27.23_wp]
+      integer :: across, turning
+      logical :: same
+      across = count([support%w_start, support%w_end])
+      turning = count([support%theta_start, support%theta_end])
+      same = support%w_start .eqv. support%theta_start
+      select case (10*across + turning)
+      case (22); parts = [49.48_wp, 12.30_wp]
+      case (21); parts = [27.23_wp, 11.51_wp]
+      case (20, 02); parts = 9.870_wp
+      case (12); parts = [49.48_wp, 12.30_wp]/4
+      case (11)
+         parts = 9.870_wp/4
+         if (same) parts = 4.648_wp*[(1 + 5.2_wp*hung)/(1 + 8*hung), 1/(1 + 4*hung)]
+      case (10); parts = [11.51_wp, 27.23_wp]
+      case (01); parts = [12.30_wp, 49.48_wp]/4
       case default; parts = [12.30_wp, 49.48_wp]
       end select
    end function shear_and_turning
+
+   !> Coordinate of a point of a beam; huge if it has none of that name.
+   pure real(wp) function place_on(block, name) result(x)
+      !> Of the beam
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: name
+      integer :: i
+      x = huge(x)
+      select case (name)
+      case ('start'); x = 0.0_wp
+      case ('end'); x = block%real('LENGTH')
+      case ('origin'); x = block%real('ORIGIN')
+      case default
+         do i = 1, size(block%lines)
+            if (block%lines(i)%text(1) == name) x = block%lines(i)%number(2)
+         end do
+      end select
+   end function place_on
 
 end module limber_model_short_beams

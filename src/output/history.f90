@@ -5,7 +5,8 @@
 !>     /                  attributes format = "limber-history", format_version, limber_version
 !>     /time              (time): scale of every channel; attributes units, long_name
 !>     /component_<k>     1..k: scale of the second dimension of channels of width k, one for each width in use
-!>     /channels/<name>   (time) or (time, k); attributes units, long_name; members in order of definition
+!>     /channels/<name>   (time) or (time, k); attributes units, long_name, of displacements and angles of flexible bodies
+!>                        measured_from; members in order of definition
 !>     /step              (time): number of the analysis of each sample, if there are several
 !>     /modes/<name>/...  frequencies and shapes of a modal analysis; scale /modes/<name>/mode
 !>     /<group>/<name>    of the same shape, with the same scales: more about a channel, whose attribute <group> is the path

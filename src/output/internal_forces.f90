@@ -212,26 +212,27 @@ contains
       end do
    end subroutine join_envelopes
 
-   !> Cross-section at a section of a body, see `body_type` (4).
+   !> Cross-section at a section of a body: as in `body_type`, the second moment of area of the curved beam, its curvature (6).
    pure function strength_at(body, section) result(strength)
       type(body_type), intent(in) :: body
       type(section_type), intent(in) :: section
-      real(wp) :: strength(4), value(profile_values)
+      real(wp) :: strength(6), value(profile_values)
       real(wp), parameter :: beside = 1.0e-9_wp
-      strength = body%strength(:, section%member)
+      strength = [body%strength(:, section%member), body%strength(2, section%member), 0.0_wp]
       if (.not. allocated(body%fibres%value)) return
       value = profile_at(body%fibres, section%x + merge(beside, -beside, section%behind)*body%beam%length)
-      strength = value(:4)
+      strength = [value(:5), body%choice%exact%arc]
    end function strength_at
 
-   !> Stresses in the extreme fibres to the left and to the right (2).
+   !> Stresses in the extreme fibres to the left and to the right (2), of a curved beam those of Winkler and Bach, eq. (X29).
    pure function stresses(force, strength) result(stress)
       !> Axial force, shear force, bending moment
       real(wp), intent(in) :: force(3)
-      !> Cross-section, see `body_type`
-      real(wp), intent(in) :: strength(4)
-      real(wp) :: stress(2)
-      stress = force(1)/strength(1) + force(3)/strength(2)*[-strength(3), strength(4)]
+      !> Cross-section, see `strength_at`
+      real(wp), intent(in) :: strength(6)
+      real(wp) :: stress(2), fibre(2)
+      fibre = [strength(3), -strength(4)]
+      stress = (force(1) + strength(6)*force(3))/strength(1) - force(3)/strength(5)*fibre/(1 - strength(6)*fibre)
    end function stresses
 
    !> Forces of joints, drivers and loads.

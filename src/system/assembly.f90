@@ -376,6 +376,8 @@ contains
       call raise(error, system%constraints(culprit)%item%label//': the initial position cannot be assembled'//others//'; '// &
          & as_text(residual, 3)//' is left open at t = '//as_text(t, 6)// &
          & '. Check the lengths, or give a better first guess (X=, Y=, ANGLE=) for its bodies'// &
+         & trim(merge('; a beam that is longer than its span goes without SEGMENTS', repeat(' ', 59), &
+         & any(system%model%bodies%whole > 0)))// &
          & stretch_remedy(system, [(i == culprit, i=1, size(system%constraints))]))
    end subroutine report
 

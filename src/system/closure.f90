@@ -8,6 +8,7 @@ module limber_system_closure
    use limber_system_dynamics, only: position_residual, velocity_residual
    use limber_system_kinematics, only: place_frames, move_frames
    use limber_system_multiplier, only: update_jacobians
+   use limber_system_point_motion, only: point_position
    use limber_system_system, only: system_type, workspace_type
    implicit none
    private
@@ -223,15 +224,28 @@ contains
       end do
    end function largest_turn
 
-   !> Bound of the largest deflection relative to the size of its body.
+   !> Bound of the largest deflection relative to the size of its body; of an exact beam how much longer its chord is, for one that is
+   !> longer than its span, as a rope, bends in its plane.
    pure real(wp) function largest_deflection(system, q) result(largest)
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: q(:)
+      !> Least chord that such a beam may have, of the undeformed one
+      real(wp), parameter :: shortest = 0.3_wp
+      real(wp) :: longer
       integer :: i, first
       largest = 0.0_wp
       do i = 1, size(system%layout%q)
          first = system%layout%q(i) + 4
-         if (system%layout%n(i) > 0) largest = max(largest, maxval(abs(q(first:first + system%layout%n(i) - 1)))* &
+         if (system%layout%n(i) == 0) cycle
+         associate (body => system%model%bodies(i), points => system%model%points)
+            if (body%reduced%is_exact .and. body%start_point > 0 .and. body%whole == 0) then
+               longer = norm2(point_position(system%model, system%layout, points(body%end_point), q) &
+                  & - point_position(system%model, system%layout, points(body%start_point), q)) &
+                  & /norm2(points(body%end_point)%p0 - points(body%start_point)%p0) - 1
+               if (longer > shortest - 1 .and. longer < most_deflection) cycle
+            end if
+         end associate
+         largest = max(largest, maxval(abs(q(first:first + system%layout%n(i) - 1)))* &
             & system%model%bodies(i)%largest_shape/system%model%bodies(i)%size)
       end do
    end function largest_deflection

@@ -1,6 +1,6 @@
 !> Shape of bodies whose joints do not meet as they are given: a bearing out of line, a follower that is pressed on its cam. Frames
 !> alone cannot close such joints; of all deflections that do, those of least strain energy are taken, and of all rates that keep
-!> them closed too. Loads do not count. Floor: system.
+!> them closed too. Loads do not count, but for the side to which a beam bends that is pushed. Floor: system.
 !> Source: doc/theory, eqs. (A1), (A2).
 module limber_system_misfit
    use limber_base_kinds, only: wp
@@ -20,13 +20,15 @@ contains
       !> Coordinates and velocities (nq): in, assembled; out, those of least energy; as they were if none are found
       real(wp), intent(inout) :: q(:), v(:)
       logical, intent(out) :: done
+      !> Part of the weight that tells to which side a beam bends that is longer than its span
+      real(wp), parameter :: beginning = 1.0e-6_wp
       type(system_type) :: unloaded
       type(workspace_type) :: work
       type(equilibrium_type) :: balance
       real(wp) :: w(system%layout%nw), lambda(system%nc), place(size(q))
       integer :: i
       unloaded = system
-      unloaded%model%gravity = 0.0_wp
+      unloaded%model%gravity = beginning*unloaded%model%gravity
       deallocate (unloaded%loads)
       allocate (unloaded%loads(0))
       call new_workspace(unloaded, work)

@@ -15,7 +15,7 @@ module limber_system_relaxation
    use limber_system_tangent_products, only: times_mass, times_stiffness
    implicit none
    private
-   public :: balance_start
+   public :: balance_start, start_motion
 
    !> Most directions of GMRES; springs and joints are few beside the bodies' own stiffness, by which it is preconditioned
    integer, parameter :: most_directions = 80

@@ -13,6 +13,8 @@ program test_convergence
    character(*), parameter :: unit_bar = '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl// &
       & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'//nl//'*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH=1'
    character(*), parameter :: steel = '*MATERIAL, NAME=stuff, YOUNG=2.1e11, DENSITY=7850, POISSON=0.3'//nl
+   !> A square of 0.01 without the curvature of eq. (X29), as the reference
+   character(*), parameter :: thin = '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1e-4, INERTIA=8.33333333333333e-10'//nl
    character(*), parameter :: aluminium = '*MATERIAL, NAME=stuff, YOUNG=7e10, DENSITY=2700, POISSON=0.33'//nl
    character(*), parameter :: beam = '*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH='
    character(*), parameter :: wall = nl//'*JOINT, NAME=wall, TYPE=WELD, TURN=0'//nl//' bar.start, ground.origin'//nl
@@ -47,7 +49,7 @@ contains
          & [1533.3430458_wp, 6872.3518692_wp, 16200.879454_wp])
       call judge_modes('stepped cantilever', steel//rectangle('bar', '0.02', '0.02')//rectangle('thin', '0.02', '0.01')//beam// &
          & '1'//no_stretch, nl//'*PROFILE'//nl//' 0.5, thin'//wall, [124.8560029_wp, 443.9817885_wp, 1316.76613_wp])
-      call judge_modes('arc', steel//rectangle('bar', '0.01', '0.01')//beam//'pi/4, CURVATURE=2, STRAIN FUNCTIONS=8', wall, &
+      call judge_modes('arc', steel//thin//beam//'pi/4, CURVATURE=2, STRAIN FUNCTIONS=8', wall, &
          & [89.474927286_wp, 431.40503524_wp, 1362.3558906_wp])
       call judge_modes('arc between walls', steel//rectangle('bar', '0.01', '0.01')//beam// &
          & 'pi/4, CURVATURE=-2, STRAIN FUNCTIONS=4', nl//'*GROUND'//nl//' far, 0.5, -0.5'//wall//other, &

@@ -29,6 +29,8 @@ program test_first_deflections
    call check_shaft(', SEGMENTS=2')
    call check_bar()
    call check_lifted()
+   call check_rope()
+   call check_rates()
    call finish()
 
 contains
@@ -226,6 +228,72 @@ contains
       call check(allocated(error), 'a shaft that goes on to be bent has no balance at the start')
       if (allocated(error)) call check(index(error%message, 'without deflections') > 0, 'it is said why: '//error%message)
    end subroutine check_lifted
+
+   !> A thin rope of 2.3 m between points 2 m apart is a catenary, at rest by *STATICS and from the start of a motion: sag and pull.
+   subroutine check_rope()
+      character(*), parameter :: rope = '*MATERIAL, NAME=soft, YOUNG=1e8, DENSITY=1000'//newline// &
+         & '*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.002'//newline// &
+         & '*BEAM, NAME=rope, MATERIAL=soft, SECTION=s, LENGTH=2.3, FUNCTIONS=20'//newline//'*GROUND'//newline//' far, 2, 0'// &
+         & newline//'*JOINT, NAME=left, TYPE=REVOLUTE'//newline//' rope.start, ground.origin'//newline// &
+         & '*JOINT, NAME=right, TYPE=REVOLUTE'//newline//' rope.end, ground.far'//newline//'*GRAVITY'//newline
+      character(*), parameter :: asked = '*OUTPUT'//newline//' y(rope.middle), force_x(left), force_y(left)'//newline
+      character(60), parameter :: analyses(2) = [character(60) :: '*STATICS, INCREMENTS=2', &
+         & '*ASSEMBLY, INITIAL DEFLECTIONS=STATIC'//newline//'*DYNAMICS, END=0.1']
+      real(wp), parameter :: weight = 1000*9.81_wp*acos(-1.0_wp)*0.002_wp**2/4
+      type(error_type), allocatable :: error
+      character(:), allocatable :: told
+      real(wp), allocatable :: values(:)
+      real(wp) :: a
+      integer :: i
+      ! Parameter of the catenary, 2 a sinh(1/a) = 2.3, by Newton's method
+      a = 1.0_wp
+      do i = 1, 50
+         a = a - (2*a*sinh(1/a) - 2.3_wp)/(2*sinh(1/a) - 2*cosh(1/a)/a)
+      end do
+      do i = 1, 2
+         call run_text(rope//trim(analyses(i))//newline//asked, trim(results), told, error)
+         call check_no_error(error, 'a rope')
+         if (allocated(error)) return
+         call check(index(told, 'starts bent') > 0 .and. index(told, 'CURVATURE') > 0, 'a rope is told of: '//told)
+         call reader%open(trim(results), error)
+         values = channel(reader, 'y_rope_middle')
+         call check_close(values(size(values)), a - a*cosh(1/a), 2.0e-3_wp, 'sag of a rope, '//analyses(i))
+         values = channel(reader, 'force_x_left')
+         call check_close(values(size(values))/weight, -a, 0.02_wp*a, 'pull of a rope, '//analyses(i))
+         values = channel(reader, 'force_y_left')
+         call check_close(values(size(values))/weight, 1.15_wp, 1.0e-5_wp, 'half of the weight of a rope, '//analyses(i))
+         call reader%close()
+      end do
+   end subroutine check_rope
+
+   !> A heavy arm that a driver turns slowly out of 45 degrees: its tip sags by C cos(45 deg + t), C = rho A g L^4/(8 E I), and goes
+   !> on to do so from the start. At rest it vibrates, which is told where the arm is quicker.
+   subroutine check_rates()
+      real(wp), parameter :: sag = 9.81_wp*7850/(8*2.1e11_wp*0.03_wp**2/16), rate = sag*sqrt(0.5_wp), dt = 1.0e-5_wp
+      character(*), parameter :: scene = '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//newline// &
+         & '*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.03'//newline//'*BEAM, NAME=arm, MATERIAL=steel, SECTION=s, LENGTH=1, '// &
+         & 'ANGLE=pi/4'
+      character(50), parameter :: models(3) = [character(50) :: '', ', GEOMETRIC=LINEAR, SUPPORT=CLAMPED-FREE', '']
+      type(error_type), allocatable :: error
+      character(:), allocatable :: told
+      real(wp), allocatable :: values(:)
+      integer :: i
+      do i = 1, 3
+         call run_text(scene//trim(models(i))//newline//'*JOINT, NAME=hinge, TYPE=REVOLUTE'//newline// &
+            & ' arm.start, ground.origin'//newline//'*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=hinge'//newline//' pi/4 + '// &
+            & trim(merge('t   ', '20*t', i < 3))//newline//'*GRAVITY'//newline//'*ASSEMBLY, INITIAL DEFLECTIONS='// &
+            & trim(merge('FOLLOWING', 'STATIC   ', i < 3))//newline// &
+            & '*DYNAMICS, END=2e-5, OUTPUTS=2'//newline//'*OUTPUT'//newline//' u2(arm.end)'//newline, trim(results), told, error)
+         call check_no_error(error, 'an arm that turns')
+         if (allocated(error)) return
+         call check((index(told, 'INITIAL DEFLECTIONS=FOLLOWING') > 0) .eqv. i == 3, 'vibrations that begin are told: '//told)
+         if (i == 3) return
+         call reader%open(trim(results), error)
+         values = channel(reader, 'u2_arm_end')
+         call check_close((values(2) - values(1))/dt, rate, 0.02_wp*rate, 'rate of the tip of an arm that turns'//models(i))
+         call reader%close()
+      end do
+   end subroutine check_rates
 
    !> Runs a scene with a steel shaft that is clamped at its start, and opens the results in `reader`.
    subroutine run_shaft(scene, told)

@@ -24,6 +24,7 @@ program test_short_beams
    call check_scene(wall, 0.176_wp, 0.206_wp, 'clamped and free')
    call check_scene(pins, 0.331_wp, 0.384_wp, 'on pins')
    call check_scene(walls, 1.083_wp, 0.757_wp, 'between walls')
+   call check_holds()
    call check_truss()
    call finish()
 
@@ -65,6 +66,47 @@ contains
       character(*), intent(in) :: body, scene, what
       call check(abs(told_of(body//scene//'*MODES, NUMBER=1'//nl, 'first bending frequency')) <= 0.0_wp, what)
    end subroutine check_silent
+
+   !> What holds the ends beside joints with the ground: drivers of a hinge, wheels, springs, a hub on a hinge; and bodies that hang on
+   !> the end, which hold nothing. E I = 41667e3, m = 78, of a length of 1; frequencies of Timoshenko elements with springs and masses.
+   subroutine check_holds()
+      character(*), parameter :: pin = '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.start, ground.origin'//nl
+      character(*), parameter :: roller = far//'*JOINT, NAME=roller, TYPE=POINT ON LINE'//nl//' bar.end, ground.far'//nl
+      character(*), parameter :: head = '*RIGID BODY, NAME=head, MASS=', hub = '*RIGID BODY, NAME=hub, MASS=1, INERTIA=23.4'//nl// &
+         & '*JOINT, NAME=axle, TYPE=REVOLUTE'//nl//' hub.origin, ground.origin'//nl//'*JOINT, NAME=fixed, TYPE=WELD'//nl// &
+         & ' bar.start, hub.origin'//nl
+      character(*), parameter :: spring = '*SPRING, NAME=spring, TYPE=ROTATIONAL, STIFFNESS=833.3e6'//nl// &
+         & ' bar.start, ground.origin'//nl
+      call check_first(pin//'*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=pin'//nl//' 0'//nl, 0.176_wp, 'a driven hinge')
+      call check_first(pin//'*RIGID BODY, NAME=wheel, MASS=1, INERTIA=23.4, X=-1'//nl//'*GROUND'//nl//' axle, -1, 0'//nl// &
+         & '*JOINT, NAME=axle, TYPE=REVOLUTE'//nl//' wheel.origin, ground.axle'//nl// &
+         & '*JOINT, NAME=teeth, TYPE=GEAR, FIRST RADIUS=0.5, SECOND RADIUS=0.5'//nl//' bar.start, wheel.origin'//nl, 0.153_wp, &
+         & 'a gear')
+      call check_first(hub, 0.153_wp, 'a hub on a hinge')
+      call check_first(pin//spring, 0.153_wp, 'a pin with a spring')
+      call check_first(pin//spring//roller, 0.616_wp, 'pins with a spring')
+      call check_first(wall//far//'*BUSHING, NAME=tip, STIFFNESS Y=8333e6'//nl//' bar.end, ground.far'//nl, 0.621_wp, &
+         & 'a clamp and a bushing')
+      call check_first(wall//far//'*BUSHING, NAME=tip, STIFFNESS Y=416.7e6'//nl//' bar.end, ground.far'//nl, 0.168_wp, &
+         & 'a clamp and a soft bushing')
+      call check_first(wall//head//'78, X=1'//nl//'*JOINT, NAME=neck, TYPE=WELD'//nl//' head.origin, bar.end'//nl, 0.107_wp, &
+         & 'a head')
+      call check_first(wall//'*POINT MASS, NAME=head, MASS=23.4, X=1'//nl//'*JOINT, NAME=neck, TYPE=REVOLUTE'//nl// &
+         & ' head, bar.end'//nl, 0.127_wp, 'a point mass')
+      call compare(told_of(frame('0.5', 'LARGE=NO')//pin//'*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=pin'//nl//' 0'//nl// &
+         & '*MODES, NUMBER=1'//nl, 'first bending frequency'), 0.176_wp, 'a frame on a driven hinge')
+   end subroutine check_holds
+
+   subroutine check_first(scene, frequency, what)
+      character(*), intent(in) :: scene, what
+      real(wp), intent(in) :: frequency
+      integer, parameter :: some(2) = [1, 3]
+      integer :: i
+      do i = 1, size(some)
+         call compare(told_of(beam('0.5', trim(beams(some(i))))//scene//'*MODES, NUMBER=1'//nl, 'first bending frequency'), &
+            & frequency, what//trim(beams(some(i))))
+      end do
+   end subroutine check_first
 
    !> The members of a truss of ties are short each, but it bends by their tension: nothing is told of its slow vibration.
    subroutine check_truss()

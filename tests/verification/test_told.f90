@@ -23,6 +23,10 @@ program test_told
    call check_first_state()
    call check_curve()
    call check_repeats()
+   call check_drawn_in()
+   call check_recoil()
+   call check_references()
+   call check_messages()
    call finish()
 
 contains
@@ -50,6 +54,89 @@ contains
             & 0.5_wp*300**2*(cos(1000*e)**2 - 1), 2.0e-4_wp*45000, '*MOTION, '//trim(integrators(i)))
       end do
    end subroutine check_work
+
+   !> A cantilever whose tip is w aside comes in by 0.6 w^2/L: exact beams have it, others are told of where it is asked for; not
+   !> where they stretch much more.
+   subroutine check_drawn_in()
+      character(*), parameter :: arm = '*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.005'//nl//'*BEAM, NAME=arm, MATERIAL=steel, SECTION=s, LENGTH=1'
+      character(*), parameter :: held = nl//'*JOINT, NAME=w, TYPE=WELD'//nl//' arm.start, ground.origin'//nl// &
+         & '*FORCE, NAME=f, POINT=arm.end'//nl
+      character(*), parameter :: asked = nl//'*STATICS, INCREMENTS=1'//nl//'*OUTPUT'//nl//' u = u1(arm.end), w = u2(arm.end)'//nl
+      character(40), parameter :: models(3) = [character(40) :: '', ', GEOMETRIC=K_G, SUPPORT=CLAMPED-FREE', &
+         & ', GEOMETRIC=LINEAR, SUPPORT=CLAMPED-FREE']
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: u(:), w(:)
+      integer :: i
+      do i = 1, size(models)
+         call run_text(arm//trim(models(i))//held//' 0, 2'//asked, trim(results), report, error)
+         call check_no_error(error, 'drawn in'//models(i))
+         if (allocated(error)) return
+         call check((index(report, 'is drawn in by its bending') > 0) .eqv. i > 1, 'drawn in: '//report)
+         if (i == 1) then
+            call reader%open(trim(results), error)
+            u = channel(reader, 'u')
+            w = channel(reader, 'w')
+            call reader%close()
+            call check_close(u(2), -0.6_wp*w(2)**2, 1.0e-3_wp*w(2)**2, 'a cantilever comes in')
+         end if
+         call run_text(arm//trim(models(i))//held//' 1e4, 0.1'//asked, trim(results), report, error)
+         call check(index(report, 'is drawn in by its bending') == 0, 'stretched more: '//report)
+      end do
+   end subroutine check_drawn_in
+
+   !> An arm that falls on a spring: `K_G` and `LINEAR` lack axial forces by the inertia of its shortening, 0.06 of 0.08 N.
+   subroutine check_recoil()
+      character(40), parameter :: models(3) = [character(40) :: '', ', GEOMETRIC=K_G, ELEMENTS=24', &
+         & ', GEOMETRIC=LINEAR, ELEMENTS=24']
+      type(error_type), allocatable :: error
+      integer :: i
+      do i = 1, size(models)
+         call run_text('*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7850'//nl// &
+            & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.005'//nl// &
+            & '*BEAM, NAME=arm, MATERIAL=steel, SECTION=s, LENGTH=1'//trim(models(i))//nl//'*GROUND'//nl//' low, 1, -0.3'//nl// &
+            & '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' arm.start, ground.origin'//nl// &
+            & '*SPRING, NAME=spring, STIFFNESS=2000, LENGTH=0.3'//nl//' arm.end, ground.low'//nl//'*GRAVITY'//nl// &
+            & '*DYNAMICS, END=0.5, OUTPUTS=100'//nl//'*OUTPUT'//nl//' axial_force(arm.middle)'//nl, trim(results), report, error)
+         call check_no_error(error, 'recoil'//models(i))
+         if (allocated(error)) return
+         call check((index(report, 'makes axial forces of') > 0) .eqv. i > 1, 'axial forces of the shortening: '//report)
+      end do
+   end subroutine check_recoil
+
+   !> Displacements that are nought because they are measured from there.
+   subroutine check_references()
+      type(error_type), allocatable :: error
+      call run_text('*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=s, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.005'//nl// &
+         & '*BEAM, NAME=arm, MATERIAL=steel, SECTION=s, LENGTH=1'//nl// &
+         & '*BEAM, NAME=bar, MATERIAL=steel, SECTION=s, LENGTH=1, GEOMETRIC=LINEAR, Y=1'//nl// &
+         & '*JOINT, NAME=w, TYPE=WELD'//nl//' arm.start, ground.origin'//nl//'*GRAVITY, Y=0'//nl//'*DYNAMICS, END=0.1'//nl// &
+         & '*OUTPUT'//nl//' deflection(arm.end), deflection(arm.middle), u2(arm.start), u2(arm.end), u2(bar.end)'//nl// &
+         & ' u2(bar.middle)'//nl, trim(results), report, error)
+      call check_no_error(error, 'references')
+      call check(index(report, "deflection(arm.end) is 0 whatever happens: it is measured from the line through both ends of"// &
+         & " 'arm'") > 0, 'a chord is told: '//report)
+      call check(index(report, "u2(arm.start) is 0 whatever happens: it is measured from the section at the start of 'arm'") > 0, &
+         & 'a section is told: '//report)
+      call check(index(report, "u2(bar.end) is 0 whatever") > 0, 'the chord of a frame is told: '//report)
+      call check(index(report, '.middle) is 0') + index(report, 'u2(arm.end) is 0') == 0, 'others are not told: '//report)
+   end subroutine check_references
+
+   !> Lines of a block that are repeated without it, and summaries of quantities.
+   subroutine check_messages()
+      type(error_type), allocatable :: error
+      character(*), parameter :: body = '*RIGID BODY, NAME=a, MASS=1, INERTIA=1'//nl//' tip, 1, 0'//nl
+      call run_text(body//'*REPEAT, COUNT=3, INDEX=i'//nl//' p<i>, i, 0'//nl//'*END REPEAT'//nl//'*DYNAMICS, END=1'//nl// &
+         & '*OUTPUT'//nl//' x(a.tip)'//nl, trim(results), report, error)
+      call check(allocated(error), 'lines are not repeated')
+      if (allocated(error)) call check(index(error%message, '*REPEAT repeats whole blocks') > 0, 'told: '//error%message)
+      call run_text(body//'*DYNAMICS, END=1'//nl//'*SCALAR'//nl//' e = last(y(a.tip))'//nl//'*OUTPUT'//nl//' y(a.tip)'//nl, &
+         & trim(results), report, error)
+      call check(allocated(error), 'a summary is of a channel')
+      if (allocated(error)) call check(index(error%message, 'name = y(a.tip)') > 0, 'told with the remedy: '//error%message)
+   end subroutine check_messages
 
    !> The work of a scene at the end.
    subroutine check_sum(scene, work, most, what)

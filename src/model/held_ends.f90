@@ -1,0 +1,184 @@
+!> What holds the points of a beam or frame against the rest of the scene: joints, drivers and springs, but not what hangs on the
+!> body alone. Floor: model. Source: doc/theory, eq. (U3).
+module limber_model_held_ends
+   use limber_base_kinds, only: wp
+   use limber_deck_content, only: deck_type, block_type
+   use limber_model_acting, only: body_of, point_of, has_pair
+   implicit none
+   private
+   public :: hold_type, holds_of
+
+   !> A point of a body and what holds it
+   type :: hold_type
+      !> Its name without that of the body
+      character(64) :: name = ''
+      !> Whether joints and drivers hold it, and the section there
+      logical :: held = .false., clamped = .false.
+      !> Whether that is a body which hangs there alone, and the mass of a rigid one
+      logical :: hangs = .false.
+      real(wp) :: mass = 0.0_wp
+      !> Stiffness of springs across [force/length], and against turning [moment/rad]
+      real(wp) :: across = 0.0_wp, turning = 0.0_wp
+   end type hold_type
+
+contains
+
+   !> The points of a body that something holds or hangs on, each once.
+   subroutine holds_of(deck, body, holds)
+      type(deck_type), intent(in) :: deck
+      !> Name of the body
+      character(*), intent(in) :: body
+      type(hold_type), allocatable, intent(out) :: holds(:)
+      integer :: i, k
+      allocate (holds(0))
+      do i = 1, size(deck%blocks)
+         associate (block => deck%blocks(i))
+            select case (block%keyword)
+            case ('JOINT')
+               if (.not. has_pair(block)) cycle
+               do k = 1, 2
+                  if (body_of(block%lines(1)%text(k)) == body) call of_joint(deck, block, k, holds)
+               end do
+            case ('DRIVER'); call of_driver(deck, block, body, holds)
+            case ('MOTION')
+               if (block%name('BODY') == body) call note(hold_type('origin', .true., .true.), holds)
+            case ('BUSHING', 'SPRING')
+               if (.not. has_pair(block)) cycle
+               do k = 1, 2
+                  if (body_of(block%lines(1)%text(k)) == body) call of_spring(block, point_of(block%lines(1)%text(k)), holds)
+               end do
+            end select
+         end associate
+      end do
+      ! Of a body in space that nothing else holds the others are the ground
+      if (any((holds%held .or. holds%clamped .or. holds%across + holds%turning > 0.0_wp) .and. .not. holds%hangs)) then
+         where (holds%hangs)
+            holds%held = .false.
+            holds%clamped = .false.
+         end where
+      else
+         holds%mass = 0.0_wp
+      end if
+   end subroutine holds_of
+
+   !> What a joint holds at one of its points, or what hangs there.
+   subroutine of_joint(deck, block, side, holds)
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: side
+      type(hold_type), allocatable, intent(inout) :: holds(:)
+      type(hold_type) :: new
+      integer :: other
+      if (block%word('TYPE') == 'SLIDING') return
+      new%name = point_of(block%lines(1)%text(side))
+      other = deck%find_named('RIGID BODY|BEAM|FRAME|POINT MASS', trim(body_of(block%lines(1)%text(3 - side))))
+      if (other > 0) new%hangs = is_alone(deck, deck%blocks(other)%name(), body_of(block%lines(1)%text(side)))
+      new%held = .not. any(block%word('TYPE') == [character(5) :: 'GEAR', 'RACK', 'BELT'])
+      new%clamped = any(block%word('TYPE') == [character(13) :: 'WELD', 'TRANSLATIONAL', 'GEAR', 'RACK', 'BELT'])
+      if (block%word('TYPE') == 'RACK') new%clamped = side == 1
+      if (new%hangs) then
+         if (any(deck%blocks(other)%keyword == [character(10) :: 'RIGID BODY', 'POINT MASS'])) &
+            & new%mass = deck%blocks(other)%real('MASS')
+      end if
+      call note(new, holds)
+   end subroutine of_joint
+
+   !> Whether a body hangs on another one alone: one joint connects them, and nothing else holds or drives it.
+   logical function is_alone(deck, name, body)
+      type(deck_type), intent(in) :: deck
+      !> Of the body that may hang, and of the one that it hangs on
+      character(*), intent(in) :: name, body
+      character(64) :: ends(2)
+      integer :: i, joints
+      joints = 0
+      is_alone = .false.
+      do i = 1, size(deck%blocks)
+         associate (block => deck%blocks(i))
+            select case (block%keyword)
+            case ('JOINT', 'BUSHING')
+               if (.not. has_pair(block)) cycle
+               ends = [body_of(block%lines(1)%text(1)), body_of(block%lines(1)%text(2))]
+               if (all(ends /= name)) cycle
+               if (all(ends /= body)) return
+               joints = joints + 1
+               if (joints > 1) return
+            case ('MOTION', 'DRIVER')
+               if (block%has('BODY')) then
+                  if (block%name('BODY') == name) return
+               end if
+               if (block%keyword == 'MOTION') cycle
+               if (block%has('POINT')) then
+                  if (body_of(block%text('POINT')) == name) return
+               end if
+               if (block%has('TO')) then
+                  if (body_of(block%text('TO')) == name) return
+               end if
+            end select
+         end associate
+      end do
+      is_alone = .true.
+   end function is_alone
+
+   !> A driver of a place holds that, one of an angle the section, at both sides of a joint.
+   subroutine of_driver(deck, block, body, holds)
+      type(deck_type), intent(in) :: deck
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      type(hold_type), allocatable, intent(inout) :: holds(:)
+      integer :: joint, k
+      if (block%has('BODY')) then
+         if (block%name('BODY') == body) call note(hold_type('origin', clamped=.true.), holds)
+      end if
+      if (block%has('POINT')) then
+         if (body_of(block%text('POINT')) == body) call note(hold_type(point_of(block%text('POINT')), held=.true.), holds)
+      end if
+      if (block%has('TO')) then
+         if (body_of(block%text('TO')) == body) call note(hold_type(point_of(block%text('TO')), held=.true.), holds)
+      end if
+      if (.not. block%has('JOINT') .or. block%word('TYPE') /= 'ANGLE') return
+      joint = deck%find_named('JOINT', block%name('JOINT'))
+      if (joint == 0) return
+      if (.not. has_pair(deck%blocks(joint))) return
+      do k = 1, 2
+         if (body_of(deck%blocks(joint)%lines(1)%text(k)) == body) &
+            & call note(hold_type(point_of(deck%blocks(joint)%lines(1)%text(k)), clamped=.true.), holds)
+      end do
+   end subroutine of_driver
+
+   !> Springs whose direction is known.
+   subroutine of_spring(block, point, holds)
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: point
+      type(hold_type), allocatable, intent(inout) :: holds(:)
+      type(hold_type) :: new
+      new%name = point
+      if (block%keyword == 'BUSHING') then
+         new%across = max(block%real('STIFFNESS X'), block%real('STIFFNESS Y'))
+         new%turning = block%real('STIFFNESS ROTATION')
+      else if (block%word('TYPE') == 'ROTATIONAL') then
+         new%turning = block%real('STIFFNESS')
+      end if
+      call note(new, holds)
+   end subroutine of_spring
+
+   !> Adds what is at a point to the list.
+   subroutine note(new, holds)
+      type(hold_type), intent(in) :: new
+      type(hold_type), allocatable, intent(inout) :: holds(:)
+      integer :: i
+      do i = 1, size(holds)
+         associate (old => holds(i))
+            if (old%name /= new%name) cycle
+            if (old%hangs .neqv. new%hangs) cycle
+            old%held = old%held .or. new%held
+            old%clamped = old%clamped .or. new%clamped
+            old%across = old%across + new%across
+            old%turning = old%turning + new%turning
+            old%mass = old%mass + new%mass
+         end associate
+         return
+      end do
+      holds = [holds, new]
+   end subroutine note
+
+end module limber_model_held_ends

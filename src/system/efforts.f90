@@ -6,7 +6,8 @@ module limber_system_efforts
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: jet_type
    use limber_model_scene, only: most_slots
-   use limber_system_gauges, only: gauge_type, read_gauge, gauge_ends, gauge_curvature, gauge_column, gauge_drift
+   use limber_system_gauges, only: gauge_type, gauge_distance, read_gauge, read_gap, gauge_ends, gauge_curvature, gauge_column, &
+      & gauge_drift
    use limber_system_kinematics, only: kinematics_type
    use limber_system_loads, only: load_type
    use limber_system_markers, only: add_marker, marker_stiffness
@@ -117,18 +118,25 @@ contains
       end do
    end subroutine read_slots
 
-   !> What the slots of the law are in a motion, and how fast they change; of a slot that is a rate, the gauge and its rate.
-   pure subroutine read_motion(self, kinematics, place, rate)
+   !> What the slots of the law are in a motion, and how fast they change; of a slot that is a rate, the gauge and its rate; of one that
+   !> is a distance, or its rate, also the vector.
+   pure subroutine read_motion(self, kinematics, place, rate, gap, drift)
       class(effort_load_type), intent(in) :: self
       !> Placed and moved
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(inout) :: place(:), rate(:)
+      !> The vector and its rate (2, slots); unchanged for all else
+      real(wp), intent(inout) :: gap(:, :), drift(:, :)
       real(wp) :: weights(2, 3)
       integer :: k
       do k = 1, size(self%slots)
          place(k) = kinematics%time
          rate(k) = 1.0_wp
-         if (self%slots(k) > 0) call read_gauge(self%gauges(self%slots(k)), kinematics, place(k), rate(k), weights)
+         if (self%slots(k) == 0) cycle
+         associate (gauge => self%gauges(self%slots(k)))
+            call read_gauge(gauge, kinematics, place(k), rate(k), weights)
+            if (gauge%kind == gauge_distance) call read_gap(gauge, kinematics, gap(:, k), drift(:, k))
+         end associate
       end do
    end subroutine read_motion
 

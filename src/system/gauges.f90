@@ -7,7 +7,7 @@ module limber_system_gauges
    use limber_system_markers, only: marker_column, drift_column, angle_gradient, angle_hessian
    implicit none
    private
-   public :: gauge_type, read_gauge, gauge_ends, gauge_curvature, gauge_column, gauge_drift, compare_gauges
+   public :: gauge_type, read_gauge, read_gap, gauge_ends, gauge_curvature, gauge_column, gauge_drift, compare_gauges
 
    !> Displacement of P1 from P2 along a fixed axis; distance of P2 from P1; coordinate of P1 from P2 along a direction; angle of a
    !> direction less that of another
@@ -75,6 +75,22 @@ contains
       value = value - gauge%origin
       rate = rate_of(gauge, kinematics, weights)
    end subroutine read_gauge
+
+   !> The vector from the second marker to the first, and its rate, at an instant.
+   pure subroutine read_gap(gauge, kinematics, gap, rate)
+      type(gauge_type), intent(in) :: gauge
+      !> Placed and moved
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: gap(2), rate(2)
+      gap = 0.0_wp
+      rate = 0.0_wp
+      associate (markers => kinematics%markers)
+         if (gauge%markers(1) > 0) gap = markers(gauge%markers(1))%position
+         if (gauge%markers(1) > 0) rate = markers(gauge%markers(1))%velocity
+         if (gauge%markers(2) > 0) gap = gap - markers(gauge%markers(2))%position
+         if (gauge%markers(2) > 0) rate = rate - markers(gauge%markers(2))%velocity
+      end associate
+   end subroutine read_gap
 
    !> Whether a gauge is sign times another, plus a shift, in every position.
    pure subroutine compare_gauges(one, other, sign, shift, alike)

@@ -8,7 +8,8 @@ module limber_system_moments
    use limber_deck_range, only: range_type, law_range_over
    use limber_model_scene, only: in_efforts
    use limber_system_efforts, only: effort_load_type, max_slots
-   use limber_system_gauges, only: gauge_angle
+   use limber_system_bounds, only: bound_cubic, bound_length
+   use limber_system_gauges, only: gauge_angle, gauge_distance
    use limber_system_kinematics, only: kinematics_type
    use limber_system_system, only: system_type
    implicit none
@@ -21,6 +22,8 @@ module limber_system_moments
       real(wp) :: t = 0.0_wp
       !> Slots, or the gauges of slots that are rates, and their rates (slots, laws)
       real(wp), allocatable :: place(:, :), rate(:, :)
+      !> Of those that are distances: the vector, and its rate (2, slots, laws)
+      real(wp), allocatable :: gap(:, :, :), drift(:, :, :)
       !> Value of each law times its factor, and its rate along the motion (laws)
       real(wp), allocatable :: force(:), slope(:)
       !> Largest speed of the slots of each law that are places [length/time], angles times the length of the scene (laws)
@@ -54,6 +57,7 @@ contains
       integer, intent(in) :: laws
       type(moment_type), intent(out) :: moment
       allocate (moment%place(max_slots, laws), moment%rate(max_slots, laws), source=0.0_wp)
+      allocate (moment%gap(2, max_slots, laws), moment%drift(2, max_slots, laws), source=0.0_wp)
       allocate (moment%force(laws), moment%slope(laws), moment%speed(laws), source=0.0_wp)
       allocate (moment%branches(laws), source=0_long)
    end subroutine new_moment
@@ -71,7 +75,7 @@ contains
       do i = 1, size(loads)
          select type (load => system%loads(loads(i))%item)
          type is (effort_load_type)
-            call load%read_motion(kinematics, moment%place(:, i), moment%rate(:, i))
+            call load%read_motion(kinematics, moment%place(:, i), moment%rate(:, i), moment%gap(:, :, i), moment%drift(:, :, i))
             moment%speed(i) = 0.0_wp
             do k = 1, size(load%slots)
                if (load%slots(k) > 0) moment%speed(i) = max(moment%speed(i), abs(moment%rate(k, i))* &
@@ -113,7 +117,7 @@ contains
       end select
    end function law_bend
 
-   !> Bounds of a watched law times its factor between two moments, while its slots move as cubics, eq. (E3).
+   !> Bounds of a watched law times its factor between two moments, while what its slots are made of moves as cubics, eqs. (E3), (D1).
    function law_between(system, loads, law, a, b) result(range)
       type(system_type), intent(in) :: system
       integer, intent(in) :: loads(:), law
@@ -126,8 +130,16 @@ contains
          do k = 1, size(load%slots)
             low(k) = a%t
             high(k) = b%t
-            if (load%slots(k) > 0) call bound_slot(b%t - a%t, a%place(k, law), a%rate(k, law), b%place(k, law), b%rate(k, law), &
-               & load%by_rate(k), low(k), high(k))
+            if (load%slots(k) == 0) cycle
+            associate (gauge => load%gauges(load%slots(k)), h => b%t - a%t)
+               if (gauge%kind == gauge_distance) then
+                  call bound_length(h, a%gap(:, k, law), a%drift(:, k, law), b%gap(:, k, law), b%drift(:, k, law), gauge%origin, &
+                     & load%by_rate(k), low(k), high(k))
+               else
+                  call bound_cubic(h, a%place(k, law), a%rate(k, law), b%place(k, law), b%rate(k, law), load%by_rate(k), low(k), &
+                     & high(k))
+               end if
+            end associate
          end do
          range = range_within(load, low, high)
       end select
@@ -299,35 +311,6 @@ contains
          value = value + weight*quarters(i)%force(law)
       end do
    end function quartic
-
-   !> Bounds of a slot by the control points of the cubic through both ends.
-   pure subroutine bound_slot(h, place_a, rate_a, place_b, rate_b, by_rate, low, high)
-      !> Time between; values and rates there
-      real(wp), intent(in) :: h, place_a, rate_a, place_b, rate_b
-      !> Whether the rate is meant
-      logical, intent(in) :: by_rate
-      real(wp), intent(out) :: low, high
-      !> Part of what the control points lie beyond the ends, for what a cubic leaves out
-      real(wp), parameter :: margin = 0.25_wp
-      real(wp) :: ends(2), middle(2), noise
-      if (by_rate) then
-         ends = [rate_a, rate_b]
-         middle = ends
-      else
-         ends = [place_a, place_b]
-         middle = [place_a + h*rate_a/3, place_b - h*rate_b/3]
-      end if
-      ! One moment and the same: what begins with a step
-      if (by_rate .and. h > 0.0_wp) then
-         noise = 16*spacing(max(abs(place_a), abs(place_b)))/h
-         middle = 3*(place_b - place_a)/h - rate_a - rate_b
-         middle = [min(maxval(ends), middle(1) + noise), max(minval(ends), middle(2) - noise)]
-      end if
-      low = minval(ends)
-      high = maxval(ends)
-      low = low - (1 + margin)*max(0.0_wp, low - minval(middle))
-      high = high + (1 + margin)*max(0.0_wp, maxval(middle) - high)
-   end subroutine bound_slot
 
    !> Name of a load and the first body that its law depends on or acts on: "the law of 'x' on body 'y'".
    pure function describe_law(system, load) result(text)

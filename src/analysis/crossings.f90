@@ -349,6 +349,8 @@ contains
       i = min(i, 4)
       self%which = findloc(self%smooth, .false., dim=1)
       call find_start(self, system, work, integrator, self%quarters(0), self%quarters(i)%t)
+      self%excess(:, 1) = 0.0_wp
+      call search_before(self, system, work, integrator, self%quarters(0), 1)
    end subroutine find_rise
 
    !> The last time between two up to which a law is what it was before, as its bounds tell, to what is felt; there the step is cut,
@@ -390,6 +392,29 @@ contains
          self%t = start + 0.125_wp*h
       end associate
    end subroutine find_start
+
+   !> Looks for what other laws do before the start of a pulse that has been found, for the step is cut at the first of all.
+   recursive subroutine search_before(self, system, work, integrator, from, depth)
+      type(crossings_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      class(integrator_type), intent(inout) :: integrator
+      !> Where nothing has happened yet, and at what depth that was
+      type(moment_type), intent(in) :: from
+      integer, intent(in) :: depth
+      real(wp) :: t
+      integer :: law
+      if (self%again .or. self%t <= from%t .or. depth >= deepest - 3) return
+      t = self%t
+      law = self%which
+      self%found = found_nothing
+      call look(self, system, work, integrator, t, self%halves(depth))
+      call search(self, system, work, integrator, from, self%halves(depth), depth + 1)
+      if (self%found /= found_nothing) return
+      self%found = found_pulse
+      self%which = law
+      self%t = t
+   end subroutine search_before
 
    !> Halves an interval until laws are plain in it, or a crossing is found; the first one in time.
    recursive subroutine search(self, system, work, integrator, a, b, depth)
@@ -437,6 +462,7 @@ contains
          if (abs(self%halves(depth)%force(i) - quartic(self%quarters, i, self%halves(depth)%t)) <= self%allowed(i)) cycle
          self%which = i
          call find_start(self, system, work, integrator, a, self%halves(depth)%t)
+         call search_before(self, system, work, integrator, a, depth)
          return
       end do
       call search(self, system, work, integrator, a, self%halves(depth), depth + 1)

@@ -9,6 +9,7 @@ module limber_analysis_unfollowed
    use limber_base_text, only: as_text, newline
    use limber_analysis_sampling, only: sample_type
    use limber_analysis_scene, only: scene_type
+   use limber_deck_terms, only: size_of_terms
    use limber_integrator_ringing, only: ringing_type
    use limber_model_scene, only: dynamics_type, model_type
    use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
@@ -31,6 +32,8 @@ module limber_analysis_unfollowed
       logical :: watched = .false.
       !> Largest magnitude at a sample (asked)
       real(wp), allocatable :: largest(:)
+      !> The same of the terms that cancel in it; of envelopes zero (asked)
+      real(wp), allocatable :: terms(:)
       !> Largest change by a vibration of unit acceleration of each elastic coordinate (asked, nw)
       real(wp), allocatable :: reach(:, :)
       !> Bodies of the envelopes
@@ -64,7 +67,7 @@ contains
             n = n + size(self%recorder%efforts(self%bodies(i))%extremes, 3)
          end do
          asked = size(system%model%channels) + kinds*size(self%bodies)
-         allocate (self%largest(asked), self%reach(asked, system%layout%nw), source=0.0_wp)
+         allocate (self%largest(asked), self%terms(asked), self%reach(asked, system%layout%nw), source=0.0_wp)
          self%alike = first_alike(system%model, asked)
          associate (nq => system%layout%nq, width => sample_width(system))
             allocate (self%q(nq), self%a(nq), self%moved(nq), self%base(width), self%values(width), self%sections(kinds, n), &
@@ -91,6 +94,7 @@ contains
       if (.not. self%watched) return
       n = size(scene%system%model%channels)
       self%largest(:n) = max(self%largest(:n), abs(sample%values(:n)))
+      call note_terms(self, scene%system%model, recorder)
       if (mod(sample%next, max(1, dynamics%outputs/looks)) /= 0) return
       do i = 1, size(self%bodies)
          associate (extremes => recorder%efforts(self%bodies(i))%extremes)
@@ -108,6 +112,23 @@ contains
          work%matrix%factorisations = before(2)
       end associate
    end subroutine watch_channels
+
+   !> Notes how large the terms of the channels are.
+   pure subroutine note_terms(self, model, recorder)
+      type(unfollowed_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      !> Behind a sample
+      type(recorder_type), intent(in) :: recorder
+      integer :: i, at
+      at = 0
+      do i = 1, size(model%channels)
+         associate (channel => model%channels(i))
+            self%terms(i) = max(self%terms(i), size_of_terms(channel%expression, &
+               & recorder%found(recorder%which(at + 1:at + size(channel%quantities)))))
+            at = at + size(channel%quantities)
+         end associate
+      end do
+   end subroutine note_terms
 
    !> What the vibrations of one body make of it, eq. (W8): each elastic coordinate is disturbed.
    subroutine disturb(self, scene, ringing, t, v, body)
@@ -302,7 +323,7 @@ contains
       share = 0.0_wp
       do i = 1, size(self%largest)
          off = dot_product(self%reach(i, :), lost)
-         scale = self%largest(i)
+         scale = scale_of(self, i)
          do j = 1, size(self%largest)
             if (self%alike(j) == self%alike(i)) scale = max(scale, nothing*self%largest(j))
          end do
@@ -311,6 +332,14 @@ contains
          share = off/max(scale, tiny(off))
       end do
    end subroutine find_worst
+
+   !> What an error counts beside: the largest value, or the terms where that is next to nothing beside them, eq. (D4).
+   pure real(wp) function scale_of(self, which) result(scale)
+      type(unfollowed_type), intent(in) :: self
+      integer, intent(in) :: which
+      scale = self%largest(which)
+      if (scale < nothing*self%terms(which)) scale = self%terms(which)
+   end function scale_of
 
    !> First entry of the unit of each: channels with the same unit, forces of all envelopes, and their moments are alike.
    pure function first_alike(model, asked) result(first)
@@ -370,7 +399,8 @@ contains
          text = 'the '//trim(forces(1 + mod(beyond - 1, kinds)))//" in the envelope of body '"// &
             & model%bodies(self%bodies(1 + (beyond - 1)/kinds))%name//"'"
       end if
-      text = text//' may err by about '//as_text(100*min(share, 1.0_wp), 2)//' % of its largest value'
+      text = text//' may err by about '//as_text(100*min(share, 1.0_wp), 2)//' % of '// &
+         & trim(merge('its largest value', 'its terms        ', scale_of(self, which) <= self%largest(which)))
    end function words
 
    !> Saves or restores its memory.
@@ -379,6 +409,7 @@ contains
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%keep('unfollowed_largest', self%largest)
       call snapshot%keep('unfollowed_reach', self%reach)
+      call snapshot%keep('unfollowed_terms', self%terms)
    end subroutine exchange_unfollowed
 
 end module limber_analysis_unfollowed

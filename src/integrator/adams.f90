@@ -8,9 +8,9 @@ module limber_integrator_adams
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
-   use limber_integrator_adams_errors, only: gamma_star, estimate_errors, weighted
+   use limber_integrator_adams_errors, only: add_lost, gamma_star, estimate_errors, weighted
    use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, interpolate, predict, &
-      & finish_differences
+      & finish_differences, restore_differences
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_scales, only: scales_type, new_scales, update_scales, energy_scale
    use limber_system_kinematics, only: place_frames
@@ -45,6 +45,8 @@ module limber_integrator_adams
       real(wp), allocatable :: q(:), v(:), a(:)
       !> State at t, predicted state, its derivative (ny)
       real(wp), allocatable :: y(:), p(:), yp(:)
+      !> State, derivative and what is lost of coordinates before the correction
+      real(wp), allocatable :: y_before(:), yp_before(:), lost_before(:)
       !> Modified divided differences (ny, most + 2)
       real(wp), allocatable :: phi(:, :)
       !> Scratch (all coordinates)
@@ -110,7 +112,8 @@ contains
       self%ny = 2*self%nq + merge(1, 0, system%powered)
       self%weighed = merge(2*self%nq, self%ny, self%whole .and. .not. self%input%asked)
       if (allocated(self%y)) deallocate (self%y, self%p, self%yp, self%phi, self%change, self%q, self%v, self%a, self%scale, &
-         & self%lost)
+         & self%lost, self%y_before, self%yp_before, self%lost_before)
+      allocate (self%y_before(self%ny), self%yp_before(self%ny), self%lost_before(self%nq))
       allocate (self%y(self%ny), self%p(self%ny), self%yp(self%ny), self%phi(self%ny, most + 2), self%change(size(q)), &
          & self%lost(self%nq))
       allocate (self%q(size(q)), self%v(size(q)), self%a(size(q)), self%scale(self%weighed))
@@ -276,6 +279,7 @@ contains
             call correct(self, system, work, t, accepted, error)
             if (allocated(error)) return
             if (.not. accepted) self%statistics%failed_projections = self%statistics%failed_projections + 1
+            if (accepted) call confirm(self, accepted)
          else
             self%statistics%rejected = self%statistics%rejected + 1
          end if
@@ -357,15 +361,9 @@ contains
       class(adams_type), intent(inout) :: self
       integer, intent(in) :: failures, k_next
       real(wp), intent(in) :: estimate
-      integer :: i
       real(wp) :: factor
       self%starting = .false.
-      do i = 1, self%k
-         self%phi(:, i) = (self%phi(:, i) - self%phi(:, i + 1))/self%beta(i)
-      end do
-      do i = 2, self%k
-         self%psi(i - 1) = self%psi(i) - self%h
-      end do
+      call restore_differences(self%k, self%h, self%beta, self%psi, self%phi)
       factor = 0.5_wp
       if (failures > 3 .and. 0.5_wp*self%bound < 0.25_wp*estimate) factor = sqrt(0.5_wp*self%bound/estimate)
       self%k = k_next
@@ -373,6 +371,26 @@ contains
       self%h = factor*self%h
       self%ns = 0
    end subroutine retreat
+
+   !> Whether the derivative at the corrected state confirms that at the predicted one, eq. (D3): where a law jumps between the two, as
+   !> one that a body rests at does, the error estimate knows nothing of it. Else the state is what it was before.
+   subroutine confirm(self, accepted)
+      class(adams_type), intent(inout) :: self
+      logical, intent(out) :: accepted
+      !> Second corrections of vibrations at the limit of stability are some times the error allowed
+      real(wp), parameter :: many_times = 20.0_wp
+      real(wp) :: first, second
+      associate (n => merge(2*self%nq, self%weighed, self%h <= self%last_digits()))
+         second = weighted(n, self%yp(:n) - self%yp_before(:n), self%scale(:n))
+         first = weighted(n, self%yp_before(:n) - self%phi(:n, 1), self%scale(:n))
+      end associate
+      accepted = second <= max(first, many_times*self%bound/(self%h*self%g(self%k + 1))) .or. self%fixed_step > 0.0_wp
+      if (accepted) return
+      self%statistics%rejected = self%statistics%rejected + 1
+      self%y = self%y_before
+      self%yp = self%yp_before
+      self%lost = self%lost_before
+   end subroutine confirm
 
    !> Corrects, projects onto the constraints, and evaluates at the result (block 4).
    subroutine correct(self, system, work, t, accepted, error)
@@ -386,6 +404,9 @@ contains
       real(wp) :: before, residual
       integer :: nq
       nq = self%nq
+      self%y_before = self%y
+      self%yp_before = self%yp
+      self%lost_before = self%lost
       self%p = self%p + self%h*self%g(self%k + 1)*(self%yp - self%phi(:, 1))
       if (self%h < short*self%duration) call add_lost(nq, self%h, self%y, self%p, self%lost)
       if (self%tree%usable) then
@@ -409,27 +430,6 @@ contains
       self%y = self%p
       call differentiate(self, system, work, self%y, self%yp)
    end subroutine correct
-
-   !> Adds to coordinates what they have lost by round-off in steps that are next to nothing: one that moves less in a step than its
-   !> last digit would never get to where a law changes. The mean velocity tells how far it goes.
-   pure subroutine add_lost(nq, h, y, p, lost)
-      !> Number of coordinates; length of the step; state before it
-      integer, intent(in) :: nq
-      real(wp), intent(in) :: h, y(:)
-      !> State behind it; what the coordinates still lack (nq)
-      real(wp), intent(inout) :: p(:), lost(:)
-      real(wp) :: way
-      integer :: i
-      do i = 1, nq
-         way = 0.5_wp*h*(y(nq + i) + p(nq + i)) + lost(i)
-         if (abs(way - (p(i) - y(i))) > 4*spacing(p(i))) then
-            lost(i) = 0.0_wp
-         else
-            p(i) = y(i) + way
-            lost(i) = way - (p(i) - y(i))
-         end if
-      end do
-   end subroutine add_lost
 
    !> The same where not all coordinates are integrated.
    subroutine correct_kept(self, system, work, t, accepted, error)

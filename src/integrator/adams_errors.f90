@@ -1,4 +1,5 @@
-!> The local error of a step of ADAMS, at its order and at lower ones, from the differences of the derivatives; on arrays alone.
+!> The local error of a step of ADAMS, at its order and at lower ones, from the differences of the derivatives, and what coordinates
+!> lose by round-off in short steps; on arrays alone.
 !> Floor: integrator. Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapter 10,
 !> block 2; doc/theory, eq. (W7).
 module limber_integrator_adams_errors
@@ -6,7 +7,7 @@ module limber_integrator_adams_errors
    use limber_integrator_differences, only: most
    implicit none
    private
-   public :: estimate_errors, weighted
+   public :: estimate_errors, weighted, add_lost
 
    !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
    real(wp), parameter, public :: gamma_star(13) = [0.5_wp, 0.0833_wp, 0.0417_wp, 0.0264_wp, 0.0188_wp, 0.0143_wp, 0.0114_wp, &
@@ -89,5 +90,26 @@ contains
          order = order - 1
       end do
    end function seen_order
+
+   !> Adds to coordinates what they have lost by round-off in steps that are next to nothing: one that moves less in a step than its
+   !> last digit would never get to where a law changes. The mean velocity tells how far it goes.
+   pure subroutine add_lost(nq, h, y, p, lost)
+      !> Number of coordinates; length of the step; state before it
+      integer, intent(in) :: nq
+      real(wp), intent(in) :: h, y(:)
+      !> State behind it; what the coordinates still lack (nq)
+      real(wp), intent(inout) :: p(:), lost(:)
+      real(wp) :: way
+      integer :: i
+      do i = 1, nq
+         way = 0.5_wp*h*(y(nq + i) + p(nq + i)) + lost(i)
+         if (abs(way - (p(i) - y(i))) > 4*spacing(p(i))) then
+            lost(i) = 0.0_wp
+         else
+            p(i) = y(i) + way
+            lost(i) = way - (p(i) - y(i))
+         end if
+      end do
+   end subroutine add_lost
 
 end module limber_integrator_adams_errors

@@ -5,7 +5,8 @@ module limber_integrator_differences
    use limber_base_kinds, only: wp
    implicit none
    private
-   public :: step_coefficients, interpolation_coefficients, interpolate, predict, finish_differences
+   public :: step_coefficients, interpolation_coefficients, interpolate, predict, finish_differences, &
+      & restore_differences
 
    !> Highest order
    integer, parameter, public :: most = 12
@@ -135,6 +136,23 @@ contains
          difference(c) = difference(c) + next(c)
       end do
    end subroutine extrapolate
+
+   !> Takes a prediction back (block 3).
+   pure subroutine restore_differences(k, h, beta, psi, phi)
+      !> Order
+      integer, intent(in) :: k
+      !> Length of the step [time], coefficients
+      real(wp), intent(in) :: h, beta(most)
+      !> Sums of the lengths behind [time]; differences (components, most + 2)
+      real(wp), intent(inout) :: psi(most), phi(:, :)
+      integer :: i
+      do i = 1, k
+         phi(:, i) = (phi(:, i) - phi(:, i + 1))/beta(i)
+      end do
+      do i = 2, k
+         psi(i - 1) = psi(i) - h
+      end do
+   end subroutine restore_differences
 
    !> Differences of all orders at the new point (block 4).
    pure subroutine finish_differences(ny, k, yp, phi)

@@ -1,0 +1,86 @@
+!> Contacts as laws of springs: balls that fall onto stops whose law is one of the length of a spring, and pass its end in a step if
+!> that misses the stop. Values of an integrator with events (scipy 1.10, DOP853, RTOL=1e-12); and a body that rests on the jump of
+!> a law from the start.
+!> Usage, in tests/: test_contacts RESULT_FILE
+program test_contacts
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_text, channel
+   use testing, only: check, check_close, finish
+   implicit none
+
+   character(*), parameter :: newline = new_line('a')
+   character(*), parameter :: integrators(4) = [character(10) :: 'ADAMS', 'RADAU', 'ALPHA', 'CONSERVING']
+   character(256) :: results
+   integer :: i
+
+   call get_command_argument(1, results)
+   do i = 1, size(integrators)
+      call check_ball('-1e5*max(0, 0.1 - (x + 1))', [-1.49323489_wp, -0.14592424_wp, 0.9781866_wp])
+      call check_ball('-5e4*(abs(0.1 - (x + 1)) + 0.1 - (x + 1))', [-1.49323489_wp, -0.14592424_wp, 0.9781866_wp])
+      call check_ball('stop(x + 1)', [-1.49323489_wp, -0.14592424_wp, 0.9781866_wp])
+      call check_ball('-step(0.1 - (x + 1))*(1e5*(0.1 - (x + 1)) - 50*v)', [-1.3005987_wp, -0.34037018_wp, 0.63986039_wp])
+      call check_ball('80*v*step(0.1 - (x + 1))', [0.1908254_wp, -1.37011724_wp, 0.00343281_wp])
+   end do
+   do i = 1, size(integrators)
+      if (integrators(i) == 'ADAMS') call check_resting('9.82', '1e-4', 1.0e-5_wp)
+      call check_resting('12', '1e-6', 1.0e-6_wp)
+   end do
+   call finish()
+
+contains
+
+   !> Place of a ball that falls on a stop beside its way, and height of one that falls on it straight, after 0.8 s.
+   subroutine check_ball(law, expected)
+      character(*), intent(in) :: law
+      !> x and y of the first, y of the second
+      real(wp), intent(in) :: expected(3)
+      real(wp), parameter :: most = 1.0e-4_wp
+      character(*), parameter :: table = '*TABLE, NAME=stop, INTERPOLATION=LINEAR'//newline//' 0, -1e4'//newline//' 0.1, 0'// &
+         & newline//' 100, 0'//newline
+      real(wp), allocatable :: places(:, :)
+      call run_scene(table//'*GROUND'//newline//' a, 0.05, 0'//newline//'*POINT MASS, NAME=b, MASS=1, Y=1'//newline// &
+         & '*SPRING, NAME=s, LENGTH=1'//newline//' b, ground.a, '//law//newline//'*POINT MASS, NAME=c, MASS=1, X=0.05, Y=1'// &
+         & newline//'*SPRING, NAME=u, LENGTH=1'//newline//' c, ground.a, '//law//newline, '0.8', '1e-6', ' x = x(b), y = y(b),'// &
+         & ' z = y(c)', places)
+      if (.not. allocated(places)) return
+      call check_close(maxval(abs(places(size(places, 1), :) - expected)), 0.0_wp, most, trim(integrators(i))//': a ball on '//law)
+   end subroutine check_ball
+
+   !> A body that a force carries as long as it is not above its place of start: it stays there, or is told to stick.
+   subroutine check_resting(force, tolerance, most)
+      character(*), intent(in) :: force, tolerance
+      !> [m]
+      real(wp), intent(in) :: most
+      real(wp), allocatable :: places(:, :)
+      call run_scene('*POINT MASS, NAME=b, MASS=1, Y=0.3'//newline//'*FORCE, NAME=s, POINT=b'//newline//' 0, '//force// &
+         & '*step(0.3 - y(b))'//newline, '2', tolerance, ' x = x(b), y = y(b), z = y(b)', places)
+      if (.not. allocated(places)) return
+      call check_close(maxval(abs(places(:, 2) - 0.3_wp)), 0.0_wp, most, trim(integrators(i))//': a body at rest on '//force)
+   end subroutine check_resting
+
+   !> The three channels of a scene (samples, 3); not allocated if it is told that something sticks.
+   subroutine run_scene(scene, end, tolerance, channels, values)
+      character(*), intent(in) :: scene, end, tolerance, channels
+      real(wp), allocatable, intent(out) :: values(:, :)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: x(:)
+      call run_text('*GRAVITY'//newline//scene//'*DYNAMICS, END='//end//', OUTPUTS=50, TOLERANCE='//tolerance//', INTEGRATOR='// &
+         & trim(integrators(i))//newline//'*OUTPUT'//newline//channels//newline, trim(results), report, error)
+      if (allocated(error)) then
+         call check(index(error%message, 'jumps to and fro') > 0, trim(integrators(i))//': '//error%message)
+         return
+      end if
+      call reader%open(trim(results), error)
+      x = channel(reader, 'x')
+      allocate (values(size(x), 3))
+      values(:, 1) = x
+      values(:, 2) = channel(reader, 'y')
+      values(:, 3) = channel(reader, 'z')
+      call reader%close()
+   end subroutine run_scene
+
+end program test_contacts

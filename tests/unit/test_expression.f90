@@ -8,6 +8,7 @@ program test_expression
    use limber_deck_operations, only: jet_type
    use limber_deck_origin, only: origin_type
    use limber_deck_parameters, only: parameter_list_type, parameter_type
+   use limber_deck_terms, only: size_of_terms
    use testing, only: check, check_close, check_text, finish
    implicit none
    type(parameter_list_type) :: parameters
@@ -234,7 +235,25 @@ contains
       call check(expression%slots(2)%origin%first == 42 .and. expression%slots(2)%origin%last == 57, 'origin of a slot')
       call check(expression%slots(2)%origin%file == 2 .and. expression%slots(2)%origin%line == 5, 'line of a slot')
       call check_close(expression%evaluate([5.0_wp, 7.0_wp, 11.0_wp]), 72.0_wp, 0.0_wp, 'value of quantities')
+      call check_close(size_of_terms(expression, [5.0_wp, -7.0_wp, 11.0_wp]), 92.0_wp, 0.0_wp, 'terms of quantities')
+      call check_terms('x(a) - y(b)', 12.0_wp)
+      call check_terms('-(x(a) - y(b))/2 + abs(x(a) - 6)', 17.0_wp)
+      call check_terms('max(x(a), y(b)) - sqrt(4)*3', 13.0_wp)
+      call check_terms('(x(a) - y(b))**2', 4.0_wp)
    end subroutine test_slots
+
+   !> Magnitudes of what is added up, for x = 5 and y = 7.
+   subroutine check_terms(text, expected)
+      character(*), intent(in) :: text
+      real(wp), intent(in) :: expected
+      type(expression_type) :: expression
+      type(diagnostics_type) :: diagnostics
+      logical :: ok
+      call compile(text, origin_type(2, 5, 10, 9 + len(text)), parameters, expression, ok, diagnostics, time=.true., &
+         & quantities=.true.)
+      call check(ok, text)
+      call check_close(size_of_terms(expression, [5.0_wp, 7.0_wp]), expected, 0.0_wp, 'terms of '//text)
+   end subroutine check_terms
 
    subroutine test_errors()
       call fails('', 1, 1, 'a number is missing')

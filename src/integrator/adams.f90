@@ -523,17 +523,16 @@ contains
       real(wp), intent(in) :: t
       real(wp), contiguous, intent(inout) :: q(:), v(:)
       real(wp), intent(inout) :: w
+      integer :: i
       if (self%input%asked) then
          call self%interpolate(t, q, v, w)
          return
       end if
       call interpolate_first(self, t, self%nq)
-      if (self%whole) then
-         q = self%p(:self%nq)
-      else
-         q = self%q
-         q(self%kept) = self%p(:self%nq)
-      end if
+      if (.not. self%whole) q = self%q
+      do i = 1, self%nq
+         q(self%kept(i)) = self%p(i)
+      end do
    end subroutine adams_interpolate_place
 
    !> The first of what it carries on, at a time within the last step, into p.

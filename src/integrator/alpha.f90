@@ -226,7 +226,8 @@ contains
                & self%rate)
             work%evaluations = work%evaluations + 1
          else
-            call motion_residual(system, work, t, self%new_q, self%new_v, self%new_a, self%new_lambda, self%motion, self%rate)
+            call motion_residual(system, work, t, self%new_q, self%new_v, self%new_a, self%new_lambda, self%motion, self%rate, &
+               & .true.)
             if (system%redundant) call give_way(self%tangent, self%new_lambda, self%rate)
          end if
          self%unknown(:nw) = -self%motion

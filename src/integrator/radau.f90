@@ -265,7 +265,7 @@ contains
       integer, intent(in) :: i
       call place_stage(self, system, i)
       call motion_residual(system, work, self%t + radau_c(i)*self%h, self%stage_q, self%stage_v, self%stage_a, &
-         & self%multipliers(:, i), self%motion(:, i), self%rate(:, i))
+         & self%multipliers(:, i), self%motion(:, i), self%rate(:, i), .true.)
    end subroutine find_residual
 
    !> Power put in at the stages, less what their residuals take: with them it is as exact as the stages will ever be. For the

@@ -8,6 +8,7 @@ module limber_system_dynamics
    use limber_flex_reduced, only: add_damping, damping_power
    use limber_model_scene, only: body_flexible, ground
    use limber_system_algebra, only: turn, along, cross
+   use limber_system_centreline, only: centreline_type
    use limber_system_eta_mass, only: factor_eta_masses
    use limber_system_body, only: velocity_forces, gravity_forces, rigid_forces, kinetic_energy, weight_potential
    use limber_system_kinematics, only: place_bodies, place_frames, move_frames
@@ -442,7 +443,7 @@ contains
             omega = dot_product(turn(u), v(first + 2:first + 3))
             if (reduced%is_exact) then
                associate (line => work%bodies(i)%line)
-                  call line%place_axis(q(first + 4:last))
+                  call place_axis(work%kinematics%lines(findloc(work%kinematics%beams, i, dim=1)), q(first + 4:last), line)
                   call line%move(v(first + 4:last))
                   kinetic = kinetic + line%kinetic(along(v(first:first + 1), [u(1), -u(2)]), omega, v(first + 4:last))
                   potential = potential - dot_product(system%model%gravity, reduced%mass*q(first:first + 1) &
@@ -462,5 +463,25 @@ contains
          call system%loads(i)%item%add_energy(work%kinematics, potential)
       end do
    end subroutine mechanical_energy
+
+   !> Places the axis of an exact beam: as the kinematics have it, if they are there.
+   pure subroutine place_axis(placed, eta, line)
+      type(centreline_type), intent(in) :: placed
+      !> Coordinates (n)
+      real(wp), contiguous, intent(in) :: eta(:)
+      type(centreline_type), intent(inout) :: line
+      if (.not. (placed%placed .and. placed%spread) .or. any(abs(eta - placed%at) > 0.0_wp)) then
+         call line%place_axis(eta)
+         return
+      end if
+      line%at(:) = placed%at
+      line%g(:, :) = placed%g
+      line%gx(:, :) = placed%gx
+      line%gy(:, :) = placed%gy
+      line%p(:, :) = placed%p
+      line%placed = .true.
+      line%spread = .false.
+      line%swept = .false.
+   end subroutine place_axis
 
 end module limber_system_dynamics

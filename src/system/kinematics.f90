@@ -15,7 +15,7 @@ module limber_system_kinematics
    implicit none
    private
    public :: marker_type, angle_type, kinematics_type, new_kinematics
-   public :: place_drives, place_bodies, place_frames, settle_angles, move_frames
+   public :: place_drives, place_bodies, place_frames, settle_angles, move_bodies, move_frames
 
    !> Angle of a vector from the x axis, accumulated over turns: that of the turn nearest to where its anchor has moved, eq. (E1)
    type :: angle_type
@@ -326,14 +326,14 @@ contains
       angle%since = time
    end subroutine follow_angle
 
-   !> Velocities and bias accelerations at q and v; `place_frames` comes first.
-   pure subroutine move_frames(model, layout, q, v, kinematics)
+   !> Velocities of frames and exact beams, without markers; `place_frames` comes first.
+   pure subroutine move_bodies(model, layout, v, kinematics)
       type(model_type), intent(in) :: model
       type(layout_type), intent(in) :: layout
-      !> Coordinates and velocities (nq)
-      real(wp), contiguous, intent(in) :: q(:), v(:)
+      !> Velocities (nq)
+      real(wp), contiguous, intent(in) :: v(:)
       type(kinematics_type), intent(inout) :: kinematics
-      integer :: i, m, first, last
+      integer :: i, first
       do i = 1, size(model%bodies)
          first = layout%q(i)
          associate (frame => kinematics%frames(i))
@@ -348,6 +348,17 @@ contains
          first = layout%q(kinematics%beams(i)) + 4
          call kinematics%lines(i)%move_stations(v(first:first + kinematics%lines(i)%n - 1))
       end do
+   end subroutine move_bodies
+
+   !> Velocities and bias accelerations at q and v; `place_frames` comes first.
+   pure subroutine move_frames(model, layout, q, v, kinematics)
+      type(model_type), intent(in) :: model
+      type(layout_type), intent(in) :: layout
+      !> Coordinates and velocities (nq)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      type(kinematics_type), intent(inout) :: kinematics
+      integer :: m, first, last
+      call move_bodies(model, layout, v, kinematics)
       do m = 1, size(kinematics%markers)
          associate (marker => kinematics%markers(m))
             if (marker%carrier == ground) cycle

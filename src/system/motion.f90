@@ -10,7 +10,7 @@ module limber_system_motion
    use limber_system_centreline_tangent, only: add_centreline_tangent
    use limber_system_dynamics, only: sum_given_forces
    use limber_system_eta_mass, only: update_eta_masses
-   use limber_system_kinematics, only: kinematics_type, place_frames, move_frames
+   use limber_system_kinematics, only: kinematics_type, place_frames, move_bodies, move_frames
    use limber_system_multiplier, only: place_jacobians, update_beam_masses, update_masses
    use limber_system_system, only: system_type, workspace_type
    use limber_system_tangent, only: tangent_type, body_tangent_type, gather
@@ -21,29 +21,40 @@ module limber_system_motion
 contains
 
    !> Places kinematics, Jacobians and masses, but those of exact beams, at a state: what `linearise_motion` needs.
-   subroutine place_motion(system, work, t, q, v)
+   subroutine place_motion(system, work, t, q, v, passing)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq)
       real(wp), contiguous, intent(in) :: q(:), v(:)
+      !> As in `motion_residual`
+      logical, intent(in), optional :: passing
+      logical :: bare
+      bare = .false.
+      if (present(passing)) bare = passing .and. size(system%loads) == 0
       call place_frames(system%model, system%layout, t, q, work%kinematics)
-      call move_frames(system%model, system%layout, q, v, work%kinematics)
+      if (bare) then
+         call move_bodies(system%model, system%layout, v, work%kinematics)
+      else
+         call move_frames(system%model, system%layout, q, v, work%kinematics)
+      end if
       call place_jacobians(system, work)
       call update_masses(system, work, q)
    end subroutine place_motion
 
    !> Residual of the equations of motion, M a - forces + G^T lambda (nw), and of the velocity equations, G w - rate (nc), at a
    !> state. Leaves the kinematics and Jacobians there.
-   subroutine motion_residual(system, work, t, q, v, a, lambda, motion, rates)
+   subroutine motion_residual(system, work, t, q, v, a, lambda, motion, rates, passing)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates and velocities (nq); accelerations in the layout of the rates (nw); multipliers (nc)
       real(wp), contiguous, intent(in) :: q(:), v(:), a(:), lambda(:)
       real(wp), contiguous, intent(inout) :: motion(:), rates(:)
+      !> Whether nothing else is to be asked of the state: markers are moved only if loads need it then
+      logical, intent(in), optional :: passing
       integer :: i, first, n, j, k, m
-      call place_motion(system, work, t, q, v)
+      call place_motion(system, work, t, q, v, passing)
       call sum_given_forces(system, work, q, v)
       work%evaluations = work%evaluations + 1
       do i = 1, size(work%bodies)

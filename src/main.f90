@@ -10,16 +10,16 @@ program limber
    use limber_base_fault, only: add_fault
    use limber_base_signals, only: end_by_signals, let_writes_fail
    use limber_base_threads, only: use_one_thread
-   use limber_analysis_advise, only: advise_deck
-   use limber_analysis_check, only: check_deck
-   use limber_analysis_command, only: command_type, read_command, usage
-   use limber_analysis_diff, only: compare_histories
-   use limber_analysis_drawing, only: export_motion
-   use limber_analysis_export, only: export_history
-   use limber_analysis_help, only: help_on, version_text
-   use limber_analysis_run, only: run_deck
-   use limber_analysis_study, only: study_deck
-   use limber_analysis_sweep, only: sweep_deck
+   use limber_commands_advise, only: advise_deck
+   use limber_commands_check, only: check_deck
+   use limber_commands_command_line, only: command_type, read_command, usage
+   use limber_commands_diff, only: compare_histories
+   use limber_commands_drawing, only: export_motion
+   use limber_commands_export, only: export_history
+   use limber_commands_help, only: help_on, version_text
+   use limber_commands_run, only: run_deck
+   use limber_commands_study, only: study_deck
+   use limber_commands_sweep, only: sweep_deck
    implicit none
    type(command_type) :: command
    type(error_type), allocatable :: error

@@ -22,7 +22,7 @@ while read -r document; do
     [[ $link == *'#'* && $file == *.md ]] || continue
     grep -qxF -- "${link#*#}" <(anchors "$file") || complain "$document: $file has no heading for #${link#*#}"
   done < <(links "$document")
-done < <(find . -name '*.md' -not -path './build/*' -not -path './.git/*' -not -path './results/*' -not -path './doc/theory.md')
+done < <(find . -name '*.md' -not -path './build/*' -not -path './.git/*' -not -path './results/*')
 
 while read -r scene; do
   [[ -e input/$scene.inp ]] || complain "doc/gallery.md: there is no input/$scene.inp"

@@ -1,10 +1,14 @@
 # The direction of the sources: cmake -DSOURCE=<src> -P floors.cmake
-# Folders are floors; a module uses modules of its own floor or below, and its name is its path.
-set(floors base deck flex model system integrator output analysis main)
+# Folders are floors; a module uses modules of its own floor or below, and its name is its path. No name of a file, and none of a
+# type, occurs twice.
+cmake_policy(VERSION 3.25)
+set(floors base deck beam model multibody integrator output monitor scene analysis accuracy commands main)
 
 file(GLOB_RECURSE sources RELATIVE "${SOURCE}" "${SOURCE}/*.f90" "${SOURCE}/*.f90.in")
 set(faults "")
 set(arrows 0)
+set(names "")
+set(types "")
 foreach(source IN LISTS sources)
   string(REGEX REPLACE "\\.f90(\\.in)?$" "" path "${source}")
   string(REGEX REPLACE "/.*" "" floor "${path}")
@@ -13,6 +17,20 @@ foreach(source IN LISTS sources)
     list(APPEND faults "src/${source}: '${floor}' is not a floor")
     continue()
   endif()
+
+  string(REGEX REPLACE ".*/" "" name "${path}")
+  if(name IN_LIST names)
+    list(APPEND faults "src/${source}: another file has this name")
+  endif()
+  list(APPEND names "${name}")
+  file(STRINGS "${SOURCE}/${source}" lines REGEX "^ *type(, *[a-z]+(\\([a-z_]+\\))?)* *:: *[a-z_0-9]+")
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE ".*:: *([a-z_0-9]+).*" "\\1" type "${line}")
+    if(type IN_LIST types)
+      list(APPEND faults "src/${source}: another module has a type ${type}")
+    endif()
+    list(APPEND types "${type}")
+  endforeach()
 
   file(STRINGS "${SOURCE}/${source}" lines REGEX "^ *(module|program|use) ")
   foreach(line IN LISTS lines)

@@ -56,9 +56,9 @@ foreach(source IN LISTS sources)
     endif()
   endforeach()
 
-  # option%name == 'NAME', and what analysis/rungs sets by procedures of its own
+  # option%name == 'NAME', and what accuracy/fidelity_levels sets by procedures of its own
   string(REGEX MATCHALL "options?(\\([^)]*\\))?%name *[/=]= *'[^']*'" found "${text}")
-  if(source STREQUAL "analysis/rungs.f90")
+  if(source STREQUAL "accuracy/fidelity_levels.f90")
     string(REGEX MATCHALL "call (number|word)\\('[^']*'" more "${text}")
     list(APPEND found ${more})
   endif()

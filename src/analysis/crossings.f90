@@ -1,6 +1,6 @@
-!> Where laws of the motion change their formula, or come and go, within a step. After a step the watched laws are looked at along
-!> its dense output, by bounds that miss nothing between looks; where one has changed, the step is cut. So scalars of the motion
-!> that change their sign are met. Floor: analysis. Source: doc/theory, eqs. (E3)-(E7), (H4).
+!> Changes of formula of motion laws within a step. After a step the watched laws are looked at along its dense output, by bounds
+!> that miss nothing between looks; where one has changed, the step is cut. So scalars of the motion that change their sign are met.
+!> Floor: analysis. Source: doc/theory, eqs. (5.45)-(5.49), (5.52).
 module limber_analysis_crossings
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
@@ -8,10 +8,10 @@ module limber_analysis_crossings
    use limber_analysis_sticking, only: sticking_type, note_step, count_jump, crawl
    use limber_deck_range, only: range_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_moments, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, &
+   use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_motion_laws, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, &
       & law_effect, law_turn, law_bend, law_excess, law_is_steep, quartic
-   use limber_system_system, only: system_type, workspace_type
+   use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
    public :: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, count_crossing
@@ -50,7 +50,7 @@ module limber_analysis_crossings
       !> Largest speed of what each law depends on; whether the step leaves out what it falls or rises by at an end of it (laws)
       real(wp), allocatable :: fastest(:)
       logical, allocatable :: steep(:)
-      !> Force that changes velocities within the step by what the tolerance allows, eq. (E8) (laws)
+      !> Force that changes velocities within the step by what the tolerance allows, eq. (5.50) (laws)
       real(wp), allocatable :: felt(:)
       !> How much each law varies at the quarters (laws)
       real(wp), allocatable :: width(:)
@@ -261,8 +261,8 @@ contains
       end do
    end function is_plain
 
-   !> Whether a law turns the motion within a step more than the tolerance allows, eq. (E7). An error estimate that leaves out what
-   !> a step does not resolve, as a vibration whose size is all that counts, does not see that a hard contact is not one.
+   !> Whether a law turns the motion within a step more than the tolerance allows, eq. (5.52). An error estimate that leaves out
+   !> what a step does not resolve, as a vibration whose size is all that counts, does not see that a hard contact is not one.
    subroutine find_turn(self, system, h)
       type(crossings_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -284,7 +284,7 @@ contains
    end subroutine find_turn
 
    !> Change of a law within the step that does not matter, whatever its own size: that makes no velocity worth the name, or is
-   !> due to what its places and rates are not known to, eq. (E6).
+   !> due to what its places and rates are not known to, eq. (5.49).
    real(wp) function no_matter(self, system, law) result(change)
       type(crossings_type), intent(in) :: self
       type(system_type), intent(in) :: system

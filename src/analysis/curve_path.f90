@@ -1,14 +1,14 @@
-!> Curves of several formulas that points are held on, along places that follow one another without dynamics: a jump between two of
-!> them is an error, and a kink is told where velocities count. Floor: analysis. Source: doc/theory, eq. (K1).
+!> Curves of several formulas without dynamics. A jump between two of them is an error, and a kink is told where velocities count.
+!> Floor: analysis. Source: doc/theory, eq. (5.58).
 module limber_analysis_curve_path
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
-   use limber_analysis_outcome, only: outcome_type, warn
+   use limber_scene_outcome, only: outcome_type, warn
    use limber_model_curve_breaks, only: curve_break_type, find_curve_breaks, break_jump, break_kink
-   use limber_system_kinematics, only: kinematics_type
-   use limber_system_paths, only: curve_joint_type
-   use limber_system_system, only: system_type
+   use limber_multibody_kinematics, only: kinematics_type
+   use limber_multibody_path_constraints, only: curve_joint_type
+   use limber_multibody_system, only: system_type
    implicit none
    private
    public :: curve_path_type, new_paths, follow_paths, break_text

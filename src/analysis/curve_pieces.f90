@@ -1,19 +1,19 @@
-!> Curves of several formulas that points are held on, along a motion. Only the piece on which a point is counts, and goes on
-!> smoothly beyond its ends, so that steps do not see what comes behind. Where the point reaches an end the step is cut, and the
-!> next piece counts. A kink is an impact: what of the velocity is across the new direction is lost. A jump is an error, and so
-!> is a kink that the point cannot leave. Floor: analysis. Source: doc/theory, eqs. (K1)-(K3).
+!> Curves of several formulas in a motion. Only the piece on which a point is counts, and goes on smoothly beyond its ends, so that
+!> steps do not see what comes behind. Where the point reaches an end the step is cut, and the next piece counts. A kink is an
+!> impact: what of the velocity is across the new direction is lost. A jump is an error, and so is a kink that the point cannot
+!> leave. Floor: analysis. Source: doc/theory, eqs. (5.58)-(5.60).
 module limber_analysis_curve_pieces
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_analysis_outcome, only: outcome_type, warn
+   use limber_scene_outcome, only: outcome_type, warn
    use limber_integrator_integrator, only: integrator_type
    use limber_model_curve, only: limit_curve, release_curve
    use limber_model_curve_breaks, only: curve_break_type, find_curve_breaks, break_jump, break_kink
-   use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_paths, only: curve_joint_type
-   use limber_system_system, only: system_type, workspace_type
+   use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_path_constraints, only: curve_joint_type
+   use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
    public :: curve_pieces_type, new_pieces, begin_pieces, look_ahead, find_end, pass_end, &

@@ -1,6 +1,6 @@
-!> What is told of a motion that drivers give, its deflections in equilibrium at each sample (*KINEMATICS and *INVERSE DYNAMICS with
-!> DEFLECTIONS=STATIC): models used beyond their range and functions that are too few, as of any other analysis; channels that
-!> bodies with modes get wrong, as of *STATICS; and equilibria that are not stable. Floor: analysis.
+!> Warnings of driven motions with quasi-static deflections. Models used beyond their range and functions that are too few, as of
+!> any other analysis; channels that bodies with modes get wrong, as of *STATICS; and equilibria that are not stable. Floor:
+!> analysis.
 !>
 !>     call start_driven_watch(self, scene, step, outcome)
 !>     call observe_driven(self, scene, held, sample, v, a, outcome) ! at each sample
@@ -8,16 +8,16 @@
 module limber_analysis_driven_watch
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_analysis_indicator_start, only: start_indicators
-   use limber_analysis_observation, only: observe
-   use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_scene, only: scene_type
-   use limber_analysis_static_aside, only: static_aside_type, sample_type, start_static_aside, compare_sample, static_warning
+   use limber_monitor_indicator_start, only: start_indicators
+   use limber_monitor_observation, only: observe
+   use limber_scene_outcome, only: outcome_type
+   use limber_scene_first_scene, only: scene_type
+   use limber_analysis_static_aside, only: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
    use limber_model_analyses, only: title
-   use limber_model_scene, only: step_type
-   use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness, motion_text
-   use limber_system_held, only: held_type
-   use limber_system_krylov, only: is_large
+   use limber_model_model, only: analysis_step_type
+   use limber_multibody_free_motions, only: free_motions_type, find_freedom, lowest_stiffness, motion_text
+   use limber_multibody_driven_motion, only: driven_motion_type
+   use limber_multibody_sparse_eigenmodes, only: is_large
    implicit none
    private
    public :: driven_watch_type, start_driven_watch, observe_driven, tell_driven
@@ -31,9 +31,9 @@ module limber_analysis_driven_watch
    type :: driven_watch_type
       type(static_aside_type) :: aside
       !> The last sample; every so many are compared; how many there were
-      type(sample_type) :: last
+      type(aside_sample_type) :: last
       integer :: stride = 1, samples = 0
-      type(freedom_type) :: freedom
+      type(free_motions_type) :: freedom
       !> The first equilibrium that is not stable: when, and its softest motion (nw); unallocated: none
       real(wp) :: unstable_at = 0.0_wp
       real(wp), allocatable :: motion(:)
@@ -45,7 +45,7 @@ contains
    subroutine start_driven_watch(self, scene, step, outcome)
       type(driven_watch_type), intent(out) :: self
       type(scene_type), intent(in) :: scene
-      type(step_type), intent(in) :: step
+      type(analysis_step_type), intent(in) :: step
       !> Gets indicators
       type(outcome_type), intent(inout) :: outcome
       allocate (outcome%indicators)
@@ -59,8 +59,8 @@ contains
       type(driven_watch_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
       !> Linearised there
-      type(held_type), intent(in) :: held
-      type(sample_type), intent(in) :: sample
+      type(driven_motion_type), intent(in) :: held
+      type(aside_sample_type), intent(in) :: sample
       !> Velocities and accelerations (nq)
       real(wp), intent(in) :: v(:), a(:)
       type(outcome_type), intent(inout) :: outcome
@@ -75,7 +75,7 @@ contains
    subroutine observe_stability(self, scene, held, t)
       type(driven_watch_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
-      type(held_type), intent(in) :: held
+      type(driven_motion_type), intent(in) :: held
       real(wp), intent(in) :: t
       real(wp) :: lowest, largest, motion(scene%system%layout%nw)
       if (allocated(self%motion) .or. is_large(scene%system) .or. all(scene%system%layout%n == 0)) return
@@ -90,7 +90,7 @@ contains
    subroutine tell_driven(self, scene, step, outcome)
       type(driven_watch_type), intent(in) :: self
       type(scene_type), intent(in) :: scene
-      type(step_type), intent(in) :: step
+      type(analysis_step_type), intent(in) :: step
       type(outcome_type), intent(inout) :: outcome
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       if (allocated(self%motion)) outcome%warnings = outcome%warnings//'warning: '//title(step)//': the deflections at t = '// &

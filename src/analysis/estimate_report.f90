@@ -1,14 +1,14 @@
-!> What becomes of the estimate of errors: datasets beside the channels of the results file, a table for the user, and warnings.
-!> Floor: analysis; estimate -> file and text.
+!> Report of an error estimate. Datasets beside the channels of the results file, a table for the user, and warnings. Floor:
+!> analysis; estimate -> file and text.
 module limber_analysis_estimate_report
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_errors, only: magnitude, widening
-   use limber_analysis_estimate, only: estimate_type
-   use limber_model_scene, only: channel_type
+   use limber_scene_channel_errors, only: magnitude, widening
+   use limber_analysis_error_estimate, only: estimate_type
+   use limber_model_model, only: channel_type
    use limber_output_history, only: history_type
-   use limber_output_sink, only: memory_type
+   use limber_output_sample_sink, only: memory_type
    implicit none
    private
    public :: record_estimate, estimate_warning, estimate_table

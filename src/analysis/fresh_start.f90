@@ -1,21 +1,21 @@
-!> Starts of the integrator anew, at instants from which other formulas hold: velocities that drivers or curves change abruptly
-!> change as by an impact. Floor: analysis. Source: doc/theory, sections 17 and 38.
+!> Restarts of the integrator at jumps. Velocities that drivers or curves change abruptly change as by an impact. Floor: analysis.
+!> Source: doc/theory, part 5.
 module limber_analysis_fresh_start
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
-   use limber_analysis_function_sudden, only: in_motion, before_break, behind_break
+   use limber_monitor_function_sudden, only: in_motion, before_break, behind_break
    use limber_analysis_looks, only: observe_state
-   use limber_analysis_outcome, only: outcome_type, warn
-   use limber_analysis_sampling, only: sample_type
-   use limber_analysis_scene, only: scene_type
-   use limber_analysis_speed_jumps, only: demanded_jumps
-   use limber_analysis_watch, only: largest_speed
+   use limber_scene_outcome, only: outcome_type, warn
+   use limber_scene_sampling, only: sample_type
+   use limber_scene_first_scene, only: scene_type
+   use limber_scene_speed_jumps, only: demanded_jumps
+   use limber_monitor_run_monitor, only: largest_speed
    use limber_integrator_integrator, only: integrator_type
-   use limber_system_dynamics, only: linearise, mechanical_energy, worst_constraint
-   use limber_system_projection, only: settle
-   use limber_system_redundancy, only: constraint_names
-   use limber_system_system, only: system_type
+   use limber_multibody_equations_of_motion, only: linearise, mechanical_energy, worst_constraint
+   use limber_multibody_projection, only: settle
+   use limber_multibody_redundant_constraints, only: constraint_names
+   use limber_multibody_system, only: system_type
    implicit none
    private
    public :: pass_break, meet_drivers

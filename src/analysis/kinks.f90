@@ -1,15 +1,15 @@
-!> Laws that bend or jump in the very state of a modal analysis: there are no small vibrations with one stiffness and one damping.
-!> Each mode is gone along a little to both sides, and the slopes of each law are compared. Floor: analysis.
-!> Source: doc/theory, section 43, eq. (R20).
+!> Laws with a kink or jump at the state of a modal analysis. There are no small vibrations with one stiffness and one damping. Each
+!> mode is gone along a little to both sides, and the slopes of each law are compared. Floor: analysis. Source: doc/theory, eq.
+!> (7.53).
 module limber_analysis_kinks
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_system_kinematics, only: kinematics_type, place_frames, move_frames
-   use limber_system_layout, only: advance, velocities_of
-   use limber_system_moments, only: watched_loads, describe_law
-   use limber_system_system, only: system_type
-   use limber_system_tangent, only: tangent_type
-   use limber_system_vibrations, only: vibrations_type
+   use limber_multibody_kinematics, only: kinematics_type, place_frames, move_frames
+   use limber_multibody_layout, only: advance, velocities_of
+   use limber_multibody_motion_laws, only: watched_loads, describe_law
+   use limber_multibody_system, only: system_type
+   use limber_multibody_tangent, only: tangent_type
+   use limber_multibody_small_vibrations, only: vibrations_type
    implicit none
    private
    public :: kink_warnings

@@ -1,15 +1,16 @@
-!> Looks at the flexible bodies in a motion: now and then, and on both sides of instants at which loads jump. Floor: analysis.
+!> Instants at which flexible bodies are monitored. Now and then, and on both sides of instants at which loads jump. Floor:
+!> analysis.
 module limber_analysis_looks
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_observation, only: observe
-   use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_sampling, only: sample_type
-   use limber_analysis_scene, only: scene_type
-   use limber_analysis_function_sudden, only: in_motion
+   use limber_monitor_observation, only: observe
+   use limber_scene_outcome, only: outcome_type
+   use limber_scene_sampling, only: sample_type
+   use limber_scene_first_scene, only: scene_type
+   use limber_monitor_function_sudden, only: in_motion
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_scene, only: dynamics_type
-   use limber_system_dynamics, only: linearise, accelerations
+   use limber_model_model, only: dynamics_type
+   use limber_multibody_equations_of_motion, only: linearise, accelerations
    implicit none
    private
    public :: look, look_at_end, observe_state

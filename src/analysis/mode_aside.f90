@@ -1,22 +1,23 @@
-!> Whether the coordinates of flexible bodies are enough for the frequencies of a modal analysis: the scene is built aside with more
-!> of them, responses to all that acts and more modes, its vibrations about the same state are found, and both lists are compared in
-!> order. A remedy is tried before it is named. Floor: analysis. Source: doc/theory, section 43, eqs. (Y7), (Y8).
+!> Check of frequencies by a second scene. The scene is built aside with more of them, responses to all that acts and more modes,
+!> its vibrations about the same state are found, and both lists are compared in order. A remedy is tried before it is named. Floor:
+!> analysis. Source: doc/theory, eqs. (7.49), (7.50).
 module limber_analysis_mode_aside
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
-   use limber_analysis_richer, only: richer_words, can_enrich, project_coordinates, nothing_more, with_responses, with_modes, &
+   use limber_analysis_scene_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
+   use limber_analysis_richer_scene, only: richer_words, can_enrich, project_coordinates, nothing_more, with_responses, &
+      & with_modes, &
       & with_both
-   use limber_analysis_scene, only: scene_type
+   use limber_scene_first_scene, only: scene_type
    use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
-   use limber_model_scene, only: step_type
-   use limber_model_segments, only: name_in_deck
-   use limber_system_equilibrium, only: equilibrium_type
-   use limber_system_system, only: system_type
-   use limber_system_tangent, only: tangent_type
-   use limber_system_tangent_products, only: times_mass
-   use limber_system_vibrations, only: vibrations_type, no_damping, gyroscopic, all_damping
+   use limber_model_model, only: analysis_step_type
+   use limber_model_beam_segments, only: name_in_deck
+   use limber_multibody_equilibrium, only: equilibrium_type
+   use limber_multibody_system, only: system_type
+   use limber_multibody_tangent, only: tangent_type
+   use limber_multibody_tangent_products, only: times_mass
+   use limber_multibody_small_vibrations, only: vibrations_type, no_damping, gyroscopic, all_damping
    implicit none
    private
    public :: compare_aside
@@ -48,7 +49,7 @@ contains
    !> Compares the modes of a scene with those of more coordinates; text: a warning with size, body and remedy, or empty.
    subroutine compare_aside(scene, step, balance, vibrations, text)
       type(scene_type), intent(inout) :: scene
-      type(step_type), intent(in) :: step
+      type(analysis_step_type), intent(in) :: step
       !> Linearised at the state
       type(equilibrium_type), intent(inout) :: balance
       !> Those that are listed first, and some more
@@ -104,7 +105,7 @@ contains
    !> Builds the scene with more coordinates, places it where the scene is, and finds its vibrations there.
    subroutine look_aside(scene, step, damping, level, extra, rich)
       type(scene_type), intent(in) :: scene
-      type(step_type), intent(in) :: step
+      type(analysis_step_type), intent(in) :: step
       !> Velocity terms that count; what each body gets (bodies); number of additional modes
       integer, intent(in) :: damping, level(:), extra
       type(rich_type), intent(inout) :: rich

@@ -1,17 +1,17 @@
-!> Small motions about the present state of a scene: mass, damping and stiffness there, and the lowest vibrations. Floor: analysis.
-!> Source: doc/theory, eqs. (105), (106), (110)-(113).
+!> Mass, damping and stiffness about a state. Mass, damping and stiffness there, and the lowest vibrations. Floor: analysis. Source:
+!> doc/theory, eqs. (6.8), (6.10), (6.13), (6.15), (6.16), (6.18).
 module limber_analysis_small_motions
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_analysis_scene, only: scene_type
-   use limber_model_scene, only: ground, step_type
-   use limber_system_equilibrium, only: equilibrium_type, linearise_balance
-   use limber_system_freedom, only: find_freedom, has_potential
-   use limber_system_held, only: held_type, new_held, rest_multipliers
-   use limber_system_krylov, only: is_large, vectors_for
-   use limber_system_system, only: system_type
-   use limber_system_tangent, only: gather
-   use limber_system_vibrations, only: vibrations_type, find_vibrations, find_large_vibrations, add_rotation_damping, &
+   use limber_scene_first_scene, only: scene_type
+   use limber_model_model, only: ground, analysis_step_type
+   use limber_multibody_equilibrium, only: equilibrium_type, linearise_balance
+   use limber_multibody_free_motions, only: find_freedom, has_potential
+   use limber_multibody_driven_motion, only: driven_motion_type, new_held, rest_multipliers
+   use limber_multibody_sparse_eigenmodes, only: is_large, vectors_for
+   use limber_multibody_system, only: system_type
+   use limber_multibody_tangent, only: gather
+   use limber_multibody_small_vibrations, only: vibrations_type, find_vibrations, find_large_vibrations, add_rotation_damping, &
       & no_damping, gyroscopic, all_damping
    implicit none
    private
@@ -47,7 +47,7 @@ contains
 
    !> Velocity terms that count.
    pure integer function terms(step, balance)
-      type(step_type), intent(in) :: step
+      type(analysis_step_type), intent(in) :: step
       type(equilibrium_type), intent(in) :: balance
       terms = no_damping
       if (abs(balance%rotation) > 0.0_wp) terms = gyroscopic
@@ -57,12 +57,12 @@ contains
    !> Mass, damping and stiffness at the state: that of a static analysis with its multipliers and rotation; any other at rest.
    subroutine linearise_state(scene, step, balance, balanced, error)
       type(scene_type), intent(inout) :: scene
-      type(step_type), intent(in) :: step
+      type(analysis_step_type), intent(in) :: step
       type(equilibrium_type), intent(inout) :: balance
       !> Whether the state is in equilibrium
       logical, intent(out) :: balanced
       type(error_type), allocatable, intent(out) :: error
-      type(held_type) :: held
+      type(driven_motion_type) :: held
       logical :: done
       integer :: i
       balanced = .false.

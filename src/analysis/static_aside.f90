@@ -1,7 +1,5 @@
-!> Whether the coordinates of flexible bodies are enough for the channels of an analysis in which deflections are in equilibrium, at
-!> rest or in a motion that drivers give: at each sample the scene with more of them is brought into equilibrium aside, and each
-!> channel is compared with its own. Floor: analysis.
-!> Source: doc/theory, section 43, eqs. (Y7), (Y9).
+!> Check of static deflections by a second scene. At each sample the scene with more of them is brought into equilibrium aside, and
+!> each channel is compared with its own. Floor: analysis. Source: doc/theory, eqs. (7.49), (7.51).
 !>
 !>     call start_static_aside(self, scene)
 !>     call compare_sample(self, scene, sample)          ! at each sample
@@ -9,24 +7,24 @@
 module limber_analysis_static_aside
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_analysis_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
-   use limber_analysis_richer, only: richer_words, can_enrich, nothing_more, with_responses, with_modes, with_both
-   use limber_analysis_scene, only: scene_type
+   use limber_analysis_scene_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
+   use limber_analysis_richer_scene, only: richer_words, can_enrich, nothing_more, with_responses, with_modes, with_both
+   use limber_scene_first_scene, only: scene_type
    use limber_model_quantities, only: quantities, is_internal_force
-   use limber_model_scene, only: model_type
-   use limber_model_segments, only: name_in_deck
-   use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
-   use limber_system_dynamics, only: mechanical_energy
-   use limber_system_equilibrium, only: linearise_balance
-   use limber_system_held, only: held_type, new_held, balance_deflections
-   use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_krylov, only: is_large
-   use limber_system_layout, only: rates_of
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_system, only: system_type, workspace_type
+   use limber_model_model, only: model_type
+   use limber_model_beam_segments, only: name_in_deck
+   use limber_output_channel_values, only: recorder_type, new_recorder, channel_values, sample_width
+   use limber_multibody_equations_of_motion, only: mechanical_energy
+   use limber_multibody_equilibrium, only: linearise_balance
+   use limber_multibody_driven_motion, only: driven_motion_type, new_held, balance_deflections
+   use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_sparse_eigenmodes, only: is_large
+   use limber_multibody_layout, only: rates_of
+   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: static_aside_type, sample_type, start_static_aside, compare_sample, static_warning
+   public :: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
 
    !> Largest part of a channel that is not told, and above which it is only told as more than that
    real(wp), parameter :: little = 0.04_wp, beyond = 0.5_wp
@@ -41,7 +39,7 @@ module limber_analysis_static_aside
       type(aside_type) :: aside
       type(recorder_type) :: recorder
       !> Of a motion that drivers give: what finds it, and its velocities and accelerations (nq of the scene aside)
-      type(held_type) :: held
+      type(driven_motion_type) :: held
       real(wp), allocatable :: v(:), a(:)
       integer, allocatable :: level(:)
       integer :: extra = 0
@@ -61,11 +59,11 @@ module limber_analysis_static_aside
 
    !> A sample of the scene: time, coordinates (nq) and multipliers (nc) of an equilibrium, angles of frames (bodies) [rad],
    !> channels, steady rotation and its centre; whether drivers give the motion in place of that
-   type :: sample_type
+   type :: aside_sample_type
       real(wp) :: t = 0.0_wp, rotation = 0.0_wp, centre(2) = 0.0_wp
       logical :: driven = .false.
       real(wp), allocatable :: q(:), lambda(:), angle(:), values(:)
-   end type sample_type
+   end type aside_sample_type
 
 contains
 
@@ -106,7 +104,7 @@ contains
    subroutine place(self, scene, sample, done)
       type(static_aside_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
-      type(sample_type), intent(in) :: sample
+      type(aside_sample_type), intent(in) :: sample
       !> Whether an equilibrium was found
       logical, intent(out) :: done
       call place_aside(scene, sample%t, sample%q, sample%lambda, .not. sample%driven, sample%rotation, sample%centre, self%aside, &
@@ -123,7 +121,7 @@ contains
    subroutine compare_sample(self, scene, sample)
       type(static_aside_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
-      type(sample_type), intent(in) :: sample
+      type(aside_sample_type), intent(in) :: sample
       real(wp) :: straight(size(self%difference)), first(size(self%difference)), off(size(self%difference))
       real(wp) :: change(self%aside%scene%system%layout%nw)
       logical :: done
@@ -155,7 +153,7 @@ contains
    !> Channels of the scene aside at a place.
    subroutine take_channels(self, sample, q, channel)
       type(static_aside_type), intent(inout) :: self
-      type(sample_type), intent(in) :: sample
+      type(aside_sample_type), intent(in) :: sample
       !> (nq of it)
       real(wp), intent(in) :: q(:)
       real(wp), intent(inout) :: channel(:)
@@ -180,7 +178,7 @@ contains
    !> The work of drivers, as *INVERSE DYNAMICS finds it.
    subroutine take_work(self, sample, q)
       type(static_aside_type), intent(inout) :: self
-      type(sample_type), intent(in) :: sample
+      type(aside_sample_type), intent(in) :: sample
       !> (nq of the scene aside)
       real(wp), contiguous, intent(in) :: q(:)
       real(wp) :: kinetic, potential
@@ -264,7 +262,7 @@ contains
       !> Keyword and name of the analysis
       character(*), intent(in) :: title
       !> The last one
-      type(sample_type), intent(in) :: sample
+      type(aside_sample_type), intent(in) :: sample
       character(:), allocatable :: text
       real(wp), allocatable :: least(:), error(:)
       integer :: worst, body
@@ -307,7 +305,7 @@ contains
       type(static_aside_type), intent(in) :: self
       type(scene_type), intent(in) :: scene
       !> The last one
-      type(sample_type), intent(in) :: sample
+      type(aside_sample_type), intent(in) :: sample
       !> The body that gets the remedy, and which
       integer, intent(in) :: body, choice
       !> What differences are compared with (channels)
@@ -328,7 +326,7 @@ contains
    end function cures
 
    !> What differences are compared with: the size of the channel, parts of the largest of its unit, and what is nothing (channels),
-   !> eq. (Y9).
+   !> eq. (7.51).
    pure function least_sizes(self, model) result(least)
       type(static_aside_type), intent(in) :: self
       type(model_type), intent(in) :: model

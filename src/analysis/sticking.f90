@@ -1,12 +1,12 @@
-!> What holds a motion in place where a law of it jumps: jumps to and fro, and steps that do not get on. Both are counted, so that
-!> no run goes on for ever. Floor: analysis. Source: doc/theory, section 38.
+!> Detection of sticking at laws that jump. Jumps to and fro, and steps that do not get on. Both are counted, so that no run goes on
+!> for ever. Floor: analysis. Source: doc/theory, part 5.
 module limber_analysis_sticking
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_system_moments, only: describe_law
-   use limber_system_system, only: system_type
+   use limber_multibody_motion_laws, only: describe_law
+   use limber_multibody_system, only: system_type
    implicit none
    private
    public :: sticking_type, note_step, count_jump

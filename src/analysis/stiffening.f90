@@ -1,16 +1,16 @@
-!> Runs of ADAMS that turn stiff on the way: friction that slows to sticking, a damper that comes into action, a vibration that
-!> dies away. The step is bound then to a rate that the motion does not have. The linearised system tells: what INTEGRATOR=AUTO
-!> would not begin with, it does not go on with either. Floor: analysis.
-!> Source: Shampine and Gordon 1975 (low orders as a sign of stiffness, in their driver DE); doc/theory, eqs. (L1), (L2).
+!> Detection of stiffness in runs of ADAMS. Friction that slows to sticking, a damper that comes into action, a vibration that dies
+!> away. The step is bound then to a rate that the motion does not have. The linearised system tells: what INTEGRATOR=AUTO would not
+!> begin with, it does not go on with either. Floor: analysis. Source: Shampine and Gordon 1975 (low orders as a sign of stiffness,
+!> in their driver DE); doc/theory, eqs. (5.61), (5.62).
 module limber_analysis_stiffening
    use limber_base_kinds, only: wp, long
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_analysis_choice, only: choice_type, look_at_state, suits_adams
+   use limber_scene_integrator_choice, only: choice_type, look_at_state, suits_adams
    use limber_integrator_adams, only: adams_type
    use limber_integrator_integrator, only: integrator_type
-   use limber_model_scene, only: dynamics_type
-   use limber_system_system, only: system_type, workspace_type
+   use limber_model_model, only: dynamics_type
+   use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
    public :: stiffening_type, watch_stiffness, stiffness_text, stiffness_warning
@@ -89,7 +89,7 @@ contains
          & ' INTEGRATOR=AUTO or RADAU'
    end function stiffness_warning
 
-   !> Whether the step is bound to a rate of the linearised system that the tolerance does not ask for, eq. (L2).
+   !> Whether the step is bound to a rate of the linearised system that the tolerance does not ask for, eq. (5.62).
    logical function is_bound(self, system, work, dynamics, integrator, low, q, v) result(bound)
       type(stiffening_type), intent(inout) :: self
       type(system_type), intent(in) :: system

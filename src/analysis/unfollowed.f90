@@ -1,20 +1,19 @@
-!> Errors of what is asked for by vibrations that an integrator does not follow, or keeps up: their accelerations, which the
-!> integrator watches, times what a vibration of unit acceleration makes in each channel and envelope. Floor: analysis.
-!> Source: doc/theory, eqs. (W4), (W8), (W9), (Z1).
+!> Errors by vibrations that an integrator does not follow. Their accelerations, which the integrator watches, times what a
+!> vibration of unit acceleration makes in each channel and envelope. Floor: analysis. Source: doc/theory, eqs. (5.38)-(5.41).
 module limber_analysis_unfollowed
    use limber_base_finite, only: dsyev
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_sampling, only: sample_type
-   use limber_analysis_scene, only: scene_type
-   use limber_deck_terms, only: size_of_terms
-   use limber_integrator_ringing, only: ringing_type
-   use limber_model_scene, only: dynamics_type, model_type
-   use limber_output_channels, only: recorder_type, new_recorder, channel_values, sample_width
-   use limber_system_dynamics, only: linearise, accelerations
-   use limber_system_system, only: system_type
+   use limber_scene_sampling, only: sample_type
+   use limber_scene_first_scene, only: scene_type
+   use limber_deck_difference_terms, only: size_of_terms
+   use limber_integrator_unfollowed_vibrations, only: ringing_type
+   use limber_model_model, only: dynamics_type, model_type
+   use limber_output_channel_values, only: recorder_type, new_recorder, channel_values, sample_width
+   use limber_multibody_equations_of_motion, only: linearise, accelerations
+   use limber_multibody_system, only: system_type
    implicit none
    private
    public :: unfollowed_type, start_unfollowed, watch_channels, unfollowed_warning, shows_vibrations
@@ -130,7 +129,7 @@ contains
       end do
    end subroutine note_terms
 
-   !> What the vibrations of one body make of it, eq. (W8): each elastic coordinate is disturbed.
+   !> What the vibrations of one body make of it, eq. (5.39): each elastic coordinate is disturbed.
    subroutine disturb(self, scene, ringing, t, v, body)
       type(unfollowed_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
@@ -182,7 +181,7 @@ contains
       end do
    end subroutine add_changes
 
-   !> Largest changes by a vibration of unit acceleration of each coordinate, eq. (W8): without what joints hold of it, and
+   !> Largest changes by a vibration of unit acceleration of each coordinate, eq. (5.39): without what joints hold of it, and
    !> without motions that are much slower.
    subroutine note_reach(effect, pushed, omega2, reach)
       !> Changes by unit deflections (asked, n); accelerations by them (n, n)
@@ -309,7 +308,7 @@ contains
       rest = allowed*rest*system%model%length/(dynamics%end - dynamics%start)**2
    end function rest_of
 
-   !> The channel or envelope that errs most, relative to its largest value, eq. (W9).
+   !> The channel or envelope that errs most, relative to its largest value, eq. (5.40).
    pure subroutine find_worst(self, lost, worst, share)
       type(unfollowed_type), intent(in) :: self
       !> Accelerations of the vibrations (nw)
@@ -333,7 +332,7 @@ contains
       end do
    end subroutine find_worst
 
-   !> What an error counts beside: the largest value, or the terms where that is next to nothing beside them, eq. (D4).
+   !> What an error counts beside: the largest value, or the terms where that is next to nothing beside them, eq. (5.42).
    pure real(wp) function scale_of(self, which) result(scale)
       type(unfollowed_type), intent(in) :: self
       integer, intent(in) :: which

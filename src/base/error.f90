@@ -1,6 +1,5 @@
-!> Errors as values: a fallible procedure ends with
-!> `type(error_type), allocatable, intent(out) :: error`; unallocated means success.
-!> The library never stops and never prints; only `main` does. Floor: base.
+!> Errors as values. A fallible procedure ends with `type(error_type), allocatable, intent(out) :: error`; unallocated means
+!> success. The library never stops and never prints; only `main` does. Floor: base.
 module limber_base_error
    implicit none
    private

@@ -1,4 +1,4 @@
-!> What libraries complain of, as error values. LAPACK and BLAS report an impossible argument to XERBLA, and theirs ends the process
+!> Complaints of libraries as error values. LAPACK and BLAS report an impossible argument to XERBLA, and theirs ends the process
 !> with status 0: this one takes its place in every program that links limber, takes note and returns. Floor: base.
 module limber_base_fault
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_size_t

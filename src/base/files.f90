@@ -1,4 +1,4 @@
-!> Files and folders, as POSIX has them: names, lists. Floor: base.
+!> Files and folders by POSIX. Names, lists. Floor: base.
 module limber_base_files
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int16_t, c_int32_t, c_int64_t, c_loc, &
       & c_null_char, c_null_funptr, c_null_ptr, c_funptr, c_ptr, c_size_t

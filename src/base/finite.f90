@@ -1,6 +1,6 @@
-!> The decompositions of LAPACK for matrices that may hold what a wild deck or a diverging run has left in them: of a matrix that is
-!> not finite LAPACK prints lines of its own and may not return. Here it is refused. A matrix without rows or columns is done at
-!> once: LAPACK refuses leading dimensions of 0. The arguments, and all else, are as in limber_base_lapack. Floor: base.
+!> Decompositions of LAPACK that refuse matrices with infinities or NaNs. Of a matrix that is not finite LAPACK prints lines of its
+!> own and may not return. Here it is refused. A matrix without rows or columns is done at once: LAPACK refuses leading dimensions
+!> of 0. The arguments, and all else, are as in limber_base_lapack. Floor: base.
 module limber_base_finite
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp

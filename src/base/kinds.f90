@@ -1,4 +1,4 @@
-!> The one real kind of limber. Floor: base.
+!> The real kind of all numbers. Floor: base.
 module limber_base_kinds
    use, intrinsic :: iso_fortran_env, only: real64, int64
    implicit none

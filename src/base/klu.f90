@@ -1,5 +1,5 @@
-!> C interfaces of SuiteSparse KLU, the sparse LU factorisation, in its own words. Indices count from zero.
-!> Floor: base. Source: Davis and Palamadai Natarajan, ACM TOMS 37 (2010), Algorithm 907.
+!> C interfaces of SuiteSparse KLU, the sparse LU factorisation. Indices count from zero. Floor: base. Source: Davis and Palamadai
+!> Natarajan, ACM TOMS 37 (2010), Algorithm 907.
 module limber_base_klu
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_ptr, c_funptr, c_size_t, c_null_ptr, c_null_funptr
    implicit none

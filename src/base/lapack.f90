@@ -1,6 +1,5 @@
-!> Explicit interfaces of every LAPACK, BLAS and ARPACK routine that limber calls, in their own words.
-!> Those of LAPACK are called by way of limber_base_finite: nothing that is not finite, and nothing empty, gets there.
-!> Floor: base. Source: LAPACK Users' Guide; Lehoucq, Sorensen and Yang, ARPACK Users' Guide.
+!> Explicit interfaces of LAPACK, BLAS and ARPACK. Those of LAPACK are called by way of limber_base_finite: nothing that is not
+!> finite, and nothing empty, gets there. Floor: base. Source: LAPACK Users' Guide; Lehoucq, Sorensen and Yang, ARPACK Users' Guide.
 module limber_base_lapack
    use limber_base_kinds, only: wp
    implicit none

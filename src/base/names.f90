@@ -1,5 +1,5 @@
-!> An index of names: finds a number by its name at a cost that does not grow with their count. Names are added one after the other
-!> and can be taken away again in the opposite order. Floor: base.
+!> Index of names: a number by its name. Finds a number by its name at a cost that does not grow with their count. Names are added
+!> one after the other and can be taken away again in the opposite order. Floor: base.
 module limber_base_names
    implicit none
    private

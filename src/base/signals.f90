@@ -1,6 +1,6 @@
-!> Signals by which a run is asked to end: SIGINT (Ctrl-C), SIGTERM, and SIGUSR1 with which Slurm warns of the end of its time.
-!> What must not be cut short takes note of them only, and looks whether one came; a second one, or one that comes elsewhere, ends
-!> the process at once, with a word and the status of an interruption. Floor: base.
+!> Signals that ask a run to end. SIGINT (Ctrl-C), SIGTERM, and SIGUSR1 with which Slurm warns of the end of its time. What must not
+!> be cut short takes note of them only, and looks whether one came; a second one, or one that comes elsewhere, ends the process at
+!> once, with a word and the status of an interruption. Floor: base.
 module limber_base_signals
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_null_funptr, c_size_t
    use limber_base_error, only: status_interrupted

@@ -1,7 +1,7 @@
-!> All that a run remembers, as two lists of numbers, for a run that goes on where another one stopped. Every type with a memory has
-!> one procedure `exchange(self, snapshot)` that names its components once, for both directions: a snapshot that is being saved
-!> takes their values, one that is being restored gives them back, bit for bit. Each item carries a digest of its name and its
-!> size, so that a snapshot that belongs to something else is found out. Floor: base.
+!> State of a run as two lists of numbers, for restarts. Every type with a memory has one procedure `exchange(self, snapshot)` that
+!> names its components once, for both directions: a snapshot that is being saved takes their values, one that is being restored
+!> gives them back, bit for bit. Each item carries a digest of its name and its size, so that a snapshot that belongs to something
+!> else is found out. Floor: base.
 !>
 !>     call snapshot%begin(.false.)              ! or .true. to restore what `reals` and `integers` hold
 !>     call snapshot%exchange('step', self%h)    ! numbers and arrays of fixed size

@@ -1,5 +1,5 @@
-!> Cubic splines with continuous second derivatives through given points: tables, curves of joints, the line of a beam.
-!> Floor: base. Source: de Boor, A Practical Guide to Splines, chapter IV.
+!> Cubic splines with continuous second derivatives. Tables, curves of joints, the line of a beam. Floor: base. Source: de Boor, A
+!> Practical Guide to Splines, chapter IV.
 module limber_base_spline
    use limber_base_kinds, only: wp
    implicit none

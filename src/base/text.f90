@@ -1,4 +1,4 @@
-!> Text helpers: case, numbers as text, the nearest valid name. Floor: base.
+!> Text: case, numbers as text, the nearest valid name. Floor: base.
 module limber_base_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use limber_base_kinds, only: wp, long

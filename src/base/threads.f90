@@ -1,6 +1,6 @@
-!> Threads of the libraries for linear algebra. Some of them share their sums among threads, and then the last bits of a result
-!> depend on how many there are; limber's matrices are too small to gain by it, and its sweeps run processes side by side. Floor:
-!> base.
+!> Number of threads of the linear algebra libraries. Some of them share their sums among threads, and then the last bits of a
+!> result depend on how many there are; limber's matrices are too small to gain by it, and its sweeps run processes side by side.
+!> Floor: base.
 module limber_base_threads
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funptr, c_intptr_t, c_null_char, c_null_ptr, &
       & c_ptr

@@ -1,4 +1,4 @@
-!> Options of the blocks that give bodies: part of the table of the deck language in `limber_deck_keywords`. Floor: deck.
+!> Keyword table: options of bodies. Part of the table of the deck language in `limber_deck_keywords`. Floor: deck.
 module limber_deck_body_options
    use limber_deck_schema, only: option_spec_type, needed, kind_name, kind_reference, kind_real, kind_positive, kind_nonnegative, &
       & kind_count, kind_counting, kind_word, kind_text, kind_yes

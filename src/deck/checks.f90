@@ -1,5 +1,5 @@
-!> Checks of a deck as a whole, after all its files were read: names that are defined twice or not at
-!> all, blocks that may occur once. Floor: deck.
+!> Checks of a whole deck: names, repetitions, required blocks. Names that are defined twice or not at all, blocks that may occur
+!> once. Floor: deck.
 module limber_deck_checks
    use limber_base_names, only: name_index_type
    use limber_base_text, only: nearest_name, lowercase

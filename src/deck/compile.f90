@@ -1,5 +1,5 @@
-!> Compiles the text of an expression into a postfix program: recursive descent, constants folded on the
-!> way, so that a constant that is not defined is reported where it stands. Floor: deck.
+!> Compiler of expressions by recursive descent. Recursive descent, constants folded on the way, so that a constant that is not
+!> defined is reported where it stands. Floor: deck.
 !>
 !>     expression: term {+|- term}        term: factor {*|/ factor}
 !>     factor: -|+ factor | power         power: primary [** factor]

@@ -1,5 +1,5 @@
-!> A deck as it was read: blocks with their options, defaults filled in, and data lines; every value
-!> with its origin. The model builder works on this. Floor: deck.
+!> Deck after reading: blocks, options, data lines. Blocks with their options, defaults filled in, and data lines; every value with
+!> its origin. The model builder works on this. Floor: deck.
 module limber_deck_content
    use limber_base_kinds, only: wp
    use limber_base_names, only: name_index_type

@@ -1,4 +1,4 @@
-!> A place in the text of an expression, and what is read there: blanks, words, numbers. Floor: deck.
+!> Reading position in the text of an expression. Blanks, words, numbers. Floor: deck.
 module limber_deck_cursor
    use limber_base_kinds, only: wp
    use limber_deck_lexer, only: blanks

@@ -1,5 +1,5 @@
-!> Data lines of a deck in the forms that the keyword table knows: free text, rows of fields,
-!> assignments of parameters, channels of the output. Floor: deck.
+!> Data lines in the forms of the keyword table. Free text, rows of fields, assignments of parameters, channels of the output.
+!> Floor: deck.
 module limber_deck_data_lines
    use limber_base_text, only: as_text, lowercase
    use limber_deck_origin, only: after

@@ -1,6 +1,5 @@
-!> Errors and warnings of a deck, collected in one pass and shown together, each with its source line
-!> and a caret. The reader and the model builder add to it; `main` prints what `render` returns.
-!> Floor: deck.
+!> Errors and warnings of a deck with line and caret. The reader and the model builder add to it; `main` prints what `render`
+!> returns. Floor: deck.
 module limber_deck_diagnostics
    use limber_base_names, only: name_index_type
    use limber_base_text, only: as_text, newline

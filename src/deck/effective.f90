@@ -1,5 +1,5 @@
-!> The effective deck: all that a run used, defaults included and numbers evaluated, as a deck that can
-!> be read again. It is stored with the results. Floor: deck.
+!> Effective deck: the deck with all defaults and values. All that a run used, defaults included and numbers evaluated, as a deck
+!> that can be read again. It is stored with the results. Floor: deck.
 module limber_deck_effective
    use limber_base_text, only: as_text, newline
    use limber_deck_schema, only: form_none, form_text, form_assignments, kind_text, kind_path, kind_label, &

@@ -1,6 +1,5 @@
-!> Makes the postfix program of an expression: constants, slots and operations one after the other.
-!> Operations on constants are carried out at once, so that one without a value is reported where it
-!> stands. Floor: deck.
+!> Output of the expression compiler. Constants, slots and operations one after the other. Operations on constants are carried out
+!> at once, so that one without a value is reported where it stands. Floor: deck.
 module limber_deck_emitter
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp

@@ -1,5 +1,5 @@
-!> An expression of a deck as a postfix program on a small stack: made once by `limber_deck_compile`,
-!> evaluated in every step without allocation. Floor: deck.
+!> Expression as a postfix program on a small stack. Made once by `limber_deck_compile`, evaluated in every step without allocation.
+!> Floor: deck.
 module limber_deck_expression
    use limber_base_kinds, only: wp, long
    use limber_deck_origin, only: origin_type

@@ -1,5 +1,5 @@
-!> Models of a beam: the options that mean something for some of them only, and the model that a deck means by what it gives.
-!> Floor: deck.
+!> Models of a beam and the options of each. The options that mean something for some of them only, and the model that a deck means
+!> by what it gives. Floor: deck.
 module limber_deck_families
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_keywords, only: option_table

@@ -1,5 +1,5 @@
-!> THE table of the deck language: every keyword, option and field once. It drives the reader, `limber help`,
-!> the reference chapter of the manual and the effective deck; a new keyword is new rows here. Floor: deck.
+!> Keyword table: every keyword, option and field once. It drives the reader, `limber help`, the reference chapter of the manual and
+!> the effective deck; a new keyword is new rows here. Floor: deck.
 module limber_deck_keywords
    use limber_deck_body_options, only: body_options, beam_options, frame_options
    use limber_deck_lexer, only: collapsed

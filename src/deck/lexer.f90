@@ -1,5 +1,5 @@
-!> The smallest parts of a deck's line: fields between commas, trailing comments, names. A part is a
-!> text with its origin. Floor: deck.
+!> Fields, comments and names of a line. Fields between commas, trailing comments, names. A part is a text with its origin. Floor:
+!> deck.
 module limber_deck_lexer
    use limber_base_text, only: uppercase
    use limber_deck_origin, only: origin_type, part_of

@@ -1,5 +1,5 @@
-!> The operations that an expression of a deck may hold: their names, their values, where they are not
-!> defined, and their first and second derivatives. Floor: deck.
+!> Operations and functions of expressions. Their names, their values, where they are not defined, and their first and second
+!> derivatives. Floor: deck.
 module limber_deck_operations
    use limber_base_kinds, only: wp
    implicit none

@@ -1,5 +1,5 @@
-!> Where a piece of a deck was written. Every record, option and field keeps its origin, so that an
-!> error found much later, also by the model builder, can show the line and a caret. Floor: deck.
+!> Place of a piece of a deck: file, line, column. Every record, option and field keeps its origin, so that an error found much
+!> later, also by the model builder, can show the line and a caret. Floor: deck.
 module limber_deck_origin
    implicit none
    private

@@ -1,4 +1,4 @@
-!> The named numbers that a deck defines with *PARAMETER. Floor: deck.
+!> Named numbers of *PARAMETER. Floor: deck.
 module limber_deck_parameters
    use limber_base_kinds, only: wp
    use limber_base_names, only: name_index_type

@@ -1,8 +1,7 @@
-!> What an expression can be while its slots are within intervals: bounds of its values by interval arithmetic, whether one formula
-!> holds throughout, and whether it is defined throughout. Samples miss what comes and goes between them, bounds do not. They can
-!> be too wide where a slot occurs several times, and get exact as the interval shrinks. What overflows on the way is infinite, so
-!> that its inverse is zero; what is no number then may be any. Floor: deck.
-!> Source: Moore, Interval Analysis, 1966; doc/theory, eq. (190).
+!> Bounds of an expression by interval arithmetic. Bounds of its values by interval arithmetic, whether one formula holds
+!> throughout, and whether it is defined throughout. Samples miss what comes and goes between them, bounds do not. They can be too
+!> wide where a slot occurs several times, and get exact as the interval shrinks. What overflows on the way is infinite, so that its
+!> inverse is zero; what is no number then may be any. Floor: deck. Source: Moore, Interval Analysis, 1966; doc/theory, eq. (5.43).
 module limber_deck_range
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type, max_stack, is_binary

@@ -1,4 +1,4 @@
-!> Reads a deck: files and their lines become blocks; every error is collected with its place. The first
+!> Reader of decks: from files to blocks. Files and their lines become blocks; every error is collected with its place. The first
 !> station of the data flow; the model builder takes it from here. Floor: deck.
 !>
 !>     call read_deck('rod.inp', deck, diagnostics)
@@ -18,7 +18,7 @@ module limber_deck_reader
    use limber_deck_schema, only: form_text
    use limber_deck_keywords, only: keyword_table
    use limber_deck_content, only: deck_type, repeat_type, resize_blocks
-   use limber_deck_assembly, only: assembly_type, begin_block, add_line, end_block, tell_name
+   use limber_deck_blocks, only: open_block_type, begin_block, add_line, end_block, tell_name
    use limber_deck_checks, only: check_deck
    use limber_deck_values, only: suggestion
    implicit none
@@ -70,7 +70,7 @@ contains
    subroutine read_all(deck, diagnostics)
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(assembly_type) :: assembly
+      type(open_block_type) :: assembly
       allocate (deck%repeats(0))
       call read_lines(1, 1, assembly, deck, diagnostics)
       call resize_blocks(deck%blocks, assembly%blocks)
@@ -108,7 +108,7 @@ contains
    recursive subroutine read_lines(file, nesting, assembly, deck, diagnostics)
       !> Index of the file in the source, and how deep it is included (1: not at all); copies, as the deck grows meanwhile
       integer, value :: file, nesting
-      type(assembly_type), intent(inout) :: assembly
+      type(open_block_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       if (is_binary(deck%source%files(file))) then
@@ -122,7 +122,7 @@ contains
    recursive subroutine read_stretch(file, first, last, nesting, assembly, deck, diagnostics)
       !> Index of the file, first and last line, how deep it is included; copies
       integer, value :: file, first, last, nesting
-      type(assembly_type), intent(inout) :: assembly
+      type(open_block_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(part_type), allocatable :: parts(:)
@@ -158,7 +158,7 @@ contains
 
    !> Closes the open block without keeping it.
    subroutine drop_block(assembly, deck, diagnostics)
-      type(assembly_type), intent(inout) :: assembly
+      type(open_block_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       call end_block(assembly, deck, diagnostics)
@@ -173,7 +173,7 @@ contains
       integer, intent(inout) :: line
       !> Line to end before or at; how deep the file is included; copies
       integer, value :: last, nesting
-      type(assembly_type), intent(inout) :: assembly
+      type(open_block_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(repeat_type) :: stretch
@@ -212,7 +212,7 @@ contains
 
    !> Index and number of turns of an open *REPEAT.
    subroutine begin_repeat(assembly, deck, counter, from, turns, diagnostics)
-      type(assembly_type), intent(in) :: assembly
+      type(open_block_type), intent(in) :: assembly
       type(deck_type), intent(in) :: deck
       !> The index, yet without a value
       type(parameter_type), intent(out) :: counter
@@ -273,7 +273,7 @@ contains
    !> Takes note of a line in error, so that what it leaves out is not reported as missing.
    subroutine skip_broken(line, assembly, deck, diagnostics)
       character(*), intent(in) :: line
-      type(assembly_type), intent(inout) :: assembly
+      type(open_block_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(part_type) :: parts(1)
@@ -300,7 +300,7 @@ contains
 
    !> Whether data lines are free text now.
    pure logical function is_free_text(assembly)
-      type(assembly_type), intent(in) :: assembly
+      type(open_block_type), intent(in) :: assembly
       is_free_text = .false.
       if (assembly%row > 0) is_free_text = keyword_table(assembly%row)%form == form_text
    end function is_free_text
@@ -423,7 +423,7 @@ contains
    recursive subroutine include(file, nesting, assembly, deck, diagnostics)
       !> Index of the including file, and its nesting; copies
       integer, value :: file, nesting
-      type(assembly_type), intent(inout) :: assembly
+      type(open_block_type), intent(inout) :: assembly
       type(deck_type), intent(inout) :: deck
       type(diagnostics_type), intent(inout) :: diagnostics
       type(error_type), allocatable :: error

@@ -1,4 +1,4 @@
-!> What a row of the keyword table says. The rows themselves are in `limber_deck_keywords`. Floor: deck.
+!> Form of a row of the keyword table. The rows themselves are in `limber_deck_keywords`. Floor: deck.
 module limber_deck_schema
    implicit none
    private

@@ -1,4 +1,4 @@
-!> Words of other programs and of common speech, and what they are called in a deck: for messages. Floor: deck.
+!> Words of other programs and the deck's words for them, for messages. For messages. Floor: deck.
 module limber_deck_synonyms
    implicit none
    private
@@ -12,11 +12,11 @@ module limber_deck_synonyms
    end type synonym_type
 
    !> A keyword of other programs, and how its purpose is reached here
-   type :: advice_type
+   type :: remark_type
       !> In upper case
       character(20) :: written
       character(130) :: advice
-   end type advice_type
+   end type remark_type
 
    !> Words of options and their values
    type(synonym_type), parameter :: synonyms(*) = [ &
@@ -65,50 +65,50 @@ module limber_deck_synonyms
       & synonym_type('STEP', 'FIXED STEP')]
 
    !> Keywords
-   type(advice_type), parameter :: advices(*) = [ &
-      & advice_type('CONTACT', 'write a stiff one-sided spring: *FORCE with max(0, stiffness*depth)'), &
-      & advice_type('IMPACT', 'write a stiff one-sided spring: *FORCE with max(0, stiffness*depth)'), &
-      & advice_type('EVENT', 'laws with step, min and max change by themselves where their argument does'), &
-      & advice_type('BODY', 'a body is a *RIGID BODY, *POINT MASS, *BEAM or *FRAME'), &
-      & advice_type('HINGE', 'write *JOINT, TYPE=REVOLUTE'), &
-      & advice_type('REVOLUTE', 'write *JOINT, TYPE=REVOLUTE'), &
-      & advice_type('PRISMATIC', 'write *JOINT, TYPE=TRANSLATIONAL'), &
-      & advice_type('TRANSLATIONAL', 'write *JOINT, TYPE=TRANSLATIONAL'), &
-      & advice_type('WELD', 'write *JOINT, TYPE=WELD'), &
-      & advice_type('GEAR', 'write *JOINT, TYPE=GEAR'), &
-      & advice_type('RACK', 'write *JOINT, TYPE=RACK'), &
-      & advice_type('BELT', 'write *JOINT, TYPE=BELT'), &
-      & advice_type('CAM', 'write *JOINT, TYPE=POINT ON CURVE, and *CURVE'), &
-      & advice_type('ROD', 'write *JOINT, TYPE=ROD'), &
-      & advice_type('CONSTRAINT', 'joints are *JOINT and *COUPLER, given motions *DRIVER and *MOTION'), &
-      & advice_type('MOTOR', 'a given motion is a *DRIVER, a given torque a *TORQUE'), &
-      & advice_type('ACTUATOR', 'a given motion is a *DRIVER, a force between points a *SPRING with a law'), &
-      & advice_type('DAMPER', 'write *SPRING, DAMPING=...'), &
-      & advice_type('LOAD', 'loads are *FORCE, *TORQUE, *SPRING and *DISTRIBUTED LOAD'), &
-      & advice_type('CLOAD', 'write *FORCE'), &
-      & advice_type('DLOAD', 'write *DISTRIBUTED LOAD'), &
-      & advice_type('STEP', 'analyses are *STATICS, *KINEMATICS, *INVERSE DYNAMICS, *MODES and *DYNAMICS'), &
-      & advice_type('STATIC', 'write *STATICS'), &
-      & advice_type('DYNAMIC', 'write *DYNAMICS'), &
-      & advice_type('FREQUENCY', 'write *MODES'), &
-      & advice_type('BUCKLE', 'write *STATICS: it finds critical loads'), &
-      & advice_type('ELASTIC', 'write *MATERIAL, NAME=..., YOUNG=..., DENSITY=...'), &
-      & advice_type('INITIAL CONDITIONS', 'write X, Y, ANGLE, VX, VY and SPIN of the bodies'), &
-      & advice_type('AMPLITUDE', 'write *TABLE, and its name as a function of t'), &
-      & advice_type('MARKER', 'named points are data lines of their body'), &
-      & advice_type('END', 'a deck ends with its last line')]
+   type(remark_type), parameter :: advices(*) = [ &
+      & remark_type('CONTACT', 'write a stiff one-sided spring: *FORCE with max(0, stiffness*depth)'), &
+      & remark_type('IMPACT', 'write a stiff one-sided spring: *FORCE with max(0, stiffness*depth)'), &
+      & remark_type('EVENT', 'laws with step, min and max change by themselves where their argument does'), &
+      & remark_type('BODY', 'a body is a *RIGID BODY, *POINT MASS, *BEAM or *FRAME'), &
+      & remark_type('HINGE', 'write *JOINT, TYPE=REVOLUTE'), &
+      & remark_type('REVOLUTE', 'write *JOINT, TYPE=REVOLUTE'), &
+      & remark_type('PRISMATIC', 'write *JOINT, TYPE=TRANSLATIONAL'), &
+      & remark_type('TRANSLATIONAL', 'write *JOINT, TYPE=TRANSLATIONAL'), &
+      & remark_type('WELD', 'write *JOINT, TYPE=WELD'), &
+      & remark_type('GEAR', 'write *JOINT, TYPE=GEAR'), &
+      & remark_type('RACK', 'write *JOINT, TYPE=RACK'), &
+      & remark_type('BELT', 'write *JOINT, TYPE=BELT'), &
+      & remark_type('CAM', 'write *JOINT, TYPE=POINT ON CURVE, and *CURVE'), &
+      & remark_type('ROD', 'write *JOINT, TYPE=ROD'), &
+      & remark_type('CONSTRAINT', 'joints are *JOINT and *COUPLER, given motions *DRIVER and *MOTION'), &
+      & remark_type('MOTOR', 'a given motion is a *DRIVER, a given torque a *TORQUE'), &
+      & remark_type('ACTUATOR', 'a given motion is a *DRIVER, a force between points a *SPRING with a law'), &
+      & remark_type('DAMPER', 'write *SPRING, DAMPING=...'), &
+      & remark_type('LOAD', 'loads are *FORCE, *TORQUE, *SPRING and *DISTRIBUTED LOAD'), &
+      & remark_type('CLOAD', 'write *FORCE'), &
+      & remark_type('DLOAD', 'write *DISTRIBUTED LOAD'), &
+      & remark_type('STEP', 'analyses are *STATICS, *KINEMATICS, *INVERSE DYNAMICS, *MODES and *DYNAMICS'), &
+      & remark_type('STATIC', 'write *STATICS'), &
+      & remark_type('DYNAMIC', 'write *DYNAMICS'), &
+      & remark_type('FREQUENCY', 'write *MODES'), &
+      & remark_type('BUCKLE', 'write *STATICS: it finds critical loads'), &
+      & remark_type('ELASTIC', 'write *MATERIAL, NAME=..., YOUNG=..., DENSITY=...'), &
+      & remark_type('INITIAL CONDITIONS', 'write X, Y, ANGLE, VX, VY and SPIN of the bodies'), &
+      & remark_type('AMPLITUDE', 'write *TABLE, and its name as a function of t'), &
+      & remark_type('MARKER', 'named points are data lines of their body'), &
+      & remark_type('END', 'a deck ends with its last line')]
 
    character(*), parameter :: gone_with_full = 'leave it out: it went with FULL, whose successor is GEOMETRIC=EXACT'
    !> Options and words of earlier versions
-   type(advice_type), parameter :: removals(*) = [ &
-      & advice_type('FULL', 'its successor is EXACT, the default of *BEAM; a *FRAME has K_G'), &
-      & advice_type('END FORCE', gone_with_full), &
-      & advice_type('CENTRIFUGAL', gone_with_full), &
-      & advice_type('MODAL DERIVATIVES', gone_with_full), &
-      & advice_type('END SHAPES', 'write CORRECTIONS=YES, or leave it out with GEOMETRIC=EXACT'), &
-      & advice_type('BASIS', 'a *BEAM has CORRECTIONS=YES, a *FRAME has BASIS'), &
-      & advice_type('FREQUENCY LIMIT', 'a *BEAM has BENDING MODES and AXIAL MODES, a *FRAME has FREQUENCY LIMIT'), &
-      & advice_type('AXIAL DYNAMICS', 'an EXACT beam with STRAIN FUNCTIONS=0 has no axial vibrations')]
+   type(remark_type), parameter :: removals(*) = [ &
+      & remark_type('FULL', 'its successor is EXACT, the default of *BEAM; a *FRAME has K_G'), &
+      & remark_type('END FORCE', gone_with_full), &
+      & remark_type('CENTRIFUGAL', gone_with_full), &
+      & remark_type('MODAL DERIVATIVES', gone_with_full), &
+      & remark_type('END SHAPES', 'write CORRECTIONS=YES, or leave it out with GEOMETRIC=EXACT'), &
+      & remark_type('BASIS', 'a *BEAM has CORRECTIONS=YES, a *FRAME has BASIS'), &
+      & remark_type('FREQUENCY LIMIT', 'a *BEAM has BENDING MODES and AXIAL MODES, a *FRAME has FREQUENCY LIMIT'), &
+      & remark_type('AXIAL DYNAMICS', 'an EXACT beam with STRAIN FUNCTIONS=0 has no axial vibrations')]
 
 contains
 

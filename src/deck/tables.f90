@@ -1,5 +1,5 @@
-!> Tables as functions of one argument: straight between their points or a cubic spline, and constant beyond them. A table is
-!> packed into an array of reals, [points, kind, arguments, values, second derivatives], which expressions carry with them.
+!> Tables: functions of one argument by points. Straight between their points or a cubic spline, and constant beyond them. A table
+!> is packed into an array of reals, [points, kind, arguments, values, second derivatives], which expressions carry with them.
 !> Floor: deck.
 module limber_deck_tables
    use limber_base_kinds, only: wp

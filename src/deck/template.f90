@@ -1,4 +1,4 @@
-!> Whole numbers within names: `bar<i>`, `bar<i - 1>.end` with the index of a *REPEAT or any parameter. Floor: deck.
+!> Whole numbers within names, as in bar<i>. `bar<i>`, `bar<i - 1>.end` with the index of a *REPEAT or any parameter. Floor: deck.
 module limber_deck_template
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text

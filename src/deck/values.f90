@@ -1,5 +1,4 @@
-!> Reads single values of a deck as the keyword table wants them: options, and fields of data lines.
-!> Floor: deck.
+!> Values of options and fields by the keyword table. Options, and fields of data lines. Floor: deck.
 module limber_deck_values
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase, nearest_name

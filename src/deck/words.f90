@@ -1,5 +1,5 @@
-!> What single words of the keyword table mean, where a line on the option does not say enough: `limber help` and the manual
-!> show them behind the data lines. Floor: deck.
+!> Meaning of single words of the keyword table, for help. `limber help` and the manual show them behind the data lines. Floor:
+!> deck.
 module limber_deck_words
    implicit none
    private

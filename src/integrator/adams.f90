@@ -1,24 +1,23 @@
-!> ADAMS: predictor-corrector of Adams, Bashforth and Moulton (PECE) with variable order and step, in the divided-difference
-!> form of Shampine and Gordon, on the equations of index 1. After each correction the coordinates and velocities are
-!> projected onto the constraints, least in the mass norm. Coordinates that follow from others at once are not integrated.
-!> Floor: integrator.
-!> Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapters 5 and 10;
-!> doc/theory, eqs. (36)-(38).
+!> ADAMS: predictor-corrector of variable order and step. Predictor-corrector of Adams, Bashforth and Moulton (PECE) with variable
+!> order and step, in the divided-difference form of Shampine and Gordon, on the equations of index 1. After each correction the
+!> coordinates and velocities are projected onto the constraints, least in the mass norm. Coordinates that follow from others at
+!> once are not integrated. Floor: integrator. Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations,
+!> 1975, chapters 5 and 10; doc/theory, eqs. (5.1)-(5.3).
 module limber_integrator_adams
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_adams_errors, only: add_lost, gamma_star, estimate_errors, weighted
-   use limber_integrator_differences, only: most, step_coefficients, interpolation_coefficients, interpolate, predict, &
+   use limber_integrator_divided_differences, only: most, step_coefficients, interpolation_coefficients, interpolate, predict, &
       & finish_differences, restore_differences
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales, energy_scale
-   use limber_system_kinematics, only: place_frames
-   use limber_system_dynamics, only: linearise, linearise_placed, accelerations, input_power
-   use limber_system_projection, only: project_position, project_velocity, list_unplaced, place_known
-   use limber_system_layout, only: rates_of
-   use limber_system_recursion, only: recursion_type, new_recursion, recursive_accelerations, recursive_settle
-   use limber_system_system, only: system_type, workspace_type
+   use limber_integrator_error_scales, only: scales_type, new_scales, update_scales, energy_scale
+   use limber_multibody_kinematics, only: place_frames
+   use limber_multibody_equations_of_motion, only: linearise, linearise_placed, accelerations, input_power
+   use limber_multibody_projection, only: project_position, project_velocity, list_unplaced, place_known
+   use limber_multibody_layout, only: rates_of
+   use limber_multibody_articulated_rigid, only: articulated_rigid_type, new_recursion, recursive_accelerations, recursive_settle
+   use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
    public :: adams_type
@@ -61,10 +60,10 @@ module limber_integrator_adams
       !> Whether there are drivers, whose power asks for their multipliers
       logical :: driven = .false.
       !> The bodies of an open chain or tree, whose accelerations need no matrix
-      type(recursion_type) :: tree
+      type(articulated_rigid_type) :: tree
       !> Next step, last step
       real(wp) :: h = 0.0_wp, h_last = 0.0_wp
-      !> Length of the whole analysis; local error allowed in the present step, eq. (L5)
+      !> Length of the whole analysis; local error allowed in the present step, eq. (5.5)
       real(wp) :: duration = 0.0_wp, bound = 0.0_wp
       !> Next order, last order, steps taken with the same h
       integer :: k = 1, k_last = 0, ns = 0
@@ -335,7 +334,7 @@ contains
    end subroutine note_vibrations
 
    !> Local error allowed in a step: errors of the speed of what turns add up turn by turn, and those of its angle with the square
-   !> of that, so that a long run of many turns needs smaller ones, eq. (L5).
+   !> of that, so that a long run of many turns needs smaller ones, eq. (5.5).
    pure real(wp) function turning_bound(self, system, q, v) result(bound)
       class(adams_type), intent(in) :: self
       type(system_type), intent(in) :: system
@@ -372,8 +371,8 @@ contains
       self%ns = 0
    end subroutine retreat
 
-   !> Whether the derivative at the corrected state confirms that at the predicted one, eq. (D3): where a law jumps between the two, as
-   !> one that a body rests at does, the error estimate knows nothing of it. Else the state is what it was before.
+   !> Whether the derivative at the corrected state confirms that at the predicted one, eq. (5.56): where a law jumps between the
+   !> two, as one that a body rests at does, the error estimate knows nothing of it. Else the state is what it was before.
    subroutine confirm(self, accepted)
       class(adams_type), intent(inout) :: self
       logical, intent(out) :: accepted

@@ -1,10 +1,8 @@
-!> The local error of a step of ADAMS, at its order and at lower ones, from the differences of the derivatives, and what coordinates
-!> lose by round-off in short steps; on arrays alone.
-!> Floor: integrator. Source: Shampine and Gordon, Computer Solution of Ordinary Differential Equations, 1975, chapter 10,
-!> block 2; doc/theory, eq. (W7).
+!> Local errors of the method of Adams at several orders. Floor: integrator. Source: Shampine and Gordon, Computer Solution of
+!> Ordinary Differential Equations, 1975, chapter 10, block 2; doc/theory, eq. (5.4).
 module limber_integrator_adams_errors
    use limber_base_kinds, only: wp
-   use limber_integrator_differences, only: most
+   use limber_integrator_divided_differences, only: most
    implicit none
    private
    public :: estimate_errors, weighted, add_lost
@@ -72,7 +70,7 @@ contains
    end subroutine estimate_errors
 
    !> The lowest order whose difference is as large as that of the present one: a law that jumps, or nearly does, within the step
-   !> adds the same to the differences of all orders, and what the higher ones promise does not hold, eq. (W7).
+   !> adds the same to the differences of all orders, and what the higher ones promise does not hold, eq. (5.4).
    pure integer function seen_order(ny, n, k, h, scale, yp, phi, largest) result(order)
       integer, intent(in) :: ny, n, k
       real(wp), intent(in) :: h, scale(n), yp(ny), phi(ny, most + 2)

@@ -1,26 +1,26 @@
-!> ALPHA: generalised-alpha of order 2 with a chosen spectral radius at infinity, on the equations of index 2: motion and
-!> velocity constraints at the end of the step, the position constraints restored by projection after it. Variable step by the
-!> local error, filtered so that vibrations which the step does not resolve do not bind it.
-!> Floor: integrator. Source: Chung and Hulbert, J. Appl. Mech. 60 (1993) 371; Arnold and Bruels, Multibody System Dynamics 18
-!> (2007) 185; doc/theory, eqs. (46)-(48).
+!> ALPHA: generalised alpha of order 2. Generalised-alpha of order 2 with a chosen spectral radius at infinity, on the equations of
+!> index 2: motion and velocity constraints at the end of the step, the position constraints restored by projection after it.
+!> Variable step by the local error, filtered so that vibrations which the step does not resolve do not bind it. Floor: integrator.
+!> Source: Chung and Hulbert, J. Appl. Mech. 60 (1993) 371; Arnold and Bruels, Multibody System Dynamics 18 (2007) 185; doc/theory,
+!> eqs. (5.17)-(5.19).
 module limber_integrator_alpha
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
-   use limber_integrator_cubic, only: cubic_state
+   use limber_integrator_cubic_output, only: cubic_state
    use limber_integrator_implicit, only: implicit_type
    use limber_integrator_integrator, only: constraint_limit
-   use limber_integrator_scales, only: energy_scale
-   use limber_system_dynamics, only: accelerations, input_power
-   use limber_system_forest, only: forest_type, new_forest, forest_solve
-   use limber_system_forest_factors, only: forest_factor
-   use limber_system_forest_motion, only: forest_residual, forest_settle, forest_times_mass, forest_power
-   use limber_system_layout, only: rates_of, velocities_of, advance
-   use limber_system_motion, only: motion_residual, place_motion
-   use limber_system_projection, only: settle
-   use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: combine, give_way
-   use limber_system_tangent_products, only: times_mass
+   use limber_integrator_error_scales, only: energy_scale
+   use limber_multibody_equations_of_motion, only: accelerations, input_power
+   use limber_multibody_articulated, only: articulated_type, new_forest, forest_solve
+   use limber_multibody_articulated_factors, only: forest_factor
+   use limber_multibody_articulated_motion, only: forest_residual, forest_settle, forest_times_mass, forest_power
+   use limber_multibody_layout, only: rates_of, velocities_of, advance
+   use limber_multibody_motion_residual, only: motion_residual, place_motion
+   use limber_multibody_projection, only: settle
+   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_tangent, only: combine, give_way
+   use limber_multibody_tangent_products, only: times_mass
    implicit none
    private
    public :: alpha_type
@@ -42,7 +42,7 @@ module limber_integrator_alpha
       !> Scratch
       real(wp), allocatable :: motion(:), rate(:), unknown(:), e(:)
       !> Where bodies on pins close no loop and stand on the ground: takes the place of the tangent and of the multiplier system
-      type(forest_type) :: forest
+      type(articulated_type) :: forest
    contains
       procedure :: start => alpha_start
       procedure :: step => alpha_step

@@ -1,28 +1,28 @@
-!> CONSERVING: an energy-momentum scheme of order 2 by discrete gradients. Energy less work put in, and linear and angular
-!> momentum where the scene keeps them, are constant to round-off at any step; the position constraints hold at the end of every
-!> step, with one set of multipliers for a step (index 3). Its velocities meet the velocity constraints in the mean of a step only;
-!> where drivers move the scene they are brought onto them at the end of each step, at the cost of the drivers' work, eq. (W5).
-!> Floor: integrator. Source: Simo and Tarnow, ZAMP 43 (1992) 757; Gonzalez, J. Nonlinear Sci. 6 (1996) 449; doc/theory, eqs.
-!> (49)-(57).
+!> CONSERVING: energy-momentum scheme of order 2. An energy-momentum scheme of order 2 by discrete gradients. Energy less work put
+!> in, and linear and angular momentum where the scene keeps them, are constant to round-off at any step; the position constraints
+!> hold at the end of every step, with one set of multipliers for a step (index 3). Its velocities meet the velocity constraints in
+!> the mean of a step only; where drivers move the scene they are brought onto them at the end of each step, at the cost of the
+!> drivers' work, eq. (5.33). Floor: integrator. Source: Simo and Tarnow, ZAMP 43 (1992) 757; Gonzalez, J. Nonlinear Sci. 6 (1996)
+!> 449; doc/theory, eqs. (5.21)-(5.27), (5.29), (5.31).
 module limber_integrator_conserving
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
-   use limber_integrator_cubic, only: cubic_state
+   use limber_integrator_cubic_output, only: cubic_state
    use limber_integrator_integrator, only: integrator_type
-   use limber_integrator_means, only: means_type, new_means, begin_means, predict, find_curvature, note_mean
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain
-   use limber_system_discrete, only: step_residual, linearise_step, step_work
-   use limber_system_dynamics, only: linearise, accelerations
-   use limber_system_forest, only: forest_type, new_forest, forest_solve
-   use limber_system_forest_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
-   use limber_system_kinematics, only: place_frames, move_frames
-   use limber_system_layout, only: layout_type, rates_of, velocities_of
-   use limber_system_projection, only: project_velocity
-   use limber_system_step, only: step_type, new_step, begin_step, find_momenta, frame_rates, fixed_rates
-   use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent, give_way
-   use limber_system_tangent_products, only: times_mass
+   use limber_integrator_mean_rates, only: means_type, new_means, begin_means, predict, find_curvature, note_mean
+   use limber_integrator_error_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain
+   use limber_multibody_discrete_motion, only: step_residual, linearise_step, step_work
+   use limber_multibody_equations_of_motion, only: linearise, accelerations
+   use limber_multibody_articulated, only: articulated_type, new_forest, forest_solve
+   use limber_multibody_articulated_step, only: begin_forest_step, forest_step_residual, forest_step_factor, forest_step_mass
+   use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_layout, only: layout_type, rates_of, velocities_of
+   use limber_multibody_projection, only: project_velocity
+   use limber_multibody_discrete_step, only: discrete_step_type, new_step, begin_step, find_momenta, frame_rates, fixed_rates
+   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_tangent, only: tangent_type, new_tangent, give_way
+   use limber_multibody_tangent_products, only: times_mass
    implicit none
    private
    public :: conserving_type
@@ -34,7 +34,7 @@ module limber_integrator_conserving
    !> the correction that is too small to matter, and the one at which no progress, a ratio so large, counts as round-off, or that
    !> in units of the round-off of places: what is stiff multiplies it; part of the tolerance that counts as round-off where so
    !> many corrections in a row make no progress, and at most: what bends much for little force multiplies it more; and the
-   !> corrections, in units of the round-off of coordinates, eq. (H5), that count as round-off there
+   !> corrections, in units of the round-off of coordinates, eq. (5.30), that count as round-off there
    real(wp), parameter :: slow = 0.05_wp, same_step = 1.0e-3_wp, negligible = 1.0e-18_wp, small_correction = 1.0e-9_wp, &
       & no_progress = 0.5_wp, stiff = 200.0_wp, part_of_tolerance = 0.01_wp, most_noise = 1.0e-7_wp, grains = 50.0_wp
    integer, parameter :: stalled = 4
@@ -54,15 +54,15 @@ module limber_integrator_conserving
       real(wp), allocatable :: motion(:), phi(:), unknown(:), e(:), change(:)
       !> Multipliers under which redundant constraints do not give way, and how far those of the step differ (nc)
       real(wp), allocatable :: held(:), apart(:)
-      type(step_type) :: trial
+      type(discrete_step_type) :: trial
       type(tangent_type) :: tangent
       !> Where bodies on pins close no loop: takes the place of the tangent
-      type(forest_type) :: forest
+      type(articulated_type) :: forest
       type(layout_type) :: layout
       type(scales_type) :: scales
       !> Scales of coordinates and rates in the layout of the rates (nw)
       real(wp), allocatable :: scale_x(:), scale_w(:)
-      !> Changes of the coordinates in the layout of the rates that move places by round-off, eq. (H5) (nw)
+      !> Changes of the coordinates in the layout of the rates that move places by round-off, eq. (5.30) (nw)
       real(wp), allocatable :: grain(:)
       !> Impulses of the multipliers that change the momenta much (nc)
       real(wp), allocatable :: scale_lambda(:)
@@ -242,7 +242,7 @@ contains
    end function even_step
 
    !> The end of the step. What redundant constraints give way is taken back: under the multipliers found they give way no more,
-   !> eq. (H1). Beside a fold little of it would be much of the reactions.
+   !> eq. (4.37). Beside a fold little of it would be much of the reactions.
    subroutine find_end(self, system, work, good)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -371,7 +371,7 @@ contains
       if (.not. singular) self%h_factors = self%trial%h
    end subroutine refresh
 
-   !> Local error in units of the scales, eq. (57): from the mean rates of three steps, through the Newton matrix, which lets pass
+   !> Local error in units of the scales, eq. (5.31): from the mean rates of three steps, through the Newton matrix, which lets pass
    !> what the step resolves.
    subroutine estimate_error(self, system, err)
       class(conserving_type), intent(inout) :: self
@@ -397,7 +397,7 @@ contains
       square = filtered_square(self, system, scales)
    end function part_of_error
 
-   !> The same of what frames turn too little, eq. (194): a steady rotation has no other error.
+   !> The same of what frames turn too little, eq. (5.32): a steady rotation has no other error.
    real(wp) function turning_error(self, system) result(square)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -433,7 +433,7 @@ contains
    end function filtered_square
 
    !> Increment and rates at the end of the step that is tried, in the fixed axes, and the work put in. What the forces of the step
-   !> do differs from what their laws do along the way, eq. (W3): that is energy that the scheme feeds, and must be small.
+   !> do differs from what their laws do along the way, eq. (5.28): that is energy that the scheme feeds, and must be small.
    subroutine measure_work(self, system, work, err, good)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -490,8 +490,9 @@ contains
       end do
    end function missed_work
 
-   !> Brings the rates at the end of the step onto the velocity constraints, least in the mass norm, eq. (W5). Only what constraints
-   !> prescribe changes; the kinetic energy that this gives or takes is work of the drivers. At a singular place they stay.
+   !> Brings the rates at the end of the step onto the velocity constraints, least in the mass norm, eq. (5.33). Only what
+   !> constraints prescribe changes; the kinetic energy that this gives or takes is work of the drivers. At a singular place they
+   !> stay.
    subroutine follow_drivers(self, system, work)
       class(conserving_type), intent(inout) :: self
       type(system_type), intent(in) :: system

@@ -1,19 +1,20 @@
-!> What ALPHA and RADAU share: the state and the last step, the Newton matrix of the equations of motion and its derivatives, the
-!> way past a fold. Floor: integrator. Source: doc/theory, eqs. (39)-(41), (76), (77), (P6).
+!> Common parts of ALPHA and RADAU. The state and the last step, the Newton matrix of the equations of motion and its derivatives,
+!> the way past a fold. Floor: integrator. Source: doc/theory, eqs. (4.15), (4.16), (4.18), (4.38), (4.39), (4.41).
 module limber_integrator_implicit
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text
-   use limber_integrator_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, across_allowed
+   use limber_integrator_fold_crossing, only: crossing_type, new_crossing, find_fold, step_across, increments_between, &
+      & across_allowed
    use limber_integrator_integrator, only: integrator_type, constraint_limit
-   use limber_integrator_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale
-   use limber_system_algebra, only: cross
-   use limber_system_dynamics, only: linearise, accelerations, input_power
-   use limber_system_layout, only: layout_type, rates_of, advance
-   use limber_system_motion, only: linearise_motion, place_motion
-   use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: tangent_type, new_tangent
+   use limber_integrator_error_scales, only: scales_type, new_scales, update_scales, rate_scales, energy_scale
+   use limber_multibody_plane_vectors, only: cross
+   use limber_multibody_equations_of_motion, only: linearise, accelerations, input_power
+   use limber_multibody_layout, only: layout_type, rates_of, advance
+   use limber_multibody_motion_residual, only: linearise_motion, place_motion
+   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_tangent, only: tangent_type, new_tangent
    implicit none
    private
    public :: implicit_type
@@ -41,7 +42,7 @@ module limber_integrator_implicit
       logical :: fresh = .false.
       integer :: iterations = 0
       !> Factor of what Newton's method may leave: where it fails time and again, that is not small beside the width of a law, as
-      !> that of friction near rest, eq. (L3)
+      !> that of friction near rest, eq. (5.11)
       real(wp) :: strictness = 1.0_wp
    contains
       procedure :: begin, begin_step_size, use_sparse, refresh, take_over, renew_scales, heed_failure, pass_fold, length_of_step, &
@@ -221,7 +222,7 @@ contains
       call self%input%accept(h, power)
    end subroutine pass_fold
 
-   !> Whether the work of a step across a fold is exact enough, eq. (P6): where drivers give the whole motion its error is that of
+   !> Whether the work of a step across a fold is exact enough, eq. (4.41): where drivers give the whole motion its error is that of
    !> its stages, which nothing settles. Too near to the fold no step is: the last of some is taken as it is.
    logical function work_across_is_good(self, system, h) result(good)
       class(implicit_type), intent(inout) :: self

@@ -1,17 +1,17 @@
-!> The abstract integrator: start, step, interpolate. It advances the state [q; v; w] of a system, w being the work put in by
-!> drivers and loads; it never writes files. Its memory is all in named components, so that it can be restarted exactly.
-!> Floor: integrator.
+!> Base type of integrators: start, step, interpolate. It advances the state [q; v; w] of a system, w being the work put in by
+!> drivers and loads; it never writes files. Its memory is all in named components, so that it can be restarted exactly. Floor:
+!> integrator.
 module limber_integrator_integrator
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
-   use limber_integrator_ringing, only: ringing_type
+   use limber_integrator_unfollowed_vibrations, only: ringing_type
    use limber_integrator_statistics, only: step_statistics_type
-   use limber_integrator_work, only: work_type
-   use limber_system_dynamics, only: worst_constraint
-   use limber_system_redundancy, only: constraint_names
-   use limber_system_system, only: system_type, workspace_type
+   use limber_integrator_work_integral, only: work_type
+   use limber_multibody_equations_of_motion, only: worst_constraint
+   use limber_multibody_redundant_constraints, only: constraint_names
+   use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
    public :: integrator_type

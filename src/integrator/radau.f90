@@ -1,26 +1,26 @@
 !> RADAU: Radau IIA of order 5, three stages, on the equations of index 2: motion and velocity constraints at every stage, the
-!> position constraints restored by projection after the step. In each Newton step one real and one complex sparse system of
-!> the exact derivatives are solved. Dense output of order 5 from coordinates, rates and accelerations at both ends.
-!> Floor: integrator. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8 and VII; doc/theory,
-!> eqs. (42)-(45).
+!> position constraints restored by projection after the step. In each Newton step one real and one complex sparse system of the
+!> exact derivatives are solved. Dense output of order 5 from coordinates, rates and accelerations at both ends. Floor: integrator.
+!> Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8 and VII; doc/theory, eqs. (5.6)-(5.8),
+!> (5.12).
 module limber_integrator_radau
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
    use limber_integrator_implicit, only: implicit_type
-   use limber_integrator_lasting, only: lasting_type, motion_time
+   use limber_integrator_lasting_errors, only: lasting_type, motion_time
    use limber_integrator_integrator, only: constraint_limit
-   use limber_integrator_quintic, only: quintic_state, quintic_place, add_projection
-   use limber_integrator_scales, only: energy_scale
+   use limber_integrator_quintic_output, only: quintic_state, quintic_place, add_projection
+   use limber_integrator_error_scales, only: energy_scale
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_t, radau_ti, radau_inverse, radau_weights, &
       & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
-   use limber_system_dynamics, only: input_power, power_at
-   use limber_system_layout, only: velocities_of, advance
-   use limber_system_motion, only: motion_residual
-   use limber_system_projection, only: settle
-   use limber_system_system, only: system_type, workspace_type
-   use limber_system_tangent, only: combine, give_way
-   use limber_system_tangent_products, only: times_mass, times_stiffness
+   use limber_multibody_equations_of_motion, only: input_power, power_at
+   use limber_multibody_layout, only: velocities_of, advance
+   use limber_multibody_motion_residual, only: motion_residual
+   use limber_multibody_projection, only: settle
+   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_tangent, only: combine, give_way
+   use limber_multibody_tangent_products, only: times_mass, times_stiffness
    implicit none
    private
    public :: radau_type
@@ -170,7 +170,7 @@ contains
    end subroutine radau_step
 
    !> Error estimate that a step may have. It is of order 4 in the step while the error that adds up is of order 5: so the result
-   !> is as good as the tolerance, eq. (44a).
+   !> is as good as the tolerance, eq. (5.9).
    pure real(wp) function bound(self)
       class(radau_type), intent(in) :: self
       bound = bound_of(self%tolerance)
@@ -414,7 +414,7 @@ contains
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error
 
-   !> Takes from the error of the rates what does not last, where the step is short beside what the motion would need, eq. (P3).
+   !> Takes from the error of the rates what does not last, where the step is short beside what the motion would need, eq. (5.16).
    subroutine weigh_rates(self, system, whole, of_rates)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
@@ -457,7 +457,7 @@ contains
    end function next_factor
 
    !> Growth of the step that Newton's method can follow after it has failed: its contraction grows with the step, and where it has
-   !> failed it fails again soon after, eq. (P4).
+   !> failed it fails again soon after, eq. (5.10).
    pure real(wp) function newton_factor(self) result(factor)
       class(radau_type), intent(in) :: self
       real(wp), parameter :: slow = 0.2_wp, part = 0.6_wp

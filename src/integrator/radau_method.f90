@@ -1,5 +1,5 @@
-!> Coefficients of Radau IIA of order 5, three stages. Floor: integrator.
-!> Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.5 and IV.8; doc/theory, eqs. (42)-(44).
+!> Coefficients of Radau IIA of order 5. Floor: integrator. Source: Hairer and Wanner, Solving Ordinary Differential Equations II,
+!> sections IV.5 and IV.8; doc/theory, eqs. (5.6)-(5.8).
 module limber_integrator_radau_method
    use limber_base_kinds, only: wp
    implicit none

@@ -1,4 +1,4 @@
-!> What every integrator counts. Floor: integrator.
+!> Counts of an integrator. Floor: integrator.
 module limber_integrator_statistics
    use limber_base_kinds, only: wp, long
    use limber_base_snapshot, only: snapshot_type

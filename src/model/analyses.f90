@@ -1,10 +1,11 @@
-!> The analyses of a deck, in its order: what each is asked for, and when it starts. Floor: model.
+!> Analyses of a deck in their order. What each is asked for, and when it starts. Floor: model.
 module limber_model_analyses
    use limber_base_text, only: as_text
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_model_scene, only: model_type, dynamics_type, step_type, step_kinematics, step_inverse, step_statics, step_modes, &
+   use limber_model_model, only: model_type, dynamics_type, analysis_step_type, step_kinematics, step_inverse, step_statics, &
+      & step_modes, &
       & step_dynamics, leave_unstable, stay_unstable, stop_unstable, velocities_kept, velocities_none, velocities_of_deck
    implicit none
    private
@@ -75,7 +76,7 @@ contains
       type(block_type), intent(in) :: block
       !> Of the block
       integer, intent(in) :: index
-      type(step_type), intent(inout) :: steps(:)
+      type(analysis_step_type), intent(inout) :: steps(:)
       type(diagnostics_type), intent(inout) :: diagnostics
       associate (step => steps(size(steps)))
          step%kind = step_kind(block%keyword)
@@ -105,7 +106,7 @@ contains
    !> The name that the deck gives, or that of the keyword, with a number from the second on.
    pure function step_name(block, steps) result(name)
       type(block_type), intent(in) :: block
-      type(step_type), intent(in) :: steps(:)
+      type(analysis_step_type), intent(in) :: steps(:)
       character(:), allocatable :: name
       integer :: i, same
       if (block%has('NAME')) then
@@ -142,7 +143,7 @@ contains
       type(block_type), intent(in) :: block
       !> Whether it is the first analysis
       logical, intent(in) :: is_first
-      type(step_type), intent(inout) :: step
+      type(analysis_step_type), intent(inout) :: step
       step%dynamics%end = block%real('PERIOD')
       step%dynamics%outputs = block%integer('INCREMENTS')
       step%ramp = is_first
@@ -177,7 +178,7 @@ contains
 
    !> Keyword and name of an analysis.
    pure function title(step) result(text)
-      type(step_type), intent(in) :: step
+      type(analysis_step_type), intent(in) :: step
       character(:), allocatable :: text
       text = '*'//trim(kind_names(step%kind))//" '"//step%name//"'"
    end function title

@@ -1,20 +1,20 @@
-!> What the deck says of a beam, or a piece of it: rigidities, mesh, masses, modes and functions. Floor: model.
+!> Choice of mesh, modes and functions of a beam. Rigidities, mesh, masses, modes and functions. Floor: model.
 module limber_model_beam_choice
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_flex_functions, only: attachment_type
-   use limber_flex_mesh, only: beam_type, new_support, concentrate, put_nodes
-   use limber_flex_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
-   use limber_model_acting, only: acting_type, acting_points, find_shared, find_turning
-   use limber_model_parts, only: is_part
+   use limber_beam_static_functions, only: attachment_type
+   use limber_beam_beam_mesh, only: beam_type, new_support, concentrate, put_nodes
+   use limber_beam_beam_reduction, only: reduction_type, available_modes, fidelity_linear, fidelity_kg, fidelity_exact
+   use limber_model_points_of_action, only: acting_type, acting_points, find_shared, find_turning
+   use limber_model_body_parts, only: is_part
    use limber_model_beam_layers, only: layer_lengths
    use limber_model_beam_features, only: read_features, refuse_features
    use limber_model_points, only: find_named
-   use limber_model_scene, only: body_type
+   use limber_model_model, only: body_type
    use limber_model_sections, only: read_section
-   use limber_model_segments, only: choose_frame, piece_at
+   use limber_model_beam_segments, only: choose_frame, piece_at
    use limber_model_short_beams, only: unsheared_beam
    implicit none
    private

@@ -1,14 +1,14 @@
-!> What the deck says of an exact beam beside its length and functions: sections along it, shear, initial curvature, heat and
-!> tension. Floor: model. Source: doc/theory, section "The exact beam", eqs. (X20)-(X24).
+!> Features of exact beams: profile, shear, curvature, heat, prestress. Sections along it, shear, initial curvature, heat and
+!> tension. Floor: model. Source: doc/theory, part 2, eqs. (2.47), (2.50)-(2.53).
 module limber_model_beam_features
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_flex_exact_profile, only: profile_type, profile_mean, profile_places, profile_values, of_ea, of_ei, of_ga, of_mass, &
+   use limber_beam_exact_profile, only: profile_type, profile_mean, profile_places, profile_values, of_ea, of_ei, of_ga, of_mass, &
       & of_rotary
-   use limber_model_parts, only: is_part
-   use limber_model_scene, only: body_type
+   use limber_model_body_parts, only: is_part
+   use limber_model_model, only: body_type
    use limber_model_sections, only: read_section, section_between, shear_factor, curved_inertia
    implicit none
    private
@@ -204,7 +204,7 @@ contains
    end function inner_reach
 
    !> Warns of beams that are thick beside their radius of curvature: axial force and bending go together there, which the functions
-   !> leave out; and what the shape of a section is that the deck does not tell, eq. (X30).
+   !> leave out; and what the shape of a section is that the deck does not tell, eq. (2.55).
    subroutine warn_of_arc(deck, block, from, fibres, diagnostics)
       type(deck_type), intent(in) :: deck
       !> Of the beam

@@ -1,11 +1,10 @@
-!> Lengths in which the bending of a taut beam dies away near its ends and near what acts on it, as far as the deck tells its tension
-!> before anything moves. Floor: model. Source: doc/theory, section "The exact beam", eq. (Y6).
+!> Decay lengths of the bending of taut beams. Floor: model. Source: doc/theory, part 2, eq. (2.35).
 module limber_model_beam_layers
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: jet_type
-   use limber_flex_mesh, only: beam_type
+   use limber_beam_beam_mesh, only: beam_type
    implicit none
    private
    public :: layer_lengths

@@ -1,4 +1,4 @@
-!> Options of a beam that mean nothing of the model that the deck chooses for it. Floor: model.
+!> Warnings of options without meaning for the model of a beam. Floor: model.
 module limber_model_beam_options
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type

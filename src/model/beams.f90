@@ -1,21 +1,21 @@
-!> Beams from the deck, whole or in segments: their reduction to modes, their bodies and named points. Floor: model.
+!> Beams of the deck, whole or in segments. Their reduction to modes, their bodies and named points. Floor: model.
 module limber_model_beams
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_flex_exact_functions, only: exact_choice_type
-   use limber_flex_functions, only: attachment_type
-   use limber_flex_library, only: library_type
-   use limber_flex_reduced, only: rigid_reduced
-   use limber_flex_reduction, only: reduce_beam
+   use limber_beam_exact_functions, only: exact_choice_type
+   use limber_beam_static_functions, only: attachment_type
+   use limber_beam_reduction_cache, only: library_type
+   use limber_beam_reduced_body, only: rigid_reduced
+   use limber_beam_beam_reduction, only: reduce_beam
    use limber_model_beam_options, only: check_options
    use limber_model_beam_choice, only: read_beam
    use limber_model_bodies, only: new_body, append_body, is_new_point, memory_of, warn_of_rounding
    use limber_model_points, only: enter_name, find_named
-   use limber_model_scene, only: model_type, body_type, body_rigid, body_flexible
-   use limber_model_segments, only: number_of_pieces, place_piece, piece_at, unite, weld_pieces, add_beam_point
+   use limber_model_model, only: model_type, body_type, body_rigid, body_flexible
+   use limber_model_beam_segments, only: number_of_pieces, place_piece, piece_at, unite, weld_pieces, add_beam_point
    implicit none
    private
    public :: add_beam

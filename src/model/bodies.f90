@@ -1,15 +1,15 @@
-!> Rigid bodies, point masses and named points from the deck, and what bodies of all kinds share. Floor: model.
+!> Rigid bodies, point masses and named points. Floor: model.
 module limber_model_bodies
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
-   use limber_flex_mesh, only: field_bytes
-   use limber_flex_reduced, only: rigid_reduced, bytes_of
+   use limber_beam_beam_mesh, only: field_bytes
+   use limber_beam_reduced_body, only: rigid_reduced, bytes_of
    use limber_model_lists, only: append
    use limber_model_points, only: add_point, enter_name, find_named
-   use limber_model_scene, only: model_type, body_type, point_type, body_point, body_rigid
+   use limber_model_model, only: model_type, body_type, point_type, body_point, body_rigid
    implicit none
    private
    public :: add_rigid_body, add_point_mass, add_points, new_body, append_body, is_new_point, memory_of, warn_of_rounding
@@ -112,7 +112,7 @@ contains
          & "point '"//name//"' is there without being defined", 'choose another name')
    end function is_new_point
 
-   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (193).
+   !> Round-off of the stiffness of very short elements, against which the lowest modes bend by little, eq. (2.3).
    subroutine warn_of_rounding(slenderness, origin, what, diagnostics)
       !> Length of the body over that of its shortest element
       real(wp), intent(in) :: slenderness

@@ -1,33 +1,33 @@
-!> From the deck to the model: the one module that knows both. Everything that the deck's grammar cannot know is checked
+!> Builder of the model from the deck. The one module that knows both. Everything that the deck's grammar cannot know is checked
 !> here, and every complaint points into the deck. Floor: model.
 module limber_model_build
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type, tell_block
    use limber_deck_diagnostics, only: diagnostics_type, max_errors
    use limber_deck_origin, only: origin_type
-   use limber_flex_library, only: library_type
+   use limber_beam_reduction_cache, only: library_type
    use limber_model_analyses, only: add_analyses
    use limber_model_beams, only: add_beam
    use limber_model_bodies, only: add_rigid_body, add_point_mass, add_points
-   use limber_model_channels, only: add_channels, flexible_instead
+   use limber_model_requested_channels, only: add_channels, flexible_instead
    use limber_model_first_state, only: read_assembly
    use limber_model_frames, only: add_frame
    use limber_model_gravity, only: read_gravity, warn_of_degrees
    use limber_model_large_frames, only: is_large, has_large_frames, expand_frames, unite_frame
-   use limber_model_joints, only: add_joint, add_coupler, add_driver
+   use limber_model_joint_blocks, only: add_joint, add_coupler, add_driver
    use limber_model_motions, only: add_motion
    use limber_model_lists, only: trim_lists
-   use limber_model_loads, only: add_force, add_torque, add_spring, add_bushing, add_friction, add_damping, &
+   use limber_model_load_blocks, only: add_force, add_torque, add_spring, add_bushing, add_friction, add_damping, &
       & resolve_laws
-   use limber_model_parts, only: check_parts
+   use limber_model_body_parts, only: check_parts
    use limber_model_points, only: add_point, find_body
    use limber_model_ramps, only: warn_of_ramp
-   use limber_model_scalars, only: add_scalars
-   use limber_model_scene, only: model_type, body_flexible, ground
+   use limber_model_run_scalars, only: add_scalars
+   use limber_model_model, only: model_type, body_flexible, ground
    use limber_model_short_beams, only: warn_of_short
-   use limber_model_segments, only: pieces_of
-   use limber_model_spreads, only: add_distributed
-   use limber_model_stresses, only: add_recoveries
+   use limber_model_beam_segments, only: pieces_of
+   use limber_model_distributed_loads, only: add_distributed
+   use limber_model_force_sections, only: add_recoveries
    implicit none
    private
    public :: build_model

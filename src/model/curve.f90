@@ -1,6 +1,6 @@
-!> Curves of joints in the frame of a body: a spline through points, open or closed, or y as an expression of x. As a function
-!> f(x, y) that is zero on the curve: the signed distance from the spline, positive on its left, or y - y(x). An expression that is
-!> made of several formulas can be limited to one of its pieces. Floor: model. Source: doc/theory, eqs. (89), (K2).
+!> Curves of joints in the frame of a body. A spline through points, open or closed, or y as an expression of x. As a function f(x,
+!> y) that is zero on the curve: the signed distance from the spline, positive on its left, or y - y(x). An expression that is made
+!> of several formulas can be limited to one of its pieces. Floor: model. Source: doc/theory, eqs. (3.28), (5.59).
 module limber_model_curve
    use limber_base_kinds, only: wp
    use limber_base_spline, only: spline_moments, spline_at, spline_natural, spline_closed

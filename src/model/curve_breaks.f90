@@ -1,11 +1,11 @@
-!> Places where a curve, y as an expression of x, changes its formula: it jumps there, or has a kink, or bends otherwise than
-!> before. Floor: model. Source: doc/theory, eqs. (190), (K1).
+!> Places at which a curve changes its formula. It jumps there, or has a kink, or bends otherwise than before. Floor: model. Source:
+!> doc/theory, eqs. (5.43), (5.58).
 module limber_model_curve_breaks
    use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp
    use limber_deck_operations, only: jet_type
    use limber_deck_range, only: range_type, law_range
-   use limber_model_breaks, only: law_breaks
+   use limber_model_law_breaks, only: law_breaks
    use limber_model_curve, only: curve_type
    implicit none
    private
@@ -53,7 +53,7 @@ contains
       call ieee_set_status(status)
    end subroutine find_curve_breaks
 
-   !> What happens at a place, eq. (K1).
+   !> What happens at a place, eq. (5.58).
    subroutine classify(curve, place, width, found)
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: place

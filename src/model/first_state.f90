@@ -1,11 +1,11 @@
-!> What *ASSEMBLY asks for: how far the first position may be from the guess without a word, and given deflections. Floor: model.
+!> Options of *ASSEMBLY. How far the first position may be from the guess without a word, and given deflections. Floor: model.
 module limber_model_first_state
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_model_points, only: find_body
-   use limber_model_scene, only: model_type, deflection_type
+   use limber_model_model, only: model_type, deflection_type
    implicit none
    private
    public :: read_assembly

@@ -1,13 +1,12 @@
-!> A frame as the deck describes it in *NODE, *ELEMENT, *NSET, *ELSET, *BEAM SECTION, *BOUNDARY, *MASS and *ATTACHMENT, checked
-!> and put together. Floor: model.
+!> Frames as the deck describes them: nodes, elements, sets, supports. Floor: model.
 module limber_model_frame_draft
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
-   use limber_flex_frame, only: member_type
-   use limber_model_parts, only: is_part
+   use limber_beam_plane_frame, only: member_type
+   use limber_model_body_parts, only: is_part
    use limber_model_sections, only: read_section
    implicit none
    private
@@ -18,10 +17,10 @@ module limber_model_frame_draft
    integer, parameter :: most_divisions = 32, least_divisions = 8, elements_in_all = 256
 
    !> A node or member in a set
-   type :: set_type
+   type :: draft_set_type
       character(64) :: name = ''
       integer :: item = 0
-   end type set_type
+   end type draft_set_type
 
    !> What the deck says, with indices for the numbers of nodes and members
    type :: draft_type
@@ -39,7 +38,7 @@ module limber_model_frame_draft
       real(wp), allocatable :: strength(:, :)
       !> Where nodes and members are defined
       type(origin_type), allocatable :: node_origin(:), member_origin(:)
-      type(set_type), allocatable :: node_sets(:), member_sets(:)
+      type(draft_set_type), allocatable :: node_sets(:), member_sets(:)
       !> Static functions: [node, degree of freedom from 1 to 3] each (2, number)
       integer, allocatable :: attachments(:, :)
    end type draft_type
@@ -186,7 +185,7 @@ contains
       character(*), intent(in) :: keyword, kind
       !> Of the nodes or members that there are
       integer, intent(in) :: numbers(:)
-      type(set_type), allocatable, intent(inout) :: sets(:)
+      type(draft_set_type), allocatable, intent(inout) :: sets(:)
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i, k, item
       do i = 1, size(block%lines)
@@ -310,7 +309,7 @@ contains
 
    !> Names of the sets that there are.
    pure function listed_sets(sets) result(text)
-      type(set_type), intent(in) :: sets(:)
+      type(draft_set_type), intent(in) :: sets(:)
       character(:), allocatable :: text
       integer :: i
       text = 'this frame has no sets; make one with *NSET or *ELSET'
@@ -342,10 +341,10 @@ contains
    end function place_of
 
    pure subroutine join_set(sets, name, item)
-      type(set_type), allocatable, intent(inout) :: sets(:)
+      type(draft_set_type), allocatable, intent(inout) :: sets(:)
       character(*), intent(in) :: name
       integer, intent(in) :: item
-      type(set_type), allocatable :: longer(:)
+      type(draft_set_type), allocatable :: longer(:)
       integer :: n
       n = size(sets)
       allocate (longer(n + 1))

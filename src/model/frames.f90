@@ -1,22 +1,22 @@
-!> Flexible frames from the deck: their mesh, their reduction and their named points. Floor: model.
+!> Flexible frames of the deck. Their mesh, their reduction and their named points. Floor: model.
 module limber_model_frames
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_flex_frame, only: frame_type, acted_type, new_frame, member_length
-   use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
-   use limber_flex_frame_solver, only: connected_nodes
-   use limber_flex_functions, only: attachment_type
-   use limber_flex_reduced, only: reduced_type, rigid_reduced
-   use limber_flex_reduction, only: fidelity_linear, fidelity_kg
-   use limber_model_acting, only: acting_type, acting_points
+   use limber_beam_plane_frame, only: frame_type, acted_type, new_frame, member_length
+   use limber_beam_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes, frame_point_shape
+   use limber_beam_frame_solver, only: connected_nodes
+   use limber_beam_static_functions, only: attachment_type
+   use limber_beam_reduced_body, only: reduced_type, rigid_reduced
+   use limber_beam_beam_reduction, only: fidelity_linear, fidelity_kg
+   use limber_model_points_of_action, only: acting_type, acting_points
    use limber_model_bodies, only: new_body, append_body, is_new_point, warn_of_rounding
    use limber_model_frame_draft, only: draft_type, read_draft, member_of, node_named
-   use limber_model_parts, only: is_part
+   use limber_model_body_parts, only: is_part
    use limber_model_points, only: add_point
-   use limber_model_scene, only: model_type, body_type, body_flexible, body_rigid
+   use limber_model_model, only: model_type, body_type, body_flexible, body_rigid
    use limber_model_short_beams, only: weigh_frame
    implicit none
    private

@@ -1,10 +1,10 @@
-!> Gravity of a deck, and units of length and time that are known, in which the default of gravity is written. Floor: model.
+!> Gravity and units. Floor: model.
 module limber_model_gravity
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_model_scene, only: model_type, units_type
+   use limber_model_model, only: model_type, units_type
    implicit none
    private
    public :: read_gravity, warn_of_degrees

@@ -1,9 +1,9 @@
-!> What holds the points of a beam or frame against the rest of the scene: joints, drivers and springs, but not what hangs on the
-!> body alone. Floor: model. Source: doc/theory, eq. (U3).
+!> Ends of beams that joints, drivers and springs hold. Joints, drivers and springs, but not what hangs on the body alone. Floor:
+!> model. Source: doc/theory, eq. (2.49).
 module limber_model_held_ends
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type
-   use limber_model_acting, only: body_of, point_of, has_pair
+   use limber_model_points_of_action, only: body_of, point_of, has_pair
    implicit none
    private
    public :: hold_type, holds_of

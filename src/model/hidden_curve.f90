@@ -1,5 +1,4 @@
-!> What a curve does between two places on it that neither of them shows, as a hill that a step jumps over. Floor: model.
-!> Source: doc/theory, eqs. (190), (E11).
+!> Features of a curve between two places on it. Floor: model. Source: doc/theory, eqs. (5.43), (5.57).
 module limber_model_hidden_curve
    use limber_base_kinds, only: wp
    use limber_base_spline, only: spline_at
@@ -13,7 +12,8 @@ module limber_model_hidden_curve
 contains
 
    !> Whether the curve does something between two places on it that it does not show there: between them it is off the cubic
-   !> through both ends, with their slopes, by more than a distance and by more than a tenth of what it is off its chord, eq. (E11).
+   !> through both ends, with their slopes, by more than a distance and by more than a tenth of what it is off its chord, eq.
+   !> (5.57).
    pure logical function hides(self, from, to, distance)
       type(curve_type), intent(in) :: self
       real(wp), intent(in) :: from(2), to(2), distance

@@ -1,7 +1,7 @@
-!> Frames whose members bend far: each member becomes an exact beam of its own, welded to the others at their nodes. Before the model
-!> is built, beams, masses and welds are written behind the blocks of a copy of the deck; the points of the frame are points of its
-!> members, by their own names (which `model/acting` and `model/beams` know by the sign before them). Floor: model.
-!> Source: doc/theory, section "Frames".
+!> Frames with large bending as welded exact beams. Each member becomes an exact beam of its own, welded to the others at their
+!> nodes. Before the model is built, beams, masses and welds are written behind the blocks of a copy of the deck; the points of the
+!> frame are points of its members, by their own names (which `model/points_of_action` and `model/beams` know by the sign before
+!> them). Floor: model. Source: doc/theory, part 2.
 module limber_model_large_frames
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -11,10 +11,10 @@ module limber_model_large_frames
    use limber_deck_origin, only: origin_type
    use limber_deck_reader, only: read_deck_text
    use limber_model_frame_draft, only: draft_type, read_draft, member_of
-   use limber_model_parts, only: is_part
+   use limber_model_body_parts, only: is_part
    use limber_model_points, only: find_body, find_named
-   use limber_model_scene, only: model_type, whole_type
-   use limber_model_segments, only: append_whole
+   use limber_model_model, only: model_type, whole_type
+   use limber_model_beam_segments, only: append_whole
    use limber_model_short_beams, only: weigh_frame
    implicit none
    private

@@ -1,7 +1,7 @@
-!> Lists of a model that grow while it is built: they have room ahead, so that adding to them costs the same whatever their length.
+!> Lists that grow at constant cost per item. They have room ahead, so that adding to them costs the same whatever their length.
 !> `append` and, once all is there, `trim_lists`. Floor: model.
 module limber_model_lists
-   use limber_model_scene, only: model_type, body_type, point_type, joint_type, channel_type
+   use limber_model_model, only: model_type, body_type, point_type, joint_type, channel_type
    implicit none
    private
    public :: append, trim_lists

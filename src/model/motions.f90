@@ -1,12 +1,12 @@
-!> Bodies whose whole motion is given: a driver for either coordinate of the origin of their frame, and one for its angle, which
-!> the system solves without unknowns. Floor: model. Source: doc/theory, eqs. (152)-(155).
+!> Bodies of given motion: *MOTION. A driver for either coordinate of the origin of their frame, and one for its angle, which the
+!> system solves without unknowns. Floor: model. Source: doc/theory, eqs. (4.9)-(4.12).
 module limber_model_motions
    use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
    use limber_model_points, only: find_named, enter_name
-   use limber_model_scene, only: model_type, driver_type, body_point, driver_x, driver_y, driver_angle
-   use limber_model_segments, only: find_frame
+   use limber_model_model, only: model_type, driver_type, body_point, driver_x, driver_y, driver_angle
+   use limber_model_beam_segments, only: find_frame
    implicit none
    private
    public :: add_motion

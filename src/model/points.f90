@@ -1,11 +1,11 @@
-!> Named points, and finding points, bodies and the like that a deck refers to. Floor: model.
+!> Named points and how references to them are found. Floor: model.
 module limber_model_points
    use limber_base_kinds, only: wp
    use limber_base_text, only: nearest_name, lowercase
    use limber_deck_diagnostics, only: diagnostics_type, max_shown
    use limber_deck_origin, only: origin_type
    use limber_model_lists, only: append
-   use limber_model_scene, only: model_type, point_type
+   use limber_model_model, only: model_type, point_type
    implicit none
    private
    public :: add_point, find_point, find_body, find_named, enter_name

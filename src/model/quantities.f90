@@ -1,5 +1,4 @@
-!> The table of quantities that *OUTPUT can ask for, written `quantity(object)` or `quantity(object.point)`.
-!> It drives the model builder, `limber help OUTPUT` and the manual. Floor: model.
+!> Table of the quantities of *OUTPUT and of laws. It drives the model builder, `limber help OUTPUT` and the manual. Floor: model.
 module limber_model_quantities
    use limber_base_text, only: newline
    implicit none

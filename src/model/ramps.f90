@@ -1,6 +1,6 @@
-!> The first *STATICS lets weight and constant loads grow from zero, unless the deck says RAMP=NO. That is one loading while nothing else
-!> changes, or loads grow along; where a driver moves the scene meanwhile, or a load follows a law of its own, samples before the end
-!> are of a scene that hardly anyone means: told unless the deck gives RAMP. Floor: model.
+!> Growth of loads in the first *STATICS. That is one loading while nothing else changes, or loads grow along; where a driver moves
+!> the scene meanwhile, or a load follows a law of its own, samples before the end are of a scene that hardly anyone means: told
+!> unless the deck gives RAMP. Floor: model.
 module limber_model_ramps
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -8,8 +8,8 @@ module limber_model_ramps
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: jet_type
-   use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: model_type, named_load_type, step_statics, in_forces, in_torques, in_efforts
+   use limber_model_driver_laws, only: driven_motion
+   use limber_model_model, only: model_type, named_load_type, step_statics, in_forces, in_torques, in_efforts
    implicit none
    private
    public :: warn_of_ramp

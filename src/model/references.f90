@@ -1,11 +1,11 @@
-!> What displacements, rotations and angles of flexible bodies are measured from: the text of an attribute of their channels, and a
-!> word where they are zero by that. Floor: model.
+!> References of the channels of flexible bodies. The text of an attribute of their channels, and a word where they are zero by
+!> that. Floor: model.
 module limber_model_references
    use limber_deck_content, only: field_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_model_quantities, only: quantity_deflection, quantity_u1, quantity_u2, quantity_rotation, quantity_angle, &
       & quantity_spin
-   use limber_model_scene, only: model_type, body_type, channel_type, quantity_type, body_flexible, ground
+   use limber_model_model, only: model_type, body_type, channel_type, quantity_type, body_flexible, ground
    implicit none
    private
    public :: find_reference, warn_of_zero

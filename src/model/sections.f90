@@ -1,4 +1,4 @@
-!> Cross-sections from the deck. Floor: model.
+!> Cross-sections: *SECTION. Floor: model.
 module limber_model_sections
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
@@ -97,7 +97,7 @@ contains
 
    !> The integral of y^2/(1 - c y) over a section, with the curvature c of the axis: the second moment of area of a beam whose
    !> fibres towards the centre of curvature are shorter than its axis; of GENERAL, whose shape is not known, the plain one [length^4].
-   !> Source: doc/theory, eq. (X29).
+   !> Source: doc/theory, eq. (2.54).
    real(wp) function curved_inertia(block, strength, arc) result(moment)
       !> Its shape
       type(block_type), intent(in) :: block

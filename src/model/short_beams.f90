@@ -1,20 +1,20 @@
-!> Models of slender beams on short ones: what they lack for want of shear and rotary inertia, and the warnings of that, for beams
-!> and frames of all models. Floor: model. Source: doc/theory, eqs. (X20), (U1).
+!> Warnings of slender models on short beams. What they lack for want of shear and rotary inertia, and the warnings of that, for
+!> beams and frames of all models. Floor: model. Source: doc/theory, eqs. (2.47), (2.48).
 module limber_model_short_beams
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_flex_exact_functions, only: exact_choice_type
-   use limber_flex_frame, only: frame_type, member_type, new_frame
-   use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes
-   use limber_flex_mesh, only: support_type, beam_type
-   use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: fidelity_linear
+   use limber_beam_exact_functions, only: exact_choice_type
+   use limber_beam_plane_frame, only: frame_type, member_type, new_frame
+   use limber_beam_frame_reduction, only: frame_choice_type, reduce_frame, available_frame_modes
+   use limber_beam_beam_mesh, only: support_type, beam_type
+   use limber_beam_reduced_body, only: reduced_type
+   use limber_beam_beam_reduction, only: fidelity_linear
    use limber_model_held_ends, only: hold_type, holds_of
    use limber_model_frame_draft, only: draft_type, node_named
-   use limber_model_scene, only: model_type, body_type
+   use limber_model_model, only: model_type, body_type
    use limber_model_sections, only: shear_factor
    implicit none
    private
@@ -67,7 +67,8 @@ contains
       vibrates = deck%find('DYNAMICS') > 0 .or. deck%find('MODES') > 0
    end function vibrates
 
-   !> The error of a first frequency that is too high, or of a deflection at rest that is too small, beside the true one, eq. (U1).
+   !> The error of a first frequency that is too high, or of a deflection at rest that is too small, beside the true one, eq.
+   !> (2.48).
    pure real(wp) function lacking(deck, shear, turning)
       type(deck_type), intent(in) :: deck
       !> Elastic energy of shear beside that of the rest, kinetic energy of the sections' rotation beside that of the rest
@@ -76,8 +77,8 @@ contains
       if (vibrates(deck)) lacking = sqrt(1 + shear + turning) - 1
    end function lacking
 
-   !> What a beam lacks without shear, eqs. (X20), (U1): of its frequencies where something may vibrate, else of its deflection, if
-   !> anything bends it.
+   !> What a beam lacks without shear, eqs. (2.47), (2.48): of its frequencies where something may vibrate, else of its deflection,
+   !> if anything bends it.
    real(wp) function unsheared_beam(deck, index, material, section, body) result(part)
       type(deck_type), intent(in) :: deck
       !> Blocks of the beam, of its material and of its section
@@ -97,7 +98,7 @@ contains
       part = lacking(deck, of_mode(1)*slender*softness(deck, material, section), of_mode(2)*slender)
    end function unsheared_beam
 
-   !> What holds the ends of a beam, springs too if they are stiff beside it, eq. (U3), and the mass at its free end.
+   !> What holds the ends of a beam, springs too if they are stiff beside it, eq. (2.49), and the mass at its free end.
    subroutine find_support(deck, block, beam, support, hung)
       type(deck_type), intent(in) :: deck
       !> Of the beam
@@ -142,7 +143,7 @@ contains
       support%theta_end = clamped(2)
    end subroutine find_support
 
-   !> The same of a frame by its first vibrations, held at the nodes that joints or *BOUNDARY hold, eq. (U1); and the member with
+   !> The same of a frame by its first vibrations, held at the nodes that joints or *BOUNDARY hold, eq. (2.48); and the member with
    !> most of it.
    subroutine weigh_frame(deck, index, draft, part, shortest)
       type(deck_type), intent(in) :: deck

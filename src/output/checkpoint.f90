@@ -1,5 +1,5 @@
-!> A file with all that a run remembers, beside its results, by which it can go on later. It is written under another name and then
-!> takes the place of the one before, so that there is always a whole one. Floor: output.
+!> Checkpoint files. It is written under another name and then takes the place of the one before, so that there is always a whole
+!> one. Floor: output.
 !>
 !>     /                  attributes format = "limber-checkpoint", format_version, samples, time
 !>     /program, /run     texts: version and build of limber, number of the run

@@ -1,12 +1,12 @@
-!> Internal forces of exact beams by equilibrium: all that acts behind a section, inertia and weight among it, in the axes of the
-!> section. Floor: output. Source: doc/theory, eq. (X12).
+!> Section forces of exact beams by equilibrium. All that acts behind a section, inertia and weight among it, in the axes of the
+!> section. Floor: output. Source: doc/theory, eq. (2.46).
 module limber_output_exact_forces
    use limber_base_kinds, only: wp
-   use limber_flex_exact, only: exact_type, reach_of, angles_at, lean_at
-   use limber_flex_exact_profile, only: of_mass, of_rotary
-   use limber_flex_recovery, only: recovery_type, section_type
-   use limber_system_algebra, only: turn, cross
-   use limber_system_centreline, only: centreline_type, inner
+   use limber_beam_exact_beam, only: exact_type, reach_of, angles_at, lean_at
+   use limber_beam_exact_profile, only: of_mass, of_rotary
+   use limber_beam_force_recovery, only: recovery_type, section_type
+   use limber_multibody_plane_vectors, only: turn, cross
+   use limber_multibody_beam_axis, only: centreline_type, inner
    implicit none
    private
    public :: section_reach_type, new_section_reach, inertia_behind, add_behind, turn_into_sections

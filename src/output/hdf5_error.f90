@@ -1,5 +1,4 @@
-!> What went wrong inside HDF5, as an error value in the system's own words; the library itself is kept from printing.
-!> Floor: output, below every other module that calls HDF5. Source: HDF5 1.10 Reference Manual, H5E.
+!> Errors of HDF5 as error values. Floor: output, below every other module that calls HDF5. Source: HDF5 1.10 Reference Manual, H5E.
 module limber_output_hdf5_error
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_funloc, c_funptr, c_int, c_int64_t, &
       & c_loc, c_null_ptr, c_ptr, c_size_t

@@ -1,6 +1,6 @@
-!> Whether all of an HDF5 file is in the file itself: no link leads elsewhere, and no dataset keeps its numbers in another file.
-!> limber writes none of these, and follows none: they let a results file show what another file holds. Floor: output.
-!> Source: HDF5 1.10 Reference Manual, H5L, H5O, H5P.
+!> Check that a file keeps all its data in itself. No link leads elsewhere, and no dataset keeps its numbers in another file. limber
+!> writes none of these, and follows none: they let a results file show what another file holds. Floor: output. Source: HDF5 1.10
+!> Reference Manual, H5L, H5O, H5P.
 module limber_output_hdf5_inside
    use hdf5, only: hid_t, hsize_t, size_t, h5d_virtual_f, h5dget_create_plist_f, h5gget_info_f, h5gopen_f, h5gclose_f, &
       & h5i_dataset_f, h5i_group_f, h5iget_type_f, h5l_type_hard_f, h5lget_info_by_idx_f, h5_index_name_f, h5_iter_native_f, &

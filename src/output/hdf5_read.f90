@@ -1,5 +1,4 @@
-!> Reading what `limber_output_hdf5` writes, and the same things written by h5py or MATLAB. Floor: output.
-!> Source: HDF5 1.10 Reference Manual, Fortran interface with H5LT (lite).
+!> Reader of HDF5 files. Floor: output. Source: HDF5 1.10 Reference Manual, Fortran interface with H5LT (lite).
 module limber_output_hdf5_read
    use, intrinsic :: iso_c_binding, only: c_associated, c_loc, c_null_ptr, c_ptr
    use hdf5, only: hid_t, hsize_t, size_t, h5oopen_f, h5oclose_f, h5aopen_f, h5aread_f, h5aclose_f, h5aexists_f, &

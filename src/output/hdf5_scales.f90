@@ -1,5 +1,5 @@
-!> Dimension scales of an HDF5 file: what the dimensions of datasets count. Floor: output.
-!> Source: HDF5 1.10, Dimension Scales (H5DS), and the netCDF-4 conventions built on them.
+!> Dimension scales. What the dimensions of datasets count. Floor: output. Source: HDF5 1.10, Dimension Scales (H5DS), and the
+!> netCDF-4 conventions built on them.
 module limber_output_hdf5_scales
    use hdf5, only: hid_t, h5dopen_f, h5dclose_f
    use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f, h5dsdetach_scale_f

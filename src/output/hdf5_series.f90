@@ -1,5 +1,5 @@
-!> Datasets of an HDF5 file that grow by rows while a run goes on. Floor: output; used by `limber_output_history`.
-!> Source: HDF5 1.10 User's Guide, chunked storage and hyperslabs.
+!> Datasets that grow by rows. Floor: output; used by `limber_output_history`. Source: HDF5 1.10 User's Guide, chunked storage and
+!> hyperslabs.
 module limber_output_hdf5_series
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr

@@ -1,6 +1,6 @@
-!> The results of a run as one HDF5 file, written while the run goes on. Floor: output; an analysis fills it,
-!> `limber_output_history_reader` and any HDF5 tool read it. Sources: HDF5 1.10 (Dimension Scales, H5DS), and the
-!> netCDF-4 conventions built on them, by which xarray knows `time` as the coordinate of every channel.
+!> Writer of histories. Floor: output; an analysis fills it, `limber_output_history_reader` and any HDF5 tool read it. Sources: HDF5
+!> 1.10 (Dimension Scales, H5DS), and the netCDF-4 conventions built on them, by which xarray knows `time` as the coordinate of
+!> every channel.
 !>
 !>     /                  attributes format = "limber-history", format_version, limber_version
 !>     /time              (time): scale of every channel; attributes units, long_name
@@ -10,7 +10,7 @@
 !>     /step              (time): number of the analysis of each sample, if there are several
 !>     /modes/<name>/...  frequencies and shapes of a modal analysis; scale /modes/<name>/mode
 !>     /<group>/<name>    of the same shape, with the same scales: more about a channel, whose attribute <group> is the path
-!>     /motion            what `limber_output_motion` describes, if the deck asks for it
+!>     /motion            what `limber_output_motion_record` describes, if the deck asks for it
 !>     /bodies/<name>/... small datasets and attributes; of flexible bodies indicators: (indicators, 2), attributes names, meanings
 !>     /run               texts (deck, ...), statistics, /run/steps/... if there are several analyses; attributes complete (0, then
 !> 1) and status
@@ -29,7 +29,7 @@ module limber_output_history
    use limber_output_hdf5_read, only: longest_name
    use limber_output_hdf5_scales, only: make_scale, open_components, attach_scale, attach_open_scale, detach_scale
    use limber_output_hdf5_series, only: series_type, create_series, reopen_series, append_rows, close_series
-   use limber_output_results, only: results_type
+   use limber_output_results_file, only: results_type
    use limber_output_working_file, only: working_file_type, working_name
    implicit none
    private

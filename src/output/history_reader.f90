@@ -1,5 +1,5 @@
-!> Reading a results file of `limber_output_history`: what channels it has, and their samples.
-!> Floor: output; export, diff and every analysis that starts from results use it.
+!> Reader of histories. What channels it has, and their samples. Floor: output; export, diff and every analysis that starts from
+!> results use it.
 module limber_output_history_reader
    use hdf5, only: hid_t, hsize_t
    use limber_base_error, only: error_type, raise, status_deck
@@ -11,10 +11,10 @@ module limber_output_history_reader
    use limber_output_history, only: history_format, history_format_version
    implicit none
    private
-   public :: history_reader_type, channel_type
+   public :: history_reader_type, stored_channel_type
 
    !> What a results file says of one channel
-   type :: channel_type
+   type :: stored_channel_type
       !> Name in the deck
       character(:), allocatable :: name
       !> Numbers in each sample
@@ -23,7 +23,7 @@ module limber_output_history_reader
       character(:), allocatable :: units, long_name
       !> Path of its dataset in the file
       character(:), allocatable :: path
-   end type channel_type
+   end type stored_channel_type
 
    !> Name of an estimate of error: that of the channel with this behind it
    character(*), parameter :: error_suffix = '_error'
@@ -43,9 +43,9 @@ module limber_output_history_reader
       !> Unit of time
       character(:), allocatable :: time_units
       !> Channels in the order of their definition
-      type(channel_type), allocatable :: channels(:)
+      type(stored_channel_type), allocatable :: channels(:)
       !> Estimated errors of channels, as far as the file has any: NAME_error for the channel NAME, in the same order
-      type(channel_type), allocatable :: estimates(:)
+      type(stored_channel_type), allocatable :: estimates(:)
       integer(hid_t), private :: file = no_id
    contains
       procedure :: open => open_history, close => close_history, read_time, read_channel, read_numbers, read_text, read_statistic, &
@@ -169,7 +169,7 @@ contains
    subroutine read_description(self, channel, samples, error)
       class(history_reader_type), intent(in) :: self
       !> With its path
-      type(channel_type), intent(inout) :: channel
+      type(stored_channel_type), intent(inout) :: channel
       !> Samples that it has
       integer, intent(out) :: samples
       type(error_type), allocatable, intent(out) :: error
@@ -222,7 +222,7 @@ contains
       real(wp), allocatable, intent(out) :: values(:, :)
       !> Allocated if there is no such channel or it cannot be read
       type(error_type), allocatable, intent(out) :: error
-      type(channel_type) :: channel
+      type(stored_channel_type) :: channel
       call self%find_channel(name, channel, error)
       if (allocated(error)) return
       call read_dataset(self%file, channel%path, values, error)
@@ -324,7 +324,7 @@ contains
       class(history_reader_type), intent(in) :: self
       !> Name of the channel
       character(*), intent(in) :: name
-      type(channel_type), intent(out) :: channel
+      type(stored_channel_type), intent(out) :: channel
       !> Allocated if there is no such channel: names the nearest one and lists all
       type(error_type), allocatable, intent(out) :: error
       character(longest_name), allocatable :: names(:)

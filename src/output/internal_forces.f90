@@ -1,27 +1,28 @@
-!> Internal forces of flexible bodies at a sample: gathers what acts on a body, joint reactions among it, and lets the
-!> coefficients of `limber_flex_recovery` turn it into axial force, shear force and bending moment. Floor: output.
-!> Source: doc/theory, eqs. (124)-(127).
+!> Section forces of flexible bodies at a sample. Gathers what acts on a body, joint reactions among it, and lets the coefficients
+!> of `limber_beam_force_recovery` turn it into axial force, shear force and bending moment. Floor: output. Source: doc/theory, eqs.
+!> (2.24)-(2.26), (2.28).
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
    use limber_output_exact_forces, only: section_reach_type, new_section_reach, inertia_behind, add_behind, turn_into_sections
-   use limber_output_pulls, only: pull_type, pulls_type, new_pulls, constraint_pulls, load_pulls, most_pulls
-   use limber_flex_exact_profile, only: profile_at, profile_values
-   use limber_flex_recovery, only: recovery_type, section_type, amplitudes, internal_forces
-   use limber_model_scene, only: body_type, ground
-   use limber_system_algebra, only: cross
-   use limber_system_centreline, only: centreline_type
-   use limber_system_constraint, only: constraint_type
-   use limber_system_exact_path, only: exact_path_type, foot_of
-   use limber_system_point_motion, only: point_position
-   use limber_system_paths, only: sliding_type
-   use limber_system_system, only: system_type, workspace_type
+   use limber_output_point_forces, only: pull_type, pulls_type, new_pulls, constraint_pulls, load_pulls, most_pulls
+   use limber_beam_exact_profile, only: profile_at, profile_values
+   use limber_beam_force_recovery, only: recovery_type, section_type, amplitudes, internal_forces
+   use limber_model_model, only: body_type, ground
+   use limber_multibody_plane_vectors, only: cross
+   use limber_multibody_beam_axis, only: centreline_type
+   use limber_multibody_constraint, only: constraint_type
+   use limber_multibody_sliding_along_beam, only: exact_path_type, foot_of
+   use limber_multibody_point_motion, only: point_position
+   use limber_multibody_path_constraints, only: sliding_type
+   use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: effort_type, new_efforts, start_effort, hold_efforts, gather_efforts, gather_exact, join_envelopes, section_forces, &
+   public :: section_forces_type, new_efforts, start_effort, hold_efforts, gather_efforts, gather_exact, join_envelopes, &
+      & section_forces, &
       & stresses, strength_at
 
    !> What acts on one body that has sections; none otherwise
-   type :: effort_type
+   type :: section_forces_type
       !> (columns of its recovery)
       real(wp), allocatable :: amplitude(:)
       !> Place of each point of the model among those of the body; 0: none of them (points)
@@ -40,14 +41,14 @@ module limber_output_internal_forces
       real(wp) :: on_frame(3) = 0.0_wp
       !> Where the coordinates of a body with modes are held: those in equilibrium less these (n); otherwise unallocated
       real(wp), allocatable :: lacking(:)
-   end type effort_type
+   end type section_forces_type
 
 contains
 
    !> Room for all bodies.
    function new_efforts(system) result(efforts)
       type(system_type), intent(in) :: system
-      type(effort_type), allocatable :: efforts(:)
+      type(section_forces_type), allocatable :: efforts(:)
       integer :: i
       allocate (efforts(size(system%model%bodies)))
       do i = 1, size(efforts)
@@ -65,7 +66,7 @@ contains
 
    !> What acts on one body: nothing yet.
    subroutine start_effort(effort, system, body, recovery)
-      type(effort_type), intent(out) :: effort
+      type(section_forces_type), intent(out) :: effort
       type(system_type), intent(in) :: system
       !> Index of the body
       integer, intent(in) :: body
@@ -94,9 +95,9 @@ contains
       end do
    end subroutine start_effort
 
-   !> The state that comes has its deflections held: what these would have to be besides to carry what acts, eq. (E15).
+   !> The state that comes has its deflections held: what these would have to be besides to carry what acts, eq. (2.27).
    pure subroutine hold_efforts(efforts, system, motion)
-      type(effort_type), intent(inout) :: efforts(:)
+      type(section_forces_type), intent(inout) :: efforts(:)
       type(system_type), intent(in) :: system
       !> Residual of the equations of motion (nw)
       real(wp), intent(in) :: motion(:)
@@ -110,7 +111,7 @@ contains
 
    !> Amplitudes of all bodies that have sections; multipliers, Jacobians and kinematics are those of the state.
    subroutine gather_efforts(efforts, system, work, q, v, a)
-      type(effort_type), intent(inout) :: efforts(:)
+      type(section_forces_type), intent(inout) :: efforts(:)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       !> Coordinates, velocities, accelerations (nq)
@@ -140,7 +141,7 @@ contains
 
    !> Internal forces at all sections of an exact beam; multipliers, Jacobians and kinematics are those of the state.
    subroutine gather_exact(effort, system, work, body, recovery, q, v, a)
-      type(effort_type), intent(inout) :: effort
+      type(section_forces_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
@@ -174,7 +175,7 @@ contains
 
    !> Takes a sample into the envelope.
    pure subroutine stretch_envelope(effort, system, body, eta)
-      type(effort_type), intent(inout) :: effort
+      type(section_forces_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
       real(wp), intent(in) :: eta(:)
@@ -197,8 +198,8 @@ contains
    !> Joins the envelopes of an analysis to those of the ones before it.
    subroutine join_envelopes(part, whole)
       !> (bodies); unallocated if the analysis has none
-      type(effort_type), allocatable, intent(in) :: part(:)
-      type(effort_type), allocatable, intent(inout) :: whole(:)
+      type(section_forces_type), allocatable, intent(in) :: part(:)
+      type(section_forces_type), allocatable, intent(inout) :: whole(:)
       integer :: i
       if (.not. allocated(part)) return
       if (.not. allocated(whole)) then
@@ -224,7 +225,7 @@ contains
       strength = [value(:5), body%choice%exact%arc]
    end function strength_at
 
-   !> Stresses in the extreme fibres to the left and to the right (2), of a curved beam those of Winkler and Bach, eq. (X29).
+   !> Stresses in the extreme fibres to the left and to the right (2), of a curved beam those of Winkler and Bach, eq. (2.54).
    pure function stresses(force, strength) result(stress)
       !> Axial force, shear force, bending moment
       real(wp), intent(in) :: force(3)
@@ -237,7 +238,7 @@ contains
 
    !> Forces of joints, drivers and loads.
    subroutine add_reactions(effort, system, work, body, q)
-      type(effort_type), intent(inout) :: effort
+      type(section_forces_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
@@ -285,7 +286,7 @@ contains
 
    !> Those forces among others that act on a body.
    pure subroutine add_pulls(effort, system, body, pulls, q)
-      type(effort_type), intent(inout) :: effort
+      type(section_forces_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
       type(pull_type), intent(in) :: pulls(:)
@@ -310,7 +311,7 @@ contains
 
    !> Adds the forces of points that slide along an exact beam, where they are.
    subroutine add_sliding(effort, system, work, body, line, recovery, q)
-      type(effort_type), intent(inout) :: effort
+      type(section_forces_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       integer, intent(in) :: body
@@ -340,7 +341,7 @@ contains
    !> A force and its moment about the frame's origin, as force and couple at a point, in the axes of the frame. What acts at no
    !> point, as a torque on the floating frame or a load along the beam, has its part in the coordinates only.
    pure subroutine add_force(effort, system, body, point, force, q)
-      type(effort_type), intent(inout) :: effort
+      type(section_forces_type), intent(inout) :: effort
       type(system_type), intent(in) :: system
       !> Indices of the body and of the point; 0: none
       integer, intent(in) :: body, point
@@ -363,7 +364,7 @@ contains
 
    !> Axial force, shear force and bending moment at a point.
    pure function section_forces(efforts, system, point, q) result(force)
-      type(effort_type), intent(in) :: efforts(:)
+      type(section_forces_type), intent(in) :: efforts(:)
       type(system_type), intent(in) :: system
       !> Index of the point, which has a section
       integer, intent(in) :: point

@@ -1,19 +1,19 @@
-!> What is drawn of a model: its named points, an outline of each body, and what its joints and springs connect.
-!> Floor: output; model -> geometry of `limber_output_motion`.
+!> Outlines of bodies, joints and springs for drawings. Its named points, an outline of each body, and what its joints and springs
+!> connect. Floor: output; model -> geometry of `limber_output_motion_record`.
 module limber_output_outline
    use limber_base_kinds, only: wp
-   use limber_flex_exact, only: undeformed_place
+   use limber_beam_exact_beam, only: undeformed_place
    use limber_base_spline, only: spline_at
-   use limber_flex_frame, only: member_length
-   use limber_flex_frame_reduction, only: frame_point_shape
-   use limber_flex_reduction, only: point_shape
-   use limber_model_scene, only: model_type, joint_type, body_point, body_flexible, &
+   use limber_beam_plane_frame, only: member_length
+   use limber_beam_frame_reduction, only: frame_point_shape
+   use limber_beam_beam_reduction, only: point_shape
+   use limber_model_model, only: model_type, joint_type, body_point, body_flexible, &
       & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
       & joint_rack, joint_belt
-   use limber_output_drawn, only: body_width, drawn_shape, drawn_place, named_places, stretches_of_beam
-   use limber_output_motion, only: geometry_type, prepare
-   use limber_system_algebra, only: cross
-   use limber_system_layout, only: layout_type
+   use limber_output_drawn_coordinates, only: body_width, drawn_shape, drawn_place, named_places, stretches_of_beam
+   use limber_output_motion_record, only: geometry_type, prepare
+   use limber_multibody_plane_vectors, only: cross
+   use limber_multibody_layout, only: layout_type
    implicit none
    private
    public :: geometry_of, hull

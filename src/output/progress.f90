@@ -1,5 +1,5 @@
-!> A progress bar with the time left, on standard error and on a terminal only; lines of a search, on standard error. Floor: output; the one module of the
-!> library that writes to the terminal, because a bar is its whole purpose. An analysis calls it at every step.
+!> Progress on a terminal. Floor: output; the one module of the library that writes to the terminal, because a bar is its whole
+!> purpose. An analysis calls it at every step.
 module limber_output_progress
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use, intrinsic :: iso_c_binding, only: c_int

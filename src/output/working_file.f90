@@ -1,5 +1,5 @@
-!> A file that is written under another name, so that what stands under its own name is whole at every moment, whatever happens to
-!> the program: copies of it take that name now and then, and it takes the name itself at its end. Floor: output.
+!> File under a working name until it is whole. Copies of it take that name now and then, and it takes the name itself at its end.
+!> Floor: output.
 !>
 !> HDF5 changes a file in place, in no order that could be relied upon: a program that is killed while it does so leaves a file that
 !> may not open. A copy that takes the place of the one before by a change of names is the one protection that asks nothing of HDF5
@@ -9,7 +9,7 @@ module limber_output_working_file
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_files, only: rename_file, remove_file, copy_file, is_folder, may_write, kind_of_path, path_other
    use limber_base_kinds, only: wp, long
-   use limber_output_own, only: check_own, remove_own
+   use limber_output_own_files, only: check_own, remove_own
    implicit none
    private
    public :: working_file_type, working_name

@@ -7,7 +7,7 @@ module comparisons
    use drafts, only: draft_type
    use pardons, only: pardoned, keeps_up
    use plans, only: small_change, number_of_integrator
-   use trials, only: trial_type
+   use trials, only: candidate_type
    use views, only: view_type
    implicit none
    private
@@ -60,7 +60,7 @@ contains
    !> What errors of each channel are relative to: its size, a part of that of its group, and its answer to a change.
    subroutine find_scales(draft, reference, changed, scales)
       type(draft_type), intent(in) :: draft
-      type(trial_type), intent(in) :: reference, changed
+      type(candidate_type), intent(in) :: reference, changed
       type(scales_type), intent(out) :: scales
       real(wp) :: largest(size(floors)), lowest(size(floors))
       integer, allocatable :: group(:)
@@ -116,7 +116,7 @@ contains
    subroutine compare(draft, view, trial, reference, scales, name, verdict)
       type(draft_type), intent(in) :: draft
       type(view_type), intent(in) :: view
-      type(trial_type), intent(in) :: trial, reference
+      type(candidate_type), intent(in) :: trial, reference
       type(scales_type), intent(in) :: scales
       character(*), intent(in) :: name
       type(verdict_type), intent(inout) :: verdict

@@ -5,16 +5,16 @@ module promises
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_reached, only: reached_type
-   use limber_analysis_rungs, only: names_of
-   use limber_analysis_scene, only: scene_type, build_scene
-   use limber_analysis_target, only: reach_target
+   use limber_accuracy_reached_target, only: reached_type
+   use limber_accuracy_fidelity_levels, only: names_of
+   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_accuracy_target_search, only: reach_target
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
    use comparisons, only: verdict_type
    use drafts, only: draft_type
    use plans, only: plan_type, deck_of
-   use trials, only: trial_type
+   use trials, only: candidate_type
    use verdicts, only: run_view, note_view, bring_back, is_slow, first_words, talks
    implicit none
    private
@@ -27,7 +27,7 @@ contains
       type(draft_type), intent(in) :: draft
       type(plan_type), intent(in) :: plan
       type(verdict_type), intent(out) :: verdict
-      type(trial_type) :: found, reference, other
+      type(candidate_type) :: found, reference, other
       if (.not. has_open_beam(draft)) then
          verdict%kind = 'refused'
          verdict%what = 'no beam is left open'
@@ -63,7 +63,7 @@ contains
    subroutine search(draft, plan, found)
       type(draft_type), intent(in) :: draft
       type(plan_type), intent(in) :: plan
-      type(trial_type), intent(out) :: found
+      type(candidate_type), intent(out) :: found
       type(scene_type) :: scene
       type(diagnostics_type) :: diagnostics
       type(error_type), allocatable :: error
@@ -96,7 +96,7 @@ contains
    subroutine compare_promise(draft, plan, found, reference, other, verdict)
       type(draft_type), intent(in) :: draft
       type(plan_type), intent(in) :: plan
-      type(trial_type), intent(in) :: found, reference, other
+      type(candidate_type), intent(in) :: found, reference, other
       type(verdict_type), intent(inout) :: verdict
       !> Value below which a channel of motion is none, in the units of the deck
       real(wp), parameter :: nothing = 1.0e-12_wp

@@ -4,21 +4,21 @@ module trials
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: newline
-   use limber_analysis_estimate, only: kept_type, estimate_type, make_estimate
+   use limber_analysis_error_estimate, only: kept_type, estimate_type, make_estimate
    use limber_analysis_estimate_report, only: estimate_warning
-   use limber_analysis_outcome, only: outcome_type
-   use limber_analysis_ranges, only: range_warnings
-   use limber_analysis_record, only: open_history, record_outcome, record_steps
-   use limber_analysis_scene, only: scene_type, build_scene
-   use limber_analysis_steps, only: run_steps, passed_type
+   use limber_scene_outcome, only: outcome_type
+   use limber_monitor_model_ranges, only: range_warnings
+   use limber_analysis_provenance, only: open_history, record_outcome, record_steps
+   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_analysis_analysis_steps, only: run_steps, passed_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
-   use limber_flex_library, only: library_type
+   use limber_beam_reduction_cache, only: library_type
    use limber_integrator_statistics, only: step_statistics_type
    use limber_model_analyses, only: single_dynamics
    implicit none
    private
-   public :: trial_type, try, kinds_of_warnings
+   public :: candidate_type, try, kinds_of_warnings
 
    !> How many times beyond its limit an indicator of the model is told in every view
    real(wp), parameter :: beyond = 3.0_wp
@@ -26,7 +26,7 @@ module trials
    real(wp), public :: patience = 1.0_wp
 
    !> A run
-   type :: trial_type
+   type :: candidate_type
       !> As the command ends: 0, 2 for a deck that cannot be used, 3 for a run that could not finish
       integer :: status = 0
       !> Why, and what is warned of
@@ -40,7 +40,7 @@ module trials
       !> Largest axial force, shear force and bending moment of the envelope, either sign; 0 without one
       real(wp) :: envelope(3) = 0.0_wp
       real(wp) :: cpu = 0.0_wp
-   end type trial_type
+   end type candidate_type
 
    !> Reductions of beams that earlier runs have made
    type(library_type) :: library
@@ -50,7 +50,7 @@ contains
    !> Runs a deck.
    subroutine try(text, trial)
       character(*), intent(in) :: text
-      type(trial_type), intent(out) :: trial
+      type(candidate_type), intent(out) :: trial
       type(scene_type) :: scene
       type(diagnostics_type) :: diagnostics
       type(error_type), allocatable :: error

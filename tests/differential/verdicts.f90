@@ -7,7 +7,7 @@ module verdicts
    use drafts, only: draft_type
    use pardons, only: without_near_ones
    use plans, only: plan_type, deck_of, large_change
-   use trials, only: trial_type, try, kinds_of_warnings, patience
+   use trials, only: candidate_type, try, kinds_of_warnings, patience
    use views, only: view_type, seen_again
    implicit none
    private
@@ -29,7 +29,7 @@ contains
    subroutine run_view(draft, view, trial)
       type(draft_type), intent(in) :: draft
       type(view_type), intent(in) :: view
-      type(trial_type), intent(out) :: trial
+      type(candidate_type), intent(out) :: trial
       call note_view(view)
       call try(deck_of(draft, view), trial)
       if (talks) then
@@ -44,7 +44,7 @@ contains
    subroutine bring_back(draft, view, trial)
       type(draft_type), intent(in) :: draft
       type(view_type), intent(in) :: view
-      type(trial_type), intent(inout) :: trial
+      type(candidate_type), intent(inout) :: trial
       integer :: i, row, rows
       row = 1
       if (.not. allocated(trial%values)) return
@@ -75,7 +75,7 @@ contains
       type(draft_type), intent(in) :: draft
       type(plan_type), intent(in) :: plan
       type(verdict_type), intent(out) :: verdict
-      type(trial_type) :: base, reference, changed, other
+      type(candidate_type) :: base, reference, changed, other
       type(scales_type) :: scales
       integer :: i
       call run_view(draft, plan%base, base)
@@ -153,7 +153,7 @@ contains
       subroutine compare_warnings(name)
          character(*), intent(in) :: name
          character(:), allocatable :: more, fewer
-         type(trial_type) :: moved
+         type(candidate_type) :: moved
          type(view_type) :: view
          integer :: sign
          more = missing_line(scales%idle, other, base)
@@ -173,13 +173,13 @@ contains
    end subroutine judge
 
    pure logical function is_slow(trial)
-      type(trial_type), intent(in) :: trial
+      type(candidate_type), intent(in) :: trial
       is_slow = trial%status == 3 .and. index(trial%message, 'given up after') > 0
    end function is_slow
 
    !> Whether a run has failed at a place where constraints have no grip, and says so: others may pass it, by luck or by a fold.
    pure logical function is_singular(trial)
-      type(trial_type), intent(in) :: trial
+      type(candidate_type), intent(in) :: trial
       is_singular = trial%status == 3 .and. index(trial%message, 'lose their grip') > 0
    end function is_singular
 
@@ -203,7 +203,7 @@ contains
    function missing_line(idle, run, other) result(line)
       !> Whether nothing moves, or nothing is loaded
       logical, intent(in) :: idle
-      type(trial_type), intent(in) :: run, other
+      type(candidate_type), intent(in) :: run, other
       character(:), allocatable :: line, kinds, others
       integer :: first, last
       kinds = kinds_of_warnings(without_near_ones(run%plain_warnings, idle))
@@ -224,10 +224,10 @@ contains
       type(draft_type), intent(in) :: draft
       type(plan_type), intent(in) :: plan
       type(view_type), intent(in) :: view
-      type(trial_type), intent(in) :: reference
+      type(candidate_type), intent(in) :: reference
       type(scales_type), intent(in) :: scales
       type(verdict_type), intent(inout) :: verdict
-      type(trial_type) :: trial
+      type(candidate_type) :: trial
       real(wp) :: estimate(size(scales%own)), doubt(size(scales%own)), difference
       integer :: i, row
       if (draft%timeless) return
@@ -252,7 +252,7 @@ contains
    subroutine find_estimates(draft, view, trial, errors)
       type(draft_type), intent(in) :: draft
       type(view_type), intent(in) :: view
-      type(trial_type), intent(out) :: trial
+      type(candidate_type), intent(out) :: trial
       !> (channels); 0 if there are none
       real(wp), intent(out) :: errors(:)
       type(view_type) :: asking

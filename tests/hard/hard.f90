@@ -25,8 +25,8 @@ module hard_cases
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_analysis_batch, only: batch_type
-   use limber_analysis_run, only: run_one
+   use limber_commands_batch, only: batch_type
+   use limber_commands_run, only: run_one
    use limber_deck_parameters, only: override_type
    use limber_output_history_reader, only: history_reader_type
    implicit none

@@ -3,7 +3,7 @@
 module exact_frames
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dsyev
-   use limber_flex_frame, only: member_type
+   use limber_beam_plane_frame, only: member_type
    implicit none
    private
    public :: dynamic_stiffness, frame_stiffness, exact_near, solved

@@ -5,12 +5,12 @@ module scenes
    use limber_base_kinds, only: wp
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: first_function, function_names, op_add, op_constant, op_multiply, op_slot
-   use limber_flex_frame, only: frame_type, member_type, new_frame
-   use limber_flex_frame_reduction, only: frame_choice_type, frame_point_shape, reduce_frame
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduced, only: rigid_reduced
-   use limber_flex_reduction, only: fidelity_exact, point_shape, exact_shape, reduce_beam, reduction_type
-   use limber_model_scene, only: body_flexible, body_point, body_rigid, body_type, driver_type, force_type, ground, &
+   use limber_beam_plane_frame, only: frame_type, member_type, new_frame
+   use limber_beam_frame_reduction, only: frame_choice_type, frame_point_shape, reduce_frame
+   use limber_beam_beam_mesh, only: beam_type, new_support
+   use limber_beam_reduced_body, only: rigid_reduced
+   use limber_beam_beam_reduction, only: fidelity_exact, point_shape, exact_shape, reduce_beam, reduction_type
+   use limber_model_model, only: body_flexible, body_point, body_rigid, body_type, driver_type, force_type, ground, &
       & joint_point_on_line, joint_revolute, joint_type, model_type, point_type, spring_type, torque_type
    implicit none
    private

@@ -3,16 +3,16 @@
 program test_adams
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_mesh, only: beam_type, new_support, nodal_masses
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
+   use limber_beam_beam_mesh, only: beam_type, new_support, nodal_masses
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_adams, only: adams_type
-   use limber_integrator_scales, only: new_scales, scales_type, update_scales
-   use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
-   use limber_system_assembly, only: first_guess
-   use limber_system_dynamics, only: mechanical_energy, position_residual, velocity_residual
-   use limber_system_kinematics, only: move_frames, place_frames
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_integrator_error_scales, only: new_scales, scales_type, update_scales
+   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, model_type
+   use limber_multibody_assembly, only: first_guess
+   use limber_multibody_equations_of_motion, only: mechanical_energy, position_residual, velocity_residual
+   use limber_multibody_kinematics, only: move_frames, place_frames
+   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_driver, add_force, add_point_mass, add_place, add_rigid, empty_model, gauss_point, &
       & gauss_weight, join, ramp_law, wavy_law
    use swings, only: begin, g, pendulum, period, place, swing_of

@@ -3,13 +3,13 @@
 program test_advice
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_advice, only: advice_type, make_advice, expected_error, cost_of, rest_beyond
-   use limber_analysis_advise, only: read_whole_deck
-   use limber_analysis_fixed, only: free_options
-   use limber_analysis_probe, only: prospect_type
-   use limber_analysis_rungs, only: rung_type, find_rungs, apply_rung, richer, poorer, verifying, can_climb, rung_name, &
+   use limber_accuracy_advice, only: advice_type, make_advice, expected_error, cost_of, rest_beyond
+   use limber_commands_advise, only: read_whole_deck
+   use limber_accuracy_fixed_options, only: free_options
+   use limber_accuracy_pilot_run, only: forecast_type
+   use limber_accuracy_fidelity_levels, only: level_type, find_rungs, apply_rung, richer, poorer, verifying, can_climb, rung_name, &
       & functions_of, strains_of, level_kg
-   use limber_analysis_shadow, only: follow_forces, follow_first, vibration_modes, frequency_shifts
+   use limber_accuracy_modal_response, only: follow_forces, follow_first, vibration_modes, frequency_shifts
    use limber_deck_content, only: deck_type
    use testing, only: check, check_close, check_no_error, finish
    use limber_deck_parameters, only: override_type
@@ -104,8 +104,8 @@ contains
    !> Rungs in the deck.
    subroutine test_rungs()
       type(deck_type) :: deck
-      type(rung_type), allocatable :: rungs(:)
-      type(rung_type) :: rung, higher
+      type(level_type), allocatable :: rungs(:)
+      type(level_type) :: rung, higher
       type(error_type), allocatable :: error
       integer :: climbs
       call read_whole_deck('accuracy/slider_crank.inp', none, deck, error)
@@ -145,7 +145,7 @@ contains
 
    !> What the deck gives stays, and is no rung.
    subroutine test_given()
-      type(rung_type) :: rung
+      type(level_type) :: rung
       rung = rung_of('EXACT', 'FUNCTIONS', 6)
       call check(.not. rung%open_functions .and. rung%open_strains .and. functions_of(rung) == 6, 'functions are given')
       rung = richer(rung, 2, .true.)
@@ -161,11 +161,11 @@ contains
    end subroutine test_given
 
    !> The only beam of the slider-crank with an option more, and a model.
-   type(rung_type) function rung_of(model, option, value)
+   type(level_type) function rung_of(model, option, value)
       !> Blank: not given
       character(*), intent(in) :: model, option
       integer, intent(in) :: value
-      type(rung_type), allocatable :: rungs(:)
+      type(level_type), allocatable :: rungs(:)
       type(deck_type) :: deck
       type(error_type), allocatable :: error
       call read_whole_deck('accuracy/slider_crank.inp', none, deck, error)
@@ -179,8 +179,8 @@ contains
 
    !> What the finer of two runs errs, as a part of their difference, by parts c/n^4 of the bending coordinates.
    subroutine test_rests()
-      type(rung_type) :: rung, higher
-      type(prospect_type) :: beam
+      type(level_type) :: rung, higher
+      type(forecast_type) :: beam
       integer :: k
       beam%part = [(1/real(k, wp)**4, k=1, 6)]
       rung%open_functions = .true.

@@ -5,10 +5,10 @@ program test_alpha
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_integrator_alpha, only: alpha_type
-   use limber_model_scene, only: model_type
-   use limber_system_assembly, only: assemble, first_guess
-   use limber_system_dynamics, only: mechanical_energy
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_model_model, only: model_type
+   use limber_multibody_assembly, only: assemble, first_guess
+   use limber_multibody_equations_of_motion, only: mechanical_energy
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use swings, only: g, pendulum, place
    use testing, only: check, check_close, check_no_error, finish
    implicit none

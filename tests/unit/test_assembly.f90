@@ -3,18 +3,18 @@
 program test_assembly
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: fidelity_linear, reduction_type
-   use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
-   use limber_system_assembly, only: assemble, first_guess
-   use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
-   use limber_system_kinematics, only: move_frames, place_frames
-   use limber_system_point_motion, only: point_position, point_velocity
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_rank, only: assembly_type
-   use limber_system_redundancy, only: constraint_names
-   use limber_system_softening, only: soften_constraints
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_beam_beam_mesh, only: beam_type, new_support
+   use limber_beam_beam_reduction, only: fidelity_linear, reduction_type
+   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, model_type
+   use limber_multibody_assembly, only: assemble, first_guess
+   use limber_multibody_equations_of_motion, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
+   use limber_multibody_kinematics, only: move_frames, place_frames
+   use limber_multibody_point_motion, only: point_position, point_velocity
+   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_constraint_rank, only: assembly_type
+   use limber_multibody_redundant_constraints, only: constraint_names
+   use limber_multibody_compliant_constraints, only: soften_constraints
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_driver, add_joint, add_point_mass, add_rigid, constant_law, empty_model, join, wavy_law
    use testing, only: check, check_close, check_no_error, check_text, finish
    implicit none

@@ -2,7 +2,8 @@
 program test_beam
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dsyev
-   use limber_flex_beam, only: axial_dofs, axial_stiffness, beam_stiffness, bending_curvature, bending_dofs, bending_shape, &
+   use limber_beam_element_matrices, only: axial_dofs, axial_stiffness, beam_stiffness, bending_curvature, bending_dofs, &
+      & bending_shape, &
       & bending_slope, bending_stiffness, geometric_stiffness, lumped_mass
    use scenes, only: derivative, gauss_point, gauss_weight, random
    use testing, only: check, check_close, finish

@@ -4,10 +4,10 @@
 program test_body
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_mesh, only: beam_type, field_type, new_support
-   use limber_flex_reduced, only: add_inertia, add_rotary, reduced_type, rigid_reduced, start_inertia
-   use limber_flex_reduction, only: fidelity_linear, reduce_beam, reduction_type
-   use limber_system_body, only: body_mass, centre_moment, gravity_forces, kinetic_energy, velocity_forces, weight_potential
+   use limber_beam_beam_mesh, only: beam_type, displacement_field_type, new_support
+   use limber_beam_reduced_body, only: add_inertia, add_rotary, reduced_type, rigid_reduced, start_inertia
+   use limber_beam_beam_reduction, only: fidelity_linear, reduce_beam, reduction_type
+   use limber_multibody_body, only: body_mass, centre_moment, gravity_forces, kinetic_energy, velocity_forces, weight_potential
    use scenes, only: derivative, random, second_derivative
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -104,7 +104,7 @@ contains
       type(beam_type), parameter :: beam = beam_type(ea=2.0e4_wp, ei=3.0_wp, rho_a=0.8_wp, length=1.3_wp, elements=10)
       real(wp), parameter :: origin = 0.4_wp
       type(reduction_type) :: choice
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       integer :: i
       choice = reduction_type(support=new_support(support), bending=3, axial=2, geometric_elements=2, &
@@ -237,7 +237,7 @@ contains
       do i = lbound(cloud%mass, 1), ubound(cloud%mass, 1)
          jacobian = node_jacobian(cloud, motion, i)
          own = own + cloud%mass(i)*matmul(transpose(jacobian), jacobian)
-         ! u'' = alpha J u - omega^2 u and the Coriolis term, eq. (6)
+         ! u'' = alpha J u - omega^2 u and the Coriolis term, eq. (1.6)
          p = cloud%p0(:, i) + matmul(cloud%phi(:, :, i), motion%eta)
          drift = matmul(cloud%phi(:, :, i), motion%rate)
          push = matmul(cloud%phi(:, :, i), motion%push)

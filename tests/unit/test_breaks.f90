@@ -5,7 +5,7 @@ program test_law_breaks
    use limber_deck_content, only: deck_type
    use limber_deck_reader, only: read_deck
    use limber_deck_expression, only: expression_type
-   use limber_model_breaks, only: law_breaks, law_stations, undefined_at
+   use limber_model_law_breaks, only: law_breaks, law_stations, undefined_at
    use testing, only: check, check_close, finish
    implicit none
    real(wp), parameter :: pi = acos(-1.0_wp)

@@ -5,19 +5,19 @@ program test_conserving
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_flex_frame_reduction, only: frame_choice_type
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
+   use limber_beam_frame_reduction, only: frame_choice_type
+   use limber_beam_beam_mesh, only: beam_type, new_support
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_conserving, only: conserving_type
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_radau, only: radau_type
-   use limber_model_scene, only: driver_type, ground, joint_point_on_line, joint_revolute, model_type
-   use limber_system_algebra, only: along, cross, turn
-   use limber_system_assembly, only: assemble, first_guess
-   use limber_system_body, only: centre_moment
-   use limber_system_dynamics, only: mechanical_energy, position_residual
-   use limber_system_kinematics, only: place_frames
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_model_model, only: driver_type, ground, joint_point_on_line, joint_revolute, model_type
+   use limber_multibody_plane_vectors, only: along, cross, turn
+   use limber_multibody_assembly, only: assemble, first_guess
+   use limber_multibody_body, only: centre_moment
+   use limber_multibody_equations_of_motion, only: mechanical_energy, position_residual
+   use limber_multibody_kinematics, only: place_frames
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_frame, add_place, add_point_mass, add_rigid, &
       & add_spring, add_torque, empty_model, join, l_frame, slider_crank, wavy_law
    use swings, only: g, pendulum, place

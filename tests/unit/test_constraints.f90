@@ -4,19 +4,20 @@ program test_constraints
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs
-   use limber_flex_exact_functions, only: exact_choice_type
-   use limber_flex_mesh, only: beam_type, concentrate, new_support
-   use limber_flex_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, joint_sliding, &
+   use limber_beam_exact_functions, only: exact_choice_type
+   use limber_beam_beam_mesh, only: beam_type, concentrate, new_support
+   use limber_beam_beam_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
+   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, joint_sliding, &
       & model_type
-   use limber_system_assembly, only: assemble, first_guess
-   use limber_system_body, only: body_mass
-   use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, position_residual, velocity_residual
-   use limber_system_projection, only: project_position, project_velocity
-   use limber_system_kinematics, only: move_frames, place_frames
-   use limber_system_point_motion, only: point_acceleration, point_position, point_velocity
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_multibody_assembly, only: assemble, first_guess
+   use limber_multibody_body, only: body_mass
+   use limber_multibody_equations_of_motion, only: accelerations, input_power, linearise, mechanical_energy, &
+      & position_residual, velocity_residual
+   use limber_multibody_projection, only: project_position, project_velocity
+   use limber_multibody_kinematics, only: move_frames, place_frames
+   use limber_multibody_point_motion, only: point_acceleration, point_position, point_velocity
+   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_joint, add_place, add_point_mass, add_rigid, &
       & derivative, empty_model, random, second_derivative, wavy_law
    use testing, only: check, check_close, check_no_error, finish
@@ -410,7 +411,7 @@ contains
       call check(velocity_residual(system, work, v) <= 1.0e-13_wp, 'consistent velocities')
    end subroutine prepare
 
-   !> The condensed solution solves the whole system, eq. (32), at a consistent state and, with the pivots of one workspace, at
+   !> The condensed solution solves the whole system, eq. (4.1), at a consistent state and, with the pivots of one workspace, at
    !> any other one: in every position of the crank, and with deflections and speeds that are far off.
    subroutine test_whole_matrix()
       type(system_type) :: system

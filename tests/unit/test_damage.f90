@@ -4,8 +4,8 @@ program test_damage
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
    use hdf5, only: hid_t, hsize_t, h5dclose_f, h5dcreate_f, h5lcreate_external_f, h5lcreate_soft_f, h5p_dataset_create_f, &
       & h5pclose_f, h5pcreate_f, h5pset_external_f, h5pset_virtual_f, h5sclose_f, h5screate_simple_f, h5t_native_double
-   use limber_analysis_drawing, only: choice_type, export_motion
-   use limber_analysis_run, only: run_deck
+   use limber_commands_drawing, only: drawing_request_type, export_motion
+   use limber_commands_run, only: run_deck
    use limber_base_error, only: error_type, status_deck
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -222,7 +222,7 @@ contains
       real(wp), intent(in), optional :: values(:), table(:, :)
       character(*), intent(in), optional :: text
       type(error_type), allocatable :: error
-      type(choice_type) :: choice
+      type(drawing_request_type) :: choice
       integer(hid_t) :: file
       character(:), allocatable :: path
       integer :: unit

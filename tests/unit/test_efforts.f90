@@ -9,14 +9,14 @@ program test_efforts
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
    use limber_model_build, only: build_model
-   use limber_model_scene, only: ground, model_type
-   use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy, sum_forces
-   use limber_system_kinematics, only: move_frames, place_frames, settle_angles
-   use limber_system_layout, only: advance, velocities_of
-   use limber_system_motion, only: linearise_motion, motion_residual
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, new_tangent, tangent_type
-   use limber_system_tangent_products, only: times_stiffness
+   use limber_model_model, only: ground, model_type
+   use limber_multibody_equations_of_motion, only: accelerations, input_power, linearise, mechanical_energy, sum_forces
+   use limber_multibody_kinematics, only: move_frames, place_frames, settle_angles
+   use limber_multibody_layout, only: advance, velocities_of
+   use limber_multibody_motion_residual, only: linearise_motion, motion_residual
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_multibody_tangent, only: combine, new_tangent, tangent_type
+   use limber_multibody_tangent_products, only: times_stiffness
    use scenes, only: derivative, random
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -250,7 +250,7 @@ contains
       end do
    end subroutine test_steps
 
-   !> Energies of a load at both ends of a step with the mean rates w, and the kinematics of the mean: eqs. (49), (53).
+   !> Energies of a load at both ends of a step with the mean rates w, and the kinematics of the mean: eqs. (5.21), (5.25).
    subroutine end_points(system, q, w, span, work, mean, before, after, index)
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: q(:), w(:), span

@@ -4,7 +4,7 @@
 program test_elimination
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_system_sparse, only: sparse_type
+   use limber_multibody_sparse_matrix, only: sparse_type
    use scenes, only: random
    use testing, only: check, check_close, finish
    implicit none

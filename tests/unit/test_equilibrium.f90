@@ -3,22 +3,22 @@
 program test_equilibrium
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_scene, only: model_type, ground, joint_revolute
-   use limber_system_assembly, only: assemble, first_guess
-   use limber_system_dynamics, only: linearise, accelerations
-   use limber_system_eigenmodes, only: quadratic_modes, symmetric_modes
-   use limber_system_equilibrium, only: equilibrium_type, new_equilibrium, linearise_balance
-   use limber_system_freedom, only: freedom_type, find_freedom, lowest_stiffness
-   use limber_system_held, only: held_type, new_held, held_position, held_motion
-   use limber_system_kinematics, only: place_frames
-   use limber_system_layout, only: advance
-   use limber_system_krylov, only: nearest_eigenvalues, by_mass, by_scales
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent_products, only: times_stiffness
-   use limber_system_vibrations, only: find_large_vibrations, find_vibrations, no_damping, vibrations_type
+   use limber_beam_beam_mesh, only: beam_type, new_support
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
+   use limber_model_model, only: model_type, ground, joint_revolute
+   use limber_multibody_assembly, only: assemble, first_guess
+   use limber_multibody_equations_of_motion, only: linearise, accelerations
+   use limber_multibody_dense_eigenmodes, only: quadratic_modes, symmetric_modes
+   use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium, linearise_balance
+   use limber_multibody_free_motions, only: free_motions_type, find_freedom, lowest_stiffness
+   use limber_multibody_driven_motion, only: driven_motion_type, new_held, held_position, held_motion
+   use limber_multibody_kinematics, only: place_frames
+   use limber_multibody_layout, only: advance
+   use limber_multibody_sparse_eigenmodes, only: nearest_eigenvalues, by_mass, by_scales
+   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_multibody_tangent_products, only: times_stiffness
+   use limber_multibody_small_vibrations, only: find_large_vibrations, find_vibrations, no_damping, vibrations_type
    use scenes, only: add_beam, add_driver, constant_law, derivative, empty_model, join, random, slider_crank
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -106,7 +106,7 @@ contains
    subroutine test_freedom()
       type(system_type) :: system
       type(workspace_type) :: work
-      type(freedom_type) :: freedom
+      type(free_motions_type) :: freedom
       type(error_type), allocatable :: error
       real(wp), allocatable :: q(:), v(:), moved(:), before(:)
       real(wp), parameter :: h = 1.0e-5_wp
@@ -147,7 +147,7 @@ contains
    subroutine test_held()
       type(system_type) :: system
       type(workspace_type) :: work
-      type(held_type) :: held
+      type(driven_motion_type) :: held
       type(error_type), allocatable :: error
       real(wp), allocatable :: q(:), v(:), a(:), lambda(:), other(:)
       real(wp) :: change

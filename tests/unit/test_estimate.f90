@@ -6,20 +6,20 @@ program test_estimate
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
    use limber_base_text, only: newline
-   use limber_analysis_diff, only: compare_histories, tolerance_type
-   use limber_analysis_errors, only: envelope, magnitude, shrinkage, widening, unknown_ratio
-   use limber_analysis_estimate, only: estimate_type, make_estimate, round_off, varied
+   use limber_commands_diff, only: compare_histories, tolerance_type
+   use limber_scene_channel_errors, only: envelope, magnitude, shrinkage, widening, unknown_ratio
+   use limber_analysis_error_estimate, only: estimate_type, make_estimate, round_off, varied
    use limber_analysis_estimate_report, only: estimate_table, estimate_warning, record_estimate
-   use limber_analysis_export, only: export_history
-   use limber_analysis_record, only: open_history
-   use limber_analysis_run, only: run_deck
-   use limber_analysis_scene, only: scene_type, read_scene
-   use limber_model_scene, only: dynamics_type
+   use limber_commands_export, only: export_history
+   use limber_analysis_provenance, only: open_history
+   use limber_commands_run, only: run_deck
+   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_model_model, only: dynamics_type
    use limber_output_hdf5, only: close_file, open_file
    use limber_output_hdf5_read, only: read_attribute
    use limber_output_history, only: history_type
    use limber_output_history_reader, only: history_reader_type
-   use limber_output_sink, only: memory_type
+   use limber_output_sample_sink, only: memory_type
    use testing, only: check, check_close, check_no_error, check_text, finish, make_folder
    implicit none
    character(:), allocatable :: folder

@@ -1,8 +1,8 @@
 !> Columns and comparison of results files: the exact text of `limber export` and `limber diff`.
 program test_export
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
-   use limber_analysis_diff, only: compare_histories, compare_values, difference_type, tolerance_type
-   use limber_analysis_export, only: export_history
+   use limber_commands_diff, only: compare_histories, compare_values, difference_type, tolerance_type
+   use limber_commands_export, only: export_history
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_output_history, only: history_type

@@ -8,7 +8,7 @@ program test_expression
    use limber_deck_operations, only: jet_type
    use limber_deck_origin, only: origin_type
    use limber_deck_parameters, only: parameter_list_type, parameter_type
-   use limber_deck_terms, only: size_of_terms
+   use limber_deck_difference_terms, only: size_of_terms
    use testing, only: check, check_close, check_text, finish
    implicit none
    type(parameter_list_type) :: parameters

@@ -4,23 +4,23 @@ program test_forest
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
-   use limber_system_assembly, only: assemble
-   use limber_system_discrete, only: linearise_step, step_residual
-   use limber_system_dynamics, only: accelerations, input_power, linearise
-   use limber_system_forest, only: forest_type, forest_solve, new_forest
-   use limber_system_forest_factors, only: forest_factor
-   use limber_system_forest_motion, only: forest_power, forest_residual, forest_settle, forest_times_mass
-   use limber_system_forest_step, only: begin_forest_step, forest_step_factor, forest_step_mass, forest_step_residual
-   use limber_system_layout, only: rates_of, velocities_of
-   use limber_system_motion, only: linearise_motion, motion_residual, place_motion
-   use limber_system_projection, only: settle
-   use limber_system_step, only: begin_step, frame_rates, new_step, step_type
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, new_tangent, tangent_type
-   use limber_system_tangent_products, only: times_mass
+   use limber_beam_beam_mesh, only: beam_type, new_support
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
+   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, model_type
+   use limber_multibody_assembly, only: assemble
+   use limber_multibody_discrete_motion, only: linearise_step, step_residual
+   use limber_multibody_equations_of_motion, only: accelerations, input_power, linearise
+   use limber_multibody_articulated, only: articulated_type, forest_solve, new_forest
+   use limber_multibody_articulated_factors, only: forest_factor
+   use limber_multibody_articulated_motion, only: forest_power, forest_residual, forest_settle, forest_times_mass
+   use limber_multibody_articulated_step, only: begin_forest_step, forest_step_factor, forest_step_mass, forest_step_residual
+   use limber_multibody_layout, only: rates_of, velocities_of
+   use limber_multibody_motion_residual, only: linearise_motion, motion_residual, place_motion
+   use limber_multibody_projection, only: settle
+   use limber_multibody_discrete_step, only: begin_step, frame_rates, new_step, discrete_step_type
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_multibody_tangent, only: combine, new_tangent, tangent_type
+   use limber_multibody_tangent_products, only: times_mass
    use scenes, only: add_beam, add_beam_place, add_joint, add_place, add_point_mass, add_rigid, add_torque, constant_law, &
       & empty_model, random
    use testing, only: check, check_close, check_no_error, finish
@@ -132,7 +132,7 @@ contains
       type(model_type), intent(in) :: model
       type(system_type) :: system
       type(workspace_type) :: work
-      type(forest_type) :: forest
+      type(articulated_type) :: forest
       system = new_system(model)
       call new_workspace(system, work)
       call new_forest(system, forest)
@@ -148,7 +148,7 @@ contains
       character(*), intent(in) :: title
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      type(forest_type), intent(inout) :: forest
+      type(articulated_type), intent(inout) :: forest
       real(wp), parameter :: mass = 50.0_wp, stiffness = 0.02_wp
       type(tangent_type) :: tangent
       real(wp), allocatable :: q(:), v(:), w(:), a(:), lambda(:), motion(:), rates(:), motion2(:), rates2(:), x(:), y(:)
@@ -206,10 +206,10 @@ contains
       character(*), intent(in) :: title
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      type(forest_type), intent(inout) :: forest
+      type(articulated_type), intent(inout) :: forest
       real(wp), parameter :: h = 0.03_wp
       type(tangent_type) :: tangent
-      type(step_type) :: step
+      type(discrete_step_type) :: step
       real(wp), allocatable :: q(:), b(:), y(:), lambda(:), motion(:), phi(:), motion2(:), phi2(:), x(:), x2(:)
       real(wp) :: turn
       logical :: singular
@@ -267,7 +267,7 @@ contains
       character(*), intent(in) :: title
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      type(forest_type), intent(inout) :: forest
+      type(articulated_type), intent(inout) :: forest
       type(error_type), allocatable :: error
       real(wp), allocatable :: q(:), v(:), q2(:), v2(:), w(:), change(:)
       real(wp) :: residual, power
@@ -351,7 +351,7 @@ contains
    logical function usable(model)
       type(model_type), intent(in) :: model
       type(system_type) :: system
-      type(forest_type) :: forest
+      type(articulated_type) :: forest
       system = new_system(model)
       call new_forest(system, forest)
       usable = forest%usable

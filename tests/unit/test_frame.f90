@@ -6,13 +6,13 @@ program test_frame
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_flex_elastic, only: elastic_energy, elastic_force
-   use limber_flex_frame, only: frame_type, member_type, new_frame
-   use limber_flex_frame_reduction, only: available_frame_modes, frame_choice_type, frame_point_shape, reduce_frame
-   use limber_flex_frame_solver, only: connected_nodes, new_solver, rigid_motions, solve_static, solver_type
-   use limber_flex_mesh, only: beam_type, concentrate, field_type, new_support, nodal_masses
-   use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, point_shape, reduce_beam, reduction_type
+   use limber_beam_elastic_forces, only: elastic_energy, elastic_force
+   use limber_beam_plane_frame, only: frame_type, member_type, new_frame
+   use limber_beam_frame_reduction, only: available_frame_modes, frame_choice_type, frame_point_shape, reduce_frame
+   use limber_beam_frame_solver, only: connected_nodes, new_solver, rigid_motions, solve_static, solver_type
+   use limber_beam_beam_mesh, only: beam_type, concentrate, displacement_field_type, new_support, nodal_masses
+   use limber_beam_reduced_body, only: reduced_type
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, point_shape, reduce_beam, reduction_type
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -112,7 +112,7 @@ contains
    subroutine test_beam_with_masses()
       type(beam_type) :: beam
       type(reduced_type) :: body
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       type(reduction_type) :: choice
       type(member_type) :: members(2)
@@ -265,7 +265,7 @@ contains
       type(member_type) :: members(1)
       type(frame_type) :: frame
       type(reduced_type) :: straight, body
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(reduction_type) :: choice
       type(frame_choice_type) :: own
       type(error_type), allocatable :: error
@@ -324,7 +324,7 @@ contains
    subroutine test_points()
       type(frame_type) :: frame
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       real(wp), allocatable :: shape(:, :, :), phi(:, :), psi(:), left(:, :), right(:, :), none(:)
       real(wp) :: p(2)
       real(wp), parameter :: h = 1.0e-5_wp

@@ -4,14 +4,14 @@
 program test_functions
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_frame, only: beam_frame, frame_type, member_type, new_frame, strain_energy
-   use limber_flex_frame_reduction, only: available_frame_modes, frame_choice_type, reduce_frame
-   use limber_flex_frame_solver, only: frame_band, new_solver, on_equations, rigid_motions, solve_static, solver_type
-   use limber_flex_functions, only: attachment_loads, attachment_type
-   use limber_flex_mesh, only: beam_type, concentrate, field_type, mesh_beam, new_support
-   use limber_flex_modes, only: lowest_modes
-   use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: fidelity_linear, reduce_beam, reduction_type
+   use limber_beam_plane_frame, only: beam_frame, frame_type, member_type, new_frame, strain_energy
+   use limber_beam_frame_reduction, only: available_frame_modes, frame_choice_type, reduce_frame
+   use limber_beam_frame_solver, only: frame_band, new_solver, on_equations, rigid_motions, solve_static, solver_type
+   use limber_beam_static_functions, only: attachment_loads, attachment_type
+   use limber_beam_beam_mesh, only: beam_type, concentrate, displacement_field_type, mesh_beam, new_support
+   use limber_beam_modal_reduction, only: lowest_modes
+   use limber_beam_reduced_body, only: reduced_type
+   use limber_beam_beam_reduction, only: fidelity_linear, reduce_beam, reduction_type
    use testing, only: check, check_close, check_no_error, check_text, finish
    implicit none
    real(wp), parameter :: ea = 5.0e3_wp, ei = 2.0_wp, rho_a = 0.7_wp, length = 1.5_wp
@@ -41,7 +41,7 @@ contains
    end function uneven_beam
 
    !> Displacements of attachments under unit loads there: those of the mesh, and what the coordinates leave out of them,
-   !> eq. (135).
+   !> eq. (2.22).
    subroutine static_residual(frame, shape, omega2, attachments, whole, left_out, error)
       type(frame_type), intent(in) :: frame
       !> Shapes (3, nodes, n) and squared circular frequencies (n) of the coordinates
@@ -98,7 +98,7 @@ contains
       type(beam_type) :: beam
       type(reduction_type) :: choice
       type(reduced_type) :: body
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(frame_type) :: frame
       type(error_type), allocatable :: error
       real(wp), allocatable :: shape(:, :, :)
@@ -182,7 +182,7 @@ contains
       type(beam_type), parameter :: beam = beam_type(ea=ea, ei=ei, rho_a=rho_a, length=length, elements=10)
       type(reduction_type) :: choice
       type(reduced_type) :: body
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(frame_type) :: frame
       type(error_type), allocatable :: error
       real(wp), allocatable :: shape(:, :, :)
@@ -286,7 +286,7 @@ contains
       type(beam_type), parameter :: beam = beam_type(ea=ea, ei=ei, rho_a=rho_a, length=length, elements=6)
       type(reduction_type) :: choice
       type(reduced_type) :: body
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       character(:), allocatable :: note
       choice = reduction_type(support=new_support('CLAMPED-FREE'), bending=2, axial=1, fidelity=fidelity_linear)

@@ -3,13 +3,14 @@
 program test_geometric
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_beam, only: bending_curvature, bending_slope
-   use limber_flex_elastic, only: elastic_energy, elastic_force, geometric_power
-   use limber_flex_geometric, only: element_ends, mean_slopes, mean_strains, pair_index
-   use limber_flex_mesh, only: beam_type, bending_modes, deflection_at, extension_at, field_type, mesh_beam, new_support, &
+   use limber_beam_element_matrices, only: bending_curvature, bending_slope
+   use limber_beam_elastic_forces, only: elastic_energy, elastic_force, geometric_power
+   use limber_beam_geometric_stiffness, only: element_ends, mean_slopes, mean_strains, pair_index
+   use limber_beam_beam_mesh, only: beam_type, bending_modes, deflection_at, extension_at, displacement_field_type, mesh_beam, &
+      & new_support, &
       & slope_at
-   use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduce_beam, reduction_type
+   use limber_beam_reduced_body, only: reduced_type
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduce_beam, reduction_type
    use scenes, only: derivative, gauss_point, gauss_weight, random
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -46,7 +47,7 @@ contains
 
    !> Deflection, slope and curvature of a field at x, by Hermite's cubic in its own words.
    pure subroutine shape_at(field, x, w, slope, curvature)
-      type(field_type), intent(in) :: field
+      type(displacement_field_type), intent(in) :: field
       real(wp), intent(in) :: x
       real(wp), intent(out) :: w(:), slope(:), curvature(:)
       real(wp) :: l, t, rise(size(w)), left(size(w)), right(size(w))
@@ -66,7 +67,7 @@ contains
 
    !> Places along the beam against the formula above, the end included.
    subroutine test_interpolation()
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       real(wp) :: x, w(4), slope(4), curvature(4)
       integer :: i
@@ -87,7 +88,7 @@ contains
    !> Integral of a product of slopes (kind 1), or of slopes and curvatures of the deflection eta (kind 2), from a to b, in so
    !> many pieces that none crosses a node but by round-off.
    function slope_integral(field, a, b) result(matrix)
-      type(field_type), intent(in) :: field
+      type(displacement_field_type), intent(in) :: field
       real(wp), intent(in) :: a, b
       real(wp) :: matrix(size(field%w, 2), size(field%w, 2)), x, left, right
       real(wp), dimension(size(field%w, 2)) :: w, slope, curvature
@@ -111,7 +112,7 @@ contains
       integer, intent(in) :: elements, parts
       integer, parameter :: number = 4
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       real(wp) :: x(0:parts), exact(number, number, parts), nodal(number, number, parts), own(number, number)
       real(wp), dimension(number) :: w(number, 2), theta(number, 2), curvature, slope
@@ -153,7 +154,7 @@ contains
    !> The sum of l_g B_g is the integral over the beam, whatever the division.
    subroutine test_sum()
       integer, parameter :: number = 5
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       real(wp) :: whole(number, number, 1), total(number, number)
       real(wp), allocatable :: b(:, :, :), x(:)
@@ -183,7 +184,7 @@ contains
       real(wp), intent(in) :: origin
       type(reduction_type) :: choice
       type(reduced_type) :: linear, kg
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       integer :: trial
       choice = reduction_type(support=new_support(support), bending=bending, axial=3, geometric_elements=parts, &
@@ -203,7 +204,7 @@ contains
    subroutine compare(support, choice, field, linear, kg)
       character(*), intent(in) :: support
       type(reduction_type), intent(in) :: choice
-      type(field_type), intent(in) :: field
+      type(displacement_field_type), intent(in) :: field
       type(reduced_type), intent(in) :: linear, kg
       real(wp), dimension(kg%n) :: eta, rate, step
       real(wp) :: scale, energy, power

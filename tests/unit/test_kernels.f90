@@ -5,12 +5,12 @@ program test_kernels
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_spline, only: new_spline, spline_clamped, spline_closed, spline_natural, spline_segment, spline_type
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
+   use limber_beam_beam_mesh, only: beam_type, new_support
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_model_curve, only: curve_type, expression_curve, spline_curve
-   use limber_model_integral, only: integrate
-   use limber_model_laws, only: driven_motion
-   use limber_model_scene, only: coordinate_angle, coordinate_displacement, coordinate_joint_angle, &
+   use limber_model_law_integrals, only: integrate
+   use limber_model_driver_laws, only: driven_motion
+   use limber_model_model, only: coordinate_angle, coordinate_displacement, coordinate_joint_angle, &
       & driver_displacement, driver_distance, driver_joint_angle, driver_type, driver_x, driver_y, ground, joint_belt, &
       & joint_coupler, joint_curve, joint_gear, joint_point_on_line, joint_rack, joint_revolute, joint_rod, joint_sliding, &
       & joint_translational, joint_weld, model_type, term_type
@@ -19,17 +19,17 @@ program test_kernels
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
    use limber_base_text, only: newline
-   use limber_model_breaks, only: law_breaks
-   use limber_system_discrete, only: step_residual
-   use limber_system_drivers, only: driven_origin_type
-   use limber_system_dynamics, only: position_residual
-   use limber_system_kinematics, only: move_frames, place_frames
-   use limber_system_layout, only: advance, velocities_of
-   use limber_system_motion, only: linearise_motion, motion_residual
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_step, only: begin_step, new_step, step_type
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: new_tangent, tangent_type
+   use limber_model_law_breaks, only: law_breaks
+   use limber_multibody_discrete_motion, only: step_residual
+   use limber_multibody_drivers, only: driven_origin_type
+   use limber_multibody_equations_of_motion, only: position_residual
+   use limber_multibody_kinematics, only: move_frames, place_frames
+   use limber_multibody_layout, only: advance, velocities_of
+   use limber_multibody_motion_residual, only: linearise_motion, motion_residual
+   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_discrete_step, only: begin_step, new_step, discrete_step_type
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_multibody_tangent, only: new_tangent, tangent_type
    use scenes, only: add_beam, add_beam_place, add_driver, add_joint, add_place, add_point_mass, add_rigid, derivative, &
       & empty_model, random, second_derivative, wavy_law
    use testing, only: check, check_close, check_no_error, finish
@@ -429,7 +429,7 @@ contains
    subroutine test_steps(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      type(step_type) :: step
+      type(discrete_step_type) :: step
       real(wp), dimension(system%layout%nw) :: w, y, motion
       real(wp), dimension(system%nc) :: lambda, phi, before, expected
       real(wp) :: q(system%layout%nq), largest, length
@@ -524,7 +524,7 @@ contains
 
    !> Jacobian of all constraints times a vector of rates.
    function times_jacobian(system, jacobians, vector) result(product)
-      use limber_system_constraint, only: jacobian_type
+      use limber_multibody_constraint, only: jacobian_type
       type(system_type), intent(in) :: system
       type(jacobian_type), intent(in) :: jacobians(:, :)
       real(wp), intent(in) :: vector(:)

@@ -3,9 +3,9 @@
 program test_library
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_flex_library, only: library_type
-   use limber_flex_mesh, only: field_type
-   use limber_flex_reduced, only: reduced_type
+   use limber_beam_reduction_cache, only: library_type
+   use limber_beam_beam_mesh, only: displacement_field_type
+   use limber_beam_reduced_body, only: reduced_type
    use testing, only: check, check_close, check_text, finish
    implicit none
    call test_many()
@@ -39,7 +39,7 @@ contains
       type(library_type), intent(inout) :: library
       integer, intent(in) :: number
       type(reduced_type) :: reduced
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       reduced%mass = number
       allocate (reduced%skew(2, 2), source=real(number, wp))
       allocate (reduced%rotary(0, 0), reduced%cubic(0, 0))
@@ -51,7 +51,7 @@ contains
       type(library_type), intent(in) :: library
       integer, intent(in) :: number
       type(reduced_type) :: reduced
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       character(:), allocatable :: note
       note = ''
       call library%look_up('beam '//as_text(number), reduced, field, note, has)

@@ -5,8 +5,8 @@ program test_limits
    use limber_base_error, only: error_type
    use limber_base_finite, only: dsyev, dsygv, dgeev, dgelsd, dgesvd, not_finite
    use limber_base_kinds, only: wp
-   use limber_analysis_batch, only: batch_type
-   use limber_analysis_run, only: run_one
+   use limber_commands_batch, only: batch_type
+   use limber_commands_run, only: run_one
    use testing, only: check, check_close, finish
    implicit none
 

@@ -3,16 +3,16 @@
 program test_loads
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_scene, only: ground, model_type
-   use limber_system_dynamics, only: accelerations, input_power, linearise, mechanical_energy
-   use limber_system_kinematics, only: move_frames, place_frames
-   use limber_system_layout, only: advance, velocities_of
-   use limber_system_motion, only: linearise_motion, motion_residual
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, new_tangent, tangent_type
-   use limber_system_tangent_products, only: times_stiffness
+   use limber_beam_beam_mesh, only: beam_type, new_support
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
+   use limber_model_model, only: ground, model_type
+   use limber_multibody_equations_of_motion, only: accelerations, input_power, linearise, mechanical_energy
+   use limber_multibody_kinematics, only: move_frames, place_frames
+   use limber_multibody_layout, only: advance, velocities_of
+   use limber_multibody_motion_residual, only: linearise_motion, motion_residual
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_multibody_tangent, only: combine, new_tangent, tangent_type
+   use limber_multibody_tangent_products, only: times_stiffness
    use scenes, only: add_beam, add_beam_place, add_force, add_place, add_point_mass, add_rigid, add_spring, add_torque, &
       & derivative, empty_model, random, wavy_law
    use testing, only: check, check_close, check_no_error, finish

@@ -3,7 +3,7 @@
 program test_model
    use limber_base_error, only: error_type, status_deck
    use limber_base_text, only: newline
-   use limber_analysis_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: scene_type, read_scene
    use testing, only: check, check_text, finish
    implicit none
    integer :: i

@@ -4,9 +4,10 @@ program test_modes
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dgetrf, dgetrs, dsyev
-   use limber_flex_mesh, only: axial_modes, beam_type, bending_modes, count_axial_modes, count_bending_modes, field_type, &
+   use limber_beam_beam_mesh, only: axial_modes, beam_type, bending_modes, count_axial_modes, count_bending_modes, &
+      & displacement_field_type, &
       & mesh_beam, new_support, nodal_masses, support_type
-   use limber_flex_modes, only: count_modes
+   use limber_beam_modal_reduction, only: count_modes
    use testing, only: check, check_close, check_no_error, check_text, finish
    implicit none
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -54,7 +55,7 @@ contains
    !> difference equation of the chain with its rotations condensed. Its shape is a sine at the nodes.
    subroutine test_simply_supported()
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       real(wp) :: b, exact, worst, worst_shape
       integer :: n, k, i
@@ -83,7 +84,7 @@ contains
       integer :: n, k
       real(wp) :: worst(3)
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       worst = 0.0_wp
       do n = 2, 20
@@ -129,7 +130,7 @@ contains
       character(*), intent(in) :: name
       integer, intent(in) :: elements
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       beam = beam_of(elements)
       field = mesh_beam(beam)
@@ -142,7 +143,7 @@ contains
    subroutine test_count()
       integer, parameter :: bending(7) = [3, 3, 4, 3, 3, 3, 3], axial(7) = [4, 3, 4, 4, 3, 3, 4]
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       integer :: i
       call check(count_bending_modes(beam_of(2), new_support('PINNED-ROLLER')) == 1, 'two elements: one bending mode')
@@ -220,7 +221,7 @@ contains
    subroutine test_against_dense(name)
       character(*), intent(in) :: name
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(support_type) :: support
       type(error_type), allocatable :: error
       real(wp), allocatable :: exact(:)
@@ -246,7 +247,7 @@ contains
       character(*), intent(in) :: name
       integer, parameter :: n = 14, number = 6
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(support_type) :: support
       type(error_type), allocatable :: error
       real(wp) :: mass(0:n), gram(number, number), stiff(number, number), phi(2*n + 2, number), product
@@ -315,7 +316,7 @@ contains
       character(*), intent(in) :: name
       integer, parameter :: n = 13
       type(beam_type) :: beam
-      type(field_type) :: whole, part
+      type(displacement_field_type) :: whole, part
       type(support_type) :: support
       type(error_type), allocatable :: error
       integer :: number, j
@@ -351,7 +352,7 @@ contains
    !> The same to the last bit, also after something else was computed.
    subroutine test_repeatable(name)
       character(*), intent(in) :: name
-      type(field_type) :: first, between, second
+      type(displacement_field_type) :: first, between, second
       type(error_type), allocatable :: error
       integer :: round
       do round = 1, 2
@@ -384,7 +385,7 @@ contains
    subroutine test_free_free()
       integer, parameter :: number = 5
       type(beam_type) :: beam
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       real(wp), parameter :: exact = 22.373285448_wp
       real(wp), allocatable :: mass(:)

@@ -1,7 +1,7 @@
 !> What a rigid beam would do if it were elastic: deflections, frequencies and Euler's loads of textbooks.
 program test_quasistatic
    use limber_base_kinds, only: wp
-   use limber_flex_quasistatic, only: quasistatic_type, new_quasistatic, find_deflection
+   use limber_beam_quasistatic_deflection, only: quasistatic_type, new_quasistatic, find_deflection
    use testing, only: check, check_close, finish
    implicit none
    real(wp), parameter :: ei = 3.0_wp, rho_a = 2.0_wp, l = 1.5_wp, pi = acos(-1.0_wp), fine = 2.0e-3_wp

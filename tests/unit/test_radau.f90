@@ -5,18 +5,18 @@ program test_radau
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_flex_mesh, only: beam_type, new_support
-   use limber_flex_reduction, only: fidelity_kg, fidelity_linear, reduction_type
+   use limber_beam_beam_mesh, only: beam_type, new_support
+   use limber_beam_beam_reduction, only: fidelity_kg, fidelity_linear, reduction_type
    use limber_integrator_adams, only: adams_type
    use limber_integrator_integrator, only: integrator_type
    use limber_integrator_radau, only: radau_type
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_lambda, radau_t, radau_ti
-   use limber_model_scene, only: driver_type, ground, joint_revolute, model_type
-   use limber_system_assembly, only: first_guess
-   use limber_system_dynamics, only: mechanical_energy, position_residual, velocity_residual
-   use limber_system_kinematics, only: move_frames, place_frames
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_model_model, only: driver_type, ground, joint_revolute, model_type
+   use limber_multibody_assembly, only: first_guess
+   use limber_multibody_equations_of_motion, only: mechanical_energy, position_residual, velocity_residual
+   use limber_multibody_kinematics, only: move_frames, place_frames
+   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_beam, add_rigid, empty_model, join, slider_crank
    use swings, only: begin, g, pendulum, place, swing_of
    use testing, only: check, check_close, check_no_error, finish

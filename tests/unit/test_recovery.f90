@@ -4,15 +4,15 @@ program test_recovery
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_flex_beam, only: bending_slope
-   use limber_flex_frame, only: beam_frame, element_forces, frame_type, member_type, new_frame
-   use limber_flex_frame_reduction, only: frame_choice_type, reduce_frame
-   use limber_flex_frame_solver, only: new_solver, solve_static, solver_type
-   use limber_flex_mesh, only: beam_type, concentrate, field_type, new_support, slope_at
-   use limber_flex_recovery, only: amplitudes, internal_forces, load_place_type, new_recovery, recovery_type, &
+   use limber_beam_element_matrices, only: bending_slope
+   use limber_beam_plane_frame, only: beam_frame, element_forces, frame_type, member_type, new_frame
+   use limber_beam_frame_reduction, only: frame_choice_type, reduce_frame
+   use limber_beam_frame_solver, only: new_solver, solve_static, solver_type
+   use limber_beam_beam_mesh, only: beam_type, concentrate, displacement_field_type, new_support, slope_at
+   use limber_beam_force_recovery, only: amplitudes, internal_forces, load_place_type, new_recovery, recovery_type, &
       & section_type
-   use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: fidelity_linear, point_shape, reduce_beam, reduction_type
+   use limber_beam_reduced_body, only: reduced_type
+   use limber_beam_beam_reduction, only: fidelity_linear, point_shape, reduce_beam, reduction_type
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -48,7 +48,7 @@ contains
       type(beam_type), intent(in), optional :: beam
       type(beam_type) :: own
       type(reduction_type) :: choice
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(frame_type) :: frame
       type(error_type), allocatable :: error
       real(wp), allocatable :: shape(:, :, :), one(:, :), psi(:)

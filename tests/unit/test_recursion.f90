@@ -4,12 +4,12 @@ program test_recursion
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_model_scene, only: model_type, joint_point_on_line, joint_revolute, ground
-   use limber_system_dynamics, only: linearise, accelerations, position_residual, velocity_residual
-   use limber_system_kinematics, only: place_frames
-   use limber_system_multiplier, only: update_jacobians
-   use limber_system_recursion, only: recursion_type, new_recursion, recursive_accelerations, recursive_settle
-   use limber_system_system, only: system_type, workspace_type, new_system, new_workspace
+   use limber_model_model, only: model_type, joint_point_on_line, joint_revolute, ground
+   use limber_multibody_equations_of_motion, only: linearise, accelerations, position_residual, velocity_residual
+   use limber_multibody_kinematics, only: place_frames
+   use limber_multibody_multiplier_system, only: update_jacobians
+   use limber_multibody_articulated_rigid, only: articulated_rigid_type, new_recursion, recursive_accelerations, recursive_settle
+   use limber_multibody_system, only: system_type, workspace_type, new_system, new_workspace
    use scenes, only: random, empty_model, add_rigid, add_point_mass, join, add_spring, add_place, constant_law, add_torque
    use testing, only: check, check_close, check_no_error, finish
    implicit none
@@ -49,7 +49,7 @@ contains
       type(model_type) :: model
       type(system_type) :: system
       type(workspace_type) :: work
-      type(recursion_type) :: recursion
+      type(articulated_rigid_type) :: recursion
       type(error_type), allocatable :: error
       real(wp), allocatable :: q(:), v(:), a(:), b(:)
       real(wp) :: largest
@@ -108,7 +108,7 @@ contains
    logical function usable(model)
       type(model_type), intent(in) :: model
       type(system_type) :: system
-      type(recursion_type) :: recursion
+      type(articulated_rigid_type) :: recursion
       system = new_system(model)
       call new_recursion(system, recursion)
       usable = recursion%usable

@@ -3,10 +3,11 @@
 program test_reduction
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_mesh, only: axial_modes, beam_type, bending_modes, field_type, mesh_beam, new_support, nodal_masses, &
+   use limber_beam_beam_mesh, only: axial_modes, beam_type, bending_modes, displacement_field_type, mesh_beam, new_support, &
+      & nodal_masses, &
       & support_type
-   use limber_flex_reduced, only: reduced_type, rigid_reduced
-   use limber_flex_reduction, only: available_modes, fidelity_kg, fidelity_linear, point_shape, &
+   use limber_beam_reduced_body, only: reduced_type, rigid_reduced
+   use limber_beam_beam_reduction, only: available_modes, fidelity_kg, fidelity_linear, point_shape, &
       & reduce_beam, reduction_type
    use scenes, only: derivative, random
    use testing, only: check, check_close, check_no_error, finish
@@ -34,7 +35,7 @@ contains
       integer, parameter :: fidelities(2) = [fidelity_linear, fidelity_kg]
       type(reduction_type) :: choice
       type(reduced_type) :: body
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       real(wp), allocatable :: phi(:, :, :), mass(:)
       real(wp) :: product(3), p(2), own(7), scale
@@ -92,7 +93,7 @@ contains
       type(beam_type) :: beam
       type(reduction_type) :: choice
       type(reduced_type) :: body
-      type(field_type) :: field, all
+      type(displacement_field_type) :: field, all
       type(support_type) :: support
       type(error_type), allocatable :: error
       real(wp), allocatable :: omega2(:)
@@ -147,7 +148,7 @@ contains
       type(beam_type) :: beam
       type(reduction_type) :: choice
       type(reduced_type) :: body
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       beam = rod
       beam%elements = 2
@@ -171,7 +172,7 @@ contains
    subroutine test_point_shape()
       type(reduction_type) :: choice
       type(reduced_type) :: body
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(error_type), allocatable :: error
       real(wp), allocatable :: phi(:, :), psi(:), value(:, :), turn(:)
       real(wp) :: x, h

@@ -3,10 +3,10 @@
 program test_stations
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_flex_mesh, only: beam_type, field_type, new_support
-   use limber_flex_reduced, only: reduced_type
-   use limber_flex_reduction, only: reduction_type, reduce_beam, fidelity_kg
-   use limber_flex_stations, only: stations_type, patch_type, new_stations
+   use limber_beam_beam_mesh, only: beam_type, displacement_field_type, new_support
+   use limber_beam_reduced_body, only: reduced_type
+   use limber_beam_beam_reduction, only: reduction_type, reduce_beam, fidelity_kg
+   use limber_beam_monitored_sections, only: monitored_sections_type, patch_type, new_stations
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -25,13 +25,13 @@ contains
       character(*), intent(in) :: support
       integer, intent(in) :: elements, modes
       logical, intent(in) :: jointed(2)
-      type(stations_type), intent(out) :: stations
+      type(monitored_sections_type), intent(out) :: stations
       real(wp), allocatable, intent(out) :: omega2(:)
       !> A third place, of a uniform load along the beam; without it there is none
       type(patch_type), intent(in), optional :: uniform
       type(beam_type) :: beam
       type(reduction_type) :: choice
-      type(field_type) :: field
+      type(displacement_field_type) :: field
       type(reduced_type) :: body
       type(error_type), allocatable :: error
       beam%ea = 1.0e6_wp
@@ -71,7 +71,7 @@ contains
       logical, intent(in) :: jointed(2)
       integer, intent(in) :: modes
       real(wp), intent(in) :: load, tolerance
-      type(stations_type) :: stations
+      type(monitored_sections_type) :: stations
       real(wp), allocatable :: omega2(:)
       call make(support, 64, modes, jointed, stations, omega2)
       call check_close(stations%euler/load, 1.0_wp, tolerance, support//": Euler's load")
@@ -81,7 +81,7 @@ contains
 
    !> N = 1/2 omega^2 (1 - x^2), and that of forces at both ends.
    subroutine test_rotation()
-      type(stations_type) :: stations
+      type(monitored_sections_type) :: stations
       real(wp), allocatable :: omega2(:), force(:)
       real(wp) :: amplitude(2 + 2 + 3 + 2)
       call make('CLAMPED-FREE', 7, 3, [.true., .false.], stations, omega2)
@@ -101,7 +101,7 @@ contains
    !> The tip of a cantilever yields by 1/3 to a force and by 1 to a couple, less what the modes carry: 4/omega^2, (2 beta
    !> tan)^2/omega^2.
    subroutine test_left_out()
-      type(stations_type) :: stations
+      type(monitored_sections_type) :: stations
       real(wp), allocatable :: omega2(:)
       call make('CLAMPED-FREE', 128, 1, [.true., .false.], stations, omega2)
       call check_close(stations%left_out(5, 5), 1/3.0_wp - 4/12.3623633683_wp, 2.0e-4_wp, 'force at the tip')
@@ -114,7 +114,7 @@ contains
    !> mode. At its mean place it was N = p and ten times as much that one mode leaves out.
    subroutine test_spread()
       integer, parameter :: parts = 400
-      type(stations_type) :: stations
+      type(monitored_sections_type) :: stations
       type(patch_type) :: uniform
       real(wp), allocatable :: omega2(:)
       integer :: i
@@ -129,7 +129,7 @@ contains
 
    !> Frequencies of lumped masses in closed form between pins, of a cantilever from tables.
    subroutine test_lumping()
-      type(stations_type) :: stations
+      type(monitored_sections_type) :: stations
       real(wp), allocatable :: omega2(:)
       call make('PINNED-ROLLER', 10, 4, [.true., .true.], stations, omega2)
       call check_close(stations%lumping(2)/(1 - sqrt(omega2(2))/(4*pi**2)), 1.0_wp, 0.1_wp, 'second mode between pins')

@@ -4,19 +4,19 @@
 program test_tangent
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_flex_elastic, only: elastic_force, elastic_tangent
-   use limber_flex_frame_reduction, only: frame_choice_type
-   use limber_flex_exact_functions, only: exact_choice_type
-   use limber_flex_mesh, only: beam_type, concentrate, new_support
-   use limber_flex_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_scene, only: ground, joint_point_on_line, joint_revolute, model_type
-   use limber_system_dynamics, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
-   use limber_system_kinematics, only: place_frames
-   use limber_system_layout, only: advance, rates_of, velocities_of
-   use limber_system_motion, only: linearise_motion, motion_residual
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
-   use limber_system_tangent, only: combine, new_tangent, tangent_type
-   use limber_system_tangent_products, only: times_mass, times_stiffness
+   use limber_beam_elastic_forces, only: elastic_force, elastic_tangent
+   use limber_beam_frame_reduction, only: frame_choice_type
+   use limber_beam_exact_functions, only: exact_choice_type
+   use limber_beam_beam_mesh, only: beam_type, concentrate, new_support
+   use limber_beam_beam_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
+   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, model_type
+   use limber_multibody_equations_of_motion, only: accelerations, linearise, mechanical_energy, position_residual, velocity_residual
+   use limber_multibody_kinematics, only: place_frames
+   use limber_multibody_layout, only: advance, rates_of, velocities_of
+   use limber_multibody_motion_residual, only: linearise_motion, motion_residual
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_multibody_tangent, only: combine, new_tangent, tangent_type
+   use limber_multibody_tangent_products, only: times_mass, times_stiffness
    use scenes, only: add_beam, add_beam_place, add_driver, add_force, add_frame, add_frame_place, add_joint, add_place, &
       & add_point_mass, add_rigid, derivative, empty_model, l_frame, random, slider_crank, wavy_law
    use testing, only: check, check_close, check_no_error, finish

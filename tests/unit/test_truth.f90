@@ -1,11 +1,11 @@
 !> The truth of a search: what it may err itself counts against every setting.
 program test_truth
    use limber_base_kinds, only: wp
-   use limber_analysis_rungs, only: rung_type
-   use limber_analysis_truth, only: truth_type, error_against, largest_difference
+   use limber_accuracy_fidelity_levels, only: level_type
+   use limber_accuracy_reference_run, only: reference_run_type, error_against, largest_difference
    use testing, only: check, check_close, finish
    implicit none
-   type(rung_type) :: rungs(1)
+   type(level_type) :: rungs(1)
    call test_errors()
    call test_refinement()
    call finish()
@@ -14,7 +14,7 @@ contains
 
    !> The worst channel counts, relative to its own scale, with what the truth may err there.
    subroutine test_errors()
-      type(truth_type) :: truth
+      type(reference_run_type) :: truth
       real(wp) :: values(3, 4)
       truth%scale = [10.0_wp, 1.0_wp]
       truth%of_terms = [.true., .true.]
@@ -34,7 +34,7 @@ contains
 
    !> A finer run takes its place.
    subroutine test_refinement()
-      type(truth_type) :: truth
+      type(reference_run_type) :: truth
       real(wp) :: first(1, 2), second(1, 2)
       first = 1.0_wp
       second = reshape([2.0_wp, 3.0_wp], [1, 2])

@@ -3,15 +3,15 @@
 program test_verification
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_advice, only: advice_type, check_rung, note_surprise
-   use limber_analysis_pool, only: pool_type
-   use limber_analysis_probe_scenes, only: build_exact
-   use limber_analysis_reached, only: reached_type
-   use limber_analysis_rungs, only: rung_type, find_rungs, richer
-   use limber_analysis_scene, only: scene_type
-   use limber_analysis_trial, only: trial_type
-   use limber_analysis_truth, only: truth_type
-   use limber_analysis_verification, only: bound_strain, falls_short
+   use limber_accuracy_advice, only: advice_type, check_rung, note_surprise
+   use limber_accuracy_run_pool, only: pool_type
+   use limber_accuracy_pilot_scenes, only: build_exact
+   use limber_accuracy_reached_target, only: reached_type
+   use limber_accuracy_fidelity_levels, only: level_type, find_rungs, richer
+   use limber_scene_first_scene, only: scene_type
+   use limber_accuracy_candidate, only: candidate_type
+   use limber_accuracy_reference_run, only: reference_run_type
+   use limber_accuracy_verification, only: bound_strain, falls_short
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
@@ -31,8 +31,8 @@ contains
    !> times more. With 600 times the strain is verified too, for that was expected to be of the same size.
    subroutine test_surprise()
       type(advice_type) :: advice
-      type(truth_type) :: truth
-      type(rung_type) :: rung
+      type(reference_run_type) :: truth
+      type(level_type) :: rung
       advice%target = 1.0e-2_wp
       advice%share = 0.65e-2_wp
       allocate (advice%rungs(1), advice%probe%beams(1))
@@ -84,8 +84,8 @@ contains
    subroutine test_kept_runs()
       type(deck_type) :: deck
       type(pool_type) :: pool
-      type(trial_type) :: trial
-      type(rung_type) :: none(0)
+      type(candidate_type) :: trial
+      type(level_type) :: none(0)
       type(error_type), allocatable :: error
       call read(deck, '*POINT MASS, NAME=bob, MASS=1, X=2'//nl//'*JOINT, NAME=rail, TYPE=POINT ON LINE'//nl// &
          & ' bob, ground.origin'//nl// &
@@ -106,7 +106,7 @@ contains
 
    !> Largest difference from 1 + cos(t).
    real(wp) function error_of(trial)
-      type(trial_type), intent(in) :: trial
+      type(candidate_type), intent(in) :: trial
       integer :: k
       error_of = 0.0_wp
       do k = 1, trial%samples%samples
@@ -120,9 +120,9 @@ contains
    subroutine test_strain()
       real(wp), parameter :: stretch = 5.0e-3_wp
       type(deck_type) :: deck
-      type(truth_type) :: truth
+      type(reference_run_type) :: truth
       type(pool_type) :: pool
-      type(trial_type) :: candidate
+      type(candidate_type) :: candidate
       type(reached_type) :: reached
       type(error_type), allocatable :: error
       call read(deck, '*PARAMETER'//nl//' density = 1000, speed = 15, young = density*speed**2/0.015'//nl// &
@@ -164,7 +164,7 @@ contains
          & end = '*JOINT, NAME=b, TYPE=REVOLUTE'//nl//' bar.end, ground.far'//nl, &
          & wall = '*JOINT, NAME=a, TYPE=WELD'//nl//' bar.start, ground.origin'//nl, &
          & other = '*JOINT, NAME=b, TYPE=WELD'//nl//' bar.end, ground.far'//nl
-      type(rung_type) :: rung
+      type(level_type) :: rung
       rung = rung_of(start)
       call check(rung%least == 0 .and. rung%enough == 5, 'hinged: no strain, five functions verify')
       rung = rung_of(start//end)
@@ -176,11 +176,11 @@ contains
    end subroutine test_held_beams
 
    !> The rung of a bar under what holds it.
-   type(rung_type) function rung_of(held)
+   type(level_type) function rung_of(held)
       character(*), intent(in) :: held
       type(deck_type) :: deck
       type(scene_type) :: scene
-      type(rung_type), allocatable :: rungs(:)
+      type(level_type), allocatable :: rungs(:)
       type(error_type), allocatable :: error
       call read(deck, '*MATERIAL, NAME=steel, YOUNG=2e11, DENSITY=7850'//nl//'*SECTION, NAME=s, SHAPE=CIRCLE, DIAMETER=0.02'//nl// &
          & '*BEAM, NAME=bar, MATERIAL=steel, SECTION=s, LENGTH=1'//nl//'*GROUND'//nl//' far, 1, 0'//nl//held//'*GRAVITY'//nl// &

@@ -1,12 +1,12 @@
 !> What a run watches: velocities that change abruptly where branches of the motion meet, and only there.
 program test_watch
    use limber_base_kinds, only: wp
-   use limber_analysis_watch, only: jump_watch_type, start_watch, watch_velocities
+   use limber_monitor_run_monitor, only: jump_watch_type, start_watch, watch_velocities
    use limber_base_error, only: error_type
-   use limber_integrator_crossing, only: crossing_type, find_weakest, new_crossing
-   use limber_model_scene, only: ground, joint_revolute, model_type
-   use limber_system_dynamics, only: linearise
-   use limber_system_system, only: new_system, new_workspace, system_type, workspace_type
+   use limber_integrator_fold_crossing, only: crossing_type, find_weakest, new_crossing
+   use limber_model_model, only: ground, joint_revolute, model_type
+   use limber_multibody_equations_of_motion, only: linearise
+   use limber_multibody_system, only: new_system, new_workspace, system_type, workspace_type
    use scenes, only: add_driver, add_rigid, constant_law, empty_model, join
    use testing, only: check, check_close, check_no_error, finish
    implicit none

@@ -3,8 +3,8 @@ module pieces
    use hdf5, only: hid_t, hsize_t
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, status_interrupted
-   use limber_analysis_guard, only: request_type
-   use limber_analysis_run, only: run_deck
+   use limber_scene_interruption, only: request_type
+   use limber_commands_run, only: run_deck
    use limber_base_text, only: as_text
    use limber_output_hdf5, only: open_file, close_file
    use limber_output_hdf5_read, only: dataset_shape, list_members, longest_name, read_attribute, read_dataset

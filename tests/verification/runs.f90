@@ -2,7 +2,7 @@
 module runs
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_run, only: run_deck
+   use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use testing, only: check, check_no_error
    implicit none

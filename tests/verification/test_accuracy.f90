@@ -5,8 +5,8 @@ program test_accuracy
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_advise, only: advise_deck, advice_request_type
-   use limber_analysis_run, only: run_deck
+   use limber_commands_advise, only: advise_deck, advice_request_type
+   use limber_commands_run, only: run_deck
    use limber_deck_parameters, only: override_type
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, change_deck, channel, read_columns

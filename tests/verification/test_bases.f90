@@ -5,7 +5,7 @@ program test_bases
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: newline
-   use limber_analysis_check, only: check_deck
+   use limber_commands_check, only: check_deck
    use limber_deck_parameters, only: override_type
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, change_deck, channel, read_columns

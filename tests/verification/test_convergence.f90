@@ -13,7 +13,7 @@ program test_convergence
    character(*), parameter :: unit_bar = '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl// &
       & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'//nl//'*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH=1'
    character(*), parameter :: steel = '*MATERIAL, NAME=stuff, YOUNG=2.1e11, DENSITY=7850, POISSON=0.3'//nl
-   !> A square of 0.01 without the curvature of eq. (X29), as the reference
+   !> A square of 0.01 without the curvature of eq. (2.54), as the reference
    character(*), parameter :: thin = '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1e-4, INERTIA=8.33333333333333e-10'//nl
    character(*), parameter :: aluminium = '*MATERIAL, NAME=stuff, YOUNG=7e10, DENSITY=2700, POISSON=0.33'//nl
    character(*), parameter :: beam = '*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH='

@@ -7,7 +7,7 @@ program test_crossings
    use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_halting_mode, ieee_set_halting_mode
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_run, only: run_deck
+   use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, run_text, change_deck, channel
    use testing, only: check, check_close, finish

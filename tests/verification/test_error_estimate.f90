@@ -6,8 +6,8 @@ program test_error_estimate
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_errors, only: magnitude
-   use limber_analysis_study_runs, only: median
+   use limber_scene_channel_errors, only: magnitude
+   use limber_accuracy_study_runs, only: median
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, channel, read_columns
    use testing, only: check, check_close, check_no_error, finish

@@ -3,7 +3,7 @@
 program test_exact
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_run, only: run_deck
+   use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use bars, only: nl, wall, pin, roller, guide
    use runs, only: change_deck, channel, run_changed
@@ -137,7 +137,7 @@ contains
    end subroutine check_deck
 
    !> A follower force across the tip, P L^2/(E I) = 30: from E I theta'' = -P cos(theta - theta(L)), by quadrature to 1e-12. Functions
-   !> that meet the condition of the tip, eq. (Y3), err 7.6e-5 with 10 and 8e-6 with 12; without it 10 erred less than 2e-5.
+   !> that meet the condition of the tip, eq. (2.34), err 7.6e-5 with 10 and 8e-6 with 12; without it 10 erred less than 2e-5.
    subroutine check_follower()
       type(history_reader_type) :: reader
       call run_bar('FUNCTIONS=12, STRAIN FUNCTIONS=0', wall//'*FORCE, NAME=load, POINT=bar.end, FOLLOWER=YES'//nl// &
@@ -168,7 +168,8 @@ contains
       end do
    end subroutine check_euler
 
-   !> Flutter of Beck's column at 20.05095. Functions that meet eq. (Y3) err 1.7e-4 with 6 and 2.7e-5 with 8 (below 5e-5 with 6 without).
+   !> Flutter of Beck's column at 20.05095. Functions that meet eq. (2.34) err 1.7e-4 with 6 and 2.7e-5 with 8 (below 5e-5 with 6
+   !> without).
    subroutine check_beck()
       type(history_reader_type) :: reader
       real(wp), allocatable :: time(:)

@@ -3,7 +3,7 @@
 program test_exact_features
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_analysis_run, only: run_deck
+   use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use runs, only: change_deck, channel
    use testing, only: check, check_close, check_no_error, finish
@@ -226,7 +226,7 @@ contains
          & wall//other_wall, [1350.8429193_wp, 2562.0682464_wp, 4668.2505443_wp], 1.5e-4_wp, 'arc, clamped at both ends')
       call check_modes(section, 'pi/4, CURVATURE=2, FUNCTIONS=6, STRAIN FUNCTIONS=2, SHEAR=YES', wall, &
          & [89.463495444_wp, 431.02139249_wp, 1359.4146969_wp], 1.0e-4_wp, 'arc with shear')
-      ! A couple C unrolls it: curvature 2 - C/(E I_c), eq. (X29), E I = 175
+      ! A couple C unrolls it: curvature 2 - C/(E I_c), eq. (2.54), E I = 175
       call run_bar(section, 'pi/4, CURVATURE=2, FUNCTIONS=4, STRAIN FUNCTIONS=0', wall//'*TORQUE, NAME=load, POINT=bar.end'//nl// &
          & ' -350.0210015*t'//nl//'*STATICS, INCREMENTS=4'//nl//'*OUTPUT'//nl//' x = x(bar.end), y = y(bar.end), '// &
          & 'm = bending_moment(bar.middle), turn = rotation(bar.end), u = u1(bar.end)'//nl, reader, report, error)

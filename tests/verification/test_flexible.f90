@@ -5,9 +5,9 @@ program test_flexible
    use exact_frames, only: dynamic_stiffness, exact_near, frame_stiffness, solved
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_analysis_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: scene_type, read_scene
    use limber_deck_effective, only: effective_deck
-   use limber_flex_frame, only: member_type
+   use limber_beam_plane_frame, only: member_type
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, channel
    use testing, only: check, check_close, check_no_error, check_text, finish

@@ -5,7 +5,7 @@ program test_frames
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_indicators, only: indicator_membrane, indicator_reaction
+   use limber_monitor_indicators, only: indicator_membrane, indicator_reaction
    use limber_output_history_reader, only: history_reader_type
    use runs, only: channel, run_text, contents
    use testing, only: check, check_close, check_no_error, finish

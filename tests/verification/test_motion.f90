@@ -1,13 +1,13 @@
 !> The motion in a results file, and what is drawn of it: places against channels of the same run and against geometry, the exact
 !> text of `limber export --motion`, strokes counted. Usage, in tests/: test_motion RESULT_FILE
 program test_motion
-   use limber_analysis_drawing, only: choice_type, export_motion
+   use limber_commands_drawing, only: drawing_request_type, export_motion
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
    use limber_output_history_reader, only: history_reader_type
-   use limber_output_motion, only: motion_type, read_motion, find_place
+   use limber_output_motion_record, only: motion_record_type, read_motion, find_place
    use limber_output_outline, only: hull
-   use limber_output_posture, only: place_all
+   use limber_output_drawn_posture, only: place_all
    use runs, only: run_changed, channel
    use testing, only: check, check_close, check_text, check_no_error, finish
    implicit none
@@ -53,7 +53,7 @@ contains
       character(*), parameter :: deck = '../input/slider_crank_exact.inp'
       character(200) :: old(4), new(4)
       type(history_reader_type) :: reader
-      type(motion_type) :: motion
+      type(motion_record_type) :: motion
       type(error_type), allocatable :: error
       real(wp), allocatable :: slider(:), other(:)
       old = [character(200) :: 'turns = 2', 'OUTPUTS=838', 'slider_x = x(slider)', '*OUTPUT']
@@ -78,7 +78,7 @@ contains
       call check_places(reader, motion, 'crank.tip', 'x_t', 'y_t')
       call reader%close()
       call check_rod(motion)
-      call check_counts(path, choice_type(sample=3), [0, 0, 0, 0, 1, 1, 1, 0, 1, 1, 4], 'slider-crank')
+      call check_counts(path, drawing_request_type(sample=3), [0, 0, 0, 0, 1, 1, 1, 0, 1, 1, 4], 'slider-crank')
       call check_counts(path, path_of('rod.middle'), [1, 0, 0, 0, 1, 1, 1, 0, 1, 1, 4], 'slider-crank with a path')
       call check_choices(path)
    end subroutine test_slider_crank
@@ -87,7 +87,7 @@ contains
    subroutine test_pieces(path)
       character(*), intent(in) :: path
       type(history_reader_type) :: reader
-      type(motion_type) :: motion
+      type(motion_record_type) :: motion
       type(error_type), allocatable :: error
       real(wp), allocatable, dimension(:, :) :: bent, straight, large
       real(wp) :: chord(2), way, largest
@@ -134,7 +134,7 @@ contains
    !> A place at all samples against channels of its coordinates.
    subroutine check_places(reader, motion, name, x, y)
       type(history_reader_type), intent(in) :: reader
-      type(motion_type), intent(in) :: motion
+      type(motion_record_type), intent(in) :: motion
       character(*), intent(in) :: name, x, y
       real(wp) :: positions(2, size(motion%geometry%place_bodies)), along(size(motion%time)), across(size(motion%time)), largest
       integer :: i, place
@@ -153,7 +153,7 @@ contains
    !> The rod as a line: its ends are pins, its middle station is the point there; undeformed it is the chord, of twice the
    !> deflection twice as far from it.
    subroutine check_rod(motion)
-      type(motion_type), intent(in) :: motion
+      type(motion_record_type), intent(in) :: motion
       real(wp), dimension(2, size(motion%geometry%place_bodies)) :: bent, straight, double
       real(wp) :: chord(2), distance, largest
       integer :: sample, i, start, end, middle, first, last, stretches
@@ -192,20 +192,20 @@ contains
    !> Samples by number and time, and complaints.
    subroutine check_choices(path)
       character(*), intent(in) :: path
-      type(choice_type) :: choice
+      type(drawing_request_type) :: choice
       character(:), allocatable :: text
       type(error_type), allocatable :: error
-      call drawn(path, choice_type(sample=40), text, error)
+      call drawn(path, drawing_request_type(sample=40), text, error)
       call check(index(text, nl//'# sample 40, t = 0.0168 s'//nl) > 0, 'the last sample')
       choice%at_time = .true.
       choice%time = 0.0043_wp
       call drawn(path, choice, text, error)
       call check(index(text, nl//'# sample 10, t = 0.0042 s'//nl) > 0 .and. count_of(text, '# sample') == 1, 'nearest sample')
-      call drawn(path, choice_type(samples=5), text, error)
+      call drawn(path, drawing_request_type(samples=5), text, error)
       call check(count_of(text, '# sample') == 5 .and. index(text, '# sample 30,') > 0, 'five samples')
-      call drawn(path, choice_type(), text, error)
+      call drawn(path, drawing_request_type(), text, error)
       call check(count_of(text, '# sample') == 41, 'all samples')
-      call drawn(path, choice_type(sample=41), text, error)
+      call drawn(path, drawing_request_type(sample=41), text, error)
       call check(allocated(error), 'no such sample: an error')
       if (allocated(error)) call check_text(error%message, path//' has no sample 41; its samples are 0 to 40', 'no such sample')
       call drawn(path, path_of('rod.midle'), text, error)
@@ -217,7 +217,7 @@ contains
    subroutine test_squeezer(path)
       character(*), intent(in) :: path
       type(history_reader_type) :: reader
-      type(motion_type) :: motion
+      type(motion_record_type) :: motion
       type(error_type), allocatable :: error
       character(120) :: old(3), new(3)
       character(:), allocatable :: text
@@ -228,8 +228,8 @@ contains
       call check_no_error(error, 'squeezer: motion')
       if (.not. allocated(error)) call check_places(reader, motion, 'k3.hook', 'x_h', 'y_h')
       call reader%close()
-      call check_counts(path, choice_type(sample=10), [0, 0, 0, 1, 6, 0, 0, 1, 0, 0, 12], 'squeezer')
-      call drawn(path, choice_type(sample=10), text, error)
+      call check_counts(path, drawing_request_type(sample=10), [0, 0, 0, 1, 6, 0, 0, 1, 0, 0, 12], 'squeezer')
+      call drawn(path, drawing_request_type(sample=10), text, error)
       call check(count_of(layer_of(text, 'ground'), nl//nl) == 4*7 - 1, 'four feet of seven strokes each')
    end subroutine test_squeezer
 
@@ -244,7 +244,7 @@ contains
       new = [character(120) :: 'END=0.1, TOLERANCE=1e-6, OUTPUTS=1', '*OUTPUT, MOTION=YES']
       call run_changed('verification/pendulum.inp', path, old, new, reader)
       call reader%close()
-      call drawn(path, choice_type(sample=0), text, error)
+      call drawn(path, drawing_request_type(sample=0), text, error)
       call check_no_error(error, 'pendulum')
       call check(index(text, nl//'# heading Pendulum of mass and length 1, let go from the horizontal'//nl//nl//nl// &
          & '# unit m'//nl//nl//nl//'# symbol 0.01602'//nl//nl//nl//'# sample 0, t = 0.0 s'//nl//'# ground'//nl) == 2, &
@@ -252,14 +252,14 @@ contains
       call check_text(layer_of(text, 'bars'), ' 0.00000000E+000  0.00000000E+000 1'//nl// &
          & ' 1.00000000E+000  0.00000000E+000 1'//nl, 'a bar')
       call check(index(layer_of(text, 'joints'), ' 0.00000000E+000  0.00000000E+000 0 ') == 1, 'a pin')
-      call check_counts(path, choice_type(sample=0), [0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1], 'pendulum')
+      call check_counts(path, drawing_request_type(sample=0), [0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1], 'pendulum')
    end subroutine test_pendulum
 
    !> A line that moves reaches as far as its point travels; an end that the deck names belongs to the bar.
    subroutine test_quick_return(path)
       character(*), intent(in) :: path
       type(history_reader_type) :: reader
-      type(motion_type) :: motion
+      type(motion_record_type) :: motion
       type(error_type), allocatable :: error
       character(:), allocatable :: text
       character(4) :: none(0)
@@ -272,12 +272,12 @@ contains
       call check_places(reader, motion, 'arm.end', 'x_arm_end', 'y_arm_end')
       call check_places(reader, motion, 'bob', 'x_bob', 'y_bob')
       call reader%close()
-      call check_counts(path, choice_type(sample=7), [0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 5], 'quick return')
-      call drawn(path, choice_type(sample=7), text, error)
+      call check_counts(path, drawing_request_type(sample=7), [0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 5], 'quick return')
+      call drawn(path, drawing_request_type(sample=7), text, error)
       text = layer_of(text, 'bars')
       read (text(index(text, nl) + 1:), *) ends(:, 2)
       call check_close(norm2(ends(:2, 2)), 1.0_wp, 1.0e-7_wp, 'the end of the arm')
-      call drawn(path, choice_type(sample=7), text, error)
+      call drawn(path, drawing_request_type(sample=7), text, error)
       read (text(index(text, '# masses'//nl) + 9:), *) symbol
       text = layer_of(text, 'guides')
       read (text, *) ends(:, 1)
@@ -304,8 +304,8 @@ contains
       integer :: i
       call run_changed('verification/wheels.inp', path, none, none, reader)
       call reader%close()
-      call check_counts(path, choice_type(sample=4), [0, 0, 4, 1, 2, 0, 0, 0, 2, 5, 8, 5], 'wheels')
-      call drawn(path, choice_type(sample=4), text, error)
+      call check_counts(path, drawing_request_type(sample=4), [0, 0, 4, 1, 2, 0, 0, 0, 2, 5, 8, 5], 'wheels')
+      call drawn(path, drawing_request_type(sample=4), text, error)
       ! The belt's two strokes are the first guides
       text = layer_of(text, 'guides')
       do i = 1, 2
@@ -323,7 +323,7 @@ contains
    !> Counts strokes, or circles, in each layer but the ground.
    subroutine check_counts(path, choice, expected, title)
       character(*), intent(in) :: path, title
-      type(choice_type), intent(in) :: choice
+      type(drawing_request_type), intent(in) :: choice
       integer, intent(in) :: expected(:)
       character(:), allocatable :: text
       type(error_type), allocatable :: error
@@ -349,7 +349,7 @@ contains
    !> What is printed, as one text.
    subroutine drawn(path, choice, text, error)
       character(*), intent(in) :: path
-      type(choice_type), intent(in) :: choice
+      type(drawing_request_type), intent(in) :: choice
       character(:), allocatable, intent(out) :: text
       type(error_type), allocatable, intent(out) :: error
       integer :: unit, length
@@ -366,7 +366,7 @@ contains
    !> A choice of one path and the first sample.
    function path_of(point) result(choice)
       character(*), intent(in) :: point
-      type(choice_type) :: choice
+      type(drawing_request_type) :: choice
       choice%sample = 0
       allocate (choice%paths(1))
       choice%paths(1) = point

@@ -6,7 +6,7 @@ program test_ranges
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_indicators, only: indicator_count, indicator_meanings, indicator_names
+   use limber_monitor_indicators, only: indicator_count, indicator_meanings, indicator_names
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, channel, check_warning
    use testing, only: check, check_no_error, check_text, finish

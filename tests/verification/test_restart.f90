@@ -5,8 +5,8 @@ program test_restart
    use limber_base_error, only: error_type, status_deck, status_interrupted
    use limber_base_files, only: remove_file
    use limber_base_kinds, only: long
-   use limber_analysis_guard, only: request_type
-   use limber_analysis_run, only: run_deck
+   use limber_scene_interruption, only: request_type
+   use limber_commands_run, only: run_deck
    use limber_output_checkpoint, only: checkpoint_name
    use limber_output_hdf5, only: reopen_file, close_file, write_attribute
    use pieces, only: compare_pieces, compare_files

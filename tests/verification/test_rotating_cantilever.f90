@@ -6,10 +6,10 @@ program test_rotating_cantilever
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dsyev
    use limber_base_text, only: as_text
-   use limber_analysis_scene, only: scene_type, read_scene
-   use limber_flex_elastic, only: elastic_tangent
-   use limber_flex_reduced, only: reduced_type
-   use limber_system_body, only: body_tangent
+   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_beam_elastic_forces, only: elastic_tangent
+   use limber_beam_reduced_body, only: reduced_type
+   use limber_multibody_body, only: body_tangent
    use exact_frames, only: solved
    use runs, only: change_deck, channel, run_changed
    use limber_output_history_reader, only: history_reader_type

@@ -4,7 +4,7 @@ program test_stability
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_run, only: run_deck
+   use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use runs, only: change_deck, channel
    use testing, only: check, check_close, check_no_error, finish

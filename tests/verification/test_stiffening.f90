@@ -8,7 +8,7 @@ program test_stiffening
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
-   use limber_analysis_run, only: run_deck
+   use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
    use pieces, only: compare_pieces
    use runs, only: change_deck, channel

@@ -4,10 +4,10 @@ program test_targets
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_analysis_advise, only: advise_deck, advice_request_type
-   use limber_analysis_run, only: run_deck
-   use limber_analysis_rungs, only: rung_type
-   use limber_analysis_truth, only: shown_type
+   use limber_commands_advise, only: advise_deck, advice_request_type
+   use limber_commands_run, only: run_deck
+   use limber_accuracy_fidelity_levels, only: level_type
+   use limber_accuracy_reference_run, only: shown_type
    use limber_deck_parameters, only: override_type
    use limber_output_history_reader, only: history_reader_type
    use runs, only: channel, run_text
@@ -150,7 +150,7 @@ contains
    !> A pulse that one run of a pair met, and two finer ones do not: they agree with the run that missed it.
    subroutine test_forgotten()
       type(shown_type) :: shown
-      type(rung_type) :: none(0)
+      type(level_type) :: none(0)
       real(wp) :: missed(1, 3), met(1, 3)
       missed = reshape([0.0_wp, 1.0e-4_wp, 0.0_wp], [1, 3])
       met = reshape([0.0_wp, 0.04_wp, 0.0_wp], [1, 3])

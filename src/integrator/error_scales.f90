@@ -1,0 +1,186 @@
+!> Scales of local errors. A tolerance of 1e-6 means a millionth of the scale. Lengths and directions have fixed scales; speeds,
+!> deflections and their rates the largest that has occurred so far, not below a floor. For an integrator that damps what it does
+!> not resolve, the rate of a coordinate that vibrates at omega has omega times the deflection's scale instead: its error counts as
+!> the deflection that it makes, so that a fast ringing of small amplitude is not resolved for its own sake. (An explicit one must
+!> not be given that freedom: at 1e-3 it lost the slider-crank.) Floor: integrator.
+module limber_integrator_error_scales
+   use limber_base_kinds, only: wp
+   use limber_base_snapshot, only: snapshot_type
+   use limber_multibody_drivers, only: driven_origin_type
+   use limber_multibody_system, only: system_type
+   implicit none
+   private
+   public :: scales_type, new_scales, update_scales, rate_scales, energy_scale, find_grain
+
+   !> A scale for each component of [q; v]
+   type :: scales_type
+      !> Value for each component (2 nq)
+      real(wp), allocatable :: value(:)
+      !> Speed [length/time], common to all bodies, without coordinates that drivers prescribe, and that of these
+      real(wp) :: speed = 0.0_wp, driven = 0.0_wp
+      !> Whether a driver prescribes x or y of a body (2, bodies)
+      logical, allocatable :: given(:, :)
+      !> Deflection coordinate and its rate, of each body (bodies)
+      real(wp), allocatable :: deflection(:), rate(:)
+      !> True if rates of fast coordinates are weighed by the deflection that they make
+      logical :: damping = .false.
+   contains
+      procedure :: exchange => exchange_scales
+   end type scales_type
+
+contains
+
+   !> Floors: a speed that crosses the scene once in the whole time; a deflection of a thousandth of the body's length, and
+   !> its rate at the first natural frequency.
+   function new_scales(system, duration, damping) result(scales)
+      type(system_type), intent(in) :: system
+      !> Time from start to end of the analysis
+      real(wp), intent(in) :: duration
+      !> True for an integrator that damps what it does not resolve
+      logical, intent(in) :: damping
+      type(scales_type) :: scales
+      integer :: i
+      allocate (scales%value(2*system%layout%nq), scales%deflection(size(system%layout%q)), scales%rate(size(system%layout%q)))
+      scales%value = 1.0_wp
+      scales%speed = system%model%length/duration
+      scales%deflection = 0.0_wp
+      scales%rate = 0.0_wp
+      scales%damping = damping
+      allocate (scales%given(2, size(scales%deflection)), source=.false.)
+      do i = 1, size(system%constraints)
+         select type (item => system%constraints(i)%item)
+         type is (driven_origin_type)
+            scales%given(item%axis, item%bodies(1)) = .true.
+         end select
+      end do
+      do i = 1, size(scales%deflection)
+         if (system%layout%n(i) == 0) cycle
+         associate (body => system%model%bodies(i))
+            scales%deflection(i) = 1.0e-3_wp*body%size/body%largest_shape
+            scales%rate(i) = scales%deflection(i)*sqrt(minval(body%reduced%omega2))
+         end associate
+      end do
+      call spread_scales(system, scales)
+   end function new_scales
+
+   !> Raises the scales to what occurs in a state.
+   subroutine update_scales(system, q, v, scales, raised)
+      type(system_type), intent(in) :: system
+      !> Coordinates and velocities (nq)
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      type(scales_type), intent(inout) :: scales
+      !> Whether any was
+      logical, intent(out), optional :: raised
+      integer :: i, k, first, last
+      logical :: changed
+      changed = .false.
+      do i = 1, size(scales%deflection)
+         first = system%layout%q(i)
+         do k = 1, 2
+            if (scales%given(k, i)) then
+               call raise_to(scales%driven, abs(v(first + k - 1)))
+            else
+               call raise_to(scales%speed, abs(v(first + k - 1)))
+            end if
+         end do
+         if (.not. system%layout%framed(i)) cycle
+         call raise_to(scales%speed, system%model%length*max(abs(v(first + 2)), abs(v(first + 3))))
+         if (system%layout%n(i) == 0) cycle
+         last = first + 3 + system%layout%n(i)
+         call raise_to(scales%deflection(i), maxval(abs(q(first + 4:last))))
+         call raise_to(scales%rate(i), maxval(abs(v(first + 4:last))))
+      end do
+      if (changed) call spread_scales(system, scales)
+      if (present(raised)) raised = changed
+
+   contains
+
+      subroutine raise_to(scale, size)
+         real(wp), intent(inout) :: scale
+         real(wp), intent(in) :: size
+         if (size > scale) then
+            scale = size
+            changed = .true.
+         end if
+      end subroutine raise_to
+
+   end subroutine update_scales
+
+   !> The same scales in the layout of the independent rates.
+   pure subroutine rate_scales(system, scales, coordinate, rate)
+      type(system_type), intent(in) :: system
+      type(scales_type), intent(in) :: scales
+      !> Scale of each coordinate and of each rate (nw)
+      real(wp), intent(inout) :: coordinate(:), rate(:)
+      integer :: i, from, to, n, nq
+      nq = system%layout%nq
+      do i = 1, size(system%layout%q)
+         from = system%layout%q(i)
+         to = system%layout%w(i)
+         coordinate(to:to + 1) = scales%value(from:from + 1)
+         rate(to:to + 1) = scales%value(nq + from:nq + from + 1)
+         if (.not. system%layout%framed(i)) cycle
+         n = system%layout%n(i)
+         coordinate(to + 2:to + 2 + n) = scales%value(from + 3:from + 3 + n)
+         rate(to + 2:to + 2 + n) = scales%value(nq + from + 3:nq + from + 3 + n)
+      end do
+   end subroutine rate_scales
+
+   !> Changes of the coordinates in the layout of the independent rates that move places by their round-off, eq. (5.30).
+   pure subroutine find_grain(system, reach, grain)
+      type(system_type), intent(in) :: system
+      !> Largest coordinate of a place [length]
+      real(wp), intent(in) :: reach
+      !> (nw)
+      real(wp), intent(inout) :: grain(:)
+      integer :: i, at, n
+      grain = epsilon(reach)*reach
+      do i = 1, size(system%layout%q)
+         if (.not. system%layout%framed(i)) cycle
+         at = system%layout%w(i) + 2
+         n = system%layout%n(i)
+         grain(at) = grain(at)/system%model%length
+         if (n > 0) grain(at + 1:at + n) = grain(at + 1:at + n)/system%model%bodies(i)%largest_shape
+      end do
+   end subroutine find_grain
+
+   !> Scale of the work: a tenth of an energy of the motion, for errors of the work add up.
+   pure real(wp) function energy_scale(system, scales)
+      type(system_type), intent(in) :: system
+      type(scales_type), intent(in) :: scales
+      energy_scale = 0.1_wp*sum(system%inertia(1, :))*max(scales%speed, scales%driven)**2
+   end function energy_scale
+
+   !> Writes the scales of all components.
+   subroutine spread_scales(system, scales)
+      type(system_type), intent(in) :: system
+      type(scales_type), intent(inout) :: scales
+      integer :: i, first, n, nq
+      nq = system%layout%nq
+      do i = 1, size(scales%deflection)
+         first = system%layout%q(i)
+         scales%value(first:first + 1) = system%model%length
+         scales%value(nq + first:nq + first + 1) = merge(max(scales%speed, scales%driven), scales%speed, scales%given(:, i))
+         if (.not. system%layout%framed(i)) cycle
+         n = system%layout%n(i)
+         scales%value(first + 2:first + 3) = 1.0_wp
+         scales%value(nq + first + 2:nq + first + 3) = scales%speed/system%model%length
+         scales%value(first + 4:first + 3 + n) = scales%deflection(i)
+         scales%value(nq + first + 4:nq + first + 3 + n) = scales%rate(i)
+         if (scales%damping) scales%value(nq + first + 4:nq + first + 3 + n) = max(scales%rate(i), scales%deflection(i) &
+            & *sqrt(system%model%bodies(i)%reduced%omega2))
+      end do
+   end subroutine spread_scales
+
+   !> Saves or restores its memory.
+   subroutine exchange_scales(self, snapshot)
+      class(scales_type), intent(inout) :: self
+      type(snapshot_type), intent(inout) :: snapshot
+      call snapshot%keep('value', self%value)
+      call snapshot%exchange('speed', self%speed)
+      call snapshot%exchange('driven_speed', self%driven)
+      call snapshot%keep('deflection', self%deflection)
+      call snapshot%keep('rate', self%rate)
+   end subroutine exchange_scales
+
+end module limber_integrator_error_scales

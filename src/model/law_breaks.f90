@@ -1,0 +1,567 @@
+!> Instants at which laws of time change their formula. Breaks: where a law of time changes its formula, as min, max, abs, step,
+!> smoothstep, atan2 and tables do; an integrator ends a step there and starts anew. Stations: where a law does in a short time what
+!> it leaves in all the rest, as a narrow pulse does; a step ends there, so that none takes the pulse for nothing. Both are found by
+!> bounds of the law in intervals, which miss nothing between samples. Floor: model. Source: doc/theory, eqs. (5.43), (5.44).
+module limber_model_law_breaks
+   use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
+   use limber_base_kinds, only: wp
+   use limber_deck_expression, only: expression_type
+   use limber_deck_operations, only: op_constant, op_slot
+   use limber_deck_range, only: range_type, law_range
+   use limber_model_model, only: model_type, load_effort_type, in_efforts
+   implicit none
+   private
+   public :: find_breaks, changes_between, last_instant, round_off, law_breaks, find_stations, law_stations, undefined_at
+
+   !> Equal parts of the time that are looked at whatever the bounds say; most of a law whose pulses are shorter
+   integer, parameter :: parts = 500, most_parts = 32000
+   !> Part of the whole time within which two breaks are one
+   real(wp), parameter :: apart = 1.0e-12_wp
+   !> Most breaks, and most stations, of one model: a law that has more is told
+   integer, parameter :: most_breaks = 5000, most_stations = 20000
+   !> Most intervals of a law that are divided further, in all and for each break: bounds that stay too wide end there
+   integer, parameter :: most_divided = 20000, divided_each = 100
+   !> Changes of a law in one of the equal parts relative to all that it changes by: that of one which rests, and of one that needs
+   !> stations, which a law has that rests for so much of the time
+   real(wp), parameter :: resting = 1.0e-4_wp, steep = 0.03_wp, restful = 0.2_wp
+   !> Relative change between two stations, also relative to the way from where the law rests; and of a law with more stations than
+   !> so many, which are those of many pulses
+   real(wp), parameter :: change = 0.02_wp, near_rest = 0.75_wp, coarse = 0.3_wp
+   integer, parameter :: many = 2000
+   !> Part of the way from one break to the next that one of many pulses may take and have no stations: steps end at the breaks
+   real(wp), parameter :: between = 0.25_wp
+
+contains
+
+   !> The breaks of all drivers and loads of a model within its dynamic analysis, in order, each once.
+   subroutine find_breaks(model, times, restless)
+      type(model_type), intent(in) :: model
+      real(wp), allocatable, intent(out) :: times(:)
+      !> Name of a driver, joint or load whose law has more than are looked for; empty if there is none
+      character(:), allocatable, intent(out) :: restless
+      allocate (times(0))
+      call visit_laws(model, .false., times, restless)
+   end subroutine find_breaks
+
+   !> The stations of the same laws, in order.
+   subroutine find_stations(model, times, restless)
+      type(model_type), intent(in) :: model
+      real(wp), allocatable, intent(out) :: times(:)
+      character(:), allocatable, intent(out) :: restless
+      allocate (times(0))
+      call visit_laws(model, .true., times, restless)
+   end subroutine find_stations
+
+   !> Times so near that there is no step between them.
+   pure real(wp) function round_off(start, end)
+      real(wp), intent(in) :: start, end
+      round_off = 4*spacing(max(abs(start), abs(end)))
+   end function round_off
+
+   !> The last instant of an analysis: its end, or right before it where a law of time changes its formula there.
+   real(wp) function last_instant(model, start, end) result(last)
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: start, end
+      last = end
+      if (changes_between(model, end - round_off(start, end), nearest(end, -1.0_wp))) then
+         last = end - round_off(start, end)
+      else if (changes_between(model, nearest(end, -1.0_wp), end)) then
+         last = nearest(end, -1.0_wp)
+      end if
+   end function last_instant
+
+   !> Whether a law of time has other formulas at one instant than at another.
+   logical function changes_between(model, from, to) result(changes)
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: from, to
+      integer :: i, j
+      changes = .false.
+      do i = 1, size(model%drivers)
+         changes = changes .or. differs(model%drivers(i)%law)
+      end do
+      do i = 1, size(model%joints)
+         if (model%joints(i)%has_law) changes = changes .or. differs(model%joints(i)%law)
+      end do
+      do i = 1, size(model%forces)
+         do j = 1, 2
+            changes = changes .or. differs(model%forces(i)%law(j))
+         end do
+      end do
+      do i = 1, size(model%torques)
+         changes = changes .or. differs(model%torques(i)%law)
+      end do
+
+   contains
+
+      logical function differs(law)
+         type(expression_type), intent(in) :: law
+         differs = .false.
+         if (size(law%slots) > 0) differs = law%branches(from) /= law%branches(to)
+      end function differs
+
+   end function changes_between
+
+   !> Adds the instants of all laws of time.
+   subroutine visit_laws(model, stations, times, restless)
+      type(model_type), intent(in) :: model
+      !> Which ones
+      logical, intent(in) :: stations
+      real(wp), allocatable, intent(inout) :: times(:)
+      character(:), allocatable, intent(out) :: restless
+      integer :: i, j
+      restless = ''
+      do i = 1, size(model%drivers)
+         call visit(model%drivers(i)%law, model%drivers(i)%name)
+      end do
+      do i = 1, size(model%joints)
+         if (model%joints(i)%has_law) call visit(model%joints(i)%law, model%joints(i)%name)
+      end do
+      do i = 1, size(model%forces)
+         do j = 1, 2
+            call visit(model%forces(i)%law(j), model%forces(i)%name)
+         end do
+      end do
+      do i = 1, size(model%torques)
+         call visit(model%torques(i)%law, model%torques(i)%name)
+      end do
+      do i = 1, size(model%efforts)
+         if (model%efforts(i)%driven) call visit(law_of_time(model%efforts(i)), name_of_effort(i))
+      end do
+
+   contains
+
+      !> Name of the load that an effort is part of.
+      function name_of_effort(effort) result(name)
+         integer, intent(in) :: effort
+         character(:), allocatable :: name
+         integer :: k
+         name = ''
+         do k = 1, size(model%loads)
+            if (model%loads(k)%list /= in_efforts) cycle
+            if (model%loads(k)%first <= effort .and. effort <= model%loads(k)%last) name = model%loads(k)%name
+         end do
+      end function name_of_effort
+
+      subroutine visit(law, name)
+         type(expression_type), intent(in) :: law
+         character(*), intent(in) :: name
+         logical :: whole
+         if (stations) then
+            call law_stations(law, model%dynamics%start, model%dynamics%end, times, whole)
+         else
+            call law_breaks(law, model%dynamics%start, model%dynamics%end, times, whole)
+         end if
+         if (.not. whole) restless = name
+      end subroutine visit
+
+   end subroutine visit_laws
+
+   !> The law of an effort as one of time alone: what else it depends on counts as 1. So the factors of a law that are of time show
+   !> where they change; where others do only the motion can tell.
+   function law_of_time(effort) result(law)
+      type(load_effort_type), intent(in) :: effort
+      type(expression_type) :: law
+      integer :: i, n
+      n = size(effort%law%constants)
+      allocate (law%codes(size(effort%law%codes)), law%operands(size(effort%law%codes)), law%constants(n + 1))
+      law%codes = effort%law%codes
+      law%operands = effort%law%operands
+      law%constants(:n) = effort%law%constants
+      law%constants(n + 1) = 1.0_wp
+      if (allocated(effort%law%tables)) allocate (law%tables, source=effort%law%tables)
+      n = 0
+      do i = 1, size(law%codes)
+         if (law%codes(i) /= op_slot) cycle
+         if (effort%quantities(law%operands(i))%kind == 0) then
+            law%operands(i) = 1
+            n = 1
+         else
+            law%codes(i) = op_constant
+            law%operands(i) = size(law%constants)
+         end if
+      end do
+      allocate (law%slots(n))
+   end function law_of_time
+
+   !> Adds the breaks of one law to a list in order.
+   subroutine law_breaks(law, start, end, times, whole)
+      type(expression_type), intent(in) :: law
+      !> First and last time; breaks at these two do not count
+      real(wp), intent(in) :: start, end
+      real(wp), allocatable, intent(inout) :: times(:)
+      !> False if it has more than are looked for
+      logical, intent(out), optional :: whole
+      integer :: divided
+      if (present(whole)) whole = .true.
+      if (size(law%slots) == 0) return
+      if (law%branches(start) < 0) return
+      divided = 0
+      call search_parts(law, start, end, 0, parts, divided, times)
+      if (present(whole)) whole = size(times) < most_breaks .and. divided < most_divided + divided_each*size(times)
+   end subroutine law_breaks
+
+   !> Searches the equal parts from one edge to another by halves, and not where the bounds leave no room for a change.
+   recursive subroutine search_parts(law, start, end, from, to, divided, times)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      !> Edges of parts
+      integer, intent(in) :: from, to
+      integer, intent(inout) :: divided
+      real(wp), allocatable, intent(inout) :: times(:)
+      type(range_type) :: range
+      real(wp) :: left, right
+      integer :: middle
+      left = part_end(start, end, from, parts)
+      right = part_end(start, end, to, parts)
+      if (to - from == 1) then
+         call search_breaks(law, start, end, left, right, divided, times)
+         return
+      end if
+      range = law_range(law, left, right)
+      if (range%whole .and. law%branches(left) == law%branches(right)) return
+      middle = (from + to)/2
+      call search_parts(law, start, end, from, middle, divided, times)
+      call search_parts(law, start, end, middle, to, divided, times)
+   end subroutine search_parts
+
+   !> End of one of the equal parts.
+   pure real(wp) function part_end(start, end, part, parts)
+      real(wp), intent(in) :: start, end
+      integer, intent(in) :: part, parts
+      part_end = start + (end - start)*(real(part, wp)/parts)
+      if (part == parts) part_end = end
+   end function part_end
+
+   !> Finds all changes of the formula between two times: between those at whose ends it differs by bisection, and by division of
+   !> intervals in which the bounds leave room for more.
+   recursive subroutine search_breaks(law, start, end, left, right, divided, times)
+      type(expression_type), intent(in) :: law
+      !> The whole time, and the interval
+      real(wp), intent(in) :: start, end, left, right
+      !> Number of intervals that were divided
+      integer, intent(inout) :: divided
+      real(wp), allocatable, intent(inout) :: times(:)
+      type(range_type) :: range
+      real(wp) :: found, middle
+      if (size(times) >= most_breaks) return
+      if (law%branches(left) /= law%branches(right)) then
+         found = first_change(law, left, right)
+         if (min(found - start, end - found) > max(apart*(end - start), round_off(start, end))) &
+            & call insert(found, apart*(end - start), times)
+         if (nearest(found, -1.0_wp) > left) call search_breaks(law, start, end, left, nearest(found, -1.0_wp), divided, times)
+         if (found < right .and. found > left) call search_breaks(law, start, end, found, right, divided, times)
+      else
+         if (right - left <= apart*(end - start) .or. divided >= most_divided + divided_each*size(times)) return
+         range = law_range(law, left, right)
+         if (range%whole) return
+         divided = divided + 1
+         middle = left + 0.5_wp*(right - left)
+         call search_breaks(law, start, end, left, middle, divided, times)
+         call search_breaks(law, start, end, middle, right, divided, times)
+      end if
+   end subroutine search_breaks
+
+   !> The first instant of the branch that follows that of `left`, to the bit, by bisection.
+   real(wp) function first_change(law, left, right) result(found)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: left, right
+      real(wp) :: before, middle
+      before = left
+      found = right
+      do
+         middle = before + 0.5_wp*(found - before)
+         if (middle <= before .or. middle >= found) return
+         if (law%branches(middle) == law%branches(left)) then
+            before = middle
+         else
+            found = middle
+         end if
+      end do
+   end function first_change
+
+   !> Adds the stations of one law to a list in order. Only a law that rests for much of the time has any; what is busy throughout the
+   !> error of each step shows. They lie where it changes steeply, and around that as far as it moves at all.
+   subroutine law_stations(law, start, end, times, whole)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      real(wp), allocatable, intent(inout) :: times(:)
+      !> False if it has more than are looked for
+      logical, intent(out), optional :: whole
+      real(wp), allocatable :: breaks(:), edges(:), before_this(:)
+      type(range_type), allocatable :: ranges(:)
+      logical, allocatable :: moving(:)
+      real(wp) :: span
+      integer :: i, n, divided, cuts
+      if (present(whole)) whole = .true.
+      if (size(law%slots) == 0) return
+      if (.not. often_rests(law, start, end)) return
+      allocate (breaks(0))
+      call law_breaks(law, start, end, breaks)
+      cuts = parts
+      do
+         call cut(start, end, cuts, breaks, edges)
+         n = size(edges) - 1
+         if (allocated(ranges)) deallocate (ranges, moving)
+         allocate (ranges(n), moving(n))
+         do i = 1, n
+            ranges(i) = law_range(law, edges(i), before(edges(i + 1), breaks))
+         end do
+         if (.not. all(ranges%defined)) return
+         span = maxval(ranges%high) - minval(ranges%low)
+         moving = ranges%high - ranges%low > resting*span
+         if (sum(edges(2:) - edges(:n), mask=.not. moving) >= restful*(end - start)) exit
+         ! Pulses that come so fast that no part rests
+         cuts = 4*cuts
+         if (cuts <= most_parts) cycle
+         if (present(whole)) whole = .false.
+         return
+      end do
+      before_this = times
+      call place_stations(change, near_rest, size(times) + many, .false.)
+      if (size(times) - size(before_this) >= many) then
+         times = before_this
+         call place_stations(coarse, huge(coarse), most_stations, .true.)
+      end if
+      if (present(whole)) whole = divided < most_divided .and. size(times) < most_stations
+
+   contains
+
+      !> Stations around each pulse.
+      subroutine place_stations(change, near_rest, most, sparing)
+         real(wp), intent(in) :: change, near_rest
+         !> Stations at which it ends
+         integer, intent(in) :: most
+         !> Whether pulses between breaks have none
+         logical, intent(in) :: sparing
+         logical :: spared
+         real(wp) :: rest(2)
+         integer :: i, first, last
+         divided = 0
+         last = 0
+         do while (last < n)
+            first = last + 1
+            last = first
+            if (.not. moving(first)) cycle
+            do while (last < n)
+               if (.not. moving(last + 1)) exit
+               last = last + 1
+            end do
+            if (.not. any(ranges(first:last)%high - ranges(first:last)%low > steep*span*parts/cuts)) cycle
+            rest = [law%evaluate([edges(first)]), law%evaluate([before(edges(last + 1), breaks)])]
+            spared = .false.
+            do i = first, last
+               if (size(times) >= most) return
+               spared = .false.
+               if (sparing) spared = fills_piece(edges(i), edges(first), edges(last + 1))
+               if (spared) cycle
+               call insert(edges(i), 0.0_wp, times)
+               call search_stations(law, end - start, edges(i), before(edges(i + 1), breaks), span, rest, change, near_rest, &
+                  & most, divided, times)
+            end do
+            if (.not. spared) call insert(edges(last + 1), 0.0_wp, times)
+         end do
+      end subroutine place_stations
+
+      !> Whether a pulse takes much of the way from break to break that a time is in.
+      pure logical function fills_piece(t, first, last)
+         !> Time; the pulse
+         real(wp), intent(in) :: t, first, last
+         real(wp) :: left, right
+         left = start
+         right = end
+         if (any(breaks <= t)) left = maxval(breaks, mask=breaks <= t)
+         if (any(breaks > t)) right = minval(breaks, mask=breaks > t)
+         fills_piece = min(last, right) - max(first, left) >= between*(right - left)
+      end function fills_piece
+
+   end subroutine law_stations
+
+   !> Whether the law has nearly one value at many instants, which lie as irregularly as no law repeats itself.
+   logical function often_rests(law, start, end)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      !> Part of the time between two instants, modulo 1
+      real(wp), parameter :: golden = 0.6180339887498949_wp
+      !> Instants that are looked at first, and of how many of them: most laws that move show it
+      integer, parameter :: first = parts/4, few = 40
+      real(wp) :: value(parts), span
+      type(range_type) :: range
+      integer :: i, k, near
+      often_rests = .false.
+      range = law_range(law, start, end)
+      do i = 1, parts
+         value(i) = law%evaluate([start + modulo(i*golden, 1.0_wp)*(end - start)])
+         if (.not. abs(value(i)) <= huge(span)) return
+         if (i /= first) cycle
+         call count_near(first)
+         if (near <= restful*first/4) return
+      end do
+      call count_near(parts)
+      often_rests = near > restful*parts
+
+   contains
+
+      !> The most of the first instants at which the law is as at one of them: of a few until these are all.
+      subroutine count_near(n)
+         integer, intent(in) :: n
+         span = maxval(value(:n)) - minval(value(:n))
+         if (range%defined) span = range%high - range%low
+         near = 0
+         do k = 1, merge(few, n, n < parts)
+            near = max(near, count(abs(value(:n) - value(k)) <= resting*span))
+            if (near > restful*n) exit
+         end do
+      end subroutine count_near
+
+   end function often_rests
+
+   !> Edges of the equal parts and breaks, in order.
+   subroutine cut(start, end, parts, breaks, edges)
+      real(wp), intent(in) :: start, end
+      !> Number of parts
+      integer, intent(in) :: parts
+      real(wp), intent(in) :: breaks(:)
+      real(wp), allocatable, intent(out) :: edges(:)
+      integer :: i, k, part
+      allocate (edges(parts + 1 + size(breaks)))
+      k = 0
+      i = 1
+      do part = 0, parts
+         do while (i <= size(breaks))
+            if (breaks(i) > part_end(start, end, part, parts)) exit
+            if (breaks(i) < part_end(start, end, part, parts)) then
+               k = k + 1
+               edges(k) = breaks(i)
+            end if
+            i = i + 1
+         end do
+         k = k + 1
+         edges(k) = part_end(start, end, part, parts)
+      end do
+      edges = edges(:k)
+   end subroutine cut
+
+   !> A time, or if it is a break the last one before it.
+   pure real(wp) function before(t, breaks)
+      real(wp), intent(in) :: t, breaks(:)
+      before = t
+      if (any(.not. abs(breaks - t) > 0.0_wp)) before = nearest(t, -1.0_wp)
+   end function before
+
+   !> Divides an interval until the law changes little in each piece, eq. (5.44); their ends are stations.
+   recursive subroutine search_stations(law, duration, left, right, whole, rest, change, near_rest, most, divided, times)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: duration, left, right
+      !> All that the law changes by, and its values where it rests before and after
+      real(wp), intent(in) :: whole, rest(2)
+      !> Relative changes between two stations
+      real(wp), intent(in) :: change, near_rest
+      !> Stations at which it ends
+      integer, intent(in) :: most
+      integer, intent(inout) :: divided
+      real(wp), allocatable, intent(inout) :: times(:)
+      type(range_type) :: range
+      real(wp) :: middle, way
+      range = law_range(law, left, right)
+      way = minval(max(0.0_wp, range%low - rest, rest - range%high))
+      if (range%high - range%low <= max(resting*whole, min(change*whole, near_rest*min(way, whole)))) return
+      if (right - left <= apart*duration .or. divided >= most_divided .or. size(times) >= most) return
+      divided = divided + 1
+      middle = left + 0.5_wp*(right - left)
+      call search_stations(law, duration, left, middle, whole, rest, change, near_rest, most, divided, times)
+      call insert(middle, 0.0_wp, times)
+      call search_stations(law, duration, middle, right, whole, rest, change, near_rest, most, divided, times)
+   end subroutine search_stations
+
+   !> The first instant from which on a law is not defined or grows without bound; beyond `end` if there is none.
+   real(wp) function undefined_at(law, start, end) result(found)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: start, end
+      type(ieee_status_type) :: status
+      type(range_type) :: range
+      integer :: part, divided
+      found = huge(found)
+      if (size(law%slots) == 0) return
+      range = law_range(law, start, end)
+      if (range%defined) return
+      ! Values that are no numbers are looked for: they must not stop a program that is built to stop at them
+      call ieee_get_status(status)
+      call ieee_set_halting_mode(ieee_all, .false.)
+      divided = 0
+      do part = 1, parts
+         call search_undefined(law, end - start, part_end(start, end, part - 1, parts), part_end(start, end, part, parts), &
+            & divided, found)
+         if (found <= end) exit
+      end do
+      call ieee_set_status(status)
+   end function undefined_at
+
+   !> Divides an interval where the bounds do not say that the law is defined. Where its value is not a number, or gets ten times as
+   !> large a thousand times nearer, it is not; elsewhere the bounds were too wide.
+   recursive subroutine search_undefined(law, duration, left, right, divided, found)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: duration, left, right
+      integer, intent(inout) :: divided
+      real(wp), intent(inout) :: found
+      type(range_type) :: range
+      real(wp) :: middle
+      range = law_range(law, left, right)
+      if (range%defined) return
+      middle = left + 0.5_wp*(right - left)
+      if (right - left <= apart*duration) then
+         if (largest(law, middle, right - left) > 10*largest(law, middle, 1000*(right - left))) found = middle
+      else if (largest(law, middle, 0.5_wp*(right - left)) >= huge(found)) then
+         found = first_undefined(law, left, right)
+      else if (divided < most_divided) then
+         divided = divided + 1
+         call search_undefined(law, duration, left, middle, divided, found)
+         if (found > right) call search_undefined(law, duration, middle, right, divided, found)
+      end if
+   end subroutine search_undefined
+
+   !> Larger magnitude at a distance on both sides of a time; huge where there is none.
+   real(wp) function largest(law, t, distance)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: t, distance
+      real(wp) :: values(2)
+      values = abs([law%evaluate([t - distance]), law%evaluate([t + distance])])
+      largest = maxval(values)
+      if (.not. all(values < huge(largest))) largest = huge(largest)
+   end function largest
+
+   !> The first time without a value, of an interval with such a time at its end.
+   real(wp) function first_undefined(law, left, right) result(found)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: left, right
+      real(wp) :: before, middle
+      before = left
+      found = left
+      if (.not. abs(law%evaluate([left])) <= huge(found)) return
+      found = right
+      do
+         middle = before + 0.5_wp*(found - before)
+         if (middle <= before .or. middle >= found) return
+         if (abs(law%evaluate([middle])) <= huge(found)) then
+            before = middle
+         else
+            found = middle
+         end if
+      end do
+   end function first_undefined
+
+   !> Puts a time into a list in order, unless it is there already.
+   subroutine insert(t, width, times)
+      real(wp), intent(in) :: t, width
+      real(wp), allocatable, intent(inout) :: times(:)
+      if (size(times) > 0) then
+         ! Most come in order
+         if (t - times(size(times)) > width) then
+            times = [times, t]
+            return
+         end if
+      end if
+      if (any(abs(times - t) <= width)) return
+      times = [pack(times, times < t), t, pack(times, times > t)]
+   end subroutine insert
+
+end module limber_model_law_breaks

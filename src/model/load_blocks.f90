@@ -1,0 +1,475 @@
+!> Loads and damping of the deck. Forces, torques, springs, bushings, friction, and the damping of beams. What is more than a time
+!> law on a point or body, or a linear spring between two points, becomes efforts. Floor: model.
+module limber_model_load_blocks
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text
+   use limber_deck_content, only: block_type, line_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_expression, only: expression_type
+   use limber_deck_operations, only: op_constant
+   use limber_deck_origin, only: origin_type
+   use limber_model_requested_channels, only: find_quantity
+   use limber_model_points, only: add_point, find_point, find_named, find_body
+   use limber_model_quantities, only: quantities, quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, &
+      & quantity_spin, quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, &
+      & quantity_joint_spin, quantity_displacement, quantity_sliding_speed
+   use limber_model_beam_segments, only: pieces_of, find_frame, has_frame
+   use limber_model_model, only: model_type, force_type, torque_type, spring_type, load_effort_type, named_load_type, &
+      & quantity_type, &
+      & body_type, body_point, body_flexible, ground, joint_revolute, joint_point_on_line, &
+      & joint_translational, effort_axis, effort_follower, &
+      & effort_distance, effort_slide, effort_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
+      & load_distributed, load_friction, in_forces, in_torques, in_springs, in_efforts, own_elongation, own_rate, most_slots
+   implicit none
+   private
+   public :: add_force, add_torque, add_spring, add_bushing, add_friction, add_damping, resolve_laws
+   public :: new_effort, set_law, append_effort, name_load, constant
+
+   real(wp), parameter :: quarter = 0.5_wp*acos(-1.0_wp)
+
+contains
+
+   subroutine add_force(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(force_type) :: force
+      type(load_effort_type) :: effort
+      integer :: k
+      force%name = block%name()
+      force%point = find_point(model, block%text('POINT'), block%origin_of('POINT'), diagnostics)
+      if (force%point == 0 .or. size(block%lines) /= 1) return
+      if (.not. block%yes('FOLLOWER') .and. of_time(block%lines(1), 1) .and. of_time(block%lines(1), 2)) then
+         force%law(1) = block%lines(1)%fields(1)%expression
+         force%law(2) = block%lines(1)%fields(2)%expression
+         model%forces = [model%forces, force]
+         call name_load(block, load_force, in_forces, size(model%forces), model)
+         return
+      end if
+      if (block%yes('FOLLOWER')) call need_frame(model, force%point, block%text('POINT'), block%origin_of('POINT'), diagnostics)
+      do k = 1, 2
+         effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), force%point, 0)
+         effort%angle = (k - 1)*quarter
+         call set_law(effort, block%lines(1)%fields(k)%expression, 1.0_wp)
+         call append_effort(model, effort)
+      end do
+      call name_load(block, load_force, in_efforts, size(model%efforts) - 1, model)
+   end subroutine add_force
+
+   subroutine add_torque(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(torque_type) :: torque
+      type(load_effort_type) :: effort
+      integer :: points(2)
+      if (block%has('BODY') .eqv. block%has('POINT')) then
+         call diagnostics%add(block%origin, "torque '"//block%name()//"' needs BODY or POINT, one of them", &
+            & 'BODY=body, or POINT=beam.point for a section of a beam')
+         return
+      end if
+      if (size(block%lines) /= 1) return
+      points = 0
+      if (block%has('BODY')) then
+         torque%body = find_frame(model, block%name('BODY'), block%origin_of('BODY'), diagnostics)
+         if (torque%body == 0) return
+         if (.not. block%has('REACTION') .and. of_time(block%lines(1), 1)) then
+            torque%name = block%name()
+            torque%law = block%lines(1)%fields(1)%expression
+            model%torques = [model%torques, torque]
+            call name_load(block, load_torque, in_torques, size(model%torques), model)
+            return
+         end if
+         points(1) = frame_point(model, torque%body)
+      else
+         points(1) = section(block, 'POINT', model, diagnostics)
+         if (points(1) == 0) return
+      end if
+      if (block%has('REACTION')) then
+         points(2) = section(block, 'REACTION', model, diagnostics)
+         if (points(2) == 0) return
+      end if
+      effort = new_effort(effort_angle, points(1), points(2))
+      call set_law(effort, block%lines(1)%fields(1)%expression, 1.0_wp)
+      call append_effort(model, effort)
+      call name_load(block, load_torque, in_efforts, size(model%efforts), model)
+   end subroutine add_torque
+
+   subroutine add_spring(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(spring_type) :: spring
+      type(load_effort_type) :: effort
+      logical :: turning, linear
+      turning = block%word('TYPE') == 'ROTATIONAL'
+      if (turning .and. block%real('LENGTH') > 0.0_wp) call diagnostics%add(block%origin_of('LENGTH'), &
+         & 'LENGTH is of springs of TYPE=TRANSLATIONAL', 'the free angle is ANGLE')
+      if (.not. turning .and. abs(block%real('ANGLE')) > 0.0_wp) call diagnostics%add(block%origin_of('ANGLE'), &
+         & 'ANGLE is of springs of TYPE=ROTATIONAL', 'the free length is LENGTH')
+      if (size(block%lines) /= 1) return
+      call find_pair(block, model, spring%points, diagnostics)
+      if (any(spring%points == 0)) return
+      linear = block%lines(1)%count() < 3
+      if (linear .and. .not. (block%given('STIFFNESS') .or. block%given('DAMPING'))) call diagnostics%add(block%origin, &
+         & "spring '"//block%name()//"' does nothing", &
+         & 'give STIFFNESS or DAMPING, or an expression of x, v and t behind the points')
+      call check_pair(block, model, spring%points, turning, diagnostics)
+      spring%name = block%name()
+      spring%stiffness = block%real('STIFFNESS')
+      spring%length = block%real('LENGTH')
+      spring%damping = block%real('DAMPING')
+      if (linear .and. .not. turning) then
+         model%springs = [model%springs, spring]
+         call name_load(block, load_spring, in_springs, size(model%springs), model)
+         return
+      end if
+      if (turning) then
+         effort = new_effort(effort_angle, spring%points(2), spring%points(1))
+      else
+         effort = new_effort(effort_distance, spring%points(1), spring%points(2))
+      end if
+      effort%origin = merge(block%real('ANGLE'), spring%length, turning)
+      effort%stiffness = spring%stiffness
+      effort%damping = spring%damping
+      if (.not. linear) call set_law(effort, block%lines(1)%fields(3)%expression, -1.0_wp)
+      call append_effort(model, effort)
+      call name_load(block, merge(load_rotational, load_spring, turning), in_efforts, size(model%efforts), model)
+   end subroutine add_spring
+
+   subroutine add_bushing(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(load_effort_type) :: effort
+      character(8), parameter :: ends(3) = [character(8) :: 'X', 'Y', 'ROTATION']
+      integer :: points(2), k
+      if (size(block%lines) /= 1) return
+      call find_pair(block, model, points, diagnostics)
+      if (any(points == 0)) return
+      if (model%points(points(1))%body == model%points(points(2))%body) call diagnostics%add(block%lines(1)%origin_of(2), &
+         & "bushing '"//block%name()//"' joins a body to itself", 'name points of two different bodies')
+      do k = 1, 3
+         effort = new_effort(merge(effort_angle, effort_slide, k == 3), points(1), points(2))
+         effort%angle = block%real('AXES') + (k - 1)*quarter
+         if (k == 3) effort%origin = block%real('ANGLE')
+         effort%stiffness = block%real('STIFFNESS '//trim(ends(k)))
+         effort%damping = block%real('DAMPING '//trim(ends(k)))
+         if (k == 3 .and. effort%stiffness + effort%damping > 0.0_wp) call check_turning(block, model, points, diagnostics)
+         call append_effort(model, effort)
+      end do
+      call name_load(block, load_bushing, in_efforts, size(model%efforts) - 2, model)
+   end subroutine add_bushing
+
+   !> Viscous friction along what a joint leaves free.
+   subroutine add_friction(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      type(load_effort_type) :: effort
+      integer :: i
+      i = find_named(model, 'joint', block%name('JOINT'))
+      if (i == 0) return
+      associate (joint => model%joints(i))
+         select case (joint%kind)
+         case (joint_revolute)
+            effort = new_effort(effort_angle, joint%points(1), joint%points(2))
+         case (joint_point_on_line, joint_translational)
+            effort = new_effort(effort_slide, joint%points(1), joint%points(2))
+            effort%angle = joint%angle
+         case default
+            call diagnostics%add(block%origin_of('JOINT'), "there is no friction in joint '"//joint%name//"'", &
+               & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
+            return
+         end select
+         effort%damping = block%real('COEFFICIENT')
+         call append_effort(model, effort)
+         call name_load(block, load_friction, in_efforts, size(model%efforts), model)
+      end associate
+   end subroutine add_friction
+
+   !> Damping of a beam or frame, or of all pieces of a beam in segments.
+   subroutine add_damping(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: body, pieces(2), before
+      body = find_body(model, block%name('BODY'))
+      if (body == 0) return
+      pieces = pieces_of(model, body)
+      before = diagnostics%count
+      do body = pieces(1), pieces(2)
+         call damp(block, body, model, diagnostics)
+         if (diagnostics%count > before) return
+      end do
+   end subroutine add_damping
+
+   !> Ratios of damping of the coordinates of a body: eq. (3.39).
+   subroutine damp(block, body, model, diagnostics)
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: body
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      real(wp), allocatable :: ratio(:)
+      integer :: i, mode
+      associate (reduced => model%bodies(body)%reduced)
+         if (reduced%damped) then
+            call diagnostics%add(block%origin, "beam '"//model%bodies(body)%name//"' is damped twice", 'put both into one *DAMPING')
+            return
+         end if
+         allocate (ratio(reduced%n))
+         ratio = block%real('RATIO')
+         do i = 1, size(block%lines)
+            mode = nint(block%lines(i)%number(1))
+            if (mode > reduced%n) then
+               call diagnostics%add(block%lines(i)%origin_of(1), "beam '"//model%bodies(body)%name//"' has "// &
+                  & as_text(reduced%n)//' modes, '//as_text(reduced%bending)//' of them bending', 'give a mode that it has')
+            else
+               ratio(mode) = block%lines(i)%number(2)
+            end if
+         end do
+         if (reduced%n == 0) return
+         reduced%damped = .true.
+         allocate (reduced%damping(reduced%n, reduced%n))
+         reduced%damping = 0.0_wp
+         do i = 1, reduced%n
+            reduced%damping(i, i) = 2*ratio(i)*sqrt(reduced%omega2(i)) + block%real('RAYLEIGH ALPHA') &
+               & + block%real('RAYLEIGH BETA')*reduced%omega2(i)
+         end do
+         ! That of its modes as it is held is found once the scene is assembled
+         if (.not. (maxval(ratio) > 0.0_wp .or. block%real('RAYLEIGH ALPHA') > 0.0_wp)) return
+         allocate (model%bodies(body)%ratio, source=ratio)
+         model%bodies(body)%rayleigh = [block%real('RAYLEIGH ALPHA'), block%real('RAYLEIGH BETA')]
+      end associate
+   end subroutine damp
+
+   !> Finds what the laws of all efforts ask for, once all bodies, joints and springs are known.
+   subroutine resolve_laws(model, diagnostics)
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, k
+      do i = 1, size(model%efforts)
+         if (.not. model%efforts(i)%driven) cycle
+         associate (law => model%efforts(i)%law)
+            if (size(law%slots) > most_slots) call diagnostics%add(law%slots(1)%origin, 'a law depends on '// &
+               & as_text(size(law%slots))//' things', 'at most '//as_text(most_slots))
+            allocate (model%efforts(i)%quantities(size(law%slots)))
+            do k = 1, size(law%slots)
+               call resolve(i, k)
+            end do
+         end associate
+      end do
+
+   contains
+
+      subroutine resolve(effort, slot)
+         integer, intent(in) :: effort, slot
+         type(quantity_type) :: quantity
+         associate (what => model%efforts(effort)%law%slots(slot))
+            if (what%argument == '' .and. what%name == 'x') then
+               quantity%kind = own_elongation
+            else if (what%argument == '' .and. what%name == 'v') then
+               quantity%kind = own_rate
+            else
+               call find_quantity(what, model, quantity, diagnostics)
+               if (quantity%of > 0) call check_quantity(quantity%kind, what%origin, diagnostics)
+               if (quantity%of > 0) call check_frame(model, quantity, what%origin, diagnostics)
+            end if
+         end associate
+         model%efforts(effort)%quantities(slot) = quantity
+      end subroutine resolve
+
+   end subroutine resolve_laws
+
+   !> Complains of a quantity that is not one of places and velocities.
+   subroutine check_quantity(kind, origin, diagnostics)
+      integer, intent(in) :: kind
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer, parameter :: usable(*) = [quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, quantity_spin, &
+         & quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, quantity_joint_spin, &
+         & quantity_displacement, quantity_sliding_speed]
+      character(:), allocatable :: list
+      integer :: i
+      if (any(usable == kind)) return
+      list = trim(quantities(usable(1))%name)
+      do i = 2, size(usable)
+         list = list//', '//trim(quantities(usable(i))%name)
+      end do
+      call diagnostics%add(origin, "a load cannot depend on '"//trim(quantities(kind)%name)//"'", 'it may depend on '//list)
+   end subroutine check_quantity
+
+   !> Complains of a quantity that is measured from the frame of a beam in segments, unless that is the frame of its own piece.
+   subroutine check_frame(model, quantity, origin, diagnostics)
+      type(model_type), intent(in) :: model
+      type(quantity_type), intent(in) :: quantity
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: body, pieces(2)
+      select case (quantity%kind)
+      case (quantity_angle, quantity_spin); body = quantity%of
+      case (quantity_u1, quantity_u2); body = model%points(quantity%of)%body
+      case default; return
+      end select
+      pieces = pieces_of(model, body)
+      if (has_frame(model, body) .and. body == pieces(1)) return
+      call diagnostics%add(origin, "a load cannot depend on '"//trim(quantities(quantity%kind)%name)//"' of a beam in segments", &
+         & 'let it depend on x, y, vx, vy of points')
+   end subroutine check_frame
+
+   !> Whether a field depends on nothing but the time.
+   pure logical function of_time(line, field)
+      type(line_type), intent(in) :: line
+      integer, intent(in) :: field
+      integer :: i
+      of_time = .true.
+      do i = 1, size(line%fields(field)%expression%slots)
+         if (len(line%fields(field)%expression%slots(i)%argument) > 0) of_time = .false.
+      end do
+   end function of_time
+
+   pure function new_effort(along, first, second) result(effort)
+      integer, intent(in) :: along, first, second
+      type(load_effort_type) :: effort
+      effort%along = along
+      effort%points = [first, second]
+   end function new_effort
+
+   pure subroutine set_law(effort, law, factor)
+      type(load_effort_type), intent(inout) :: effort
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: factor
+      effort%driven = .true.
+      effort%law = law
+      effort%factor = factor
+   end subroutine set_law
+
+   !> A law that does not change.
+   pure function constant(value) result(law)
+      real(wp), intent(in) :: value
+      type(expression_type) :: law
+      allocate (law%codes(1), source=op_constant)
+      allocate (law%operands(1), source=1)
+      allocate (law%constants(1), source=value)
+      allocate (law%slots(0))
+   end function constant
+
+   !> Appends by hand: array constructors of types with deep components copy badly.
+   subroutine append_effort(model, effort)
+      type(model_type), intent(inout) :: model
+      type(load_effort_type), intent(in) :: effort
+      type(load_effort_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%efforts) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%efforts
+      longer(n) = effort
+      call move_alloc(longer, model%efforts)
+   end subroutine append_effort
+
+   !> Names what stands in a list from an index to its end.
+   subroutine name_load(block, kind, list, first, model)
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: kind, list, first
+      type(model_type), intent(inout) :: model
+      type(named_load_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%loads) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%loads
+      longer(n)%name = block%name()
+      longer(n)%kind = kind
+      longer(n)%list = list
+      longer(n)%first = first
+      longer(n)%last = first
+      if (list == in_efforts) longer(n)%last = size(model%efforts)
+      call move_alloc(longer, model%loads)
+   end subroutine name_load
+
+   !> The two points of a data line; 0 with a complaint where there is none.
+   subroutine find_pair(block, model, points, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      integer, intent(out) :: points(2)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      do i = 1, 2
+         points(i) = find_point(model, block%lines(1)%text(i), block%lines(1)%origin_of(i), diagnostics)
+      end do
+   end subroutine find_pair
+
+   !> Complains of a spring at two points of one body that is not a beam.
+   subroutine check_pair(block, model, points, turning, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: points(2)
+      logical, intent(in) :: turning
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: bodies(2)
+      bodies = model%points(points)%body
+      if (turning) call check_turning(block, model, points, diagnostics)
+      if (bodies(1) /= bodies(2) .or. is_beam(model, bodies(1))) return
+      if (turning) then
+         call diagnostics%add(block%lines(1)%origin_of(2), "spring '"//block%name()//"' turns a body against itself", &
+            & 'name points of two different bodies')
+      else
+         call diagnostics%add(block%lines(1)%origin_of(2), "spring '"//block%name()// &
+            & "' pulls at two points whose distance never changes", 'name points of two different bodies')
+      end if
+   end subroutine check_pair
+
+   !> Complains of points that cannot turn.
+   subroutine check_turning(block, model, points, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: points(2)
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      do i = 1, 2
+         call need_frame(model, points(i), block%lines(1)%text(i), block%lines(1)%origin_of(i), diagnostics)
+      end do
+   end subroutine check_turning
+
+   !> Complains of a point mass.
+   subroutine need_frame(model, point, text, origin, diagnostics)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: point
+      character(*), intent(in) :: text
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (model%points(point)%body == ground) return
+      if (model%bodies(model%points(point)%body)%kind == body_point) call diagnostics%add(origin, &
+         & "'"//text//"' is a point mass and does not turn")
+   end subroutine need_frame
+
+   !> The point whose section an option names.
+   integer function section(block, option, model, diagnostics) result(point)
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: option
+      type(model_type), intent(in) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      point = find_point(model, block%text(option), block%origin_of(option), diagnostics)
+      if (point > 0) call need_frame(model, point, block%text(option), block%origin_of(option), diagnostics)
+   end function section
+
+   !> A point that turns with the frame of a body, whatever deflects.
+   integer function frame_point(model, body) result(point)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: body
+      real(wp), allocatable :: phi(:, :), psi(:)
+      allocate (phi(2, model%bodies(body)%reduced%n), psi(model%bodies(body)%reduced%n))
+      phi = 0.0_wp
+      psi = 0.0_wp
+      call add_point(model, ' '//model%bodies(body)%name, body, [0.0_wp, 0.0_wp], phi, psi)
+      point = model%counts%points
+   end function frame_point
+
+   !> Whether a body, or the ground, is a beam or a frame.
+   pure logical function is_beam(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      is_beam = .false.
+      if (body /= ground) is_beam = model%bodies(body)%end_point > 0 .or. model%bodies(body)%is_frame
+   end function is_beam
+
+end module limber_model_load_blocks

@@ -1,0 +1,464 @@
+!> Channels that a deck asks for, with units. The quantities in their expressions are found in the model, their units worked out.
+!> Floor: model.
+module limber_model_requested_channels
+   use limber_base_kinds, only: wp
+   use limber_base_text, only: as_text, lowercase, nearest_name
+   use limber_deck_content, only: block_type, field_type
+   use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_expression, only: slot_type, is_binary
+   use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, &
+      & op_abs, function_names
+   use limber_model_lists, only: append
+   use limber_model_points, only: find_point, find_body, find_named, enter_name
+   use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
+      & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
+      & of_flexible_point, of_section, of_coupler, quantity_stress_top, quantity_stress_bottom, &
+      & quantity_kinetic, quantity_potential, quantity_work
+   use limber_model_references, only: find_reference, warn_of_zero
+   use limber_model_model, only: model_type, body_type, channel_type, quantity_type, units_type, body_point, &
+      & body_flexible, ground, &
+      & joint_coupler, coordinate_displacement, &
+      & driver_angle, driver_joint_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
+      & load_distributed, load_friction
+   implicit none
+   private
+   public :: add_channels, unit_text, find_quantity, flexible_instead
+
+   !> Dimension that could not be worked out; that of an energy: exponents of length, time and mass
+   integer, parameter :: unknown = huge(1), energy(3) = [2, -2, 1]
+
+contains
+
+   !> Adds the channels of an *OUTPUT block, and what its options ask for.
+   subroutine add_channels(block, model, diagnostics)
+      type(block_type), intent(in) :: block
+      type(model_type), intent(inout) :: model
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i, j, before
+      type(channel_type) :: channel
+      model%motion = model%motion .or. block%yes('MOTION')
+      if (size(block%lines) == 0 .and. .not. (block%yes('MOTION') .or. block%has('ENVELOPE'))) call diagnostics%add( &
+         & block%origin, '*OUTPUT asks for nothing', 'add lines of channels below it, or MOTION=YES, or ENVELOPE=')
+      do i = 1, size(block%lines)
+         do j = 1, size(block%lines(i)%fields)
+            before = diagnostics%count
+            call new_channel(block%lines(i)%fields(j), model, channel, diagnostics)
+            if (diagnostics%count > before) then
+               call diagnostics%tell(channel%name)
+               cycle
+            end if
+            call append(model%channels, model%counts%channels, channel)
+            call enter_name(model, 'channel', lowercase(channel%name), model%counts%channels)
+         end do
+      end do
+   end subroutine add_channels
+
+   subroutine new_channel(field, model, channel, diagnostics)
+      type(field_type), intent(in) :: field
+      type(model_type), intent(in) :: model
+      type(channel_type), intent(out) :: channel
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      channel%expression = field%expression
+      channel%name = field%name
+      channel%long_name = trim(adjustl(field%text))
+      if (channel%name == '') channel%name = default_name(field)
+      if (field%name == '' .and. find_named(model, 'channel', channel%name) > 0) call diagnostics%add(field%origin, &
+         & "channel '"//channel%name//"' is asked for twice", 'give one of them another name: name = '//channel%long_name)
+      allocate (channel%quantities(size(field%expression%slots)))
+      do i = 1, size(channel%quantities)
+         call find_quantity(field%expression%slots(i), model, channel%quantities(i), diagnostics)
+      end do
+      if (any(channel%quantities%of < 0)) return
+      channel%units = channel_units(channel, model%units)
+      call find_reference(model, channel)
+      call warn_of_zero(model, field, channel, diagnostics)
+   end subroutine new_channel
+
+   !> x(rod.middle) becomes x_rod_middle.
+   pure function default_name(field) result(name)
+      type(field_type), intent(in) :: field
+      character(:), allocatable :: name
+      integer :: i
+      if (size(field%expression%slots) > 0) then
+         name = field%expression%slots(1)%name
+         if (field%expression%slots(1)%argument /= '') name = name//'_'//field%expression%slots(1)%argument
+      else
+         name = 'constant'
+      end if
+      do i = 1, len(name)
+         if (scan(name(i:i), '.-') > 0) name(i:i) = '_'
+      end do
+   end function default_name
+
+   !> Says that there is no such quantity, and no such function.
+   subroutine complain_quantity(slot, diagnostics)
+      type(slot_type), intent(in) :: slot
+      type(diagnostics_type), intent(inout) :: diagnostics
+      character(24) :: names(size(quantities) + size(function_names))
+      character(:), allocatable :: label
+      integer :: near, i
+      names(:size(quantities)) = quantities%name
+      names(size(quantities) + 1:) = function_names
+      near = nearest_name(slot%name, names)
+      if (near > 0) then
+         label = "did you mean '"//trim(names(near))//"'?"
+      else
+         label = 'functions:'
+         do i = 1, size(function_names)
+            label = label//' '//trim(function_names(i))
+         end do
+         label = label//'; quantities: limber help OUTPUT'
+      end if
+      call diagnostics%add(slot%origin, "there is no quantity or function '"//slot%name//"'", label, object=slot%name)
+   end subroutine complain_quantity
+
+   !> Finds what a slot stands for; `of` stays -1 with a complaint if there is no such thing.
+   subroutine find_quantity(slot, model, quantity, diagnostics)
+      type(slot_type), intent(in) :: slot
+      type(model_type), intent(in) :: model
+      type(quantity_type), intent(out) :: quantity
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: i
+      quantity%of = -1
+      if (slot%argument == '') then
+         quantity%of = 0
+         quantity%dimension = [0, 1, 0]
+         return
+      end if
+      do i = size(quantities), 1, -1
+         if (quantities(i)%name == slot%name) exit
+      end do
+      quantity%kind = i
+      if (i > 0) quantity%dimension = quantities(i)%dimension
+      if (i > 0) quantity%angular = quantities(i)%angular
+      if (quantity%kind == 0) then
+         call complain_quantity(slot, diagnostics)
+         return
+      end if
+      select case (quantities(quantity%kind)%of)
+      case (of_point)
+         quantity%of = find_point(model, slot%argument, slot%origin, diagnostics)
+      case (of_beam_point)
+         quantity%of = find_point(model, slot%argument, slot%origin, diagnostics)
+         if (quantity%of > 0) call need_beam(model, model%points(quantity%of)%body, slot, quantity, diagnostics)
+      case (of_flexible_point, of_section)
+         quantity%of = find_point(model, slot%argument, slot%origin, diagnostics)
+         if (quantity%of > 0) call need_section(model, slot, quantity, diagnostics)
+      case (of_body, of_beam)
+         quantity%of = find_body(model, slot%argument)
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no body '"//slot%argument//"'", body_list(model), object=slot%argument)
+         else if (quantities(quantity%kind)%of == of_beam) then
+            call need_beam(model, quantity%of, slot, quantity, diagnostics)
+         else if (model%bodies(quantity%of)%kind == body_point) then
+            call diagnostics%add(slot%origin, "'"//slot%argument//"' is a point mass and has no angle")
+         end if
+      case (of_joint, of_pusher)
+         i = find_named(model, 'joint', slot%argument)
+         quantity%of = i
+         if (i == 0 .and. quantities(quantity%kind)%of == of_pusher) call find_load(model, slot, [load_bushing], quantity)
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no joint '"//slot%argument//"'", of_section_instead(model, slot), &
+               & object=slot%argument)
+         else if (quantity%of_load) then
+            return
+         else if (model%joints(quantity%of)%kind == joint_coupler) then
+            call diagnostics%add(slot%origin, "'"//slot%argument//"' is a coupler, which has no "//slot%name, &
+               & slot%name//' is a quantity of joints')
+         end if
+      case (of_driver, of_turner, of_powered)
+         i = find_named(model, 'driver', slot%argument)
+         quantity%of = i
+         if (i == 0 .and. quantities(quantity%kind)%of == of_turner) call find_load(model, slot, [load_rotational], quantity)
+         if (i == 0 .and. quantities(quantity%kind)%of == of_powered) call find_load(model, slot, [load_force, load_torque, &
+            & load_spring, load_rotational, load_bushing, load_distributed, load_friction], quantity)
+         if (quantity%of == 0 .and. quantities(quantity%kind)%of == of_powered) call find_coupler(model, slot, quantity)
+         if (quantity%of_coupler) return
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no driver '"//slot%argument//"'", object=slot%argument)
+         else if (.not. quantity%of_load) then
+            call check_effort(model%drivers(quantity%of)%kind, slot, diagnostics)
+         end if
+      case (of_coupler)
+         quantity%of = 0
+         call find_coupler(model, slot, quantity)
+         if (quantity%of == 0) then
+            call diagnostics%add(slot%origin, "there is no coupler '"//slot%argument//"'", object=slot%argument)
+         else if (size(model%joints(quantity%of)%terms) > 0) then
+            if (model%joints(quantity%of)%terms(1)%kind == coordinate_displacement) quantity%dimension(1) = 1
+         end if
+      case (of_spring)
+         call find_load(model, slot, [load_spring, load_rotational], quantity)
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'", object=slot%argument)
+      case (of_translational)
+         call find_load(model, slot, [load_spring], quantity)
+         if (quantity%of == 0) call diagnostics%add(slot%origin, "there is no spring '"//slot%argument//"'", object=slot%argument)
+      case (of_system)
+         quantity%of = 0
+         if (slot%argument /= 'system') call diagnostics%add(slot%origin, "'"//slot%name//"' is asked of the whole", &
+            & 'write '//slot%name//'(system)')
+      end select
+   end subroutine find_quantity
+
+   !> Finds the coupler that has the name; else nothing is changed.
+   subroutine find_coupler(model, slot, quantity)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      type(quantity_type), intent(inout) :: quantity
+      integer :: i
+      i = find_named(model, 'joint', slot%argument)
+      if (i == 0) return
+      if (model%joints(i)%kind /= joint_coupler) return
+      quantity%of = i
+      quantity%of_coupler = .true.
+   end subroutine find_coupler
+
+   !> Complains of the force of a driver of an angle, or the torque of one of a length.
+   subroutine check_effort(kind, slot, diagnostics)
+      !> Kind of the driver
+      integer, intent(in) :: kind
+      type(slot_type), intent(in) :: slot
+      type(diagnostics_type), intent(inout) :: diagnostics
+      logical :: angular
+      angular = kind == driver_angle .or. kind == driver_joint_angle
+      if (slot%name == 'force' .and. angular) call diagnostics%add(slot%origin, "driver '"//slot%argument//"' drives an angle", &
+         & 'write torque('//slot%argument//')')
+      if (slot%name == 'torque' .and. .not. angular) call diagnostics%add(slot%origin, "driver '"//slot%argument// &
+         & "' drives a length", 'write force('//slot%argument//')')
+   end subroutine check_effort
+
+   !> What is asked of a point as the user has asked it of a joint: the moment in a section.
+   pure function of_section_instead(model, slot) result(label)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      character(:), allocatable :: label
+      character(*), parameter :: joints(4) = [character(7) :: 'moment', 'force_1', 'force_2', 'torque']
+      character(*), parameter :: sections(4) = [character(14) :: 'bending_moment', 'axial_force', 'shear_force', 'bending_moment']
+      integer :: dot, k
+      label = ''
+      dot = index(slot%argument, '.')
+      k = findloc(joints == slot%name, .true., dim=1)
+      if (dot == 0 .or. k == 0) return
+      if (find_body(model, slot%argument(:dot - 1)) == 0) return
+      label = 'that of a section of a beam or frame is '//trim(sections(k))//'('//slot%argument//')'
+   end function of_section_instead
+
+   !> Finds the load of some kinds that has the name; `of` is 0 if there is none. What is asked of a rotational spring is in
+   !> angles.
+   subroutine find_load(model, slot, kinds, quantity)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      integer, intent(in) :: kinds(:)
+      type(quantity_type), intent(inout) :: quantity
+      integer :: i
+      do i = size(model%loads), 1, -1
+         if (model%loads(i)%name == slot%argument .and. any(kinds == model%loads(i)%kind)) exit
+      end do
+      quantity%of = i
+      if (i == 0) return
+      quantity%of_load = .true.
+      if (model%loads(i)%kind /= load_rotational) return
+      quantity%angular = quantity%kind == quantity_elongation .or. quantity%kind == quantity_rate
+      if (quantity%angular) quantity%dimension(1) = 0
+   end subroutine find_load
+
+   !> Complains of a body that is not a beam.
+   subroutine need_beam(model, body, slot, quantity, diagnostics)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      type(slot_type), intent(in) :: slot
+      type(quantity_type), intent(inout) :: quantity
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (body /= ground) then
+         if (model%bodies(body)%end_point > 0) return
+      end if
+      quantity%of = -1
+      call diagnostics%add(slot%origin, "'"//slot%argument//"' is not on a beam", slot%name//' is a quantity of beams')
+   end subroutine need_beam
+
+   !> Complains of a point that is not on a beam or frame, or where internal forces are not known.
+   subroutine need_section(model, slot, quantity, diagnostics)
+      type(model_type), intent(in) :: model
+      type(slot_type), intent(in) :: slot
+      type(quantity_type), intent(inout) :: quantity
+      type(diagnostics_type), intent(inout) :: diagnostics
+      integer :: point
+      point = quantity%of
+      if (model%points(point)%member == 0) then
+         quantity%of = -1
+         call diagnostics%add(slot%origin, "'"//slot%argument//"' is not on a beam or frame", &
+            & slot%name//' is a quantity of beams and frames')
+         return
+      end if
+      if (quantities(quantity%kind)%of /= of_section) return
+      associate (body => model%bodies(model%points(point)%body))
+         if (body%kind /= body_flexible) then
+            quantity%of = -1
+            call diagnostics%add(slot%origin, "'"//body%name//"' is rigid: its internal forces are not computed", &
+               & flexible_instead(body), object=body%name)
+         else if (model%points(point)%meeting /= 1) then
+            quantity%of = -1
+            call diagnostics%add(slot%origin, as_text(model%points(point)%meeting)//" members meet at '"//slot%argument//"'", &
+               & 'name a point of one of them in a data line of *FRAME: point, member, coordinate')
+         else if (any(quantity%kind == [quantity_stress_top, quantity_stress_bottom]) .and. &
+               & .not. all(body%strength(3:4, model%points(point)%member) > 0.0_wp)) then
+            quantity%of = -1
+            call diagnostics%add(slot%origin, "the section of '"//body%name//"' does not say where its extreme fibres are", &
+               & 'add TOP= and BOTTOM= to its *SECTION')
+         end if
+      end associate
+   end subroutine need_section
+
+   !> What a rigid body can be made that has internal forces.
+   pure function flexible_instead(body) result(text)
+      type(body_type), intent(in) :: body
+      character(:), allocatable :: text
+      text = 'use GEOMETRIC=EXACT, K_G or LINEAR'
+      if (body%is_frame) text = 'use GEOMETRIC=K_G or LINEAR, or LARGE=YES'
+   end function flexible_instead
+
+   pure function body_list(model) result(text)
+      type(model_type), intent(in) :: model
+      character(:), allocatable :: text
+      integer, parameter :: most = 30
+      integer :: i
+      text = 'bodies:'
+      do i = 1, min(most, size(model%bodies))
+         text = text//' '//model%bodies(i)%name
+      end do
+      if (size(model%bodies) > most) text = text//' ... '//as_text(size(model%bodies))//' in all'
+   end function body_list
+
+   !> Units of a channel from the dimensions of its quantities; 'unknown' where they do not fit together.
+   function channel_units(channel, units) result(text)
+      type(channel_type), intent(in) :: channel
+      type(units_type), intent(in) :: units
+      character(:), allocatable :: text
+      integer :: dimension(3)
+      dimension = expression_dimension(channel)
+      if (any(dimension == unknown)) then
+         text = 'unknown'
+         return
+      end if
+      text = unit_text(dimension, units, is_moment(channel))
+      if (size(channel%quantities) /= 1 .or. size(channel%expression%codes) /= 1) return
+      if (.not. channel%quantities(1)%angular) return
+      text = 'rad'
+      if (dimension(2) == -1) text = 'rad/'//units%time
+   end function channel_units
+
+   !> Whether what has the dimension of an energy is a moment: something of it is, and no angle multiplies that.
+   pure logical function is_moment(channel)
+      type(channel_type), intent(in) :: channel
+      integer :: i
+      is_moment = .false.
+      do i = 1, size(channel%quantities)
+         associate (quantity => channel%quantities(i))
+            if (quantity%angular .or. any(quantity%kind == [quantity_kinetic, quantity_potential, quantity_work])) then
+               is_moment = .false.
+               return
+            end if
+            is_moment = is_moment .or. all(quantity%dimension == energy)
+         end associate
+      end do
+   end function is_moment
+
+   !> Dimension of an expression: its postfix program run on exponents. Plain numbers have none; what they are added to or taken
+   !> from says theirs, but who multiplies that by another number may mean any dimension.
+   pure function expression_dimension(channel) result(dimension)
+      type(channel_type), intent(in) :: channel
+      integer :: dimension(3), stack(3, 128), i, top
+      logical :: plain(128), shifted(128)
+      top = 0
+      do i = 1, size(channel%expression%codes)
+         associate (code => channel%expression%codes(i))
+            if (code == op_constant .or. code == op_slot) then
+               top = top + 1
+               stack(:, top) = 0
+               plain(top) = code == op_constant
+               shifted(top) = .false.
+               if (code == op_slot) stack(:, top) = channel%quantities(channel%expression%operands(i))%dimension
+            else if (is_binary(code)) then
+               top = top - 1
+               stack(:, top) = combined(code, stack(:, top), stack(:, top + 1), plain(top:top + 1), shifted(top:top + 1))
+               shifted(top) = any(shifted(top:top + 1)) .or. ((code == op_add .or. code == op_subtract) .and. &
+                  & (plain(top) .neqv. plain(top + 1)))
+               plain(top) = all(plain(top:top + 1))
+            else if (code /= op_negate .and. code /= op_abs .and. any(stack(:, top) /= 0)) then
+               stack(:, top) = unknown
+            end if
+         end associate
+      end do
+      dimension = stack(:, 1)
+   end function expression_dimension
+
+   pure function combined(code, a, b, plain, shifted) result(c)
+      integer, intent(in) :: code, a(3), b(3)
+      !> Of both: whether it is a plain number, and whether one has been added to it
+      logical, intent(in) :: plain(2), shifted(2)
+      integer :: c(3)
+      c = unknown
+      if (any(a == unknown) .or. any(b == unknown)) return
+      select case (code)
+      case (op_multiply, op_divide)
+         if (any(plain .and. shifted(2:1:-1)) .and. any(abs(a) + abs(b) > 0)) return
+         c = a + merge(b, -b, code == op_multiply)
+      case (op_add, op_subtract)
+         if (all(a == b) .or. plain(2)) c = a
+         if (plain(1)) c = b
+      case default
+         if (all(a == b .and. a == 0)) c = 0
+      end select
+   end function combined
+
+   !> A dimension in the deck's units: 'm', 'm/s', 'N', '1'.
+   pure function unit_text(dimension, units, is_moment) result(text)
+      !> Exponents of length, time and mass
+      integer, intent(in) :: dimension(3)
+      type(units_type), intent(in) :: units
+      !> Whether what has the dimension of an energy is a moment; if not given, it is none
+      logical, intent(in), optional :: is_moment
+      character(:), allocatable :: text
+      text = named(dimension, units%length//' '//units%mass//' '//units%time)
+      if (present(is_moment)) then
+         if (is_moment .and. all(dimension == energy)) text = named([1, -2, 1], units%length//' '//units%mass//' '//units%time) &
+            & //' '//units%length
+         if (text(1:min(1, len(text))) == ' ') text = ''
+      end if
+      if (text /= '') return
+      text = power(units%mass, dimension(3))//power(units%length, dimension(1))//power(units%time, dimension(2))
+      if (text == '') then
+         text = '1'
+      else
+         text = text(2:)
+      end if
+   end function unit_text
+
+   !> Units with names of their own: of force, energy, stress, power; empty for others.
+   pure function named(dimension, system) result(text)
+      integer, intent(in) :: dimension(3)
+      !> Units of length, mass and time
+      character(*), intent(in) :: system
+      character(:), allocatable :: text
+      integer :: which
+      integer, parameter :: known(3, 4) = reshape([1, -2, 1, 2, -2, 1, -1, -2, 1, 2, -3, 1], [3, 4])
+      character(*), parameter :: names(4, 2) = reshape([character(3) :: 'N', 'J', 'Pa', 'W', 'N', 'mJ', 'MPa', 'mW'], [4, 2])
+      text = ''
+      do which = 1, size(known, 2)
+         if (any(dimension /= known(:, which))) cycle
+         if (system == 'm kg s') text = trim(names(which, 1))
+         if (system == 'mm t s') text = trim(names(which, 2))
+      end do
+   end function named
+
+   pure function power(unit, exponent) result(text)
+      character(*), intent(in) :: unit
+      integer, intent(in) :: exponent
+      character(:), allocatable :: text
+      text = ''
+      if (exponent /= 0) text = ' '//unit
+      if (exponent /= 0 .and. exponent /= 1) text = text//'^'//as_text(exponent)
+   end function power
+
+end module limber_model_requested_channels

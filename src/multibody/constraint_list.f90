@@ -1,0 +1,277 @@
+!> Builder of the constraints from joints and drivers. What each kind of them measures, and how it puts that together. Floor:
+!> multibody. Source: doc/theory, eqs. (3.15), (3.16), (3.22)-(3.24), (3.28), (3.29).
+module limber_multibody_constraint_list
+   use limber_base_kinds, only: wp
+   use limber_model_model, only: joint_type, driver_type, term_type, body_flexible, ground, joint_revolute, joint_point_on_line, &
+      & joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler, &
+      & coordinate_joint_angle, coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, &
+      & driver_displacement, driver_x, driver_y
+   use limber_multibody_constraint, only: constraint_type
+   use limber_multibody_couplers, only: add_coupler
+   use limber_multibody_drivers, only: driven_angle_type, driven_origin_type
+   use limber_multibody_sliding_along_beam, only: exact_path_type, set_axis
+   use limber_multibody_point_joints, only: revolute_type, point_on_line_type
+   use limber_multibody_function_constraints, only: linear_type
+   use limber_multibody_joint_functions, only: joint_function_type, measure_along, measure_angle
+   use limber_multibody_path_constraints, only: curve_joint_type, sliding_type, set_line
+   use limber_multibody_marker_registry, only: registry_type, marker_of, frame_marker, frame_direction, angle_of, bend_of, &
+      & guessed_angle, guessed_position
+   use limber_multibody_function_sums, only: add_coordinate, add_section_angle, add_displacement, add_parallel, &
+      & add_component, add_distance, &
+      & add_measure, vector, take_measures, find_bodies, guessed_distance, guessed_place
+   implicit none
+   private
+   public :: new_joint, new_driver
+
+   real(wp), parameter :: right_angle = 0.5_wp*acos(-1.0_wp)
+
+contains
+
+   !> The constraint of a joint of the model, which has its index.
+   subroutine new_joint(system, index, item, parts)
+      class(registry_type), intent(inout) :: system
+      !> Of the joint in the model
+      integer, intent(in) :: index
+      class(constraint_type), allocatable, intent(out) :: item
+      !> Receives the parts behind the first of a coupler of more than two bodies
+      type(linear_type), allocatable, intent(inout) :: parts(:)
+      type(joint_type) :: joint
+      joint = system%model%joints(index)
+      select case (joint%kind)
+      case (joint_revolute); call add_revolute(system, joint, item)
+      case (joint_point_on_line, joint_translational, joint_weld, joint_rod); call add_guide(system, joint, item)
+      case (joint_gear, joint_belt); call add_wheels(system, joint, item)
+      case (joint_rack); call add_rack(system, joint, item)
+      case (joint_curve); call add_curve(system, joint, item)
+      case (joint_sliding); call add_sliding(system, joint, item)
+      case (joint_coupler); call add_coupler(system, index, item, parts)
+      end select
+      item%label = "joint '"//joint%name//"'"
+      if (joint%kind == joint_coupler) item%label = "coupler '"//joint%name//"'"
+      if (joint%kind == joint_coupler) return
+      item%scale = system%model%length
+      item%bodies = [system%model%points(joint%points(1))%body, system%model%points(joint%points(2))%body]
+      item%points = joint%points
+   end subroutine new_joint
+
+   subroutine add_revolute(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(revolute_type) :: revolute
+      revolute%rows = 2
+      revolute%markers(1) = marker_of(system, joint%points(1))
+      revolute%markers(2) = marker_of(system, joint%points(2))
+      allocate (item, source=revolute)
+   end subroutine add_revolute
+
+   !> Joints of points and directions: a line, a guide, a weld, a rod.
+   subroutine add_guide(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(point_on_line_type) :: line
+      type(linear_type) :: guide
+      if (joint%kind == joint_point_on_line .and. .not. bends(system, joint%points(2))) then
+         line%rows = 1
+         line%markers(1) = marker_of(system, joint%points(1))
+         line%markers(2) = marker_of(system, joint%points(2))
+         line%direction = [cos(joint%angle), sin(joint%angle)]
+         allocate (item, source=line)
+         return
+      end if
+      select case (joint%kind)
+      case (joint_weld)
+         call add_component(system, guide, joint%points, [1.0_wp, 0.0_wp], 1)
+         call add_component(system, guide, joint%points, [0.0_wp, 1.0_wp], 2)
+         call add_parallel(system, guide, joint, 3)
+      case (joint_rod)
+         call add_distance(system, guide, joint%points, 1)
+         guide%offset(1) = joint%length
+         if (.not. joint%has_length) guide%offset(1) = guessed_distance(system, joint%points)
+      case default
+         call add_displacement(system, guide, joint, joint%angle + right_angle, 1.0_wp)
+         if (joint%kind == joint_translational) call add_parallel(system, guide, joint, 2)
+      end select
+      allocate (item, source=guide)
+   end subroutine add_guide
+
+   !> Gears, and wheels under a belt: r1 (theta1 - psi) +- r2 (theta2 - psi) keeps its value, psi the direction from the first
+   !> centre to the second; minus where both turn in the same direction.
+   subroutine add_wheels(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(linear_type) :: wheels
+      real(wp) :: radius(2)
+      integer :: side, centre(2)
+      radius = joint%radius
+      if (joint%same_direction) radius(2) = -radius(2)
+      wheels%rows = 1
+      do side = 1, 2
+         call add_section_angle(system, wheels, joint%points(side), radius(side), wheels%offset(1))
+         centre(side) = marker_of(system, joint%points(side))
+      end do
+      if (abs(sum(radius)) > 1.0e-12_wp*maxval(abs(radius))) then
+         call add_measure(wheels, joint_function_type(kind=measure_angle, vectors=[vector(wheels, centre(2)), vector(wheels, &
+            & centre(1)), &
+            & 0], angle=angle_of(system, centre(1), centre(2))), -sum(radius), 1)
+         wheels%offset(1) = wheels%offset(1) - sum(radius)*guessed_angle(system, centre(1), centre(2))
+      end if
+      allocate (item, source=wheels)
+   end subroutine add_wheels
+
+   !> A pinion that rolls on a rack: xi + R (theta1 - theta2) keeps its value where the centre is on the left of the rack's line,
+   !> xi - R (...) where it is on the right, xi its place along the line.
+   subroutine add_rack(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(linear_type) :: rack
+      real(wp) :: radius
+      radius = joint%radius(1)
+      if (guessed_place(system, joint%points, joint%angle + right_angle) < 0.0_wp) radius = -radius
+      rack%rows = 1
+      call add_displacement(system, rack, joint, joint%angle, 1.0_wp)
+      rack%offset(1) = guessed_place(system, joint%points, joint%angle)
+      call add_section_angle(system, rack, joint%points(1), radius, rack%offset(1))
+      call add_section_angle(system, rack, joint%points(2), -radius, rack%offset(1))
+      allocate (item, source=rack)
+   end subroutine add_rack
+
+   !> A point on a curve in the section of the second body, its origin at the second point.
+   subroutine add_curve(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(curve_joint_type) :: path
+      type(linear_type) :: axes
+      call add_displacement(system, axes, joint, joint%angle, 1.0_wp)
+      call add_displacement(system, axes, joint, joint%angle + right_angle, 1.0_wp)
+      call take_measures(axes, path)
+      path%curve = joint%curve
+      allocate (item, source=path)
+   end subroutine add_curve
+
+   !> A point on the line of a deforming beam; the second point only names the beam.
+   subroutine add_sliding(system, joint, item)
+      class(registry_type), intent(inout) :: system
+      type(joint_type), intent(in) :: joint
+      class(constraint_type), allocatable, intent(out) :: item
+      type(sliding_type) :: path
+      type(exact_path_type) :: exact
+      type(linear_type) :: axes
+      integer :: markers(2), side, direction, body
+      body = system%model%points(joint%points(2))%body
+      markers = [marker_of(system, joint%points(1)), 0]
+      markers(2) = frame_marker(system, body)
+      do side = 1, 2
+         direction = frame_direction(system, body, (side - 1)*right_angle)
+         call add_measure(axes, joint_function_type(kind=measure_along, &
+            & vectors=[vector(axes, markers(1)), vector(axes, markers(2)), vector(axes, direction)]), 1.0_wp, 1)
+      end do
+      if (system%model%bodies(body)%reduced%is_exact) then
+         call take_measures(axes, exact)
+         exact%bend = bend_of(system, body)
+         call set_axis(exact, system%model%bodies(body)%reduced%exact)
+         allocate (item, source=exact)
+         return
+      end if
+      call take_measures(axes, path)
+      if (system%layout%n(body) > 0) path%bend = bend_of(system, body)
+      call set_line(path, system%model%bodies(body)%field, system%model%bodies(body)%choice%origin)
+      allocate (item, source=path)
+   end subroutine add_sliding
+
+   !> The constraint of a driver of the model.
+   subroutine new_driver(system, index, item)
+      class(registry_type), intent(inout) :: system
+      !> Of the driver in the model
+      integer, intent(in) :: index
+      class(constraint_type), allocatable, intent(out) :: item
+      type(driven_angle_type) :: driven
+      type(driven_origin_type) :: origin
+      type(linear_type) :: along
+      type(driver_type) :: driver
+      real(wp) :: value, axis(2)
+      driver = system%model%drivers(index)
+      value = 0.0_wp
+      if (driver%kind == driver_angle) then
+         driven%rows = 1
+         driven%drive = index
+         driven%bodies = [driver%body, ground]
+         allocate (item, source=driven)
+      else if (drives_origin(system, driver)) then
+         origin%rows = 1
+         origin%drive = index
+         origin%axis = merge(1, 2, driver%kind == driver_x)
+         associate (body => system%model%points(driver%points(1))%body)
+            origin%bodies = [body, ground]
+            if (.not. driver%has_initial) system%model%drivers(index)%initial(1) = system%model%bodies(body)%position(origin%axis)
+         end associate
+         origin%points = [driver%points(1), 0]
+         origin%scale = system%model%length
+         allocate (item, source=origin)
+      else
+         along%rows = 1
+         along%drive = index
+         select case (driver%kind)
+         case (driver_joint_angle)
+            call add_coordinate(system, along, term_type(1.0_wp, coordinate_joint_angle, driver%joint), value)
+         case (driver_displacement)
+            call add_coordinate(system, along, term_type(1.0_wp, coordinate_displacement, driver%joint), value)
+         case (driver_distance)
+            call add_distance(system, along, driver%points, 1)
+            value = guessed_distance(system, driver%points)
+         case default
+            axis = merge([1.0_wp, 0.0_wp], [0.0_wp, 1.0_wp], driver%kind == driver_x)
+            call add_component(system, along, [driver%points(1), 0], axis, 1)
+            value = dot_product(axis, guessed_position(system, system%model%points(driver%points(1))))
+         end select
+         if (.not. driver%has_initial) system%model%drivers(index)%initial(1) = value
+         call find_bodies(system, along)
+         call find_points(system, driver, along)
+         if (driver%kind /= driver_joint_angle) along%scale = system%model%length
+         allocate (item, source=along)
+      end if
+      item%driven = .true.
+      item%label = "driver '"//driver%name//"'"
+   end subroutine new_driver
+
+   !> Whether a driver moves the origin of a frame, whatever the deflection.
+   pure logical function drives_origin(system, driver) result(drives)
+      class(registry_type), intent(in) :: system
+      type(driver_type), intent(in) :: driver
+      drives = .false.
+      if (driver%kind /= driver_x .and. driver%kind /= driver_y) return
+      associate (point => system%model%points(driver%points(1)))
+         drives = .not. (any(abs(point%p0) > 0.0_wp) .or. any(abs(point%phi) > 0.0_wp))
+      end associate
+   end function drives_origin
+
+   !> Points where a driver acts on its bodies.
+   subroutine find_points(system, driver, item)
+      class(registry_type), intent(in) :: system
+      type(driver_type), intent(in) :: driver
+      type(linear_type), intent(inout) :: item
+      integer :: points(2), k
+      points = driver%points
+      if (driver%kind == driver_joint_angle .or. driver%kind == driver_displacement) &
+         & points = system%model%joints(driver%joint)%points
+      do k = 1, 2
+         if (points(k) == 0) cycle
+         where (item%bodies == system%model%points(points(k))%body) item%points = points(k)
+      end do
+   end subroutine find_points
+
+   !> Whether a point is on a flexible body.
+   pure logical function bends(system, point)
+      class(registry_type), intent(in) :: system
+      integer, intent(in) :: point
+      bends = .false.
+      associate (body => system%model%points(point)%body)
+         if (body /= ground) bends = system%model%bodies(body)%kind == body_flexible
+      end associate
+   end function bends
+
+end module limber_multibody_constraint_list

@@ -1,0 +1,555 @@
+!> Equilibrium at rest or in steady rotation. Newton's method with the exact tangent of motion and constraints, and a descent to a
+!> stable equilibrium where Newton finds none or an unstable one. Floor: multibody. Source: doc/theory, eqs. (4.42), (4.43), (6.4),
+!> (6.6), (6.7), (6.15), (6.16).
+module limber_multibody_equilibrium
+   use limber_base_kinds, only: wp
+   use limber_base_signals, only: signal_came
+   use limber_multibody_plane_vectors, only: turn
+   use limber_multibody_equations_of_motion, only: position_residual, worst_constraint
+   use limber_multibody_free_motions, only: free_motions_type, find_freedom, lowest_stiffness, has_potential, rate_scales
+   use limber_multibody_kinematics, only: move_frames
+   use limber_multibody_layout, only: advance
+   use limber_multibody_sparse_eigenmodes, only: nearest_eigenvalues, is_large, by_scales
+   use limber_multibody_motion_residual, only: motion_residual, linearise_motion, linearise_loads
+   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_tangent, only: tangent_type, new_tangent, combine, gather, static_softness, solve_refined
+   use limber_multibody_small_vibrations, only: find_growth
+   implicit none
+   private
+   public :: equilibrium_type, new_equilibrium, find_equilibrium, settle, settle_rates, linearise_balance, judge, &
+      & descend, steady_motion, is_near, extent
+
+   !> Change of a coordinate relative to its scale: aimed at, taken where round-off forbids more, and most in an iteration
+   real(wp), parameter :: aim = 1.0e-12_wp, good = 1.0e-8_wp, most_change = 0.25_wp
+   !> Energy of a unit motion, relative to the largest and to the forces in the scene, that counts as none
+   real(wp), parameter :: none_of_largest = 1.0e-13_wp, none_of_forces = 1.0e-10_wp
+
+   !> What is sought, what is found, and scratch
+   type :: equilibrium_type
+      type(tangent_type) :: tangent
+      type(free_motions_type) :: freedom
+      !> Speed of a steady rotation [rad/time], and its centre (2)
+      real(wp) :: rotation = 0.0_wp, centre(2) = 0.0_wp
+      !> Iterations so far
+      integer :: iterations = 0
+      !> Lowest and largest stiffness of the last `judge` [energy], its motion (nw), and whether it is above, below or at zero
+      real(wp) :: lowest = 0.0_wp, largest = 0.0_wp
+      real(wp), allocatable :: softest(:)
+      logical :: stable = .false., neutral = .false.
+      !> Whether the loads have a potential; if not, whether small vibrations grow, and their circular frequency [rad/time]
+      logical :: potential = .true., flutters = .false.
+      !> True once a scene without potential was too large to look for vibrations that grow
+      logical :: unseen = .false.
+      real(wp) :: frequency = 0.0_wp
+      !> Whether `descend` has left an unstable equilibrium on its way, and the motion in which it was unstable (nw)
+      logical :: has_left = .false.
+      real(wp), allocatable :: left(:)
+      !> Constraint that `descend` could not close, 0 if it could, and how far it was open [length, or 1 for angles]
+      integer :: open = 0
+      real(wp) :: gap = 0.0_wp
+      !> Largest of the forces of constraints and loads in the scaled rates [energy]
+      real(wp) :: forces = 0.0_wp
+      !> Velocities and accelerations of the coordinates (nq); the latter in the layout of the rates too (nw)
+      real(wp), allocatable :: v(:), a(:), push(:)
+      !> Scales (nw), residuals (nw), (nc), unknowns (nw + nc), a place moved (nq), places of the diagonal in the matrix (nw)
+      real(wp), allocatable :: scale(:), motion(:), rates(:), solution(:), correction(:), moved(:)
+      integer, allocatable :: diagonal(:)
+      !> Change of the coordinates in the last `find_equilibrium`, and that of its first step (nw)
+      real(wp), allocatable :: change(:), first_change(:)
+   end type equilibrium_type
+
+contains
+
+   !> Room and pattern.
+   subroutine new_equilibrium(system, balance)
+      type(system_type), intent(in) :: system
+      type(equilibrium_type), intent(inout) :: balance
+      integer :: i
+      associate (nq => system%layout%nq, nw => system%layout%nw, nc => system%nc)
+         call new_tangent(system, balance%tangent)
+         allocate (balance%v(nq), balance%a(nq), balance%push(nw), balance%softest(nw), balance%scale(nw), balance%motion(nw))
+         allocate (balance%rates(nc), balance%solution(nw + nc), balance%correction(nw + nc))
+         allocate (balance%moved(nq), balance%diagonal(nw))
+         balance%softest = 0.0_wp
+         allocate (balance%left(nw), balance%change(nw), balance%first_change(nw))
+         balance%left = 0.0_wp
+         balance%scale = rate_scales(system)
+         do i = 1, nw
+            balance%diagonal(i) = balance%tangent%matrix%place(i, i)
+         end do
+      end associate
+   end subroutine new_equilibrium
+
+   !> Velocities and accelerations of the steady rotation at a place; none without it.
+   subroutine steady_motion(system, balance, q)
+      type(system_type), intent(in) :: system
+      type(equilibrium_type), intent(inout) :: balance
+      !> Coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      integer :: i, first, at
+      balance%v = 0.0_wp
+      balance%a = 0.0_wp
+      balance%push = 0.0_wp
+      associate (speed => balance%rotation)
+         if (.not. abs(speed) > 0.0_wp) return
+         do i = 1, size(system%layout%q)
+            first = system%layout%q(i)
+            at = system%layout%w(i)
+            balance%v(first:first + 1) = speed*turn(q(first:first + 1) - balance%centre)
+            balance%a(first:first + 1) = -speed**2*(q(first:first + 1) - balance%centre)
+            balance%push(at:at + 1) = balance%a(first:first + 1)
+            if (.not. system%layout%framed(i)) cycle
+            balance%v(first + 2:first + 3) = speed*turn(q(first + 2:first + 3))
+            balance%a(first + 2:first + 3) = -speed**2*q(first + 2:first + 3)
+         end do
+      end associate
+   end subroutine steady_motion
+
+   !> Residuals and derivatives at a place, eqs. (6.15), (6.16).
+   subroutine linearise_balance(system, work, balance, t, q, lambda)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      !> Time; coordinates (nq); multipliers (nc)
+      real(wp), intent(in) :: t, q(:), lambda(:)
+      real(wp) :: residual
+      integer :: i
+      call steady_motion(system, balance, q)
+      call motion_residual(system, work, t, q, balance%v, balance%push, lambda, balance%motion, balance%rates)
+      residual = position_residual(system, work)
+      call linearise_motion(system, work, balance%tangent, q, balance%v, balance%push, lambda)
+      if (abs(balance%rotation) > 0.0_wp) then
+         call turn_loads(system, work, balance, q)
+         do i = 1, size(balance%tangent%bodies)
+            call add_rotation_stiffness(balance%rotation, balance%tangent%bodies(i)%mass, balance%tangent%bodies(i)%stiffness)
+         end do
+         call gather(balance%tangent)
+      end if
+   end subroutine linearise_balance
+
+   !> Loads in a steady rotation: they see the motion relative to the ground, which turns too, and at rest there is none. Takes what
+   !> they make of the velocities of the rotation out of residual and derivatives, eq. (6.17).
+   subroutine turn_loads(system, work, balance, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      !> Coordinates (nq)
+      real(wp), intent(in) :: q(:)
+      real(wp) :: rest(size(q))
+      integer :: i, k
+      rest = 0.0_wp
+      call move_frames(system%model, system%layout, q, rest, work%kinematics)
+      do i = 1, size(system%loads)
+         associate (load => system%loads(i)%item, force => work%loads(i)%force, to => balance%tangent%loads(i)%unknowns)
+            ! The bodies of a load may be the same one
+            do k = 1, size(to)
+               balance%motion(to(k)) = balance%motion(to(k)) + force(k)
+            end do
+            force = 0.0_wp
+            call load%add_force(work%kinematics, force)
+            if (load%is_scaled) force = load%share*force
+            do k = 1, size(to)
+               balance%motion(to(k)) = balance%motion(to(k)) - force(k)
+            end do
+         end associate
+      end do
+      call linearise_loads(system, work, balance%tangent)
+      call move_frames(system%model, system%layout, q, balance%v, work%kinematics)
+   end subroutine turn_loads
+
+   !> Adds what a steady rotation adds to the stiffness of a body, whose accelerations depend on its place: -speed^2 M on r.
+   pure subroutine add_rotation_stiffness(speed, mass, stiffness)
+      real(wp), intent(in) :: speed, mass(:, :)
+      real(wp), intent(inout) :: stiffness(:, :)
+      stiffness(:, 1:2) = stiffness(:, 1:2) - speed**2*mass(:, 1:2)
+   end subroutine add_rotation_stiffness
+
+   !> Factors the tangent with a spring on every coordinate, and solves for the step: unknowns [increments; changes of multipliers].
+   subroutine solve_step(system, work, balance, spring, size_of)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      !> Stiffness on scaled coordinates [energy]
+      real(wp), intent(in) :: spring
+      !> Largest change relative to its scale; huge if there is none
+      real(wp), intent(out) :: size_of
+      logical :: singular
+      associate (nw => system%layout%nw, solution => balance%solution, matrix => balance%tangent%matrix)
+         balance%tangent%softness = static_softness(balance%tangent)
+         call combine(balance%tangent, (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
+         if (spring > 0.0_wp) matrix%values(balance%diagonal) = matrix%values(balance%diagonal) + spring/balance%scale**2
+         call matrix%factor(singular)
+         size_of = huge(size_of)
+         if (singular) return
+         solution(:nw) = -balance%motion
+         solution(nw + 1:) = -work%phi
+         call matrix%solve(solution)
+         size_of = maxval(abs(solution(:nw)/balance%scale))
+         if (.not. size_of <= huge(size_of)) size_of = huge(size_of)
+      end associate
+   end subroutine solve_step
+
+   !> Takes the step found, or a part of it.
+   subroutine take_step(system, balance, part, q, lambda)
+      type(system_type), intent(in) :: system
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: part
+      real(wp), intent(inout) :: q(:), lambda(:)
+      associate (nw => system%layout%nw)
+         balance%solution(:nw) = part*balance%solution(:nw)
+         call advance(system%layout, q, balance%solution(:nw), balance%moved)
+         q = balance%moved
+         lambda = lambda + part*balance%solution(nw + 1:)
+      end associate
+      balance%iterations = balance%iterations + 1
+   end subroutine take_step
+
+   !> Newton's method from a place near by. Leaves residuals and derivatives at the last place.
+   subroutine find_equilibrium(system, work, balance, t, q, lambda, keeps_near, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: t
+      !> Coordinates (nq), multipliers (nc); those of the guess if it fails
+      real(wp), intent(inout) :: q(:), lambda(:)
+      !> Whether to give up where the first step is long, or more than that becomes of it
+      logical, intent(in) :: keeps_near
+      !> Whether it was found; never once a signal asks for the end
+      logical, intent(out) :: done
+      integer, parameter :: most = 30
+      real(wp), parameter :: astray = 4
+      real(wp), allocatable :: first(:), first_lambda(:)
+      real(wp) :: size_of, last
+      integer :: round
+      allocate (first, source=q)
+      allocate (first_lambda, source=lambda)
+      done = .false.
+      last = huge(last)
+      balance%change = 0.0_wp
+      do round = 1, most
+         call linearise_balance(system, work, balance, t, q, lambda)
+         call solve_step(system, work, balance, 0.0_wp, size_of)
+         if (size_of >= huge(size_of) .or. signal_came()) exit
+         done = size_of <= aim .or. (size_of <= good .and. size_of >= 0.1_wp*last)
+         call take_step(system, balance, min(1.0_wp, most_change/max(size_of, tiny(size_of))), q, lambda)
+         balance%change = balance%change + balance%solution(:system%layout%nw)
+         if (round == 1) balance%first_change = balance%change
+         if (done) exit
+         if (keeps_near .and. size_of > most_change) exit
+         if (keeps_near .and. extent(balance, balance%change) > astray*extent(balance, balance%first_change) + good) exit
+         last = size_of
+      end do
+      if (done) then
+         call linearise_balance(system, work, balance, t, q, lambda)
+         if (system%redundant) then
+            call least_multipliers(system, work, balance, t, q, lambda)
+            call linearise_balance(system, work, balance, t, q, lambda)
+         end if
+      else
+         q = first
+         lambda = first_lambda
+      end if
+   end subroutine find_equilibrium
+
+   !> Nearest equilibrium of a scene without loads whose frames may be free, eq. (4.42): Newton's method with a weak spring on every
+   !> change, so that what costs no energy stays where it is. Leaves the factors of its last step.
+   subroutine settle(system, work, balance, t, q, lambda, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: t
+      !> Coordinates (nq), multipliers (nc)
+      real(wp), intent(inout) :: q(:), lambda(:)
+      logical, intent(out) :: done
+      integer, parameter :: most = 200
+      !> Spring relative to the largest stiffness
+      real(wp), parameter :: weak = 1.0e-9_wp
+      real(wp) :: size_of, last, spring
+      integer :: round, i, k
+      done = .false.
+      last = huge(last)
+      do round = 1, most
+         call linearise_balance(system, work, balance, t, q, lambda)
+         spring = 0.0_wp
+         do i = 1, size(balance%tangent%bodies)
+            associate (stiffness => balance%tangent%bodies(i)%stiffness, scale => balance%scale(system%layout%w(i):))
+               do k = 1, size(stiffness, 1)
+                  spring = max(spring, weak*abs(stiffness(k, k))*scale(k)**2)
+               end do
+            end associate
+         end do
+         call solve_step(system, work, balance, spring, size_of)
+         if (size_of >= huge(size_of) .or. signal_came()) return
+         done = size_of <= aim .or. (size_of <= good .and. size_of >= 0.5_wp*last)
+         call take_step(system, balance, min(1.0_wp, most_change/max(size_of, tiny(size_of))), q, lambda)
+         if (done) return
+         last = size_of
+      end do
+   end subroutine settle
+
+   !> Rates by which that equilibrium follows its drivers, eq. (4.43); behind `settle`.
+   subroutine settle_rates(system, work, balance, t, q, v, lambda, w)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: t
+      !> Coordinates, velocities (nq); multipliers (nc)
+      real(wp), intent(in) :: q(:), v(:), lambda(:)
+      !> Rates that belong to the velocities; corrected (nw)
+      real(wp), intent(inout) :: w(:)
+      associate (nw => system%layout%nw, solution => balance%solution)
+         balance%push = 0.0_wp
+         call motion_residual(system, work, t, q, v, balance%push, lambda, balance%motion, balance%rates)
+         solution(:nw) = 0.0_wp
+         solution(nw + 1:) = -balance%rates
+         call balance%tangent%matrix%solve(solution)
+         w = w + solution(:nw)
+      end associate
+   end subroutine settle_rates
+
+   !> Largest entry of a change, each relative to its scale.
+   pure real(wp) function extent(balance, change)
+      type(equilibrium_type), intent(in) :: balance
+      !> (nw)
+      real(wp), intent(in) :: change(:)
+      extent = maxval(abs(change/balance%scale))
+   end function extent
+
+   !> Whether the last `find_equilibrium` has stayed on the branch it came from: its change is that of the tangents at both ends,
+   !> eq. (6.3). The loads are those of the place that it left, where the derivatives are those of the place that it found.
+   subroutine is_near(system, work, balance, t, q, lambda, near)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      !> Time of the place that it left; coordinates (nq) and multipliers (nc) of that which it found
+      real(wp), intent(in) :: t, q(:), lambda(:)
+      logical, intent(out) :: near
+      !> Difference from the mean of the tangents, and between the two, beside the change of a coordinate and beside the largest
+      real(wp), parameter :: of_own(2) = [0.1_wp, 0.6_wp], of_largest(2) = [5.0e-4_wp, 0.05_wp]
+      !> Change that is round-off
+      real(wp), parameter :: none = 1.0e-9_wp
+      real(wp) :: size_of, largest, own(system%layout%nw), back(system%layout%nw)
+      largest = extent(balance, balance%change)
+      near = largest <= none
+      if (near) return
+      call steady_motion(system, balance, q)
+      call motion_residual(system, work, t, q, balance%v, balance%push, lambda, balance%motion, balance%rates)
+      size_of = position_residual(system, work)
+      if (abs(balance%rotation) > 0.0_wp) call turn_loads(system, work, balance, q)
+      call solve_step(system, work, balance, 0.0_wp, size_of)
+      if (size_of >= huge(size_of)) return
+      back = -balance%solution(:system%layout%nw)
+      associate (ahead => balance%first_change, change => balance%change, scale => balance%scale)
+         own = max(abs(ahead), abs(change), abs(back))/scale
+         largest = maxval(own)
+         near = all(abs(change - 0.5_wp*(ahead + back))/scale <= of_own(1)*own + of_largest(1)*largest + none) .and. &
+            & all(abs(ahead - back)/scale <= of_own(2)*own + of_largest(2)*largest + none)
+      end associate
+   end subroutine is_near
+
+   !> Stability of the place of the last `find_equilibrium`, or of any other that was linearised: by the stiffness, and where the
+   !> loads have no potential by the motions that grow.
+   subroutine judge(system, work, balance, lambda)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: lambda(:)
+      real(wp) :: growth
+      logical :: done
+      call judge_stiffness(system, work, balance, lambda)
+      balance%potential = has_potential(balance%tangent)
+      balance%flutters = .false.
+      if (is_large(system)) then
+         balance%unseen = balance%unseen .or. .not. balance%potential
+         return
+      end if
+      if (balance%potential .or. balance%neutral .or. size(balance%freedom%basis, 2) == 0) return
+      call find_growth(system, balance%tangent, balance%freedom, growth, balance%frequency, balance%softest, done)
+      if (.not. done) return
+      balance%stable = .not. growth > 0.0_wp
+      balance%flutters = growth > 0.0_wp .and. balance%frequency > 0.0_wp
+   end subroutine judge
+
+   !> The same by the lowest eigenvalue of the stiffness alone, eq. (6.4).
+   subroutine judge_stiffness(system, work, balance, lambda)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: lambda(:)
+      real(wp) :: threshold
+      integer :: i, side, body, k
+      if (is_large(system)) then
+         call judge_large(system, balance)
+      else
+         call find_freedom(system, work, .false., balance%freedom)
+         call lowest_stiffness(system, balance%tangent, balance%freedom, balance%lowest, balance%largest, balance%softest)
+      end if
+      balance%forces = 0.0_wp
+      do i = 1, size(system%constraints)
+         associate (item => system%constraints(i)%item)
+            do side = 1, 2
+               body = item%bodies(side)
+               if (body == 0) cycle
+               do k = 1, item%rows
+                  balance%forces = max(balance%forces, abs(lambda(item%first + k - 1)) &
+                     & *maxval(abs(work%jacobians(side, i)%z(k, :))*[1.0_wp, 1.0_wp, 1/system%model%length])*system%model%length)
+               end do
+            end do
+         end associate
+      end do
+      do i = 1, size(work%loads)
+         if (size(work%loads(i)%force) > 0) balance%forces = max(balance%forces, maxval(abs(work%loads(i)%force)) &
+            & *min(1.0_wp, system%model%length))
+      end do
+      threshold = max(none_of_largest*balance%largest, none_of_forces*balance%forces, tiny(threshold))
+      balance%stable = balance%lowest > threshold
+      balance%neutral = abs(balance%lowest) <= threshold
+   end subroutine judge_stiffness
+
+   !> The same for a large scene, from the eigenvalues nearest to zero. Where there is none the scene is taken for neutral.
+   subroutine judge_large(system, balance)
+      type(system_type), intent(in) :: system
+      type(equilibrium_type), intent(inout) :: balance
+      integer, parameter :: wanted = 4
+      real(wp) :: value(wanted), motion(system%layout%nw, wanted)
+      logical :: done
+      integer :: i, first, m, least
+      balance%largest = 0.0_wp
+      do i = 1, size(balance%tangent%bodies)
+         first = system%layout%w(i)
+         do m = 1, size(balance%tangent%bodies(i)%stiffness, 1)
+            balance%largest = max(balance%largest, abs(balance%tangent%bodies(i)%stiffness(m, m))*balance%scale(first + m - 1)**2)
+         end do
+      end do
+      call nearest_eigenvalues(system, balance%tangent, by_scales, 0.0_wp, wanted, value, motion, done)
+      balance%lowest = 0.0_wp
+      if (.not. done) return
+      least = minloc(value, 1)
+      balance%lowest = value(least)
+      balance%softest = motion(:, least)
+      first = maxloc(abs(balance%softest/balance%scale), 1)
+      balance%softest = balance%softest*sign(1.0_wp, balance%softest(first))/norm2(balance%softest/balance%scale)
+   end subroutine judge_large
+
+   !> Descends from a place that is no equilibrium, or an unstable one, to a stable one: implicit steps along the forces, as if
+   !> the scene were moving slowly in something viscous; then Newton's method. Eq. (6.7).
+   subroutine descend(system, work, balance, t, leave, q, lambda, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: t
+      !> Whether unstable equilibrium is left
+      logical, intent(in) :: leave
+      real(wp), intent(inout) :: q(:), lambda(:)
+      !> Whether a stable equilibrium was found, or a neutral one; or an unstable one that is not to be left. Never once a signal
+      !> asks for the end
+      logical, intent(out) :: done
+      !> Rounds; those without progress in which constraints may stay open, and trials of springs in each round
+      integer, parameter :: most = 1000, most_open = 100, most_springs = 200
+      !> Part of a radian, or of the scene; residual of constraints that are closed, and of those that a long way keeps open
+      real(wp), parameter :: push = 1.0e-2_wp, closed = 1.0e-6_wp, underway = 1.0e-3_wp
+      !> Energy that none has
+      real(wp), parameter :: endless = 1.0e100_wp
+      real(wp), allocatable :: found(:), found_lambda(:)
+      real(wp) :: spring, size_of, gap, least_gap
+      integer :: round, trial, closing
+      allocate (found, source=q)
+      allocate (found_lambda, source=lambda)
+      done = .false.
+      balance%has_left = .false.
+      balance%open = 0
+      closing = 0
+      least_gap = huge(least_gap)
+      spring = 0.0_wp
+      do round = 1, most
+         call linearise_balance(system, work, balance, t, q, lambda)
+         if (stays_open()) exit
+         call judge_stiffness(system, work, balance, lambda)
+         ! Forces without end: no place is found
+         if (max(balance%largest, balance%forces) > endless) exit
+         if (balance%lowest < 0.0_wp) spring = max(spring, -2*balance%lowest)
+         if (.not. spring > 0.0_wp) spring = max(1.0e-3_wp*balance%largest, balance%forces)
+         if (.not. spring > 0.0_wp) spring = 1.0_wp
+         do trial = 1, most_springs
+            if (signal_came()) return
+            call solve_step(system, work, balance, spring, size_of)
+            if (size_of <= most_change) exit
+            spring = 3*spring
+            if (spring > 1.0e30_wp*max(balance%largest, balance%forces, 1.0_wp)) exit
+         end do
+         if (size_of > most_change) exit
+         call take_step(system, balance, 1.0_wp, q, lambda)
+         if (size_of <= aim .and. settled(balance%solution(system%layout%nw + 1:), lambda)) then
+            ! At rest where nothing holds it, or on top of a hill, which it leaves by a small push
+            done = balance%neutral .or. .not. (balance%stable .or. leave)
+            if (done) return
+            if (.not. balance%stable) then
+               balance%has_left = .true.
+               balance%left = balance%softest
+               balance%motion = push*balance%softest
+               call advance(system%layout, q, balance%motion, balance%moved)
+               q = balance%moved
+               cycle
+            end if
+         end if
+         if (size_of < 0.5_wp*most_change) spring = 0.3_wp*spring
+         if (.not. balance%stable .or. size_of > 0.1_wp) cycle
+         found = q
+         found_lambda = lambda
+         call find_equilibrium(system, work, balance, t, found, found_lambda, .false., done)
+         if (.not. done) cycle
+         call judge_stiffness(system, work, balance, found_lambda)
+         done = balance%stable .or. balance%neutral
+         if (.not. done) cycle
+         q = found
+         lambda = found_lambda
+         return
+      end do
+      if (gap > closed) call worst_constraint(system, work, balance%open, balance%gap)
+
+   contains
+
+      !> Whether constraints have been open for long, and do not close: no place satisfies them.
+      logical function stays_open()
+         real(wp), parameter :: progress = 0.9_wp
+         gap = 0.0_wp
+         if (system%nc > 0) gap = position_residual(system, work)
+         if (gap <= max(underway, progress*least_gap)) closing = round
+         least_gap = min(least_gap, gap)
+         stays_open = round - closing >= most_open
+      end function stays_open
+
+   end subroutine descend
+
+   !> Whether multipliers have stopped changing.
+   pure logical function settled(change, lambda)
+      real(wp), intent(in) :: change(:), lambda(:)
+      settled = .true.
+      if (size(lambda) > 0) settled = maxval(abs(change)) <= 1.0e-10_wp*maxval(abs(lambda))
+   end function settled
+
+   !> Of redundant constraints the multipliers of least norm, at the place of the last `linearise_balance`.
+   subroutine least_multipliers(system, work, balance, t, q, lambda)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(equilibrium_type), intent(inout) :: balance
+      real(wp), intent(in) :: t, q(:)
+      !> With the multipliers of any norm
+      real(wp), intent(inout) :: lambda(:)
+      real(wp) :: none(size(lambda))
+      logical :: singular
+      none = 0.0_wp
+      call motion_residual(system, work, t, q, balance%v, balance%push, none, balance%motion, balance%rates)
+      balance%tangent%softness = 1.0_wp
+      call combine(balance%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
+      call balance%tangent%matrix%factor(singular)
+      if (singular) return
+      associate (nw => system%layout%nw)
+         balance%solution(:nw) = -balance%motion
+         balance%solution(nw + 1:) = 0.0_wp
+         call solve_refined(balance%tangent, nw, balance%solution, balance%correction)
+         lambda = balance%solution(nw + 1:)
+      end associate
+   end subroutine least_multipliers
+
+end module limber_multibody_equilibrium

@@ -1,0 +1,375 @@
+!> Accelerations and projections by the factors of the multiplier system. Accelerations, projections onto the constraints, and the
+!> multipliers of what hangs, is driven or held, which are no unknowns. Floor: multibody. Source: Han and Lee 1993, eq. (28);
+!> doc/theory, eqs. (4.1), (4.4)-(4.6), (4.8), (4.11), (4.12), (4.34), (4.35).
+module limber_multibody_multiplier_solution
+   use limber_base_kinds, only: wp
+   use limber_model_model, only: ground
+   use limber_multibody_unit_mass_coordinates, only: to_unit_mass, from_unit_mass
+   use limber_multibody_multiplier_system, only: side_at
+   use limber_multibody_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: solve_multiplier_system, solve_gaps, recover_multipliers
+
+contains
+
+   !> Takes from a frame's force, and from the right-hand sides of the constraints on it, the part of eta.
+   pure subroutine condense_force(n, rows, coupling, eta_rows, eta_force, list, condensed, solution)
+      integer, intent(in) :: n, rows
+      real(wp), intent(in) :: coupling(n, 3), eta_rows(n, rows), eta_force(n)
+      !> Places of the constraints among the unknowns
+      integer, intent(in) :: list(rows)
+      real(wp), intent(inout) :: condensed(3)
+      real(wp), contiguous, intent(inout) :: solution(:)
+      real(wp) :: part, parts(3)
+      integer :: j, k
+      parts = 0.0_wp
+      do k = 1, n
+         parts(1) = parts(1) + coupling(k, 1)*eta_force(k)
+         parts(2) = parts(2) + coupling(k, 2)*eta_force(k)
+         parts(3) = parts(3) + coupling(k, 3)*eta_force(k)
+      end do
+      condensed = condensed - parts
+      do j = 1, rows
+         part = 0.0_wp
+         do k = 1, n
+            part = part + eta_rows(k, j)*eta_force(k)
+         end do
+         solution(list(j)) = solution(list(j)) - part
+      end do
+   end subroutine condense_force
+
+   !> Second derivatives of eta, eq. (4.4).
+   pure subroutine expand_eta(n, rows, coupling, eta_rows, eta_force, list, solution, acceleration, a)
+      integer, intent(in) :: n, rows
+      real(wp), intent(in) :: coupling(n, 3), eta_rows(n, rows), eta_force(n)
+      integer, intent(in) :: list(rows)
+      !> Unknowns, and accelerations of the frame
+      real(wp), contiguous, intent(in) :: solution(:)
+      real(wp), intent(in) :: acceleration(3)
+      real(wp), intent(inout) :: a(n)
+      integer :: j, k
+      do k = 1, n
+         a(k) = eta_force(k) - coupling(k, 1)*acceleration(1) - coupling(k, 2)*acceleration(2) - coupling(k, 3)*acceleration(3)
+      end do
+      do j = 1, rows
+         do k = 1, n
+            a(k) = a(k) - eta_rows(k, j)*solution(list(j))
+         end do
+      end do
+   end subroutine expand_eta
+
+   !> Solves with the factors. In: `force` and `eta_force` of each body in the workspace, `gamma` of the constraints.
+   !> Out: a (nq layout; the places of u hold [alpha, 0]), and the multipliers of the unknowns in work%solution.
+   subroutine solve_multiplier_system(system, work, gamma, a, still)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Right-hand sides of the constraints (nc)
+      real(wp), intent(in) :: gamma(:)
+      !> Frame accelerations, alpha and eta'' (nq)
+      real(wp), contiguous, intent(out) :: a(:)
+      !> Whether all forces are zero
+      logical, intent(in) :: still
+      integer :: i
+      if (.not. still) then
+         do i = 1, size(work%kinematics%beams)
+            associate (body => work%bodies(work%kinematics%beams(i)))
+               call to_unit_mass(body%factor, body%eta_force)
+            end associate
+         end do
+      end if
+      call set_bias(system, work, gamma)
+      call set_right_side(system, work, gamma, still)
+      call work%matrix%solve(work%solution)
+      if (system%redundant) call refine(system, work, still)
+      call expand(system, work, a)
+   end subroutine solve_multiplier_system
+
+   !> Takes out of the accelerations what constraints that give way have let pass, eq. (4.34), and out of the multipliers what
+   !> balances nothing, eq. (4.35).
+   subroutine refine(system, work, still)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Whether all forces are zero: then multipliers are not asked for
+      logical, intent(in) :: still
+      integer, parameter :: rounds = 2
+      integer :: round, i
+      work%correction(system%tree%free + 1:) = work%solution(system%tree%free + 1:)
+      do round = 1, merge(rounds, rounds + 1, still)
+         work%correction(:system%tree%free) = 0.0_wp
+         do i = 1, system%nc
+            work%correction(system%tree%free + i) = -system%slack(i)*work%correction(system%tree%free + i)
+         end do
+         call work%matrix%solve(work%correction)
+         if (round <= rounds) work%solution = work%solution + work%correction
+      end do
+      if (still) return
+      ! The last correction, and all before it, have this part of the first solution
+      work%solution(system%tree%free + 1:) = work%solution(system%tree%free + 1:) - (rounds + 1)*work%correction(system%tree%free &
+         & + 1:)
+   end subroutine refine
+
+   !> The same without forces, and with all frames that hang in their places: only the other constraints have a right-hand side.
+   subroutine solve_gaps(system, work, gaps, a)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Right-hand sides (nc); those of what hangs are not looked at, or zero
+      real(wp), intent(in) :: gaps(:)
+      !> As in `solve_multiplier_system`
+      real(wp), contiguous, intent(out) :: a(:)
+      integer :: i
+      do i = 1, size(work%bodies)
+         work%bodies(i)%bias = 0.0_wp
+         work%bodies(i)%eta_force = 0.0_wp
+      end do
+      if (system%tree%holds) then
+         do i = 1, size(work%bodies)
+            work%bodies(i)%force = 0.0_wp
+         end do
+         call set_bias(system, work, gaps)
+         call set_right_side(system, work, gaps, .true.)
+         call work%matrix%solve(work%solution)
+         call expand(system, work, a)
+         return
+      end if
+      work%solution(:system%tree%free) = 0.0_wp
+      do i = 1, size(gaps)
+         if (system%tree%row(i) > 0) work%solution(system%tree%row(i)) = gaps(i)
+      end do
+      call work%matrix%solve(work%solution)
+      call expand(system, work, a)
+   end subroutine solve_gaps
+
+   !> Accelerations of all frames and coordinates from the unknowns.
+   subroutine expand(system, work, a)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), contiguous, intent(out) :: a(:)
+      integer :: i, j, first
+      do i = 1, size(work%bodies)
+         first = system%layout%q(i)
+         associate (body => work%bodies(i))
+            if (system%tree%plain(i)) then
+               do j = 1, system%layout%rates(i)
+                  body%acceleration(j) = work%solution(system%tree%columns(j, i))
+               end do
+            else
+               call hang_frame(system%layout%rates(i), system%tree%count(i), system%tree%columns(:, i), body%hanging, body%bias, &
+                  & work%solution, body%acceleration)
+            end if
+            a(first:first + 1) = body%acceleration(1:2)
+            if (.not. system%layout%framed(i)) cycle
+            a(first + 2:first + 3) = [body%acceleration(3), 0.0_wp]
+            if (system%layout%n(i) > 0) call expand_eta(system%layout%n(i), size(body%rows), body%coupling, body%eta_rows, &
+               & body%eta_force, body%rows, work%solution, body%acceleration, a(first + 4:first + 3 + system%layout%n(i)))
+            if (allocated(body%factor)) call from_unit_mass(body%factor, a(first + 4:first + 3 + system%layout%n(i)))
+         end associate
+      end do
+   end subroutine expand
+
+   !> What the joints and drivers of the tree give their frames beside the unknowns, eq. (4.6).
+   subroutine set_bias(system, work, gamma)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: gamma(:)
+      integer :: i, k, row
+      associate (tree => system%tree)
+         do k = 1, size(tree%order)
+            i = tree%order(k)
+            if (tree%plain(i)) cycle
+            associate (bias => work%bodies(i)%bias)
+               bias = 0.0_wp
+               if (tree%grip(i) > 0) then
+                  call set_held_bias(system, work, i, gamma)
+                  cycle
+               end if
+               if (tree%joint(i) > 0) then
+                  row = system%constraints(tree%joint(i))%item%first
+                  bias(1:2) = gamma(row:row + 1)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
+                  if (tree%carrier(i) /= ground) then
+                     associate (carrier => work%bodies(tree%carrier(i))%bias)
+                        bias(1:2) = bias(1:2) + carrier(1:2) + work%kinematics%markers(tree%marker(i))%lever*carrier(3)
+                     end associate
+                  end if
+               end if
+               if (tree%axis_rows(1, i) > 0) bias(1:2) = [gamma(tree%axis_rows(1, i)), gamma(tree%axis_rows(2, i))]
+               if (tree%driver(i) > 0) bias(3) = gamma(system%constraints(tree%driver(i))%item%first) &
+                  & /work%jacobians(1, tree%driver(i))%z(1, 3)
+            end associate
+         end do
+      end associate
+   end subroutine set_bias
+
+   !> What the rows that hold a frame give it beside the unknowns, eq. (4.11).
+   pure subroutine set_held_bias(system, work, body, gamma)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: body
+      real(wp), intent(in) :: gamma(:)
+      real(wp) :: right
+      integer :: k, j, row, side, other
+      row = 0
+      do k = 1, size(system%tree%holders, 1)
+         if (system%tree%holders(k, body) == 0) exit
+         associate (c => system%tree%holders(k, body), bias => work%bodies(body)%bias, inverse => work%bodies(body)%inverse)
+            side = 3 - side_at(system, c, body)
+            other = system%constraints(c)%item%bodies(side)
+            do j = 1, system%constraints(c)%item%rows
+               right = gamma(system%constraints(c)%item%first + j - 1)
+               if (other /= ground) right = right - dot_product(work%jacobians(side, c)%z(j, :), work%bodies(other)%bias)
+               row = row + 1
+               bias = bias + inverse(:, row)*right
+            end do
+         end associate
+      end do
+   end subroutine set_held_bias
+
+   !> Right-hand side of the unknowns, eqs. (4.5), (4.7).
+   subroutine set_right_side(system, work, gamma, still)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: gamma(:)
+      !> Whether there are no forces on eta
+      logical, intent(in) :: still
+      integer :: i, j, k, rates, column
+      associate (tree => system%tree, solution => work%solution)
+         solution(:tree%free) = 0.0_wp
+         do k = 1, size(gamma)
+            if (tree%row(k) > 0) solution(tree%row(k)) = gamma(k)
+         end do
+         do i = 1, size(work%bodies)
+            rates = system%layout%rates(i)
+            associate (body => work%bodies(i))
+               body%condensed = body%force
+               if (system%layout%n(i) > 0 .and. .not. still) call condense_force(system%layout%n(i), size(body%rows), &
+                  & body%coupling, body%eta_rows, body%eta_force, body%rows, body%condensed, solution)
+               if (tree%plain(i)) then
+                  do j = 1, rates
+                     column = tree%columns(j, i)
+                     solution(column) = solution(column) + body%condensed(j)
+                  end do
+                  cycle
+               end if
+               if (tree%count(i) > 0) call add_hanging_force(rates, tree%count(i), tree%columns(:, i), body%hanging, body%bias, &
+                  & body%mass, body%condensed, solution)
+               do j = 1, size(body%rows)
+                  solution(body%rows(j)) = solution(body%rows(j)) - (body%frame_rows(1, j)*body%bias(1) &
+                     & + body%frame_rows(2, j)*body%bias(2) + body%frame_rows(3, j)*body%bias(3))
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine set_right_side
+
+   !> Accelerations of a frame that hangs or is driven, from the unknowns.
+   pure subroutine hang_frame(rates, count, columns, hanging, bias, solution, acceleration)
+      integer, intent(in) :: rates, count
+      integer, intent(in) :: columns(count)
+      real(wp), intent(in) :: hanging(rates, count), bias(3)
+      real(wp), contiguous, intent(in) :: solution(:)
+      real(wp), intent(inout) :: acceleration(3)
+      integer :: j
+      acceleration = bias
+      do j = 1, count
+         acceleration(1) = acceleration(1) + hanging(1, j)*solution(columns(j))
+         acceleration(2) = acceleration(2) + hanging(2, j)*solution(columns(j))
+         if (rates == 3) acceleration(3) = acceleration(3) + hanging(3, j)*solution(columns(j))
+      end do
+   end subroutine hang_frame
+
+   !> Force of such a frame, less that of its bias, on the unknowns.
+   pure subroutine add_hanging_force(rates, count, columns, hanging, bias, mass, force, solution)
+      integer, intent(in) :: rates, count
+      integer, intent(in) :: columns(count)
+      real(wp), intent(in) :: hanging(rates, count), bias(3), mass(3, 3), force(3)
+      real(wp), contiguous, intent(inout) :: solution(:)
+      real(wp) :: left(3), push
+      integer :: j
+      left = force - (mass(:, 1)*bias(1) + mass(:, 2)*bias(2) + mass(:, 3)*bias(3))
+      do j = 1, count
+         push = hanging(1, j)*left(1) + hanging(2, j)*left(2)
+         if (rates == 3) push = push + hanging(3, j)*left(3)
+         solution(columns(j)) = solution(columns(j)) + push
+      end do
+   end subroutine add_hanging_force
+
+   !> All multipliers after `solve_multiplier_system`, into work%lambda: those of the unknowns as they are, those of the tree from
+   !> what the equations of their body leave, the last in the tree first, eq. (4.8).
+   subroutine recover_multipliers(system, work)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: i, j, k, row
+      real(wp) :: left(3)
+      associate (tree => system%tree)
+         do k = 1, size(work%lambda)
+            if (tree%row(k) > 0) work%lambda(k) = work%solution(tree%row(k))
+         end do
+         do k = size(tree%order), 1, -1
+            i = tree%order(k)
+            if (tree%plain(i)) cycle
+            associate (body => work%bodies(i))
+               left = body%condensed - (body%mass(:, 1)*body%acceleration(1) + body%mass(:, 2)*body%acceleration(2) &
+                  & + body%mass(:, 3)*body%acceleration(3))
+               do j = 1, size(body%rows)
+                  left = left - body%frame_rows(:, j)*work%solution(body%rows(j))
+               end do
+            end associate
+            j = tree%first(i)
+            do while (j > 0)
+               call take_borne(system, work, j, left)
+               j = tree%next(j)
+            end do
+            if (tree%grip(i) > 0) then
+               call recover_held(system, work, i, left)
+               cycle
+            end if
+            if (tree%joint(i) > 0) then
+               row = system%constraints(tree%joint(i))%item%first
+               work%lambda(row:row + 1) = left(1:2)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
+            end if
+            if (tree%axis_rows(1, i) > 0) then
+               work%lambda(tree%axis_rows(1, i)) = left(1)
+               work%lambda(tree%axis_rows(2, i)) = left(2)
+            end if
+            if (tree%driver(i) > 0) then
+               row = system%constraints(tree%driver(i))%item%first
+               work%lambda(row) = left(3)/work%jacobians(1, tree%driver(i))%z(1, 3)
+            end if
+         end do
+      end associate
+   end subroutine recover_multipliers
+
+   !> Multipliers of the rows that hold a frame, from what is left of its forces, eq. (4.12).
+   pure subroutine recover_held(system, work, body, left)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer, intent(in) :: body
+      real(wp), intent(in) :: left(3)
+      integer :: k, j, row
+      row = 0
+      do k = 1, size(system%tree%holders, 1)
+         if (system%tree%holders(k, body) == 0) exit
+         associate (item => system%constraints(system%tree%holders(k, body))%item)
+            do j = item%first, item%first + item%rows - 1
+               row = row + 1
+               work%lambda(j) = dot_product(work%bodies(body)%inverse(:, row), left)
+            end do
+         end associate
+      end do
+   end subroutine recover_held
+
+   !> Takes from what is left of a body's forces those of a constraint that places another one on it.
+   pure subroutine take_borne(system, work, number, left)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Of the constraint's side, 2 (c - 1) + s
+      integer, intent(in) :: number
+      real(wp), intent(inout) :: left(3)
+      integer :: row, c
+      c = (number + 1)/2
+      do row = 1, system%constraints(c)%item%rows
+         left = left - work%jacobians(number - 2*(c - 1), c)%z(row, :)*work%lambda(system%constraints(c)%item%first + row - 1)
+      end do
+   end subroutine take_borne
+
+end module limber_multibody_multiplier_solution

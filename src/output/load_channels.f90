@@ -1,0 +1,104 @@
+!> Forces, elongations and power of loads. Elongations, tensions, torques, forces of bushings, power. Floor: output.
+module limber_output_load_channels
+   use limber_base_kinds, only: wp
+   use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_moment, quantity_power, quantity_elongation, &
+      & quantity_rate
+   use limber_model_model, only: quantity_type, in_forces, in_torques, in_springs
+   use limber_multibody_force_elements, only: force_element_type
+   use limber_multibody_kinematics, only: kinematics_type
+   use limber_multibody_load, only: load_type
+   use limber_multibody_springs, only: point_spring_type
+   use limber_multibody_system, only: system_type, workspace_type
+   implicit none
+   private
+   public :: load_value
+
+contains
+
+   !> A quantity of a load of the deck; loads of the system stand in the order forces, torques, springs, efforts.
+   real(wp) function load_value(system, work, quantity) result(value)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      type(quantity_type), intent(in) :: quantity
+      integer :: i, before
+      real(wp) :: force(2)
+      value = 0.0_wp
+      associate (named => system%model%loads(quantity%of), model => system%model)
+         before = 0
+         if (named%list > in_forces) before = size(model%forces)
+         if (named%list > in_torques) before = before + size(model%torques)
+         if (named%list > in_springs) before = before + size(model%springs)
+         select case (quantity%kind)
+         case (quantity_power)
+            do i = named%first, named%last
+               value = value + load_power(system%loads(before + i)%item, work%kinematics)
+            end do
+         case (quantity_force_x, quantity_force_y)
+            force = load_vector(system%loads(before + named%first)%item, work%kinematics) &
+               & + load_vector(system%loads(before + named%first + 1)%item, work%kinematics)
+            value = force(merge(1, 2, quantity%kind == quantity_force_x))
+         case (quantity_moment)
+            value = spring_value(system%loads(before + named%last)%item, work%kinematics, quantity_moment)
+         case default
+            value = spring_value(system%loads(before + named%first)%item, work%kinematics, quantity%kind)
+         end select
+      end associate
+   end function load_value
+
+   !> Elongation, its rate, tension or torque of a spring.
+   real(wp) function spring_value(load, kinematics, kind) result(value)
+      class(load_type), intent(in) :: load
+      type(kinematics_type), intent(in) :: kinematics
+      !> Index into the table of quantities
+      integer, intent(in) :: kind
+      real(wp) :: elongation, rate, push, weights(2, 3)
+      elongation = 0.0_wp
+      rate = 0.0_wp
+      push = 0.0_wp
+      select type (load)
+      type is (point_spring_type)
+         call load%stretch(kinematics, elongation, rate)
+         push = -load%tension(kinematics)
+      type is (force_element_type)
+         call load%measure(kinematics, elongation, rate, push, weights)
+      end select
+      select case (kind)
+      case (quantity_elongation); value = elongation
+      case (quantity_rate); value = rate
+      case (quantity_moment); value = push
+      case default; value = -push
+      end select
+   end function spring_value
+
+   !> Force of an effort on its first marker, along the fixed axes (2).
+   function load_vector(load, kinematics) result(force)
+      class(load_type), intent(in) :: load
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp) :: force(2), elongation, rate, push, weights(2, 3)
+      force = 0.0_wp
+      select type (load)
+      type is (force_element_type)
+         call load%measure(kinematics, elongation, rate, push, weights)
+         force = push*weights(:, 1)
+      end select
+   end function load_vector
+
+   !> Power that a load gives to the bodies: what it puts in and what it takes from its energy.
+   real(wp) function load_power(load, kinematics) result(power)
+      class(load_type), intent(in) :: load
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp) :: elongation, rate, push, weights(2, 3)
+      power = 0.0_wp
+      select type (load)
+      type is (force_element_type)
+         call load%measure(kinematics, elongation, rate, push, weights)
+         power = push*rate
+      type is (point_spring_type)
+         call load%stretch(kinematics, elongation, rate)
+         power = -load%tension(kinematics)*rate
+      class default
+         call load%add_power(kinematics, power)
+      end select
+   end function load_power
+
+end module limber_output_load_channels

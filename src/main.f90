@@ -2,7 +2,7 @@
 !>
 !>    deck -> model -> modes -> system -> integrator -> history
 !>
-!> The commands live in src/analysis; the only places that print or stop are here.
+!> The commands live in src/commands; the only places that print or stop are here.
 program limber
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use limber_base_ending, only: guard_ending, leave

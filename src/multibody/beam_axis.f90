@@ -8,6 +8,7 @@
 !> Source: doc/theory, part 2, eqs. (2.31)-(2.33), (2.36)-(2.38), (2.41)-(2.46).
 module limber_multibody_beam_axis
    use limber_base_kinds, only: wp
+   use limber_base_sines, only: take_sines
    use limber_base_snapshot, only: snapshot_type
    use limber_beam_exact_beam, only: exact_type, panel_stations, gauss_weight
    use limber_multibody_plane_vectors, only: turn, along, cross
@@ -124,7 +125,7 @@ contains
       real(wp), intent(in) :: lean(stations), angle(stations, angles), stretch(stations, 2, strains), eta(n)
       real(wp), intent(inout) :: g(stations, 2), gx(stations, n), gy(stations, n)
       real(wp) :: theta(panel_stations), c(panel_stations), s(panel_stations), x(panel_stations), y(panel_stations)
-      integer :: i, k, last
+      integer :: i, k
       do k = 1, panel_stations
          theta(k) = lean(before + k)
       end do
@@ -133,14 +134,7 @@ contains
             theta(k) = theta(k) + angle(before + k, i)*eta(i)
          end do
       end do
-      ! In words that let the compiler take cosines, and sines, of two stations at a time
-      last = min(panel_stations, stations - before)
-      do k = 1, last
-         c(k) = cos(theta(k))
-      end do
-      do k = 1, last
-         s(k) = sin(theta(k))
-      end do
+      call take_sines(panel_stations, theta, s, c)
       x = 1.0_wp
       y = 0.0_wp
       do i = 1, strains

@@ -1,6 +1,7 @@
 !> Place of a point of an exact beam at a state. Floor: multibody. Source: doc/theory, eq. (2.42).
 module limber_multibody_beam_place
    use limber_base_kinds, only: wp
+   use limber_base_sines, only: take_sines
    use limber_beam_exact_beam, only: exact_type, panel_stations
    use limber_multibody_plane_vectors, only: turn, along, cross
    implicit none
@@ -59,22 +60,15 @@ contains
       real(wp), contiguous, intent(in) :: eta(:)
       real(wp), intent(out) :: g(panel_stations, 2)
       real(wp) :: theta(panel_stations), c(panel_stations), s(panel_stations), sigma(panel_stations, 2)
-      integer :: k, i, a, m
+      integer :: k, i, a
       a = exact%angles
-      ! A panel, in words that let the compiler take sines of two stations at a time
-      m = min(panel_stations, exact%stations - first + 1)
       do k = 1, panel_stations
          theta(k) = exact%lean(first + k - 1)
          do i = 1, a
             theta(k) = theta(k) + exact%psi(i, first + k - 1)*eta(i)
          end do
       end do
-      do k = 1, m
-         c(k) = cos(theta(k))
-      end do
-      do k = 1, m
-         s(k) = sin(theta(k))
-      end do
+      call take_sines(panel_stations, theta, s, c)
       sigma(:, 1) = 1.0_wp
       sigma(:, 2) = 0.0_wp
       do k = 1, panel_stations

@@ -7,13 +7,14 @@ module limber_integrator_adams
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type
-   use limber_integrator_adams_errors, only: add_lost, gamma_star, estimate_errors, weighted
+   use limber_integrator_adams_errors, only: add_lost, apart, gamma_star, estimate_errors, weighted
    use limber_integrator_divided_differences, only: most, step_coefficients, interpolation_coefficients, interpolate, predict, &
       & finish_differences, restore_differences
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_error_scales, only: scales_type, new_scales, update_scales, energy_scale
    use limber_multibody_kinematics, only: place_frames
    use limber_multibody_equations_of_motion, only: linearise, linearise_placed, accelerations, input_power
+   use limber_multibody_motion_laws, only: watched_loads
    use limber_multibody_projection, only: project_position, project_velocity, list_unplaced, place_known
    use limber_multibody_layout, only: rates_of
    use limber_multibody_articulated_rigid, only: articulated_rigid_type, new_recursion, recursive_accelerations, recursive_settle
@@ -46,6 +47,8 @@ module limber_integrator_adams
       real(wp), allocatable :: y(:), p(:), yp(:)
       !> State, derivative and what is lost of coordinates before the correction
       real(wp), allocatable :: y_before(:), yp_before(:), lost_before(:)
+      !> Whether laws of the motion may jump or bend, so that steps are confirmed
+      logical :: laws_bend = .false.
       !> Modified divided differences (ny, most + 2)
       real(wp), allocatable :: phi(:, :)
       !> Scratch (all coordinates)
@@ -104,6 +107,7 @@ contains
       self%nq = size(self%kept)
       self%whole = self%nq == size(q)
       self%steps_to_start = 15
+      self%laws_bend = size(watched_loads(system)) > 0
       self%driven = .false.
       do i = 1, size(system%constraints)
          self%driven = self%driven .or. system%constraints(i)%item%driven
@@ -278,7 +282,7 @@ contains
             call correct(self, system, work, t, accepted, error)
             if (allocated(error)) return
             if (.not. accepted) self%statistics%failed_projections = self%statistics%failed_projections + 1
-            if (accepted) call confirm(self, accepted)
+            if (accepted .and. self%laws_bend) call confirm(self, accepted)
          else
             self%statistics%rejected = self%statistics%rejected + 1
          end if
@@ -380,8 +384,8 @@ contains
       real(wp), parameter :: many_times = 20.0_wp
       real(wp) :: first, second
       associate (n => merge(2*self%nq, self%weighed, self%h <= self%last_digits()))
-         second = weighted(n, self%yp(:n) - self%yp_before(:n), self%scale(:n))
-         first = weighted(n, self%yp_before(:n) - self%phi(:n, 1), self%scale(:n))
+         second = apart(n, self%yp, self%yp_before, self%scale)
+         first = apart(n, self%yp_before, self%phi(:, 1), self%scale)
       end associate
       accepted = second <= max(first, many_times*self%bound/(self%h*self%g(self%k + 1))) .or. self%fixed_step > 0.0_wp
       if (accepted) return
@@ -403,9 +407,11 @@ contains
       real(wp) :: before, residual
       integer :: nq
       nq = self%nq
-      self%y_before = self%y
-      self%yp_before = self%yp
-      self%lost_before = self%lost
+      if (self%laws_bend) then
+         self%y_before = self%y
+         self%yp_before = self%yp
+         self%lost_before = self%lost
+      end if
       self%p = self%p + self%h*self%g(self%k + 1)*(self%yp - self%phi(:, 1))
       if (self%h < short*self%duration) call add_lost(nq, self%h, self%y, self%p, self%lost)
       if (self%tree%usable) then

@@ -5,7 +5,7 @@ module limber_integrator_adams_errors
    use limber_integrator_divided_differences, only: most
    implicit none
    private
-   public :: estimate_errors, weighted, add_lost
+   public :: estimate_errors, weighted, add_lost, apart
 
    !> Coefficients gamma* of the error estimate at constant step, orders 1 to 13
    real(wp), parameter, public :: gamma_star(13) = [0.5_wp, 0.0833_wp, 0.0417_wp, 0.0264_wp, 0.0188_wp, 0.0143_wp, 0.0114_wp, &
@@ -27,6 +27,19 @@ contains
       end do
       weighted = sqrt(weighted)
    end function weighted
+
+   !> Norm of a difference.
+   pure real(wp) function apart(n, a, b, scale)
+      !> Number of components
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a(n), b(n), scale(n)
+      integer :: i
+      apart = 0.0_wp
+      do i = 1, n
+         apart = apart + ((a(i) - b(i))/scale(i))**2
+      end do
+      apart = sqrt(apart)
+   end function apart
 
    !> Local error of a step and what it would be at orders k, k-1, k-2; the order that seems better (block 2).
    pure subroutine estimate_errors(ny, n, k, h, g, sig, scale, yp, phi, estimate, err, k_next)

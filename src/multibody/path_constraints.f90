@@ -173,8 +173,14 @@ contains
       integer :: i, n
       n = size(nodes)
       place = max(nodes(1), min(s, nodes(n)))
-      i = int((place - nodes(1))/(nodes(n) - nodes(1))*(n - 1)) + 1
-      i = max(1, min(i, n - 1))
+      ! Nodes that loads and masses have put in are not at equal distances
+      i = max(1, min(int((place - nodes(1))/(nodes(n) - nodes(1))*(n - 1)) + 1, n - 1))
+      do while (i > 1 .and. place < nodes(i))
+         i = i - 1
+      end do
+      do while (i < n - 1 .and. place > nodes(i + 1))
+         i = i + 1
+      end do
       shape = spline_segment(nodes(i:i + 1), values(i:i + 1), bent(i:i + 1), place)
       if (.not. abs(s - place) > 0.0_wp) return
       shape(0) = shape(0) + (s - place)*shape(1)

@@ -1,4 +1,4 @@
-!> Run of a candidate setting. For the search of the setting that a target needs. Floor: accuracy; deck + rungs -> scene -> samples.
+!> Run of a candidate setting. A search for a target tries it. Floor: accuracy; deck + rungs -> scene -> samples.
 module limber_accuracy_candidate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp, long

@@ -1,5 +1,5 @@
-!> Scenes of the pilot run. With all open beams exact on a rung of their ladder, with vibration modes, and rigid. Floor: accuracy;
-!> deck + rungs -> deck or scene. Equations: doc/theory, part 7.
+!> Scenes of the pilot run. They have all open beams exact, with vibration modes, and rigid. Floor: accuracy; deck + rungs -> deck
+!> or scene. Equations: doc/theory, part 7.
 module limber_accuracy_pilot_scenes
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type

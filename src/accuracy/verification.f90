@@ -1,5 +1,5 @@
-!> Verification of a candidate by finer runs. By a smaller tolerance, and by higher rungs, with strain where that may matter. Floor:
-!> accuracy. Equations: doc/theory, part 7.
+!> Verification of a candidate by finer runs. The finer runs have a smaller tolerance, and higher fidelity levels, with strain where
+!> that may matter. Floor: accuracy. Equations: doc/theory, part 7.
 module limber_accuracy_verification
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type

@@ -1,6 +1,6 @@
-!> *STATICS: equilibrium under growing loads. Equilibrium under loads that grow, increment by increment, with its stability. Where
-!> it turns unstable the instant is found, and the scene goes on to a stable equilibrium, without a hint of where that is. Floor:
-!> analysis. Source: doc/theory, eqs. (6.4)-(6.7), (6.15), (6.16).
+!> *STATICS: equilibrium under growing loads. Loads grow increment by increment; each equilibrium has its stability. Where it turns
+!> unstable the instant is found, and the scene goes on to a stable equilibrium, without a hint of where that is. Floor: analysis.
+!> Source: doc/theory, eqs. (6.4)-(6.7), (6.15), (6.16).
 module limber_analysis_static_analysis
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise

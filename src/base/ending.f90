@@ -1,4 +1,4 @@
-!> The one exit of the program. By `leave` only. A library that ends the process itself (a run-time error, memory that is not to be
+!> The one exit of the program. It is `leave`. A library that ends the process itself (a run-time error, memory that is not to be
 !> had, an abort) would give a status that means something else to limber; here it becomes that of a run that could not finish.
 !> Floor: base.
 module limber_base_ending

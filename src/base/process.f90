@@ -1,5 +1,4 @@
-!> Processes by POSIX that share a queue of numbers. Copies of this one that share a queue of numbers, and how they ended. Floor:
-!> base.
+!> Processes by POSIX that share a queue of numbers. Floor: base.
 module limber_base_process
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char, c_associated, c_loc, c_ptr, c_size_t
    implicit none

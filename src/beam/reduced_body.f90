@@ -1,6 +1,5 @@
-!> Constants of a reduced body: inertia invariants, frequencies, geometric part. Inertia invariants, squared frequencies and the
-!> projected geometric part. All that the time loop ever sees of a body; a rigid body is one with n = 0. Floor: beam. Source:
-!> doc/theory, eqs. (1.8), (2.8).
+!> Constants of a reduced body: inertia invariants, frequencies, geometric part. All that the time loop ever sees of a body; a rigid
+!> body is one with n = 0. Floor: beam. Source: doc/theory, eqs. (1.8), (2.8).
 module limber_beam_reduced_body
    use limber_base_kinds, only: wp, long
    use limber_beam_exact_beam, only: exact_type

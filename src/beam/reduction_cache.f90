@@ -1,4 +1,4 @@
-!> Store of reductions for the runs of a sweep. By the many runs of a sweep. Floor: beam.
+!> Store of reductions for the runs of a sweep. Floor: beam.
 module limber_beam_reduction_cache
    use limber_base_kinds, only: long
    use limber_base_names, only: name_index_type

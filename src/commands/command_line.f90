@@ -1,4 +1,4 @@
-!> Command line: verbs, files, options. Which command, its files and options. Floor: commands.
+!> Command line: verbs, files, options. Floor: commands.
 module limber_commands_command_line
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_error, only: error_type, raise, status_deck

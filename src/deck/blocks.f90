@@ -1,5 +1,5 @@
-!> Blocks: a keyword line with its options and data lines. A keyword line with its options, then data lines as the table says. The
-!> reader hands in the lines; finished blocks are appended to the deck. Floor: deck.
+!> Blocks: a keyword line with its options and data lines. The reader hands in the lines; finished blocks are appended to the deck.
+!> Floor: deck.
 module limber_deck_blocks
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp

@@ -1,5 +1,5 @@
-!> Text of a deck as lines of all its files. Its files, the included ones too, as lines. Kept with the deck as long as errors may
-!> have to be shown. Floor: deck.
+!> Text of a deck as lines of all its files. Included files belong to it. Kept with the deck as long as errors may have to be shown.
+!> Floor: deck.
 module limber_deck_source
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_files, only: kind_of_path, longest_path, path_free, path_folder, path_other

@@ -1,4 +1,4 @@
-!> Words of other programs and the deck's words for them, for messages. For messages. Floor: deck.
+!> Words of other programs and the deck's words for them, for messages. Floor: deck.
 module limber_deck_synonyms
    implicit none
    private

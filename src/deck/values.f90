@@ -1,4 +1,4 @@
-!> Values of options and fields by the keyword table. Options, and fields of data lines. Floor: deck.
+!> Values of options and fields by the keyword table. Floor: deck.
 module limber_deck_values
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, lowercase, nearest_name

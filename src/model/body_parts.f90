@@ -1,4 +1,4 @@
-!> Blocks that belong to a body, and concentrated masses. Which one, and the masses that are concentrated on it. Floor: model.
+!> Blocks that belong to a body, and concentrated masses. Floor: model.
 module limber_model_body_parts
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type

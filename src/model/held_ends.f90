@@ -1,5 +1,5 @@
-!> Ends of beams that joints, drivers and springs hold. Joints, drivers and springs, but not what hangs on the body alone. Floor:
-!> model. Source: doc/theory, eq. (2.49).
+!> Ends of beams that joints, drivers and springs hold. A body that only hangs on the beam holds nothing. Floor: model. Source:
+!> doc/theory, eq. (2.49).
 module limber_model_held_ends
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type

@@ -1,5 +1,5 @@
-!> Types of the model: bodies, points, joints, drivers, loads, requests. Bodies, points, joints, drivers, loads and what is asked
-!> for. Constant once it is built; it knows neither the deck's text nor any state. Floor: model.
+!> Types of the model: bodies, points, joints, drivers, loads, requests. Constant once it is built; it knows neither the deck's text
+!> nor any state. Floor: model.
 module limber_model_model
    use limber_base_kinds, only: wp, long
    use limber_base_names, only: name_index_type

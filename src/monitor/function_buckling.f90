@@ -1,5 +1,5 @@
 !> Monitor of exact beams that stay straight under a buckling load. Then its buckling begins with round-off, and the instant at
-!> which it shows says nothing. A beam that bends, however little, follows its equations. Floor: analysis. Source: doc/theory, part
+!> which it shows says nothing. A beam that bends, however little, follows its equations. Floor: monitor. Source: doc/theory, part
 !> 2, eqs. (7.68), (7.69).
 module limber_monitor_function_buckling
    use limber_base_kinds, only: wp

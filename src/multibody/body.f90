@@ -1,5 +1,4 @@
-!> Mass matrix and forces of one body: polynomials with constant invariants. Polynomials in its coordinates, with constant
-!> invariants as coefficients.
+!> Mass matrix and forces of one body: polynomials with constant invariants.
 !>
 !> The norm constraint u.u = 1 is eliminated here: u' = omega J u and u'' = alpha J u - (u'.u') u, so that the
 !> unknown accelerations of a body are (r'', alpha, eta''). Their mass matrix, rows in that order, is

@@ -1,4 +1,4 @@
-!> Motions without inertia that nothing holds. Of bodies without mass, or without moment of inertia, whose joints leave them free.
+!> Motions without inertia that nothing holds. Bodies without mass or moment of inertia have them, if their joints leave them free.
 !> They have no accelerations, whatever forces act on them. Floor: multibody. Source: doc/theory, eq. (4.3).
 module limber_multibody_massless
    use limber_base_kinds, only: wp

@@ -1,4 +1,4 @@
-!> Revolute joint and point on a line. Revolute, and point on a line. Floor: multibody. Source: doc/theory, eqs. (3.4), (3.5).
+!> Revolute joint and point on a line. Floor: multibody. Source: doc/theory, eqs. (3.4), (3.5).
 module limber_multibody_point_joints
    use limber_base_kinds, only: wp
    use limber_model_model, only: ground

@@ -1,7 +1,7 @@
-!> Sparse matrix with a pattern that is analysed once, and its LU factors. By KLU, or, of some dozens of unknowns, by
-!> `limber_multibody_small_sparse_lu`, at half of its cost. The pivots of one search serve until they become unfit for the values; a
-!> matrix of a dozen unknowns is factored five times faster so than by a dense LAPACK call. One of a few unknowns is eliminated here
-!> on the spot, with scaled partial pivoting. Floor: multibody.
+!> Sparse matrix with a pattern that is analysed once, and its LU factors. The factors come from KLU, or, up to some dozens of
+!> unknowns, from `limber_multibody_small_sparse_lu` at half the cost. The pivots of one search serve until they become unfit for
+!> the values; a matrix of a dozen unknowns is factored five times faster so than by a dense LAPACK call. One of a few unknowns is
+!> eliminated here on the spot, with scaled partial pivoting. Floor: multibody.
 module limber_multibody_sparse_matrix
    use, intrinsic :: iso_c_binding, only: c_int, c_ptr, c_null_ptr, c_associated
    use limber_base_kinds, only: wp

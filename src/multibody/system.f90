@@ -1,5 +1,5 @@
-!> System of equations of a model: layout, constraints, loads. Layout of the coordinates, constraints, loads. Constant during a run;
-!> everything that changes lives in `workspace_type`. Floor: multibody.
+!> System of equations of a model: layout, constraints, loads. Constant during a run; everything that changes lives in
+!> `workspace_type`. Floor: multibody.
 module limber_multibody_system
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type

@@ -1,6 +1,6 @@
-!> HDF5 files, groups, attributes and datasets. Files, groups, attributes and datasets, with errors as values. Floor: output;
-!> `limber_output_history` writes through it. Reading is in `limber_output_hdf5_read`, datasets that grow in
-!> `limber_output_hdf5_series`. Source: HDF5 1.10 Reference Manual, Fortran interface with H5LT (lite).
+!> HDF5 files, groups, attributes and datasets. Errors are values. Floor: output; `limber_output_history` writes through it. Reading
+!> is in `limber_output_hdf5_read`, datasets that grow in `limber_output_hdf5_series`. Source: HDF5 1.10 Reference Manual, Fortran
+!> interface with H5LT (lite).
 !>
 !> Orientation: HDF5 stores C order, so a Fortran array (k, n) is a dataset (n, k) in h5py, h5dump and MATLAB's
 !> documentation of the file; limber keeps samples in the last Fortran index and so in dimension 0 of the file.

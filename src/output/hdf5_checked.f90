@@ -1,5 +1,4 @@
-!> Datasets with a checksum. Of what is damaged the reader says so, in place of other numbers. Floor: output. Source: HDF5 1.10
-!> Reference Manual, H5P.
+!> Datasets with a checksum. Damaged ones are refused. Floor: output. Source: HDF5 1.10 Reference Manual, H5P.
 module limber_output_hdf5_checked
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
    use hdf5, only: hid_t, hsize_t, size_t, h5dcreate_f, h5dwrite_f, h5dclose_f, h5pcreate_f, h5pclose_f, h5p_dataset_create_f, &

@@ -1,4 +1,4 @@
-!> Target of samples: a results file or memory. A results file, or memory. Floor: output.
+!> Target of samples: a results file or memory. Floor: output.
 module limber_output_sample_sink
    use limber_base_error, only: error_type, raise, status_interrupted
    use limber_base_kinds, only: wp, long

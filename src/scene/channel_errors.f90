@@ -1,4 +1,4 @@
-!> Norms of errors of channels. For `limber study` and for the estimate of a run. Floor: scene.
+!> Norms of errors of channels. They serve `limber study` and the estimate of a run. Floor: scene.
 module limber_scene_channel_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp

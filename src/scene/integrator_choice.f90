@@ -1,6 +1,6 @@
-!> INTEGRATOR=AUTO: the integrator for a scene. The integrator that suits a scene. What counts is how much faster its fastest
-!> vibration or decay is than its motion, what the tolerance asks, and whether the vibration is excited. The numbers come from runs
-!> of the slider-crank, the spin-up and the squeezer (doc/benchmarks.md). Floor: scene. Source: doc/theory, eq. (5.61).
+!> INTEGRATOR=AUTO: the integrator for a scene. What counts is how much faster its fastest vibration or decay is than its motion,
+!> what the tolerance asks, and whether the vibration is excited. The numbers come from runs of the slider-crank, the spin-up and
+!> the squeezer (doc/benchmarks.md). Floor: scene. Source: doc/theory, eq. (5.61).
 module limber_scene_integrator_choice
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type

@@ -103,9 +103,11 @@ contains
                & quiet, 'run', next, error)
          end if
          ! What a signal ends at the first run is what there is
-         if (.not. allocated(error) .or. round == 1) call take_trial(next, candidate)
+         if (.not. allocated(error) .or. round == 1) then
+            verified = reached%advice
+            call take_trial(next, candidate)
+         end if
          if (allocated(error)) exit
-         verified = reached%advice
          limit = least_patience + patience*candidate%work
          if (candidate%reason == '') call pool%allow(candidate%work)
          ! Up only if what is there can be run as well

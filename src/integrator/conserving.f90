@@ -117,6 +117,7 @@ contains
       self%t = t
       self%t_before = t
       self%ends_on_samples = .true.
+      self%sees_inside = .true.
       self%layout = system%layout
       call find_scales(self, system)
       call linearise(system, work, t, q, error)

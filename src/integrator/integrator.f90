@@ -44,6 +44,8 @@ module limber_integrator_integrator
       logical :: ends_on_samples = .false.
       !> Whether its steps pass over fast vibrations: a deflection within a step is as exact as a motion, not as its force
       logical :: steps_over = .false.
+      !> Whether a step knows the loads within it, not those at its ends alone
+      logical :: sees_inside = .false.
       !> Steps that it takes behind a start until they are as long as before
       integer :: steps_to_start = 4
       type(step_statistics_type) :: statistics

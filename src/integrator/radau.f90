@@ -80,6 +80,7 @@ contains
       end if
       call self%lasting%forget()
       self%rest = 0
+      self%sees_inside = .true.
       call self%begin(system, work, t, duration, q, v, error)
       if (allocated(error)) return
       self%h_accepted = 0.0_wp

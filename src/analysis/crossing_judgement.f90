@@ -17,8 +17,9 @@ module limber_analysis_crossing_judgement
    integer, parameter, public :: deepest = 60
    !> Part of the largest value of a law that is little; part of its own largest value that is a slight change
    real(wp), parameter, public :: little = 1.0e-4_wp, slight = 0.05_wp
-   !> Part of a step right behind a crossing in which the same crossing, found again, is round-off
-   real(wp), parameter, public :: just_met = 1.0e-8_wp
+   !> Parts of a step right behind its start in which a crossing is one at the start, by round-off; and in which one that has just been
+   !> met, found again, is the error of the constraints to which the start was brought
+   real(wp), parameter, public :: just_met = 1.0e-8_wp, met_again = 1.0e-4_wp
 
    !> Changes of a law that matter, relative to how it varies in a step; fourth difference that no smooth law has; part of the largest
    !> of all laws below which one is nothing
@@ -206,7 +207,7 @@ contains
       type(moment_type), intent(in) :: moment
       integer, intent(in) :: law
       associate (start => self%quarters(0)%t, end => self%quarters(4)%t)
-         met = moment%branches(law) == self%entered(law) .and. moment%t - self%crossed(law) <= just_met*(end - start)
+         met = moment%branches(law) == self%entered(law) .and. moment%t - self%crossed(law) <= met_again*(end - start)
       end associate
    end function is_met
 

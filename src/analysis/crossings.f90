@@ -5,7 +5,7 @@ module limber_analysis_crossings
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type
    use limber_analysis_crossing_judgement, only: crossings_type, is_plain, no_matter, largest_of, judge_quarters, is_unseen, &
-      & is_met, is_none, found_nothing, found_bend, found_jump, found_pulse, deepest, little, slight, just_met
+      & is_met, is_none, found_nothing, found_bend, found_jump, found_pulse, deepest, little, slight, just_met, met_again
    use limber_analysis_sticking, only: note_step, count_jump, crawl
    use limber_deck_range, only: range_type
    use limber_integrator_integrator, only: integrator_type
@@ -212,7 +212,7 @@ contains
             self%behind = self%behind .and. inner(k)%branches == inner(1)%branches
             self%ahead = self%ahead .and. inner(k)%branches == inner(1)%branches
          end do
-         close = max(just_met*(end%t - start%t), 64*spacing(end%t))
+         close = max(met_again*(end%t - start%t), 64*spacing(end%t))
          if (any(self%behind)) then
             call look(self, system, work, integrator, start%t + close, self%halves(1))
             self%behind = self%behind .and. self%halves(1)%branches == inner(1)%branches

@@ -27,6 +27,12 @@ program test_contacts
       if (integrators(i) == 'ADAMS') call check_resting('9.82', '1e-4', 1.0e-5_wp)
       call check_resting('12', '1e-6', 1.0e-6_wp)
    end do
+   do i = 1, 3
+      call check_balls('0.003', '1e7', [-2.26532128_wp, -9.74003694_wp])
+      call check_balls('0.0095', '1e9', [8.72289972_wp, -4.88988961_wp])
+   end do
+   call check_detents()
+   call check_lever()
    call finish()
 
 contains
@@ -59,6 +65,65 @@ contains
       if (.not. allocated(places)) return
       call check_close(maxval(abs(places(:, 2) - 0.3_wp)), 0.0_wp, most, trim(integrators(i))//': a body at rest on '//force)
    end subroutine check_resting
+
+   !> Velocity of a ball that has met another one beside its centre, in a contact that is one step long: a law of both places.
+   subroutine check_balls(aside, stiffness, expected)
+      character(*), intent(in) :: aside, stiffness
+      real(wp), intent(in) :: expected(2)
+      character(*), parameter :: tolerances(2) = [character(4) :: '1e-4', '1e-6']
+      real(wp), allocatable :: values(:, :)
+      integer :: k
+      do k = 1, 2
+         call run_scene('*POINT MASS, NAME=a, MASS=1, X=-5, VX=10'//newline//'*POINT MASS, NAME=b, MASS=1, X=5, Y='//aside// &
+            & ', VX=-10'//newline//'*SPRING, NAME=c'//newline//' a, b, -'//stiffness// &
+            & '*max(0, 0.01 - sqrt((x(a) - x(b))**2 + (y(a) - y(b))**2))'//newline, '1', tolerances(k), &
+            & ' x = vx(a), y = vy(a) + 9.81*t, z = y(b)', values)
+         if (.not. allocated(values)) cycle
+         call check_close(maxval(abs(values(size(values, 1), :2) - expected)), 0.0_wp, merge(0.04_wp, 2.0e-3_wp, k == 1), &
+            & trim(integrators(i))//', '//tolerances(k)//': balls that meet '//aside//' aside')
+      end do
+   end subroutine check_balls
+
+   !> Spin of a rotor behind 430 detents, each a thousandth of a second apart and a torque of the angle alone: by the energy.
+   subroutine check_detents()
+      real(wp), parameter :: expected = 20.9999849_wp
+      character(*), parameter :: chosen(5) = [character(10) :: 'ADAMS', 'ADAMS', 'RADAU', 'ALPHA', 'CONSERVING']
+      character(*), parameter :: tolerances(5) = [character(4) :: '1e-4', '1e-6', '1e-5', '1e-6', '1e-4']
+      real(wp), parameter :: most(5) = [0.4_wp, 0.03_wp, 0.06_wp, 0.05_wp, 1.0e-4_wp]
+      real(wp), allocatable :: values(:, :)
+      integer :: k
+      do k = 1, 5
+         i = findloc(integrators, chosen(k), dim=1)
+         call run_scene('*RIGID BODY, NAME=r, MASS=1, INERTIA=0.01, SPIN=30'//newline//'*JOINT, NAME=h, TYPE=REVOLUTE'//newline// &
+            & ' r.origin, ground.origin'//newline//'*TORQUE, NAME=d, BODY=r'//newline// &
+            & ' -300*max(0, cos(100*angle(r)) - 0.99)'//newline, '1', trim(tolerances(k)), ' x = spin(r), y = t, z = t', values)
+         if (allocated(values)) call check_close(values(size(values, 1), 1), expected, most(k), trim(chosen(k))//' at '// &
+            & tolerances(k)//': a rotor with detents')
+      end do
+   end subroutine check_detents
+
+   !> Angle and spin of a sprung lever that a crank hits once in each of four turns.
+   subroutine check_lever()
+      character(*), parameter :: scene = '*RIGID BODY, NAME=a, MASS=1, INERTIA=0.01'//newline//' e, 0.1, 0'//newline// &
+         & '*JOINT, NAME=ja, TYPE=REVOLUTE'//newline//' a.origin, ground.origin'//newline// &
+         & '*DRIVER, NAME=d, TYPE=ANGLE, BODY=a'//newline//' 60*t'//newline// &
+         & '*RIGID BODY, NAME=l, MASS=0.2, INERTIA=0.001, X=0.2'//newline//' p, -0.098, 0'//newline//'*GROUND'//newline// &
+         & ' g, 0.2, 0'//newline//'*JOINT, NAME=jl, TYPE=REVOLUTE'//newline//' l.origin, ground.g'//newline// &
+         & '*SPRING, NAME=r, TYPE=ROTATIONAL, STIFFNESS=2, DAMPING=0.01'//newline//' ground.g, l.origin'//newline// &
+         & '*SPRING, NAME=c, LENGTH=0.004'//newline//' a.e, l.p, 1e5*min(0, x)'//newline
+      real(wp), parameter :: expected(2) = [-0.00895521_wp, -0.1236222_wp]
+      character(*), parameter :: tolerances(2) = [character(4) :: '1e-4', '1e-6']
+      real(wp), parameter :: most(2) = [0.03_wp, 0.004_wp]
+      real(wp), allocatable :: values(:, :)
+      integer :: k
+      do i = 1, 4
+         do k = 1, 2
+            call run_scene(scene, '0.4', tolerances(k), ' x = angle(l), y = spin(l), z = t', values)
+            if (allocated(values)) call check_close(maxval(abs(values(size(values, 1), :2) - expected)/[0.057_wp, 1.8_wp]), &
+               & 0.0_wp, most(k), trim(integrators(i))//' at '//tolerances(k)//': a lever that is hit')
+         end do
+      end do
+   end subroutine check_lever
 
    !> The three channels of a scene (samples, 3); not allocated if it is told that something sticks.
    subroutine run_scene(scene, end, tolerance, channels, values)

@@ -10,7 +10,7 @@ module limber_analysis_crossings
    use limber_integrator_integrator, only: integrator_type
    use limber_multibody_kinematics, only: place_frames, move_frames
    use limber_multibody_motion_laws, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, &
-      & law_effect, law_turn, law_bend, law_excess, law_is_steep, quartic
+      & law_effect, law_turn, law_bend, law_rests, law_excess, law_is_steep, quartic
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -437,7 +437,7 @@ contains
       do i = 1, size(self%loads)
          if (self%idle(i)) cycle
          if (a%branches(i) /= b%branches(i)) then
-            if (.not. is_met(self, b, i)) changed = i
+            if (.not. is_met(self, system, b, i)) changed = i
             self%excess(i, depth) = huge(h)
             cycle
          end if
@@ -492,13 +492,17 @@ contains
    end function is_unseen
 
    !> Whether a change of formula up to a moment is a crossing that has just been met: by round-off the state at the start of the
-   !> step is still before it. Laws with the same argument, as components of a force, cross at the same time, one after another.
-   pure logical function is_met(self, moment, law) result(met)
+   !> step is still before it, right behind it in time or as long as nothing moves. Laws with the same argument, as components of a
+   !> force, cross at the same time, one after another.
+   pure logical function is_met(self, system, moment, law) result(met)
       type(crossings_type), intent(in) :: self
+      type(system_type), intent(in) :: system
       type(moment_type), intent(in) :: moment
       integer, intent(in) :: law
       associate (start => self%quarters(0)%t, end => self%quarters(4)%t)
-         met = moment%branches(law) == self%entered(law) .and. moment%t - self%crossed(law) <= just_met*(end - start)
+         met = moment%branches(law) == self%entered(law)
+         if (met) met = moment%t - self%crossed(law) <= just_met*(end - start) .or. &
+            & law_rests(system, self%loads, law, self%quarters(0), moment)
       end associate
    end function is_met
 

@@ -6,7 +6,7 @@ module limber_multibody_modal_damping
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dgetrf, dgetrs
-   use limber_model_model, only: model_type, ground
+   use limber_model_model, only: model_type, named_load_type, ground, in_forces, in_torques, in_springs
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_dense_eigenmodes, only: symmetric_modes
    use limber_multibody_unit_mass_coordinates, only: update_eta_masses
@@ -266,30 +266,50 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       real(wp), allocatable, intent(inout) :: springs(:, :)
-      real(wp), allocatable :: stiffness(:, :), damping(:, :)
-      integer, allocatable :: to(:)
-      integer :: i, j, k
+      real(wp), allocatable :: stiffness(:, :), damping(:, :), whole(:, :)
+      integer, allocatable :: to(:), at(:)
+      integer :: i, j, k, m, first, last
       deallocate (springs)
-      allocate (springs(system%layout%nw, system%layout%nw))
+      allocate (springs(system%layout%nw, system%layout%nw), whole(system%layout%nw, system%layout%nw))
       springs = 0.0_wp
-      do i = 1, size(system%loads)
-         associate (load => system%loads(i)%item)
-            if (.not. is_spring(system, i)) cycle
-            allocate (stiffness(sum(load%rates), sum(load%rates)), source=0.0_wp)
-            allocate (damping, source=stiffness)
-            call load%add_tangent(work%kinematics, stiffness, damping)
-            to = unknowns_of(system, i)
-            if (is_symmetric(stiffness)) then
-               do k = 1, size(to)
-                  do j = 1, size(to)
-                     springs(to(j), to(k)) = springs(to(j), to(k)) + 0.5_wp*(stiffness(j, k) + stiffness(k, j))
-                  end do
+      do i = 1, size(system%model%loads)
+         call places_of(system%model, system%model%loads(i), first, last)
+         allocate (at(0))
+         do k = first, last
+            if (.not. is_spring(system, k)) cycle
+            to = unknowns_of(system, k)
+            if (size(at) == 0) whole = 0.0_wp
+            allocate (stiffness(size(to), size(to)), damping(size(to), size(to)), source=0.0_wp)
+            call system%loads(k)%item%add_tangent(work%kinematics, stiffness, damping)
+            ! A load may have the same body on both sides
+            do j = 1, size(to)
+               do m = 1, size(to)
+                  whole(to(m), to(j)) = whole(to(m), to(j)) + stiffness(m, j)
                end do
-            end if
-            deallocate (stiffness, damping, to)
-         end associate
+               if (all(at /= to(j))) at = [at, to(j)]
+            end do
+            deallocate (stiffness, damping)
+         end do
+         ! The parts of a load along two axes are one spring together
+         if (size(at) > 0 .and. is_symmetric(whole(at, at))) springs(at, at) = springs(at, at) + 0.5_wp*(whole(at, at) + &
+            & transpose(whole(at, at)))
+         deallocate (at)
       end do
    end subroutine find_springs
+
+   !> First and last place of a load of the deck in the list of the system.
+   pure subroutine places_of(model, named, first, last)
+      type(model_type), intent(in) :: model
+      type(named_load_type), intent(in) :: named
+      integer, intent(out) :: first, last
+      integer :: before
+      before = 0
+      if (named%list > in_forces) before = before + size(model%forces)
+      if (named%list > in_torques) before = before + size(model%torques)
+      if (named%list > in_springs) before = before + size(model%springs)
+      first = before + named%first
+      last = before + named%last
+   end subroutine places_of
 
    !> Whether a stiffness is one of a spring: finite, and symmetric.
    pure logical function is_symmetric(stiffness)

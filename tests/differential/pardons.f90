@@ -7,7 +7,7 @@ module pardons
    use couplings, only: places, angles, speeds, spins, accelerations, forces, moments, energies, stresses, powers
    implicit none
    private
-   public :: pardoned, without_near_ones, keeps_up
+   public :: pardoned, without_near_ones, keeps_up, is_of_run
 
    !> Multiple of what is told that a channel may be off
    real(wp), parameter :: multiple = 5.0_wp
@@ -17,7 +17,7 @@ module pardons
    !> Warnings that begin at a part of something: what stands before the number and behind it, and the part at which they begin
    character(*), parameter :: energy_words = 'energy balance is off by ', ringing_words = ' may err by about ', &
       & slip_words = 'they are off by ', phase_words = 'the motion is ', price_words = 'longer shows: up to '
-   character(*), parameter :: kept_words = 'keeps up a vibration'
+   character(*), parameter :: kept_words = 'keeps up a vibration', unfollowed_words = 'does not follow a vibration'
    !> A warning that begins below a part of something
    character(*), parameter :: grip_words = 'lost their grip but for '
    real(wp), parameter :: energy_begins = 1.0e-2_wp, ringing_begins = 1.0e-2_wp, slip_begins = 2.0e-2_wp, &
@@ -92,6 +92,12 @@ contains
       character(*), intent(in) :: warnings
       keeps_up = index(warnings, kept_words) > 0
    end function keeps_up
+
+   !> Whether a warning is of one run by one integrator, which another run of the same scene need not share.
+   pure logical function is_of_run(line)
+      character(*), intent(in) :: line
+      is_of_run = keeps_up(line) .or. index(line, unfollowed_words) > 0
+   end function is_of_run
 
    pure logical function is_near(line, words, unit, begins)
       character(*), intent(in) :: line, words

@@ -173,17 +173,19 @@ contains
       end do
    end function kinds_of_warnings
 
-   !> A message without the number of other bodies of which the same is told.
+   !> A message without the number of other bodies of which the same is told, and without the word that its number is a lower limit.
    pure function without_others(message) result(text)
       character(*), intent(in) :: message
       character(:), allocatable :: text
-      character(*), parameter :: before = ' (and ', behind = ' more)'
+      character(*), parameter :: before = ' (and ', behind = ' more)', at_least = ' more than'
       integer :: first, last
       text = message
-      first = index(message, before)
+      first = index(text, at_least)
+      if (first > 0) text = text(:first - 1)//text(first + len(at_least):)
+      first = index(text, before)
       if (first == 0) return
-      last = index(message(first:), behind)
-      if (last > 0) text = message(:first - 1)//message(first + last - 1 + len(behind):)
+      last = index(text(first:), behind)
+      if (last > 0) text = text(:first - 1)//text(first + last - 1 + len(behind):)
    end function without_others
 
    !> The beginning of a message without names in quotes, numbers and what joins them.

@@ -5,7 +5,7 @@ module verdicts
    use limber_base_text, only: as_text, newline
    use comparisons, only: verdict_type, scales_type, find_scales, compare, allowed_by
    use drafts, only: draft_type
-   use pardons, only: without_near_ones
+   use pardons, only: without_near_ones, is_of_run
    use plans, only: plan_type, deck_of, large_change
    use trials, only: candidate_type, try, kinds_of_warnings, patience
    use views, only: view_type, seen_again
@@ -136,7 +136,7 @@ contains
          if (is_disagreement(verdict)) return
          ! A run that is as wrong as it says has warnings of its own
          if (verdict%kind == 'warned' .and. verdict%view == plan%others(i)%name) cycle
-         call compare_warnings(plan%others(i)%name)
+         call compare_warnings(plan%others(i))
       end do
 
    contains
@@ -149,26 +149,47 @@ contains
          verdict%ratio = 1.0_wp
       end subroutine disagree
 
-      !> Warnings of a view that the base has not, or the other way round, unless a changed scene is on the other side too.
-      subroutine compare_warnings(name)
-         character(*), intent(in) :: name
+      !> Warnings of a view that the base has not, or the other way round, unless a changed scene is on the other side too. A warning
+      !> of one run may be missing in another whose numbers are right without it.
+      subroutine compare_warnings(view)
+         type(view_type), intent(in) :: view
          character(:), allocatable :: more, fewer
          type(candidate_type) :: moved
-         type(view_type) :: view
+         type(view_type) :: near_by
          integer :: sign
          more = missing_line(scales%idle, other, base)
          fewer = missing_line(scales%idle, base, other)
+         if (is_of_run(more)) then
+            if (is_right(plan%base, base)) more = ''
+         end if
+         if (is_of_run(fewer)) then
+            if (is_right(view, other)) fewer = ''
+         end if
          if (more == '' .and. fewer == '') return
          do sign = -1, 1, 2
-            view = plan%base
-            view%change = sign*large_change
-            call run_view(draft, view, moved)
+            near_by = plan%base
+            near_by%change = sign*large_change
+            call run_view(draft, near_by, moved)
             if (more /= '' .and. missing_line(scales%idle, other, moved) == '') return
             if (fewer /= '' .and. missing_line(scales%idle, moved, other) == '') return
          end do
-         if (more /= '') call disagree('warnings', name, 'more: '//more)
-         if (more == '') call disagree('warnings', name, 'fewer: '//fewer)
+         if (more /= '') call disagree('warnings', view%name, 'more: '//more)
+         if (more == '') call disagree('warnings', view%name, 'fewer: '//fewer)
       end subroutine compare_warnings
+
+      !> Whether a run agrees with the reference with no warning of either to excuse it.
+      logical function is_right(view, trial)
+         type(view_type), intent(in) :: view
+         type(candidate_type), intent(in) :: trial
+         type(candidate_type) :: alone, exact
+         type(verdict_type) :: own
+         alone = trial
+         alone%warnings = ''
+         exact = reference
+         exact%warnings = ''
+         call compare(draft, view, alone, exact, scales, view%name, own)
+         is_right = own%kind == 'same'
+      end function is_right
 
    end subroutine judge
 

@@ -46,6 +46,10 @@ contains
          & ' a.end, ground.far, 5e4*x + 1e-6*v'//nl, [0.02_wp, 0.02_wp, 0.02_wp], '', 1.0e-5_wp)
       call judge('a force', bar//nl//damping//wall//ground//'*FORCE, NAME=push, POINT=a.end'//nl//' 0, -5e4*y(a.end)'//nl, &
          & [0.02_wp, 0.02_wp, 0.02_wp], '')
+      ! A law along (0.6, 0.8), that neither component is alone
+      call judge('a force askew', bar//nl//damping//wall//ground//'*FORCE, NAME=push, POINT=a.end'//nl// &
+         & ' -4.6875e4*(0.6*(x(a.end) - 1) + 0.8*y(a.end)), -6.25e4*(0.6*(x(a.end) - 1) + 0.8*y(a.end))'//nl, [0.02_wp, 0.02_wp, &
+         & 0.02_wp], '', 1.0e-3_wp)
       call judge('stiff bushings', bar//nl//damping//ground//bushings('1e9'), [0.02_wp, 0.02_wp, 0.02_wp], '')
       ! Of the three modes on the springs two hardly strain the beam, and the axial one does not
       call judge('soft bushings', bar//nl//damping//ground//bushings('100'), [0.0_wp, 0.0_wp, 0.0_wp, 0.02_wp, 0.02_wp], '')

@@ -5,7 +5,8 @@ module limber_analysis_crossing_judgement
    use limber_base_snapshot, only: snapshot_type
    use limber_analysis_sticking, only: sticking_type
    use limber_deck_range, only: range_type
-   use limber_multibody_motion_laws, only: moment_type, law_between, law_noise, law_bend, law_excess, law_is_steep
+   use limber_multibody_motion_laws, only: moment_type, law_between, law_noise, law_bend, law_rests, law_excess, &
+      & law_is_steep
    use limber_multibody_system, only: system_type
    implicit none
    private
@@ -201,13 +202,17 @@ contains
    end function is_unseen
 
    !> Whether a change of formula up to a moment is a crossing that has just been met: by round-off the state at the start of the
-   !> step is still before it. Laws with the same argument, as components of a force, cross at the same time, one after another.
-   pure logical function is_met(self, moment, law) result(met)
+   !> step is still before it, right behind it in time or as long as nothing moves. Laws with the same argument, as components of a
+   !> force, cross at the same time, one after another.
+   pure logical function is_met(self, system, moment, law) result(met)
       type(crossings_type), intent(in) :: self
+      type(system_type), intent(in) :: system
       type(moment_type), intent(in) :: moment
       integer, intent(in) :: law
       associate (start => self%quarters(0)%t, end => self%quarters(4)%t)
-         met = moment%branches(law) == self%entered(law) .and. moment%t - self%crossed(law) <= met_again*(end - start)
+         met = moment%branches(law) == self%entered(law)
+         if (met) met = moment%t - self%crossed(law) <= met_again*(end - start) .or. &
+            & law_rests(system, self%loads, law, self%quarters(0), moment)
       end associate
    end function is_met
 

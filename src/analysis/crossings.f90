@@ -325,7 +325,7 @@ contains
       do i = 1, size(self%loads)
          if (self%idle(i)) cycle
          if (a%branches(i) /= b%branches(i)) then
-            if (.not. is_met(self, b, i)) changed = i
+            if (.not. is_met(self, system, b, i)) changed = i
             self%excess(i, depth) = huge(h)
             cycle
          end if

@@ -13,11 +13,13 @@ module limber_analysis_driven_watch
    use limber_scene_outcome, only: outcome_type
    use limber_scene_first_scene, only: scene_type
    use limber_analysis_static_aside, only: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
+   use limber_analysis_left_inertia, only: left_inertia_type, balance_type, start_left_inertia, compare_inertia, tell_left_inertia
    use limber_model_analyses, only: title
    use limber_model_model, only: analysis_step_type
    use limber_multibody_free_motions, only: free_motions_type, find_freedom, lowest_stiffness, motion_text
    use limber_multibody_driven_motion, only: driven_motion_type
    use limber_multibody_sparse_eigenmodes, only: is_large
+   use limber_output_channel_values, only: recorder_type
    implicit none
    private
    public :: driven_watch_type, start_driven_watch, observe_driven, tell_driven
@@ -30,6 +32,7 @@ module limber_analysis_driven_watch
    !> What was seen so far
    type :: driven_watch_type
       type(static_aside_type) :: aside
+      type(left_inertia_type) :: inertia
       !> The last sample; every so many are compared; how many there were
       type(aside_sample_type) :: last
       integer :: stride = 1, samples = 0
@@ -51,15 +54,17 @@ contains
       allocate (outcome%indicators)
       call start_indicators(outcome%indicators, scene%system)
       call start_static_aside(self%aside, scene)
+      call start_left_inertia(self%inertia, scene, step)
       self%stride = max(1, step%dynamics%outputs/compared)
    end subroutine start_driven_watch
 
-   !> Takes a sample in equilibrium; the workspace is that of this state.
-   subroutine observe_driven(self, scene, held, sample, v, a, outcome)
+   !> Takes a sample in equilibrium; the workspace is that of this state, and its kinematics are placed there on return.
+   subroutine observe_driven(self, scene, held, recorder, sample, v, a, outcome)
       type(driven_watch_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
       !> Linearised there
       type(driven_motion_type), intent(in) :: held
+      type(recorder_type), intent(in) :: recorder
       type(aside_sample_type), intent(in) :: sample
       !> Velocities and accelerations (nq)
       real(wp), intent(in) :: v(:), a(:)
@@ -67,7 +72,11 @@ contains
       call observe(outcome%indicators, scene%system, scene%work, sample%t, sample%q, v, a)
       call observe_stability(self, scene, held, sample%t)
       self%last = sample
-      if (self%aside%used .and. modulo(self%samples, self%stride) == 0) call compare_sample(self%aside, scene, sample)
+      if (modulo(self%samples, self%stride) == 0) then
+         if (self%aside%used) call compare_sample(self%aside, scene, sample)
+         if (self%inertia%used) call compare_inertia(self%inertia, scene, recorder, balance_type(sample%t, sample%q, held%w, &
+            & held%a, sample%lambda, sample%values))
+      end if
       self%samples = self%samples + 1
    end subroutine observe_driven
 
@@ -97,6 +106,7 @@ contains
          & as_text(self%unstable_at, 8)//' are in balance, but not stably: '//motion_text(scene%system, self%motion)// &
          & ', as at buckling; *STATICS finds the load and stable deflections, *DYNAMICS what happens'//newline
       if (self%samples == 0) return
+      call tell_left_inertia(self%inertia, scene, title(step), outcome)
       if (self%aside%used .and. .not. allocated(self%motion)) &
          & outcome%warnings = outcome%warnings//static_warning(self%aside, scene, title(step), self%last)
    end subroutine tell_driven

@@ -286,8 +286,8 @@ contains
          motion%recorder%work = outcome%work
          call channel_values(motion%recorder, system, work, motion%t, motion%q, motion%v, motion%a, motion%values)
       end associate
-      if (step%static_deflections) call observe_driven(motion%watch, scene, motion%held, sample_of(motion, scene), motion%v, &
-         & motion%a, outcome)
+      if (step%static_deflections) call observe_driven(motion%watch, scene, motion%held, motion%recorder, &
+         & sample_of(motion, scene), motion%v, motion%a, outcome)
       call history%take(motion%t, motion%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine sample

@@ -24,7 +24,8 @@ module limber_analysis_static_aside
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
-   public :: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
+   public :: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning, &
+      & least_sizes, largest_force, is_place
 
    !> Largest part of a channel that is not told, and above which it is only told as more than that
    real(wp), parameter :: little = 0.04_wp, beyond = 0.5_wp
@@ -268,7 +269,7 @@ contains
       integer :: worst, body
       text = ''
       if (.not. self%used) return
-      allocate (least, source=least_sizes(self, scene%system%model))
+      allocate (least, source=least_sizes(self%size, self%force, scene%system%model))
       allocate (error, source=self%difference/least)
       worst = maxloc(error, dim=1)
       if (.not. error(worst) > little) return
@@ -327,22 +328,23 @@ contains
 
    !> What differences are compared with: the size of the channel, parts of the largest of its unit, and what is nothing (channels),
    !> eq. (7.51).
-   pure function least_sizes(self, model) result(least)
-      type(static_aside_type), intent(in) :: self
+   pure function least_sizes(sizes, forces, model) result(least)
+      !> Of the channels (channels); largest force
+      real(wp), intent(in) :: sizes(:), forces
       type(model_type), intent(in) :: model
-      real(wp) :: least(size(self%difference)), force, unit
-      logical :: place(size(self%difference))
+      real(wp) :: least(size(sizes)), force, unit
+      logical :: place(size(sizes))
       integer :: i, k
       place = is_place(model)
-      force = self%force
+      force = forces
       do i = 1, size(least)
          unit = force_unit(model, i)
-         if (unit > 0.0_wp) force = max(force, self%size(i)/unit)
+         if (unit > 0.0_wp) force = max(force, sizes(i)/unit)
       end do
       do i = 1, size(least)
-         least(i) = max(self%size(i), of_force*force*force_unit(model, i), tiny(force))
+         least(i) = max(sizes(i), of_force*force*force_unit(model, i), tiny(force))
          do k = 1, size(least)
-            if (are_alike(model, i, k)) least(i) = max(least(i), of_unit*self%size(k))
+            if (are_alike(model, i, k)) least(i) = max(least(i), of_unit*sizes(k))
          end do
          if (place(i)) least(i) = max(least(i), of_place*merge(1.0_wp, model%length, model%channels(i)%units == 'rad'))
       end do

@@ -219,7 +219,7 @@ contains
       self%reach = system%model%length
       do i = 1, size(system%model%bodies)
          self%reach = max(self%reach, abs(self%q(system%layout%q(i))), abs(self%q(system%layout%q(i) + 1)))
-         momentum = momentum + system%model%bodies(i)%reduced%mass*max(self%scales%speed, self%scales%driven)
+         momentum = momentum + system%model%bodies(i)%reduced%mass*self%scales%fastest()
       end do
       call find_grain(system, self%reach, self%grain)
       do i = 1, size(system%constraints)
@@ -275,7 +275,7 @@ contains
       fresh = .false.
       if (abs(self%trial%h - self%h_factors) > same_step*self%trial%h) self%h_factors = 0.0_wp
       ! Rounding of one joint moves all that follows in a chain
-      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*max(self%scales%speed, self%scales%driven))) &
+      noise = epsilon(noise)*max(1.0_wp, self%reach/(self%trial%h*minval(max(self%scales%speed, self%scales%driven)))) &
          & *max(1.0_wp, nw/many_rates)
       size_last = 0.0_wp
       least = huge(least)

@@ -1,11 +1,13 @@
 !> Scales of local errors. A tolerance of 1e-6 means a millionth of the scale. Lengths and directions have fixed scales; speeds,
-!> deflections and their rates the largest that has occurred so far, not below a floor. For an integrator that damps what it does
+!> deflections and their rates the largest that has occurred so far, not below a floor; speeds the largest among bodies that joints,
+!> drivers or loads connect, for what goes on beside a body says nothing about it. For an integrator that damps what it does
 !> not resolve, the rate of a coordinate that vibrates at omega has omega times the deflection's scale instead: its error counts as
 !> the deflection that it makes, so that a fast ringing of small amplitude is not resolved for its own sake. (An explicit one must
 !> not be given that freedom: at 1e-3 it lost the slider-crank.) Floor: integrator.
 module limber_integrator_error_scales
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
+   use limber_model_model, only: ground
    use limber_multibody_drivers, only: driven_origin_type
    use limber_multibody_system, only: system_type
    implicit none
@@ -16,8 +18,10 @@ module limber_integrator_error_scales
    type :: scales_type
       !> Value for each component (2 nq)
       real(wp), allocatable :: value(:)
-      !> Speed [length/time], common to all bodies, without coordinates that drivers prescribe, and that of these
-      real(wp) :: speed = 0.0_wp, driven = 0.0_wp
+      !> Bodies that are connected have one number, from 1 on (bodies)
+      integer, allocatable :: group(:)
+      !> Speed [length/time], common to connected bodies, without coordinates that drivers prescribe, and that of these (groups)
+      real(wp), allocatable :: speed(:), driven(:)
       !> Whether a driver prescribes x or y of a body (2, bodies)
       logical, allocatable :: given(:, :)
       !> Deflection coordinate and its rate, of each body (bodies)
@@ -25,7 +29,7 @@ module limber_integrator_error_scales
       !> True if rates of fast coordinates are weighed by the deflection that they make
       logical :: damping = .false.
    contains
-      procedure :: exchange => exchange_scales
+      procedure :: fastest, exchange => exchange_scales
    end type scales_type
 
 contains
@@ -42,7 +46,10 @@ contains
       integer :: i
       allocate (scales%value(2*system%layout%nq), scales%deflection(size(system%layout%q)), scales%rate(size(system%layout%q)))
       scales%value = 1.0_wp
-      scales%speed = system%model%length/duration
+      allocate (scales%group(size(system%layout%q)))
+      call find_groups(system, scales%group)
+      allocate (scales%speed(maxval([0, scales%group])), source=system%model%length/duration)
+      allocate (scales%driven(size(scales%speed)), source=0.0_wp)
       scales%deflection = 0.0_wp
       scales%rate = 0.0_wp
       scales%damping = damping
@@ -63,6 +70,66 @@ contains
       call spread_scales(system, scales)
    end function new_scales
 
+   !> Numbers of bodies that are connected, by the ground alone not.
+   subroutine find_groups(system, group)
+      type(system_type), intent(in) :: system
+      !> (bodies)
+      integer, intent(out) :: group(:)
+      !> A body of the same group with a lower number, or the body itself (bodies)
+      integer :: lower(size(group))
+      integer :: i, k, groups
+      lower = [(i, i=1, size(group))]
+      do i = 1, size(system%constraints)
+         call join(system%constraints(i)%item%bodies)
+         k = system%constraints(i)%item%part_of
+         if (k > 0) call join([system%constraints(i)%item%bodies, system%constraints(k)%item%bodies])
+      end do
+      do i = 1, size(system%loads)
+         call join(system%loads(i)%item%bodies)
+      end do
+      groups = 0
+      do i = 1, size(group)
+         if (lower(i) == i) then
+            groups = groups + 1
+            group(i) = groups
+         else
+            group(i) = group(lowest(i))
+         end if
+      end do
+
+   contains
+
+      subroutine join(bodies)
+         integer, intent(in) :: bodies(:)
+         integer :: j, first, other
+         first = ground
+         do j = 1, size(bodies)
+            if (bodies(j) == ground) cycle
+            other = lowest(bodies(j))
+            if (first == ground) first = other
+            lower(max(first, other)) = min(first, other)
+            first = min(first, other)
+         end do
+      end subroutine join
+
+      !> The lowest number of the group; the way to it gets shorter.
+      integer function lowest(body)
+         integer, intent(in) :: body
+         lowest = body
+         do while (lower(lowest) /= lowest)
+            lower(lowest) = lower(lower(lowest))
+            lowest = lower(lowest)
+         end do
+      end function lowest
+
+   end subroutine find_groups
+
+   !> The largest speed of all [length/time].
+   pure real(wp) function fastest(self)
+      class(scales_type), intent(in) :: self
+      fastest = maxval([self%speed, self%driven])
+   end function fastest
+
    !> Raises the scales to what occurs in a state.
    subroutine update_scales(system, q, v, scales, raised)
       type(system_type), intent(in) :: system
@@ -78,13 +145,13 @@ contains
          first = system%layout%q(i)
          do k = 1, 2
             if (scales%given(k, i)) then
-               call raise_to(scales%driven, abs(v(first + k - 1)))
+               call raise_to(scales%driven(scales%group(i)), abs(v(first + k - 1)))
             else
-               call raise_to(scales%speed, abs(v(first + k - 1)))
+               call raise_to(scales%speed(scales%group(i)), abs(v(first + k - 1)))
             end if
          end do
          if (.not. system%layout%framed(i)) cycle
-         call raise_to(scales%speed, system%model%length*max(abs(v(first + 2)), abs(v(first + 3))))
+         call raise_to(scales%speed(scales%group(i)), system%model%length*max(abs(v(first + 2)), abs(v(first + 3))))
          if (system%layout%n(i) == 0) cycle
          last = first + 3 + system%layout%n(i)
          call raise_to(scales%deflection(i), maxval(abs(q(first + 4:last))))
@@ -148,7 +215,7 @@ contains
    pure real(wp) function energy_scale(system, scales)
       type(system_type), intent(in) :: system
       type(scales_type), intent(in) :: scales
-      energy_scale = 0.1_wp*sum(system%inertia(1, :))*max(scales%speed, scales%driven)**2
+      energy_scale = 0.1_wp*sum(system%inertia(1, :))*scales%fastest()**2
    end function energy_scale
 
    !> Writes the scales of all components.
@@ -160,11 +227,13 @@ contains
       do i = 1, size(scales%deflection)
          first = system%layout%q(i)
          scales%value(first:first + 1) = system%model%length
-         scales%value(nq + first:nq + first + 1) = merge(max(scales%speed, scales%driven), scales%speed, scales%given(:, i))
+         associate (speed => scales%speed(scales%group(i)), driven => scales%driven(scales%group(i)))
+            scales%value(nq + first:nq + first + 1) = merge(max(speed, driven), speed, scales%given(:, i))
+         end associate
          if (.not. system%layout%framed(i)) cycle
          n = system%layout%n(i)
          scales%value(first + 2:first + 3) = 1.0_wp
-         scales%value(nq + first + 2:nq + first + 3) = scales%speed/system%model%length
+         scales%value(nq + first + 2:nq + first + 3) = scales%speed(scales%group(i))/system%model%length
          scales%value(first + 4:first + 3 + n) = scales%deflection(i)
          scales%value(nq + first + 4:nq + first + 3 + n) = scales%rate(i)
          if (scales%damping) scales%value(nq + first + 4:nq + first + 3 + n) = max(scales%rate(i), scales%deflection(i) &
@@ -177,8 +246,8 @@ contains
       class(scales_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%keep('value', self%value)
-      call snapshot%exchange('speed', self%speed)
-      call snapshot%exchange('driven_speed', self%driven)
+      call snapshot%keep('speed', self%speed)
+      call snapshot%keep('driven_speed', self%driven)
       call snapshot%keep('deflection', self%deflection)
       call snapshot%keep('rate', self%rate)
    end subroutine exchange_scales

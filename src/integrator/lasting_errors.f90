@@ -72,7 +72,7 @@ contains
       type(scales_type), intent(in) :: scales
       real(wp) :: rate
       integer :: i
-      rate = max(scales%speed, scales%driven)/system%model%length
+      rate = scales%fastest()/system%model%length
       do i = 1, size(scales%rate)
          if (system%layout%n(i) > 0) rate = max(rate, scales%rate(i)/scales%deflection(i))
       end do

@@ -13,7 +13,7 @@ module limber_multibody_driven_motion
    implicit none
    private
    public :: driven_motion_type, new_held, factor_held, correct_motion, follows, held_position, held_motion, balance_deflections, &
-      & rest_multipliers
+      & balance_inertia, free_accelerations, rest_multipliers
 
    !> Stiffness that holds a coordinate, relative to its mass of one
    real(wp), parameter :: rigid = 1.0e30_wp
@@ -250,6 +250,75 @@ contains
          if (done) return
       end do
    end subroutine balance_deflections
+
+   !> Brings deflections, frames and multipliers, near a balance already, into that with given velocities and accelerations, those
+   !> of the deflections too: a round of eq. (6.21), with the residual of eq. (6.22).
+   subroutine balance_inertia(system, work, held, t, w, q, v, a, lambda, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(driven_motion_type), intent(inout) :: held
+      real(wp), intent(in) :: t
+      !> Rates (nw), their derivatives in held%a
+      real(wp), intent(in) :: w(:)
+      !> Coordinates; velocities and accelerations of those before (nq)
+      real(wp), intent(inout) :: q(:), v(:), a(:)
+      !> Multipliers (nc)
+      real(wp), intent(inout) :: lambda(:)
+      logical, intent(out) :: done
+      real(wp) :: size_of
+      logical :: singular
+      call velocities_of(system%layout, q, w, v)
+      call motion_residual(system, work, t, q, v, held%a, lambda, held%motion, held%rates)
+      size_of = position_residual(system, work)
+      call linearise_motion(system, work, held%tangent, q, v, held%a, lambda)
+      held%tangent%softness = static_softness(held%tangent)
+      call combine(held%tangent, (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
+      call held%tangent%matrix%factor(singular)
+      done = .not. singular
+      if (singular) return
+      call accelerations_of(system, work, held%a, a)
+      associate (nw => system%layout%nw, solution => held%solution)
+         solution(:nw) = -held%motion
+         solution(nw + 1:) = -work%phi
+         call held%tangent%matrix%solve(solution)
+         done = maxval(abs(solution(:nw)/held%scale)) <= 1.0_wp
+         if (.not. done) return
+         lambda = lambda + solution(nw + 1:)
+         call advance(system%layout, q, solution(:nw), held%moved)
+         q = held%moved
+      end associate
+   end subroutine balance_inertia
+
+   !> Accelerations and multipliers of a state whose deflections are free, into a and held%lambda: eq. (4.15).
+   subroutine free_accelerations(system, work, held, t, q, v, a, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(driven_motion_type), intent(inout) :: held
+      real(wp), intent(in) :: t
+      !> Coordinates, velocities; accelerations (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      real(wp), intent(inout) :: a(:)
+      logical, intent(out) :: done
+      logical :: singular
+      held%a = 0.0_wp
+      held%lambda = 0.0_wp
+      call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
+      call gather_gamma(system, work)
+      call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
+      held%tangent%softness = 1.0_wp
+      call combine(held%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
+      call held%tangent%matrix%factor(singular)
+      done = .not. singular
+      if (singular) return
+      associate (nw => system%layout%nw)
+         held%solution(:nw) = -held%motion
+         held%solution(nw + 1:) = work%gamma
+         call solve_refined(held%tangent, nw, held%solution, held%correction)
+         held%a = held%solution(:nw)
+         held%lambda = held%solution(nw + 1:)
+      end associate
+      call accelerations_of(system, work, held%a, a)
+   end subroutine free_accelerations
 
    !> Multipliers, and accelerations of the rates (nw), that a scene at rest has at a place, into held%lambda, held%a: the balance
    !> of forces of eq. (4.1) without velocities; deflections are free.

@@ -14,7 +14,7 @@ module limber_multibody_motion_laws
    implicit none
    private
    public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, law_turn, &
-      & law_bend, law_within, law_excess, law_is_steep, quartic, describe_law
+      & law_bend, law_rests, law_within, law_excess, law_is_steep, quartic, describe_law
 
    !> Watched laws at a moment
    type :: moment_type
@@ -115,6 +115,25 @@ contains
          bend = abs(load%factor)*abs(behind%first - before%first)
       end select
    end function law_bend
+
+   !> Whether all that a watched law depends on but the time is the same at two moments, to round-off.
+   pure logical function law_rests(system, loads, law, a, b) result(rests)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: loads(:), law
+      type(moment_type), intent(in) :: a, b
+      real(wp) :: from, to
+      integer :: k
+      rests = .true.
+      select type (load => system%loads(loads(law))%item)
+      type is (force_element_type)
+         do k = 1, size(load%slots)
+            if (load%slots(k) <= 0) cycle
+            from = merge(a%rate(k, law), a%place(k, law), load%by_rate(k))
+            to = merge(b%rate(k, law), b%place(k, law), load%by_rate(k))
+            rests = rests .and. abs(to - from) <= 4*spacing(max(abs(from), abs(to)))
+         end do
+      end select
+   end function law_rests
 
    !> Bounds of a watched law times its factor between two moments, while what its slots are made of moves as cubics, eqs. (5.45),
    !> (5.54).

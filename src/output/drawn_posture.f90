@@ -1,5 +1,5 @@
 !> Places of a drawing at an instant. Those of a body from the undeformed body, those of a beam in segments from the undeformed
-!> beam. Floor: output. Source: doc/theory, eqs. (6.22), (6.23).
+!> beam. Floor: output. Source: doc/theory, eqs. (6.23), (6.24).
 module limber_output_drawn_posture
    use limber_base_kinds, only: wp
    use limber_output_motion_record, only: geometry_type, deflections
@@ -9,7 +9,7 @@ module limber_output_drawn_posture
 
 contains
 
-   !> Where all places are: eq. (6.23).
+   !> Where all places are: eq. (6.24).
    pure subroutine place_all(geometry, coordinates, factor, positions)
       type(geometry_type), intent(in) :: geometry
       !> Coordinates at an instant (k)
@@ -59,7 +59,7 @@ contains
    end function bent
 
    !> A place on the undeformed body, in space, that is moved, turned and stretched so that its anchors are where `ends` says (2):
-   !> eq. (6.22).
+   !> eq. (6.23).
    pure function undeformed(geometry, coordinates, body, ends, place) result(p)
       type(geometry_type), intent(in) :: geometry
       real(wp), intent(in) :: coordinates(:)

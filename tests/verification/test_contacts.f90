@@ -33,6 +33,16 @@ program test_contacts
    end do
    call check_detents()
    call check_lever()
+   do i = 1, size(integrators)
+      call check_begun('0.3', '5*step(y(b) - 0.3)')
+      call check_begun('7.1', '5*step(y(b) - 7.1)')
+   end do
+   ! What flies by says nothing about the errors of a body that it is not connected with
+   do i = 1, 2
+      call check_resting('12', '1e-3', 1.0e-3_wp, '*POINT MASS, NAME=fast, MASS=1, X=3, VX=100'//newline, '5')
+      call check_resting('9.82', '1e-3', 1.0e-2_wp, '*POINT MASS, NAME=fast, MASS=1, X=3, VX=100'//newline, '5')
+      call check_resting('12', '1e-3', 1.0e-3_wp, '*POINT MASS, NAME=falls, MASS=1, X=0.1'//newline, '5')
+   end do
    call finish()
 
 contains
@@ -55,13 +65,20 @@ contains
    end subroutine check_ball
 
    !> A body that a force carries as long as it is not above its place of start: it stays there, or is told to stick.
-   subroutine check_resting(force, tolerance, most)
+   subroutine check_resting(force, tolerance, most, other, end)
       character(*), intent(in) :: force, tolerance
       !> [m]
       real(wp), intent(in) :: most
+      !> Another body, and the end of the run [s]
+      character(*), intent(in), optional :: other, end
       real(wp), allocatable :: places(:, :)
+      character(:), allocatable :: beside, last
+      beside = ''
+      last = '2'
+      if (present(other)) beside = other
+      if (present(end)) last = end
       call run_scene('*POINT MASS, NAME=b, MASS=1, Y=0.3'//newline//'*FORCE, NAME=s, POINT=b'//newline//' 0, '//force// &
-         & '*step(0.3 - y(b))'//newline, '2', tolerance, ' x = x(b), y = y(b), z = y(b)', places)
+         & '*step(0.3 - y(b))'//newline//beside, last, tolerance, ' x = x(b), y = y(b), z = y(b)', places)
       if (.not. allocated(places)) return
       call check_close(maxval(abs(places(:, 2) - 0.3_wp)), 0.0_wp, most, trim(integrators(i))//': a body at rest on '//force)
    end subroutine check_resting
@@ -124,6 +141,17 @@ contains
          end do
       end do
    end subroutine check_lever
+   !> A body that starts right where a law jumps, and leaves for the side where that is nothing: it falls freely.
+   subroutine check_begun(place, law)
+      !> Height of the start and of the jump; law of the force
+      character(*), intent(in) :: place, law
+      real(wp), allocatable :: places(:, :)
+      call run_scene('*POINT MASS, NAME=b, MASS=1, Y='//place//newline//'*FORCE, NAME=s, POINT=b'//newline//' 0, '//law//newline, &
+         & '2', '1e-6', ' x = x(b), y = y(b) - '//place//', z = y(b)', places)
+      call check(allocated(places), trim(integrators(i))//': falls from '//law)
+      if (.not. allocated(places)) return
+      call check_close(places(size(places, 1), 2), -0.5_wp*9.81_wp*2.0_wp**2, 2.0e-5_wp, trim(integrators(i))//': falls from '//law)
+   end subroutine check_begun
 
    !> The three channels of a scene (samples, 3); not allocated if it is told that something sticks.
    subroutine run_scene(scene, end, tolerance, channels, values)

@@ -24,7 +24,7 @@ if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
   else()
     list(APPEND LIMBER_FORTRAN_CODE -ffp-contract=off)
   endif()
-  # The small kernels of src/system are inlined across files; the library keeps ordinary code too, for those without -flto
+  # The small kernels of src/multibody are inlined across files; the library keeps ordinary code too, for those without -flto
   if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT LIMBER_SANITIZE AND NOT LIMBER_COVERAGE)
     list(APPEND LIMBER_FORTRAN_CODE -flto=auto -ffat-lto-objects)
   endif()

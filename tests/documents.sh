@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Links of the documents lead to files and headings that are there; each scene of the gallery is a deck of input/ with a small picture.
+# Links of the documents lead to files and headings that are there; each scene of the gallery is a deck of input/ with a small picture;
+# files, procedures and excerpts that doc/developers.md and CONTRIBUTING.md name stand in the tree.
 #   documents.sh SOURCE
 set -uo pipefail
 export LC_ALL=C
@@ -31,5 +32,25 @@ while read -r scene; do
   [[ $(wc -c < "$picture") -le 40000 ]] || complain "$picture is larger than 40 kB"
 done < <(sed -n 's/^### //p' doc/gallery.md)
 [[ $(grep -c '^### ' doc/gallery.md) -ge 20 ]] || complain 'doc/gallery.md has fewer than 20 scenes'
-[[ $failed -eq 0 ]] && echo 'all links lead somewhere'
+
+# Names in backticks: with a folder they are files, with an underscore words of the sources; lines of ```fortran blocks, without the
+# blanks before them, are lines of the sources
+sources=$(mktemp)
+trap 'rm -f "$sources" "$sources.words"' EXIT
+find src tests cmake CMakeLists.txt -name '*.f90' -o -name '*.in' -o -name '*.cmake' -o -name '*.sh' -o -name CMakeLists.txt |
+  xargs sed 's/^ *//; s/ *$//' > "$sources"
+grep -oE '[A-Za-z][A-Za-z0-9_]*' "$sources" | sort -u > "$sources.words"
+for document in doc/developers.md CONTRIBUTING.md; do
+  names=$(awk '/^ *```/ { fenced = !fenced } !fenced' "$document" | grep -oE '`[^`]+`' | tr -d '`')
+  while read -r name; do
+    [[ -e $name || $name == *NAME* || $name == *'<'* ]] || complain "$document: there is no $name"
+  done < <(grep -E '^(src|tests|doc|input|bench|postproc|cmake|\.ci|\.github)/[^ ]*$' <<< "$names" | sort -u)
+  while read -r name; do
+    grep -qxF -- "$name" "$sources.words" || complain "$document: the sources have no $name"
+  done < <(grep -E '^[a-z][a-z0-9]*(_[a-z0-9]+)+$' <<< "$names" | sort -u)
+  while read -r line; do
+    [[ -z $line ]] || grep -qxF -- "$line" "$sources" || complain "$document: the sources have no line '$line'"
+  done < <(awk '/^ *```/ { fortran = /```fortran/; next } fortran' "$document")
+done
+[[ $failed -eq 0 ]] && echo 'all links lead somewhere, and what is named is there'
 exit $failed

@@ -5,6 +5,7 @@ module limber_analysis_kinematic_analysis
    use limber_base_kinds, only: wp, long
    use limber_base_error, only: error_type, raise
    use limber_base_text, only: as_text, newline
+   use limber_analysis_driver_grip, only: grip_type, start_grip, begin_grip, grip_time, feel_grip, keep_grip, drivers_text
    use limber_analysis_driven_watch, only: driven_watch_type, start_driven_watch, observe_driven, tell_driven
    use limber_analysis_curve_path, only: curve_path_type, new_paths, follow_paths, break_text
    use limber_scene_joint_check, only: check_joints
@@ -41,6 +42,7 @@ module limber_analysis_kinematic_analysis
       type(driven_watch_type) :: watch
       type(curve_path_type) :: paths
       type(speed_jumps_type) :: jumps
+      type(grip_type) :: grip
       real(wp) :: t = 0.0_wp
       !> Coordinates, velocities, accelerations (nq); a trial place (nq); increments (nw); values of the channels
       real(wp), allocatable :: q(:), v(:), a(:), trial(:), change(:), values(:)
@@ -180,6 +182,7 @@ contains
       motion%a = 0.0_wp
       motion%t = step%dynamics%start
       call new_held(scene%system, motion%held)
+      call start_grip(motion%grip, scene%system, motion%held)
       motion%recorder = new_recorder(scene%system, scene%q)
       if (allocated(scene%angle)) motion%recorder%turns%angle = scene%angle
       call follow_places(motion%recorder%turns, scene%system, scene%work%kinematics, motion%t, motion%q)
@@ -198,16 +201,29 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Largest change of a coordinate that is predicted, and largest correction, relative to the scales
       real(wp), parameter :: stride = 0.2_wp, correction = 0.05_wp
+      !> Part of the way to a sample that the first step of all takes, for its rate of the grip is not known
+      real(wp), parameter :: first = 1.0e-3_wp
       real(wp) :: h, shortest, size_of
+      real(wp), dimension(scene%system%layout%nw) :: w, a
       logical :: done
       shortest = 1.0e-10_wp*max(abs(t - motion%t), spacing(t))
       associate (system => scene%system, work => scene%work, held => motion%held)
+         call begin_grip(motion%grip, system, work, held, motion%t, motion%q)
          do while (motion%t < t)
             call history%check_limit(motion%t, error)
             if (allocated(error)) return
-            h = t - motion%t
+            h = min(t - motion%t, grip_time(motion%grip))
+            if (motion%grip%rate < 0.0_wp) h = first*h
+            w = held%w
+            a = held%a
             do
-               motion%change = h*(held%w + 0.5_wp*h*held%a)
+               if (h < shortest .and. h < t - motion%t) then
+                  call raise(error, drivers_text(motion%grip, system)//'no position near the last one satisfies the'// &
+                     & ' constraints behind t = '//as_text(motion%t, 8)//': the mechanism is at a dead centre or at the end of'// &
+                     & ' its reach there, or a driver jumps'//break_text(motion%paths, system))
+                  return
+               end if
+               motion%change = h*(w + 0.5_wp*h*a)
                size_of = maxval(abs(motion%change/held%scale))
                if (size_of > stride) then
                   h = h*max(0.1_wp, 0.9_wp*stride/size_of)
@@ -215,15 +231,13 @@ contains
                end if
                call advance(system%layout, motion%q, motion%change, motion%trial)
                call held_position(system, work, held, motion%t + h, motion%trial, size_of, done)
-               if (done .and. size_of <= correction) exit
-               h = 0.5_wp*h
-               if (h < shortest) then
-                  call raise(error, 'no position near the last one satisfies the constraints behind t = '//as_text(motion%t, 8)// &
-                     & ': the mechanism is at a dead centre or at the end of its reach there, or a driver jumps'// &
-                     & break_text(motion%paths, system))
-                  return
+               if (done .and. size_of <= correction) then
+                  call feel_grip(motion%grip, system, held, done)
+                  if (done) exit
                end if
+               h = 0.5_wp*h
             end do
+            call keep_grip(motion%grip, h)
             motion%t = merge(t, motion%t + h, t - motion%t - h < shortest)
             motion%q = motion%trial
             call pass_speed_jumps(motion%jumps, system, work, motion%t, motion%q, error)

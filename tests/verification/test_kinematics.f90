@@ -16,6 +16,7 @@ program test_kinematics
    call check_flexible()
    call check_missing_driver()
    call check_dead_centre()
+   call check_gap()
    call finish()
 
 contains
@@ -128,5 +129,59 @@ contains
       call check(index(error%message, 'end of its reach') > 0 .and. index(error%message, 't = 0.0523') > 0, &
          & 'it stops at sin(angle) = 1/2: '//error%message)
    end subroutine check_dead_centre
+
+   !> No position where crank and rocker are nearly in line, sqrt(5 - 4 cos(angle)) > coupler + rocker: no number of samples leads
+   !> over the gap, however narrow it is. Just beyond it the same branch is followed, with the same orientation of the joint between
+   !> coupler and rocker.
+   subroutine check_gap()
+      character(18), parameter :: analysis(2) = [character(18) :: '*KINEMATICS', '*INVERSE DYNAMICS']
+      character(8), parameter :: samples(4) = [character(8) :: '7', '60', '100', '1000']
+      character(14), parameter :: short(3) = [character(14) :: '1e-4', '1e-8', '0']
+      real(wp), parameter :: gap(3) = [1.0e-4_wp, 1.0e-8_wp, 0.0_wp]
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report, label
+      real(wp), allocatable :: crank(:), rocker(:)
+      real(wp) :: found, reach, worst, expected
+      integer :: i, j, k, at
+      do i = 1, size(analysis)
+         do j = 1, size(samples)
+            do k = 1, size(short)
+               label = trim(analysis(i))//', OUTPUTS='//trim(samples(j))//', short = '//trim(short(k))
+               call change_deck('verification/four_bar_gap.inp', trim(results)//'.inp', [character(22) :: 'short = 1e-4', &
+                  & '*KINEMATICS', 'OUTPUTS=60'], [character(22) :: 'short = '//short(k), analysis(i), 'OUTPUTS='//samples(j)])
+               call run_deck(trim(results)//'.inp', trim(results), .true., .true., report, error)
+               call check(allocated(error), 'no way over a gap: '//label)
+               if (.not. allocated(error)) cycle
+               call check(index(error%message, "driver 'motor': no position near") > 0, 'who is at the gap: '//error%message)
+               at = index(error%message, ' t = ')
+               found = 0.0_wp
+               if (at > 0) read (error%message(at + 5:at + 4 + scan(error%message(at + 5:), ':') - 1), *) found
+               reach = acos((5 - (3 - gap(k))**2)/4)
+               call check_close(found, (reach - 1.2_wp)/6, 3.0e-6_wp, 'where the gap begins: '//label)
+            end do
+         end do
+         call run_changed('verification/four_bar_gap.inp', trim(results), [character(27) :: 'short = 1e-4, long = 0', &
+            & '*KINEMATICS'], [character(27) :: 'short = 0, long = 1e-6', analysis(i)], reader)
+         crank = channel(reader, 'angle_crank')
+         rocker = channel(reader, 'angle_rocker')
+         worst = 0.0_wp
+         do k = 1, size(crank)
+            expected = rocker_angle(crank(k), 1.0_wp + 1.0e-6_wp)
+            worst = max(worst, abs(modulo(rocker(k) - expected + pi, 2*pi) - pi))
+         end do
+         call check_close(worst, 0.0_wp, 1.0e-10_wp, 'a crank that just passes, '//analysis(i))
+         call reader%close()
+      end do
+   end subroutine check_gap
+
+   !> Angle of a rocker on a base of two, behind a coupler of two and a crank of one, on the branch of the first position.
+   pure real(wp) function rocker_angle(angle, rocker)
+      real(wp), intent(in) :: angle, rocker
+      real(wp) :: x, y
+      x = cos(angle) - 2
+      y = sin(angle)
+      rocker_angle = atan2(y, x) - acos((x**2 + y**2 + rocker**2 - 4)/(2*rocker*sqrt(x**2 + y**2)))
+   end function rocker_angle
 
 end program test_kinematics

@@ -9,7 +9,7 @@ module limber_analysis_modal_analysis
    use limber_scene_damping_check, only: changed_damping
    use limber_monitor_function_checks, only: function_mode_warnings
    use limber_analysis_kinks, only: kink_warnings
-   use limber_analysis_mode_aside, only: compare_aside
+   use limber_analysis_mode_aside, only: compare_aside, compare_functions
    use limber_monitor_mode_checks, only: mode_warnings
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: check_residuals
@@ -31,6 +31,8 @@ module limber_analysis_modal_analysis
 
    !> Modes behind those that are listed, which are looked at: one may be too fast by what a model lacks
    integer, parameter :: beside = 6
+   !> Part of its limit from which on an estimate of what functions of exact beams lack is looked at more closely
+   real(wp), parameter :: look_closer = 0.25_wp
 
 contains
 
@@ -135,7 +137,9 @@ contains
       !> What the comparison with more coordinates has shown
       character(*), intent(in) :: aside
       type(outcome_type), intent(inout) :: outcome
-      real(wp), allocatable :: lambda(:)
+      real(wp), allocatable :: lambda(:), error(:)
+      character(:), allocatable :: text
+      logical :: known
       call update_jacobians(scene%system, scene%work)
       if (.not. allocated(outcome%warnings)) outcome%warnings = ''
       outcome%warnings = outcome%warnings//aside//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
@@ -144,8 +148,16 @@ contains
       if (step%damped) outcome%warnings = outcome%warnings//changed_damping(scene%system, vibrations, scene%warnings, &
          & "*MODES '"//step%name//"'")
       allocate (lambda, source=scene%work%lambda)
+      ! An estimate first, which is quick and may be too large or too small; more functions tell where it is not small
+      text = function_mode_warnings(scene%system, scene%work, balance, step%dynamics%start, scene%q, lambda, more, &
+         & size(vibrations%frequency), step%name, look_closer)
+      if (text == '') return
+      call compare_functions(scene, step, balance, vibrations, error, known)
+      if (.not. known) deallocate (error)
+      scene%work%lambda = lambda
+      call update_jacobians(scene%system, scene%work)
       outcome%warnings = outcome%warnings//function_mode_warnings(scene%system, scene%work, balance, step%dynamics%start, &
-         & scene%q, lambda, more, size(vibrations%frequency), step%name)
+         & scene%q, lambda, more, size(vibrations%frequency), step%name, 1.0_wp, error)
    end subroutine check_frequencies
 
    !> Writes frequencies, damping ratios and shapes.

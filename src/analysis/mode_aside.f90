@@ -7,20 +7,20 @@ module limber_analysis_mode_aside
    use limber_base_text, only: as_text, newline
    use limber_analysis_scene_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
    use limber_analysis_richer_scene, only: richer_words, can_enrich, project_coordinates, nothing_more, with_responses, &
-      & with_modes, &
-      & with_both
+      & with_modes, with_both, with_functions
    use limber_scene_first_scene, only: scene_type
    use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
    use limber_model_model, only: analysis_step_type
    use limber_model_beam_segments, only: name_in_deck
    use limber_multibody_equilibrium, only: equilibrium_type
    use limber_multibody_system, only: system_type
+   use limber_multibody_sparse_eigenmodes, only: is_large
    use limber_multibody_tangent, only: tangent_type
    use limber_multibody_tangent_products, only: times_mass
    use limber_multibody_small_vibrations, only: vibrations_type, no_damping, gyroscopic, all_damping
    implicit none
    private
-   public :: compare_aside
+   public :: compare_aside, compare_functions
 
    !> Largest relative error of a frequency that is not told, and above which it is only told as more than that
    real(wp), parameter :: little = 0.02_wp, beyond = 0.5_wp
@@ -101,6 +101,41 @@ contains
       end function remedy
 
    end subroutine compare_aside
+
+   !> By how much the frequencies that are listed are too high for want of functions of exact beams, relative, in order.
+   subroutine compare_functions(scene, step, balance, vibrations, error, done)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      !> Linearised at the state
+      type(equilibrium_type), intent(inout) :: balance
+      !> Those that are listed
+      type(vibrations_type), intent(in) :: vibrations
+      real(wp), allocatable, intent(out) :: error(:)
+      !> Whether there is a scene with more functions, with as many modes
+      logical, intent(out) :: done
+      type(vibrations_type) :: own
+      type(rich_type), allocatable :: rich
+      type(error_type), allocatable :: fault
+      integer :: level(size(scene%system%model%bodies)), damping, listed
+      allocate (error(0))
+      listed = size(vibrations%frequency)
+      done = .not. is_large(scene%system)
+      if (.not. done) return
+      level = merge(with_functions, nothing_more, scene%system%model%bodies%reduced%is_exact)
+      own = vibrations
+      damping = terms(step, balance)
+      if (damping == all_damping) then
+         damping = merge(gyroscopic, no_damping, abs(balance%rotation) > 0.0_wp)
+         call lowest_vibrations(scene, balance, damping, step%modes, beside, own, fault)
+      end if
+      done = .not. allocated(fault)
+      if (.not. done) return
+      allocate (rich)
+      call look_aside(scene, step, damping, level, 0, rich)
+      done = rich%done
+      if (done) done = min(size(rich%vibrations%frequency), size(own%frequency)) >= listed
+      if (done) error = errors_in_order(own, rich%vibrations, listed)
+   end subroutine compare_functions
 
    !> Builds the scene with more coordinates, places it where the scene is, and finds its vibrations there.
    subroutine look_aside(scene, step, damping, level, extra, rich)

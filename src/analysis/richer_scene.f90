@@ -8,6 +8,10 @@ module limber_analysis_richer_scene
    use limber_beam_frame_reduction, only: available_frame_modes
    use limber_beam_beam_mesh, only: nodal_masses, nodal_inertias
    use limber_beam_beam_reduction, only: available_modes, point_shape
+   use limber_beam_exact_beam, only: exact_type, panel_stations
+   use limber_beam_exact_profile, only: of_ei, of_ea, of_ga
+   use limber_beam_reduced_body, only: reduced_type
+   use limber_beam_taut_axis, only: locate, values_at
    use limber_model_points_of_action, only: acting_type, acting_points
    use limber_model_model, only: body_type
    use limber_model_beam_segments, only: name_in_deck
@@ -16,8 +20,10 @@ module limber_analysis_richer_scene
    private
    public :: richer_deck, richer_words, can_enrich, project_coordinates
 
-   !> What a body gets: nothing, static responses to all that acts on it, more modes, both
-   integer, parameter, public :: nothing_more = 0, with_responses = 1, with_modes = 2, with_both = 3
+   !> What a body gets: nothing, static responses to all that acts on it, more modes, both; an exact beam twice the functions of the
+   !> angle, and of the strain as well
+   integer, parameter, public :: nothing_more = 0, with_responses = 1, with_modes = 2, with_both = 3, with_angles = 4, &
+      & with_functions = 5
 
    !> Additional axial modes of a beam, at least
    integer, parameter :: few_axial = 4
@@ -50,6 +56,14 @@ contains
       do i = 1, size(level)
          if (level(i) == nothing_more) cycle
          block = block_of(scene, i)
+         if (level(i) >= with_angles) then
+            associate (choice => scene%system%model%bodies(i)%choice%exact)
+               call deck%set_number(block, 'FUNCTIONS', real(2*choice%angles, wp), given=.true.)
+               if (level(i) == with_functions) &
+                  & call deck%set_number(block, 'STRAIN FUNCTIONS', real(max(2, 2*choice%strains), wp), given=.true.)
+            end associate
+            cycle
+         end if
          if (any(level(i) == [with_responses, with_both])) call deck%set_option(block, 'CORRECTIONS', 'YES', given=.true.)
          if (level(i) == with_responses) cycle
          modes = more_modes(scene, i, extra)
@@ -184,12 +198,45 @@ contains
             if (can_enrich(system%model%bodies(i))) then
                to(b + head:b + head + m - 1) = matmul(overlap(other%model%bodies(i), system%model%bodies(i)), &
                   & from(a + head:a + head + n - 1))
+            else if (system%model%bodies(i)%reduced%is_exact .and. m /= n) then
+               to(b + head:b + head + m - 1) = matmul(exact_overlap(other%model%bodies(i)%reduced, &
+                  & system%model%bodies(i)%reduced%exact), from(a + head:a + head + n - 1))
             else
                to(b + head:b + head + m - 1) = from(a + head:a + head + n - 1)
             end if
          end associate
       end do
    end subroutine project_coordinates
+
+   !> Products of the functions of two exact beams in the strain energy (coordinates of a, of b).
+   pure function exact_overlap(a, b) result(products)
+      type(reduced_type), intent(in) :: a
+      type(exact_type), intent(in) :: b
+      real(wp) :: products(a%n, b%n), curvature(b%angles), strain(b%strains), row(panel_stations), x
+      integer :: i, k, d, first, panel
+      products = 0.0_wp
+      associate (own => a%exact, m => a%exact%angles, n => b%angles)
+         do k = 1, own%stations
+            call locate(b, own%s(k), .false., panel, x)
+            row = values_at(x)
+            first = panel_stations*(panel - 1)
+            curvature = matmul(b%kappa(:, first + 1:first + panel_stations), row)
+            do i = 1, n
+               products(:m, i) = products(:m, i) + own%weight(k)*own%section(of_ei, k)*own%kappa(:, k)*curvature(i)
+            end do
+            do d = 1, 2
+               strain = matmul(b%chi(d, :, first + 1:first + panel_stations), row)
+               do i = 1, b%strains
+                  products(m + 1:, n + i) = products(m + 1:, n + i) + own%weight(k)*own%section(merge(of_ea, of_ga, d == 1), k) &
+                     & *own%chi(d, :, k)*strain(i)
+               end do
+            end do
+         end do
+      end associate
+      do i = 1, a%n
+         products(i, :) = products(i, :)/a%omega2(i)
+      end do
+   end function exact_overlap
 
    !> Products of the shapes of two reductions of a body in its mass (coordinates of a, of b).
    function overlap(a, b) result(products)

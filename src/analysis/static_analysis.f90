@@ -18,6 +18,7 @@ module limber_analysis_static_analysis
    use limber_scene_sampling, only: check_residuals
    use limber_scene_first_scene, only: scene_type, seconds_since
    use limber_analysis_static_aside, only: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
+   use limber_analysis_shape_aside, only: shape_aside_type, compare_shapes, tell_shapes
    use limber_analysis_skipped_laws, only: bent_law
    use limber_monitor_run_monitor, only: find_weak
    use limber_model_analyses, only: title
@@ -58,6 +59,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(statics_type) :: statics
       type(static_aside_type), allocatable :: aside
+      type(shape_aside_type), allocatable :: shapes
       integer(long) :: tick
       real(wp) :: cpu
       call system_clock(tick)
@@ -67,9 +69,10 @@ contains
       allocate (outcome%indicators)
       call start_indicators(outcome%indicators, scene%system)
       call start(scene, statics)
-      allocate (aside)
+      allocate (aside, shapes)
       call start_static_aside(aside, scene)
-      call pass_increments(scene, step, statics, aside, history, progress, outcome, error)
+      call pass_increments(scene, step, statics, aside, shapes, history, progress, outcome, error)
+      call tell_shapes(shapes, outcome%indicators%functions)
       if (.not. allocated(error) .and. statics%stable .and. statics%report == '') &
          & call check_state(scene, step, statics, aside, outcome)
       call load_scene(scene, step, 1.0_wp, statics)
@@ -110,12 +113,13 @@ contains
    end subroutine start
 
    !> All increments, with a sample at the end of each.
-   subroutine pass_increments(scene, step, statics, aside, history, progress, outcome, error)
+   subroutine pass_increments(scene, step, statics, aside, shapes, history, progress, outcome, error)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
       type(statics_type), intent(inout) :: statics
       !> Compared with at each sample
       type(static_aside_type), intent(inout) :: aside
+      type(shape_aside_type), intent(inout) :: shapes
       class(sink_type), intent(inout) :: history
       type(progress_type), intent(inout) :: progress
       type(outcome_type), intent(inout) :: outcome
@@ -135,6 +139,8 @@ contains
          if (takes_time .or. k == step%dynamics%outputs) call sample(scene, step, statics, history, outcome, error)
          if (aside%used .and. statics%stable .and. .not. allocated(error) .and. outcome%samples > 0) &
             & call compare_sample(aside, scene, sample_of(step, statics))
+         if (.not. allocated(error) .and. outcome%samples > 0) call compare_shapes(shapes, scene, &
+            & sample_of(step, statics), outcome%indicators%functions)
          call progress%update(outcome%reached)
       end do
       if (statics%balance%unseen) call tell(statics, 'loads without a potential, as forces that follow what they push, can make'// &

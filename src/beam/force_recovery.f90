@@ -45,6 +45,8 @@ module limber_beam_force_recovery
       !> has its parts in the lists (places + 1), and where these act [length] and how much they are, 1 of a load at a point (parts)
       integer, allocatable :: first_part(:)
       real(wp), allocatable :: part_at(:), part(:)
+      !> How many of its sections, the last ones, are the stations of its axis
+      integer :: axis = 0
    end type recovery_type
 
 contains

@@ -69,9 +69,12 @@ contains
             call beam_frame(body%beam, body%choice%support, body%choice%origin, body%field, frame, shape)
          end if
          if (body%envelope) sections = [sections, all_sections(frame, acted_places(model, index), envelope_intervals(model, index))]
+         ! What the tension does is found along the whole axis
+         if (body%reduced%is_exact) sections = [sections, stations_of(model, index)]
          call spread_places(model, index, sections, places)
          if (body%reduced%is_exact) then
             call exact_recovery(sections, places, body%recovery)
+            body%recovery%axis = body%reduced%exact%stations
             return
          end if
          call new_recovery(frame, shape, body%reduced, sections, places, body%recovery, error)
@@ -120,6 +123,15 @@ contains
    end function envelope_intervals
 
    !> Sections at all stations of an exact beam.
+   pure function stations_of(model, index) result(sections)
+      type(model_type), intent(in) :: model
+      !> Index of the body
+      integer, intent(in) :: index
+      type(section_type) :: sections(model%bodies(index)%reduced%exact%stations)
+      sections%x = model%bodies(index)%reduced%exact%s
+   end function stations_of
+
+   !> Their forces alone.
    subroutine recover_stations(model, index, recovery)
       type(model_type), intent(in) :: model
       !> Index of the body
@@ -127,7 +139,7 @@ contains
       type(recovery_type), intent(out) :: recovery
       type(section_type) :: sections(model%bodies(index)%reduced%exact%stations)
       type(load_place_type), allocatable :: places(:)
-      sections%x = model%bodies(index)%reduced%exact%s
+      sections = stations_of(model, index)
       allocate (places(own_points(model, index)))
       call spread_places(model, index, sections, places)
       call exact_recovery(sections, places, recovery)

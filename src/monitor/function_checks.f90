@@ -22,8 +22,8 @@ module limber_monitor_function_checks
 
    !> Largest relative error of a frequency, or of a load, that is not told, and above which its estimate is only a bound
    real(wp), parameter :: little = 2.0e-3_wp, beyond = 0.3_wp
-   !> The same of the stiffness that loads leave, the squared frequency beside its elastic part: where that is less than `softened`, and
-   !> where deflections err as it does, so that the first limit counts
+   !> The same of the stiffness that loads leave, the squared frequency beside its elastic part: where that is less than
+   !> `softened`, and where deflections err as it does, so that the first limit counts
    real(wp), parameter :: little_stiffness = 5.0e-2_wp, softened = 0.9_wp, compressed = 0.3_wp
    !> Motion to both sides of the state, in parts of a radian or of the scene
    real(wp), parameter :: aside = 1.0e-4_wp
@@ -32,7 +32,8 @@ contains
 
    !> A warning for the mode whose frequency errs most, and its beam; and for one that belongs among those that are listed. Empty if
    !> all are right.
-   function function_mode_warnings(system, work, balance, t, q, lambda, vibrations, listed, name) result(text)
+   function function_mode_warnings(system, work, balance, t, q, lambda, vibrations, listed, name, times, known) &
+      & result(text)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Linearised at the state, and again so afterwards
@@ -44,9 +45,14 @@ contains
       integer, intent(in) :: listed
       !> Of the analysis
       character(*), intent(in) :: name
+      !> How many times beyond its limit an error must be
+      real(wp), intent(in) :: times
+      !> Errors of those that are listed, if they are known (listed): estimates then only tell the beam
+      real(wp), allocatable, intent(in), optional :: known(:)
       character(:), allocatable :: text
       type(function_watch_type) :: watch
       real(wp), allocatable :: saved(:, :), part(:, :), of_worst(:)
+      logical :: estimated
       real(wp) :: omega2, error, worst, last
       integer :: j, mode, beam, others
       text = ''
@@ -59,6 +65,8 @@ contains
       mode = 0
       beam = 1
       others = -1
+      estimated = .true.
+      if (present(known)) estimated = .not. allocated(known)
       do j = 1, size(vibrations%frequency)
          omega2 = vibrations%frequency(j)**2 + vibrations%growth(j)**2
          call save(watch, system, work, balance, t, q, lambda, real(vibrations%shape(:, j), wp), saved)
@@ -67,18 +75,19 @@ contains
          ! A motion that nothing resists
          if (.not. omega2 > 1.0e-10_wp*maxval(vibrations%frequency)**2) cycle
          error = 1/sqrt(1 - min(sum(saved)/omega2, 0.99_wp)) - 1
+         if (.not. estimated .and. j <= listed) error = known(j)
          if (j > listed) then
             beam = maxloc(sum(saved, dim=1), dim=1)
             ! Bending modes stay in their order, whatever is lacking
-            if (text /= '' .or. error <= little .or. saved(2, beam) < 0.5_wp*sum(saved(:, beam))) cycle
+            if (text /= '' .or. error <= times*little .or. saved(2, beam) < 0.5_wp*sum(saved(:, beam))) cycle
             if (omega2/(1 + sum(saved)/omega2) >= last) cycle
             text = "warning: *MODES '"//name//"' may lack a mode: the one at "//as_text(vibrations%frequency(j), 4)// &
                & ' rad/'//system%model%units%time//', behind the last of the list, is too fast by '//size_words(error)//': '// &
                & remedy(system%model, watch%beams(beam)%body, saved(:, beam))//newline
             cycle
          end if
-         if (error > little) others = others + 1
-         if (error <= max(worst, little)) cycle
+         if (error > times*little) others = others + 1
+         if (error <= max(worst, times*little)) cycle
          worst = error
          mode = j
          beam = maxloc(sum(saved, dim=1), dim=1)
@@ -88,7 +97,8 @@ contains
       beam = watch%beams(beam)%body
       text = text//'warning: mode '//as_text(mode)//" of *MODES '"//name//"'"
       if (others > 0) text = text//' (and '//as_text(others)//' more)'
-      text = text//' errs in its frequency by '//size_words(worst)//': '//remedy(system%model, beam, of_worst)//newline
+      text = text//' errs in its frequency by '//size_words(worst, estimated)//': '// &
+         & remedy(system%model, beam, of_worst)//newline
    end function function_mode_warnings
 
    !> A warning of the load at which the scene buckles in a motion; empty if it is right.
@@ -169,12 +179,17 @@ contains
       end do
    end function elastic_energy
 
-   function size_words(error) result(text)
+   function size_words(error, estimated) result(text)
       real(wp), intent(in) :: error
+      !> Whether large errors are only bounds, as they are without it
+      logical, intent(in), optional :: estimated
       character(:), allocatable :: text
+      logical :: bounded
+      bounded = .true.
+      if (present(estimated)) bounded = estimated
       text = 'about '
-      if (error > beyond) text = 'more than '
-      text = text//as_text(100*min(error, beyond), 2)//' %'
+      if (error > beyond .and. bounded) text = 'more than '
+      text = text//as_text(100*merge(min(error, beyond), error, bounded), 2)//' %'
    end function size_words
 
    !> The beam and its remedy: functions of what saves most.

@@ -10,6 +10,7 @@ module limber_monitor_function_report
    use limber_monitor_function_layers, only: layers_type, lost_in_layers
    use limber_monitor_function_sudden, only: lost_deflection, is_struck
    use limber_monitor_function_watch, only: function_watch_type
+   use limber_monitor_met_ends, only: met_ends_warnings
    use limber_monitor_noise, only: noise_of
    use limber_model_joint_blocks, only: most_bends
    use limber_model_model, only: model_type, joint_sliding
@@ -55,7 +56,7 @@ contains
       real(wp), intent(in) :: times
       character(:), allocatable :: text
       type(report_type) :: report
-      text = ''
+      text = met_ends_warnings(self%ends, model)
       do while (report%last < size(self%beams))
          call next_beam(self, model, report)
          call weigh(self, model, times, report)
@@ -111,7 +112,7 @@ contains
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: times
       type(report_type), intent(inout) :: report
-      real(wp) :: moved, length, left_out
+      real(wp) :: moved, across, length, left_out
       integer :: k
       report%rest = 0.0_wp
       report%late = 0.0_wp
@@ -119,10 +120,11 @@ contains
       report%layers = 0.0_wp
       associate (beams => self%beams(report%first:report%last))
          moved = maxval(beams%moved)*size(beams)
+         across = maxval(beams%moved_by_angle)*size(beams)
          length = sum([(model%bodies(beams(k)%body)%reduced%exact%total, k=1, size(beams))])
          report%worst = report%first - 1 + maxloc(beams%left_out(1), dim=1)
          left_out = maxval(beams%left_out(1))
-         if (left_out > least(1)*model%bodies(beams(1)%body)%reduced%exact%total) report%rest = left_out/max(moved, left_out)
+         if (left_out > least(1)*model%bodies(beams(1)%body)%reduced%exact%total) report%rest = left_out/max(across, left_out)
          report%taut = report%first
          do k = report%first, report%last
             if (lost_in_layers(self%beams(k)%layers) > lost_in_layers(self%beams(report%taut)%layers)) report%taut = k
@@ -145,7 +147,7 @@ contains
       type(function_watch_type), intent(in) :: self
       type(model_type), intent(in) :: model
       type(report_type), intent(inout) :: report
-      character(:), allocatable :: text
+      character(:), allocatable :: text, more
       real(wp) :: sudden, moments
       integer :: functions
       text = ''
@@ -168,9 +170,12 @@ contains
             call add(report%remedies, ' and ', remedy_of(beam%layers, model, beam%body))
          end associate
       end if
-      if (max(report%rest, sudden) > 0.0_wp) call add(report%remedies, ' and ', functions_for(sudden, functions, &
-         & room(model, self%beams(report%first)%body) - strains_of(model, self%beams(report%first)%body), &
-         & slower(self, report)))
+      if (max(report%rest, sudden) > 0.0_wp) then
+         more = functions_for(sudden, functions, room(model, self%beams(report%first)%body) &
+            & - strains_of(model, self%beams(report%first)%body), slower(self, report))
+         if (index(more, report%remedies) == 1) report%remedies = ''
+         if (index(report%remedies, more) == 0) call add(report%remedies, ' and ', more)
+      end if
       text = "warning: beam '"//report%name//"' has too few functions of the angle: its "//as_text(functions)//' do not follow '// &
          & report%causes//'; '//report%what//' may be off; use '//report%remedies//newline
    end function angle_warning

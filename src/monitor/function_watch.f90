@@ -6,13 +6,14 @@ module limber_monitor_function_watch
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_beam_exact_beam, only: exact_type, sum_along
-   use limber_beam_exact_profile, only: of_ei, of_ea, of_ga
    use limber_beam_beam_mesh, only: support_type
    use limber_beam_force_recovery, only: recovery_type
    use limber_monitor_function_buckling, only: buckling_type, start_buckling, observe_buckling, join_buckling
    use limber_monitor_function_layers, only: layers_type, start_layers, observe_layers, join_layers
    use limber_monitor_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
+   use limber_monitor_met_ends, only: met_ends_type, start_met_ends, observe_met_ends, join_met_ends
    use limber_model_force_sections, only: recover_stations
+   use limber_output_exact_forces, only: find_lack, settle_stations
    use limber_output_internal_forces, only: section_forces_type, start_effort, gather_exact
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, &
       & quantity_torque, quantity_force, quantity_power
@@ -33,9 +34,9 @@ module limber_monitor_function_watch
       !> Its stations as sections, and what acts there
       type(recovery_type) :: recovery
       type(section_forces_type) :: effort
-      !> Largest displacements of the axis in the frame, and along it [length]; largest ones that are left out, of bending and shear
-      !> and of stretch, and when
-      real(wp) :: moved = 0.0_wp, moved_along = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
+      !> Largest displacements of the axis in the frame, along it, and by the angle alone [length]; largest ones that are left
+      !> out, of bending and shear and of stretch, and when
+      real(wp) :: moved = 0.0_wp, moved_along = 0.0_wp, moved_by_angle = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
       !> Vibrations that it does not follow, and layers
       type(sudden_type) :: sudden
       type(layers_type) :: layers
@@ -75,6 +76,8 @@ module limber_monitor_function_watch
       !> Forces in motion that channels ask for
       type(reaction_type), allocatable :: reactions(:)
       type(driven_type), allocatable :: driven(:)
+      !> Ends that meet
+      type(met_ends_type) :: ends
    contains
       procedure :: exchange
    end type function_watch_type
@@ -100,6 +103,7 @@ contains
          call start_buckling(self%beams(k)%buckling, system%model, i)
       end do
       call start_reactions(self, system%model)
+      call start_met_ends(self%ends, system%model)
       call start_driven(self, system%model)
    end subroutine start_functions
 
@@ -253,6 +257,7 @@ contains
             call compare(beam, system, self%kind, t, q(first:last), v(first:last), a(first:last))
          end associate
       end do
+      call observe_met_ends(self%ends, system, t, q)
       if (self%kind == at_rest) return
       do i = 1, size(self%reactions)
          call observe_reaction(self, system, work, q, i)
@@ -350,37 +355,9 @@ contains
          last = first - 1 + system%layout%n(own%body)
          if (allocated(lack)) deallocate (lack)
          allocate (lack(3, size(own%recovery%sections)))
-         call find_lack(own, system, q(first:last), v(first:last), lack)
+         call find_lack(system%model%bodies(own%body), own%effort%exact, q(first:last), v(first:last), lack)
       end associate
    end subroutine lacking_strains
-
-   !> The same from the section forces of the beam.
-   subroutine find_lack(beam, system, eta, rate, lack)
-      type(beam_watch_type), intent(in) :: beam
-      type(system_type), intent(in) :: system
-      !> Coordinates and their rates (n)
-      real(wp), intent(in) :: eta(:), rate(:)
-      !> (3, stations)
-      real(wp), intent(out) :: lack(:, :)
-      real(wp) :: strained(size(eta))
-      integer :: k, a
-      associate (body => system%model%bodies(beam%body), exact => system%model%bodies(beam%body)%reduced%exact)
-         a = exact%angles
-         ! Damping makes moments, too
-         strained = eta - exact%rest
-         if (allocated(body%reduced%damping)) then
-            if (size(body%reduced%damping, 1) == size(eta)) strained = strained &
-            & + matmul(body%reduced%damping, rate)/body%reduced%omega2
-         end if
-         lack(3, :) = 0.0_wp
-         do k = 1, exact%stations
-            lack(1, k) = beam%effort%exact(3, k)/exact%section(of_ei, k) - dot_product(exact%kappa(:, k), strained(:a))
-            lack(2, k) = beam%effort%exact(1, k)/exact%section(of_ea, k) - dot_product(exact%chi(1, :, k), strained(a + 1:))
-            if (exact%shears > 0) lack(3, k) = beam%effort%exact(2, k)/exact%section(of_ga, k) &
-               & - dot_product(exact%chi(2, :, k), strained(a + 1:))
-         end do
-      end associate
-   end subroutine find_lack
 
    !> What equilibrium asks for less what the functions make, as displacements of the axis, eqs. (7.54), (7.55).
    subroutine compare(beam, system, state, t, eta, rate, acceleration)
@@ -390,21 +367,24 @@ contains
       integer, intent(in) :: state
       !> Time; coordinates, their rates and accelerations (n)
       real(wp), intent(in) :: t, eta(:), rate(:), acceleration(:)
-      real(wp) :: own, lack(3, size(beam%recovery%sections))
+      real(wp) :: own, lack(3, size(beam%recovery%sections)), forces(3, size(beam%recovery%sections))
       real(wp), dimension(size(beam%recovery%sections)) :: bend, turned
-      real(wp), dimension(size(beam%recovery%sections), 2) :: g, stretch, slide, place
+      real(wp), dimension(size(beam%recovery%sections), 2) :: g, bent, stretch, slide, place
       integer :: k, a
       associate (body => system%model%bodies(beam%body), exact => system%model%bodies(beam%body)%reduced%exact)
          a = exact%angles
-         call find_lack(beam, system, eta, rate, lack)
+         call find_lack(body, beam%effort%exact, eta, rate, lack)
          bend = lack(1, :)
-         call observe_sudden(beam%sudden, exact, state, t, eta - exact%rest, acceleration, lack(:2, :), beam%effort%exact)
+         forces = beam%effort%exact
+         call settle_stations(body, eta, lack(1, :), forces)
+         call observe_sudden(beam%sudden, exact, state, t, eta - exact%rest, acceleration, lack(:2, :), forces)
          call observe_layers(beam%layers, exact, t, eta, beam%effort%exact)
          do k = 1, exact%stations
             own = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
             associate (axis => [cos(own), sin(own)])
                g(k, :) = along([1.0_wp + dot_product(exact%chi(1, :, k), eta(a + 1:)), &
                   & dot_product(exact%chi(2, :, k), eta(a + 1:))], axis)
+               bent(k, :) = axis - [cos(exact%lean(k)), sin(exact%lean(k))]
                stretch(k, :) = axis*lack(2, k)
                slide(k, :) = turn(axis)*lack(3, k)
             end associate
@@ -421,6 +401,8 @@ contains
             & -sum(exact%weight*beam%effort%exact(1, :))/exact%total, maxval(abs(place(:, 2))), exact%total)
          call displace(exact, body%choice%exact%support, slide, place)
          call note(1, farthest(place))
+         call displace(exact, body%choice%exact%support, bent, place)
+         beam%moved_by_angle = max(beam%moved_by_angle, farthest(place))
          ! Beams stretch between their ends, too
          call displace(exact, support_type(), stretch, place)
          call note(2, farthest(place))
@@ -472,6 +454,7 @@ contains
          associate (beam => whole%beams(i), own => part%beams(i))
             beam%moved = max(beam%moved, own%moved)
             beam%moved_along = max(beam%moved_along, own%moved_along)
+            beam%moved_by_angle = max(beam%moved_by_angle, own%moved_by_angle)
             do kind = 1, 2
                if (own%left_out(kind) <= beam%left_out(kind)) cycle
                beam%left_out(kind) = own%left_out(kind)
@@ -488,6 +471,7 @@ contains
       do i = 1, size(whole%reactions)
          whole%reactions(i)%largest = max(whole%reactions(i)%largest, part%reactions(i)%largest)
       end do
+      call join_met_ends(part%ends, whole%ends)
       whole%driven%largest = max(whole%driven%largest, part%driven%largest)
    end subroutine join_functions
 
@@ -499,6 +483,7 @@ contains
       do i = 1, size(self%beams)
          call snapshot%exchange('moved', self%beams(i)%moved)
          call snapshot%exchange('moved_along', self%beams(i)%moved_along)
+         call snapshot%exchange('moved_by_angle', self%beams(i)%moved_by_angle)
          call snapshot%exchange('left_out_1', self%beams(i)%left_out(1))
          call snapshot%exchange('left_out_2', self%beams(i)%left_out(2))
          call snapshot%exchange('when_1', self%beams(i)%when(1))
@@ -510,6 +495,7 @@ contains
          call snapshot%keep('along', self%beams(i)%along)
          call snapshot%keep('drawn_by', self%beams(i)%drawn_by)
       end do
+      call self%ends%exchange(snapshot)
       if (.not. allocated(self%reactions)) return
       do i = 1, size(self%reactions)
          call snapshot%exchange('reaction', self%reactions(i)%largest)

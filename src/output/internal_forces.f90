@@ -3,7 +3,8 @@
 !> (2.24)-(2.26), (2.28).
 module limber_output_internal_forces
    use limber_base_kinds, only: wp
-   use limber_output_exact_forces, only: section_reach_type, new_section_reach, inertia_behind, add_behind, turn_into_sections
+   use limber_output_exact_forces, only: section_reach_type, new_section_reach, inertia_behind, add_behind, turn_into_sections, &
+      & settle_sections
    use limber_output_point_forces, only: pull_type, pulls_type, new_pulls, constraint_pulls, load_pulls, most_pulls
    use limber_beam_exact_profile, only: profile_at, profile_values
    use limber_beam_force_recovery, only: recovery_type, section_type, amplitudes, internal_forces
@@ -56,7 +57,8 @@ contains
          call start_effort(efforts(i), system, i, system%model%bodies(i)%recovery)
          associate (body => system%model%bodies(i))
             if (body%envelope) then
-               allocate (efforts(i)%extremes(5, 2, size(body%recovery%load, 3) - body%point_sections))
+               allocate (efforts(i)%extremes(5, 2, size(body%recovery%load, 3) - body%recovery%axis &
+                  & - body%point_sections))
                efforts(i)%extremes(:, 1, :) = huge(1.0_wp)
                efforts(i)%extremes(:, 2, :) = -huge(1.0_wp)
             end if
@@ -126,6 +128,8 @@ contains
          u = q(first + 2:first + 3)
          if (allocated(efforts(i)%exact)) then
             call gather_exact(efforts(i), system, work, i, system%model%bodies(i)%recovery, q, v, a)
+            call settle_sections(system%model%bodies(i), efforts(i)%sections, q(first + 4:last), v(first + 4:last), &
+               & efforts(i)%exact)
             if (allocated(efforts(i)%extremes)) call stretch_envelope(efforts(i), system, i, q(first + 4:last))
             cycle
          end if

@@ -3,6 +3,7 @@
 !> frame of an undivided beam does. Floor: output. Source: doc/theory, eq. (2.61).
 module limber_output_segment_measures
    use limber_base_kinds, only: wp
+   use limber_beam_exact_beam, only: angles_at, lean_at
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_point_motion, only: point_position, point_velocity
    use limber_multibody_system, only: system_type
@@ -91,13 +92,14 @@ contains
       end associate
    end function whole_displacement
 
-   !> Rotation of the section at a point of a beam in segments within the whole beam's frame: from piece to piece less than half a
-   !> turn [rad].
+   !> Rotation of the section at a point of a beam in segments within the whole beam's frame [rad]: of the first piece less than
+   !> half a turn, from piece to piece by what the one before is bent, for they are welded.
    pure real(wp) function whole_rotation(system, point, q) result(angle)
       type(system_type), intent(in) :: system
       integer, intent(in) :: point
       real(wp), intent(in) :: q(:)
       real(wp) :: slope, before(2), here(2)
+      real(wp), parameter :: whole_turn = 2*acos(-1.0_wp)
       integer :: body, first
       associate (own => system%model%points(point))
          before = whole_direction(system, system%model%bodies(own%body)%whole, q)
@@ -116,7 +118,10 @@ contains
          do body = system%model%wholes(system%model%bodies(own%body)%whole)%first, own%body
             first = system%layout%q(body) + 2
             here = q(first:first + 1)
-            angle = angle + atan2(cross(before, here), dot_product(before, here))
+            slope = atan2(cross(before, here), dot_product(before, here))
+            if (body > system%model%wholes(system%model%bodies(own%body)%whole)%first) &
+               & slope = slope + whole_turn*anint((end_angle(system, body - 1, q, slope) - slope)/whole_turn)
+            angle = angle + slope
             before = here
          end do
          first = system%layout%q(own%body) + 4
@@ -124,6 +129,22 @@ contains
          angle = angle + slope
       end associate
    end function whole_rotation
+
+   !> Angle of the section at the end of a piece in its frame, which is the section at its start, if it is an exact beam [rad].
+   pure real(wp) function end_angle(system, body, q, otherwise) result(angle)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: body
+      real(wp), intent(in) :: q(:)
+      !> Of other pieces, which bend little [rad]
+      real(wp), intent(in) :: otherwise
+      integer :: first
+      angle = otherwise
+      if (.not. system%model%bodies(body)%reduced%is_exact) return
+      first = system%layout%q(body) + 4
+      associate (exact => system%model%bodies(body)%reduced%exact)
+         angle = lean_at(exact, exact%total) + dot_product(angles_at(exact, exact%total), q(first:first + exact%angles - 1))
+      end associate
+   end function end_angle
 
    !> A vector turned by an angle [rad].
    pure function turned(vector, angle)

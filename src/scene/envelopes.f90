@@ -54,10 +54,12 @@ contains
          do i = pieces(1), pieces(2)
             n = size(efforts(i)%extremes, 3)
             extremes(:, :, total + 1:total + n) = efforts(i)%extremes
-            associate (sections => model%bodies(i)%recovery%sections(model%bodies(i)%point_sections + 1:))
-               place(total + 1:total + n) = piece_start(model, i) + sections%x
-               member(total + 1:total + n) = real(sections%member, wp)
-               call name_member(i, member(total + 1:total + n))
+            associate (before => model%bodies(i)%point_sections, all => model%bodies(i)%recovery%sections)
+               associate (sections => all(before + 1:before + n))
+                  place(total + 1:total + n) = piece_start(model, i) + sections%x
+                  member(total + 1:total + n) = real(sections%member, wp)
+                  call name_member(i, member(total + 1:total + n))
+               end associate
             end associate
             total = total + n
          end do

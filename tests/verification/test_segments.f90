@@ -4,9 +4,9 @@
 program test_segments
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_base_text, only: as_text
+   use limber_base_text, only: as_text, newline
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel
+   use runs, only: run_changed, run_text, channel
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    character(256) :: results
@@ -19,9 +19,35 @@ program test_segments
    call check_pendulum()
    call check_energy()
    call check_end_mass()
+   call check_ring()
    call finish()
 
 contains
+
+   !> A cantilever that a couple at its end rolls up to three turns: with the section at the start as frame its end has turned by
+   !> 6 pi, each piece by more than half a turn; from the line through both ends, which meet, rotations have no meaning, and that
+   !> is told.
+   subroutine check_ring()
+      character(*), parameter :: nl = newline
+      character(*), parameter :: rest = nl//'*JOINT, NAME=w, TYPE=WELD'//nl//' b.start, ground.origin'//nl// &
+         & '*TORQUE, NAME=f, POINT=b.end'//nl//' 6*pi'//nl// &
+         & '*STATICS, INCREMENTS=20'//nl//'*OUTPUT'//nl//' turn = rotation(b.end)'//nl
+      character(*), parameter :: beam = '*MATERIAL, NAME=m, YOUNG=1e6, DENSITY=1'//nl// &
+         & '*SECTION, NAME=s, SHAPE=GENERAL, AREA=100, INERTIA=1e-6'//nl// &
+         & '*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=1, SEGMENTS=5'
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call run_text(beam//rest, trim(results), report, error)
+      call check_no_error(error, 'a ring')
+      call check(index(report, 'from which channels are measured (rotation)') > 0, 'ends that meet are told: '//report)
+      call run_text(beam//', SUPPORT=CLAMPED-FREE'//rest, trim(results), report, error)
+      call check_no_error(error, 'a ring from its start')
+      call check(index(report, 'warning') == 0, 'the section at the start is a frame: '//report)
+      call reader%open(trim(results), error)
+      call check_close(at_end(channel(reader, 'turn')), 6*acos(-1.0_wp), 1.0e-9_wp, 'three turns')
+      call reader%close()
+   end subroutine check_ring
 
    !> A mass at the end of a beam whose pieces do not add up to its length in the last digit.
    subroutine check_end_mass()

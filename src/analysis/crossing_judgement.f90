@@ -52,6 +52,8 @@ module limber_analysis_crossing_judgement
       !> Excess of the bounds in the interval that is halved (laws, depths), and whether a law is smooth at the quarters
       real(wp), allocatable :: excess(:, :)
       logical, allocatable :: smooth(:)
+      !> Whether a law is one of the place alone that it acts along, so that it has an energy (laws)
+      logical, allocatable :: stored(:)
       !> Whether it changes its formula right behind the start of the step, right before its end, and not between (laws)
       logical, allocatable :: behind(:), ahead(:)
       !> What each law can give to velocities; change of it in this step that does not matter; and whether it makes no other (laws)
@@ -164,6 +166,8 @@ contains
          if (.not. self%idle(i)) self%allowed(i) = max(self%allowed(i), self%nothing(i))
          difference = abs(f(0) - 4*f(1) + 6*f(2) - 4*f(3) + f(4))
          bulge = maxval(abs(f(1:3) - f(0) - [1, 2, 3]*(0.25_wp*(f(4) - f(0)))))
+         ! The mean of a step is not the mean of a law without an energy, which Boole's rule gives
+         if (means) bulge = merge(0.0_wp, abs(f(2) - (7*(f(0) + f(4)) + 32*(f(1) + f(3)) + 12*f(2))/90), self%stored(i))
          self%smooth(i) = all([(self%quarters(k)%branches(i) == self%quarters(first)%branches(i), k=first + 1, last)])
          if (.not. self%smooth(i)) then
             ! The formula changes: that is looked for first, and no pulse before it
@@ -171,7 +175,7 @@ contains
             self%smooth(i) = .true.
          else if (width > self%allowed(i) .and. difference > rough*width) then
             self%smooth(i) = .not. (means .or. self%steep(i)) .and. (all(f(1:) >= f(:3)) .or. all(f(1:) <= f(:3)))
-         else if (ends_only .and. bulge > max(self%allowed(i), shown*max(abs(f(0)), abs(f(4))))) then
+         else if ((ends_only .or. means) .and. bulge > max(self%allowed(i), shown*max(abs(f(0)), abs(f(4))))) then
             ! Of all such steps together no more is left out than one may leave out
             self%left(i) = self%left(i) + bulge/self%felt(i)
             self%smooth(i) = self%left(i) <= 1.0_wp

@@ -11,7 +11,7 @@ module limber_analysis_crossings
    use limber_integrator_integrator, only: integrator_type
    use limber_multibody_kinematics, only: place_frames, move_frames
    use limber_multibody_motion_laws, only: moment_type, new_moment, watched_loads, read_moment, law_between, law_effect, law_turn, &
-      & law_excess, quartic
+      & law_excess, law_is_stored, quartic
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -55,6 +55,7 @@ contains
       allocate (self%excess(n, 0:deepest), source=0.0_wp)
       allocate (self%smooth(n), self%behind(n), self%ahead(n), self%steep(n), self%steps(n), self%idle(n), self%nothing(n))
       allocate (self%effect, source=[(law_effect(system, self%loads(i)), i=1, n)])
+      allocate (self%stored, source=[(law_is_stored(system, self%loads(i)), i=1, n)])
       self%steps = huge(n)
       allocate (self%entered(n), source=-1_long)
       allocate (self%crossed(n), source=start)

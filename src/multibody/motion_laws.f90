@@ -14,7 +14,8 @@ module limber_multibody_motion_laws
    implicit none
    private
    public :: moment_type, new_moment, watched_loads, read_moment, law_between, law_noise, law_effect, law_turn, &
-      & law_bend, law_rests, law_within, law_excess, law_is_steep, quartic, describe_law
+      & law_bend, law_rests, law_within, law_excess, law_is_steep, law_is_stored, quartic, &
+      & describe_law
 
    !> Watched laws at a moment
    type :: moment_type
@@ -261,6 +262,18 @@ contains
       inertia = minval(system%inertia(1, :), mask=system%inertia(1, :) > 0.0_wp)
       if (any(system%inertia(1, :) > 0.0_wp)) effect = 1/inertia
    end function law_effect
+
+   !> Whether a load is a law of the place alone that it acts along.
+   pure logical function law_is_stored(system, load) result(stored)
+      type(system_type), intent(in) :: system
+      !> Index of the load
+      integer, intent(in) :: load
+      stored = .false.
+      select type (item => system%loads(load)%item)
+      type is (force_element_type)
+         stored = item%potential
+      end select
+   end function law_is_stored
 
    !> Error of a place that a scheme of order 2 makes between two moments where a watched law of it changes: the twelfth of the time
    !> between times what the law changes of its rate, relative to the length of the scene, or a radian, eq. (5.52).

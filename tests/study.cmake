@@ -37,3 +37,16 @@ execute_process(COMMAND ${LIMBER} study ${WORK}/failing.inp -o ${WORK}/failing.h
 if(NOT report MATCHES "200 +0  failed: beam 'rod': 200 modes on" OR NOT report MATCHES "\n\\* RADAU")
   message(FATAL_ERROR "no failed run, or no other:\n${report}")
 endif()
+
+# Where the table comes from: the deck, and the effective deck, which can be run
+find_program(DUMP h5dump)
+if(DUMP)
+  execute_process(COMMAND ${DUMP} -a /run/limber_version -a /run/commit -a /run/compiler -a /run/compiler_options -a /run/heading
+    ${WORK}/study.h5 OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+  foreach(name deck effective_deck)
+    execute_process(COMMAND ${DUMP} -d /run/${name} ${WORK}/study.h5 OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+    if(NOT text MATCHES "\\*STUDY" OR NOT text MATCHES "\\*BEAM")
+      message(FATAL_ERROR "no deck in /run/${name}:\n${text}")
+    endif()
+  endforeach()
+endif()

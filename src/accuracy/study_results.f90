@@ -5,6 +5,7 @@ module limber_accuracy_study_results
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_version, only: version
+   use limber_analysis_provenance, only: record_origin
    use limber_accuracy_study_plan, only: plan_type, varied_type, axis_integrator, axis_modes, axis_elements, axis_fidelity
    use limber_accuracy_study_runs, only: run_type, median
    use limber_output_history, only: history_type
@@ -56,7 +57,9 @@ contains
       end do
       if (.not. allocated(error)) call file%put_text('/run/integrators', words_of(plan%axis(axis_integrator)%texts), error)
       if (.not. allocated(error)) call file%put_text('/run/fidelities', words_of(plan%axis(axis_fidelity)%texts), error)
-      if (.not. allocated(error)) call file%put_text('/run/deck', plan%path, error)
+      if (.not. allocated(error)) call record_origin(plan%deck, file, error)
+      if (.not. allocated(error)) call file%put_attribute('/run', 'heading', plan%heading, error)
+      if (.not. allocated(error)) call file%put_attribute('/run', 'deck_path', plan%path, error)
    end subroutine open_results
 
    !> Words in a line.

@@ -11,17 +11,18 @@ module limber_analysis_provenance
    use limber_monitor_model_ranges, only: record_indicators
    use limber_scene_first_scene, only: scene_type
    use limber_analysis_analysis_steps, only: passed_type
+   use limber_deck_content, only: deck_type
    use limber_deck_effective, only: effective_deck
    use limber_integrator_statistics, only: step_statistics_type
    use limber_model_analyses, only: kind_names
-   use limber_model_requested_channels, only: unit_text
+   use limber_model_unit_rules, only: unit_text
    use limber_model_model, only: body_type, units_type, body_point, body_flexible, step_dynamics
    use limber_output_history, only: history_type
    use limber_output_motion_record, only: define_motion
    use limber_output_outline, only: geometry_of
    implicit none
    private
-   public :: open_history, record_outcome, record_steps
+   public :: open_history, record_origin, record_outcome, record_steps
 
 contains
 
@@ -61,21 +62,27 @@ contains
       if (.not. allocated(error)) call record_bodies(scene, history, error)
    end subroutine open_history
 
-   !> Deck, effective deck, version, compiler, warnings.
-   subroutine record_provenance(scene, history, error)
-      type(scene_type), intent(in) :: scene
+   !> Deck, effective deck, version, compiler.
+   subroutine record_origin(deck, history, error)
+      type(deck_type), intent(in) :: deck
       type(history_type), intent(inout) :: history
       type(error_type), allocatable, intent(out) :: error
-      associate (source => scene%deck%source)
-         call history%put_text('/run/deck', source%text_of(1, 1, size(source%files(1)%lines)), error)
-      end associate
-      if (.not. allocated(error)) call history%put_text('/run/effective_deck', effective_deck(scene%deck), error)
-      if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
-      if (.not. allocated(error)) call history%put_attribute('/run', 'heading', scene%system%model%heading, error)
+      call history%put_text('/run/deck', deck%source%text_of(1, 1, size(deck%source%files(1)%lines)), error)
+      if (.not. allocated(error)) call history%put_text('/run/effective_deck', effective_deck(deck), error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'limber_version', version, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'commit', commit, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'compiler', compiler, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'compiler_options', compiler_options, error)
+   end subroutine record_origin
+
+   !> The same, and warnings, integrator and degrees of freedom of a run.
+   subroutine record_provenance(scene, history, error)
+      type(scene_type), intent(in) :: scene
+      type(history_type), intent(inout) :: history
+      type(error_type), allocatable, intent(out) :: error
+      call record_origin(scene%deck, history, error)
+      if (.not. allocated(error)) call history%put_text('/run/warnings', scene%warnings, error)
+      if (.not. allocated(error)) call history%put_attribute('/run', 'heading', scene%system%model%heading, error)
       if (.not. any(scene%system%model%steps%kind == step_dynamics)) return
       if (.not. allocated(error)) call history%put_attribute('/run', 'integrator', scene%system%model%dynamics%integrator, error)
       if (.not. allocated(error)) call history%put_attribute('/run', 'integrator_reason', scene%system%model%dynamics%reason, error)
@@ -293,8 +300,8 @@ contains
          integer :: i
          allocate (values, source=scalar_values(scene%system%model, history))
          do i = 1, size(values)
-            if (.not. allocated(error)) call history%put_real('/scalars/'//scene%system%model%scalars(i)%name, values(i:i), '', &
-               & scene%system%model%scalars(i)%long_name, error)
+            if (.not. allocated(error)) call history%put_real('/scalars/'//scene%system%model%scalars(i)%name, values(i:i), &
+               & scene%system%model%scalars(i)%units, scene%system%model%scalars(i)%long_name, error)
          end do
       end subroutine put_scalars
 

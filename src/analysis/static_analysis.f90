@@ -86,7 +86,7 @@ contains
       scene%last%rotation = statics%balance%rotation
       scene%last%centre = statics%balance%centre
       if (allocated(statics%recorder%efforts)) call move_alloc(statics%recorder%efforts, outcome%efforts)
-      report = statics%report
+      report = statics%start_text//statics%report
       call cpu_time(cpu)
       outcome%cpu = outcome%cpu + cpu
       outcome%wall = seconds_since(tick)
@@ -110,6 +110,7 @@ contains
       statics%gravity = scene%system%model%gravity
       statics%first_rotation = scene%last%rotation
       statics%report = ''
+      statics%start_text = ''
    end subroutine start
 
    !> All increments, with a sample at the end of each.
@@ -128,7 +129,7 @@ contains
       integer :: k
       takes_time = step%dynamics%end > step%dynamics%start
       call try_start(scene, step, statics)
-      if (.not. statics%known .and. step%ramp) call fall_into_place(scene, step, statics)
+      if (.not. statics%known) call fall_into_place(scene, step, statics)
       call history%check_limit(time_of(step, statics%part), error)
       if (allocated(error)) return
       if (takes_time) call sample(scene, step, statics, history, outcome, error)

@@ -46,6 +46,8 @@ module limber_analysis_static_branch
       real(wp) :: gravity(2) = 0.0_wp, first_rotation = 0.0_wp
       !> What the user is told
       character(:), allocatable :: report
+      !> What is told of the first sample
+      character(:), allocatable :: start_text
    end type statics_type
 
 contains
@@ -120,18 +122,34 @@ contains
       end associate
    end subroutine try_start
 
-   !> Stable equilibrium under a small part of the loads, where there is none without them, as of what hangs: found at once, so that
-   !> it does not depend on the increments of the deck. Where none is found the state is left as it is.
+   !> Stable equilibrium at the start of the step, where loads act already, or else under a small part of them, where there is none
+   !> without them, as of what hangs: found at once, so that it does not depend on the increments of the deck.
    subroutine fall_into_place(scene, step, statics)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
       type(statics_type), intent(inout) :: statics
       real(wp), parameter :: first_part = 1.0e-3_wp
+      if (.not. step%ramp) call fall_at(scene, step, 0.0_wp, statics)
+      if (.not. statics%known) call fall_at(scene, step, first_part, statics)
+      if (.not. step%dynamics%end > step%dynamics%start) return
+      if (.not. statics%known) statics%start_text = newline//'      at t = '//as_text(time_of(step, 0.0_wp), 8)// &
+         & ' no stable equilibrium is found: the first sample is the scene as it was, without forces of joints'
+      if (statics%known .and. statics%part > 0.0_wp) statics%start_text = newline//'      at t = '// &
+         & as_text(time_of(step, 0.0_wp), 8)//' no stable equilibrium is determined; the first one is that at t = '// &
+         & as_text(time_of(step, first_part), 8)
+   end subroutine fall_into_place
+
+   !> Stable equilibrium at a part of the step. Where none is found the state is left as it is.
+   subroutine fall_at(scene, step, part, statics)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      real(wp), intent(in) :: part
+      type(statics_type), intent(inout) :: statics
       real(wp) :: t
       logical :: done
-      t = time_of(step, first_part)
+      t = time_of(step, part)
       associate (system => scene%system, work => scene%work, balance => statics%balance)
-         call load_scene(scene, step, first_part, statics)
+         call load_scene(scene, step, part, statics)
          statics%trial = statics%q
          statics%trial_lambda = statics%lambda
          call descend(system, work, balance, t, .true., statics%trial, statics%trial_lambda, done)
@@ -142,9 +160,9 @@ contains
          if (balance%has_left) call tell_of_leaving(scene, statics, t)
          statics%known = .true.
          statics%stable = .true.
-         call accept(scene, statics, first_part)
+         call accept(scene, statics, part)
       end associate
-   end subroutine fall_into_place
+   end subroutine fall_at
 
    !> Makes the trial the state.
    subroutine accept(scene, statics, part)

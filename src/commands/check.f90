@@ -41,11 +41,20 @@ contains
             end if
             report = report//newline//'   '//body_line(model%bodies(i), model%units)
          end do
-         report = report//newline//'   '//as_text(size(model%joints) - inner_joints(model))//' joints, '// &
-            & as_text(size(model%drivers))//' drivers, '//as_text(size(model%loads))//' loads; '// &
-            & as_text(size(model%channels))//' channels'//newline//'   '//mobility_line(scene%assembly, inner_joints(model))
+         report = report//newline//'   '//number_of(size(model%joints) - inner_joints(model), 'joint')//', '// &
+            & number_of(size(model%drivers), 'driver')//', '//number_of(size(model%loads), 'load')//'; '// &
+            & number_of(size(model%channels), 'channel')//newline//'   '//mobility_line(scene%assembly, inner_joints(model))
       end associate
    end subroutine check_deck
+
+   !> '1 joint', '2 joints'.
+   pure function number_of(count, word) result(text)
+      integer, intent(in) :: count
+      character(*), intent(in) :: word
+      character(:), allocatable :: text
+      text = as_text(count)//' '//word
+      if (count /= 1) text = text//'s'
+   end function number_of
 
    pure function body_line(body, units) result(line)
       type(body_type), intent(in) :: body

@@ -7,7 +7,10 @@ module limber_commands_sweep_plan
    use limber_base_text, only: as_text, lowercase, newline
    use limber_base_version, only: version, commit
    use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_deck_compile, only: compile
    use limber_deck_content, only: deck_type, block_type
+   use limber_deck_expression, only: expression_type
+   use limber_deck_parameters, only: parameter_list_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_effective, only: effective_deck
    use limber_deck_lexer, only: part_type, split_fields, trimmed
@@ -39,16 +42,17 @@ module limber_commands_sweep_plan
       !> Values of the parameters (names, rows), and what a row is known by: all that its results follow from
       real(wp), allocatable :: values(:, :)
       character(16), allocatable :: keys(:)
-      !> Names, and meanings of the scalars that each row gives
+      !> Names, meanings and units of the scalars that each row gives
       character(name_length), allocatable :: scalars(:)
       character(200), allocatable :: meanings(:)
+      character(40), allocatable :: units(:)
       !> Whether histories are kept, and CPU time after which a run is given up [s]
       logical :: keep = .false.
       real(wp) :: limit = huge(1.0_wp)
       !> Its files, those that it includes and reads among them, padded with blanks
       character(longest_path), allocatable :: sources(:)
-      !> Text of the deck
-      character(:), allocatable :: text
+      !> The deck
+      type(deck_type) :: deck
    end type sweep_type
 
 contains
@@ -77,16 +81,17 @@ contains
       end if
       call add_usual_scalars(scene%system%model)
       associate (scalars => scene%system%model%scalars)
-         allocate (sweep%scalars(size(scalars)), sweep%meanings(size(scalars)))
+         allocate (sweep%scalars(size(scalars)), sweep%meanings(size(scalars)), sweep%units(size(scalars)))
          do i = 1, size(scalars)
             sweep%scalars(i) = scalars(i)%name
             sweep%meanings(i) = scalars(i)%long_name
+            sweep%units(i) = scalars(i)%units
          end do
       end associate
       associate (source => scene%deck%source)
-         sweep%text = source%text_of(1, 1, size(source%files(1)%lines))
          allocate (sweep%sources, source=source%paths())
       end associate
+      sweep%deck = scene%deck
       call make_keys(scene%deck, sweep)
    end subroutine plan_sweep
 
@@ -168,8 +173,7 @@ contains
       character(*), intent(in) :: text
       type(swept_type), intent(out) :: axis
       logical, intent(out) :: ok
-      character(:), allocatable :: plain
-      integer :: equals, i, count, first, status
+      integer :: equals, i, count, first
       real(wp) :: ends(3)
       equals = index(text, '=')
       ok = equals > 1 .and. equals < len_trim(text)
@@ -185,9 +189,14 @@ contains
             ok = index(values, ',') == 0 .and. count <= 3
             if (.not. ok) return
             ends(3) = 2.0_wp
-            plain = colons_out(values)
-            read (plain, *, iostat=status) ends(:count)
-            ok = status == 0 .and. abs(ends(3) - anint(ends(3))) <= 0.0_wp .and. ends(3) >= 2.0_wp .and. ends(3) <= most_rows
+            first = 1
+            do i = 1, count
+               equals = index(values(first:)//':', ':')
+               call read_value(values(first:first + equals - 2), ends(i), ok)
+               if (.not. ok) return
+               first = first + equals
+            end do
+            ok = abs(ends(3) - anint(ends(3))) <= 0.0_wp .and. ends(3) >= 2.0_wp .and. ends(3) <= most_rows
             if (.not. ok) return
             axis%is_range = count == 2
             count = nint(ends(3))
@@ -199,8 +208,8 @@ contains
             first = 1
             do i = 1, count
                equals = index(values(first:)//',', ',')
-               read (values(first:first + equals - 2), *, iostat=status) axis%values(1, i)
-               ok = ok .and. status == 0
+               call read_value(values(first:first + equals - 2), axis%values(1, i), ok)
+               if (.not. ok) return
                first = first + equals
             end do
          end if
@@ -208,16 +217,25 @@ contains
       end associate
    end subroutine read_setting
 
-   !> Blanks in place of colons.
-   pure function colons_out(text) result(plain)
+   !> A number, or an expression of numbers, such as pi/2.
+   subroutine read_value(text, value, ok)
       character(*), intent(in) :: text
-      character(len(text)) :: plain
-      integer :: i
-      plain = text
-      do i = 1, len(text)
-         if (text(i:i) == ':') plain(i:i) = ' '
-      end do
-   end function colons_out
+      real(wp), intent(out) :: value
+      logical, intent(out) :: ok
+      type(parameter_list_type) :: none
+      type(expression_type) :: expression
+      type(diagnostics_type) :: unheard
+      integer :: status
+      value = 0.0_wp
+      if (verify(trim(adjustl(text)), '0123456789+-.eEdD') == 0) then
+         read (text, *, iostat=status) value
+         ok = status == 0
+         return
+      end if
+      call compile(text, origin_type(1, 1, 1, len(text)), none, expression, ok, unheard)
+      if (ok) ok = expression%is_constant()
+      if (ok) value = expression%constant_value()
+   end subroutine read_value
 
    !> The columns of the file that *SWEEP names.
    subroutine read_table(deck, block, axis, diagnostics)

@@ -6,7 +6,8 @@ module limber_commands_sweep_summary
    use limber_base_files, only: append_text, rename_file, remove_file, first_bytes
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_base_version, only: version, commit
+   use limber_analysis_provenance, only: record_origin
+   use limber_base_version, only: version
    use limber_commands_sweep_plan, only: sweep_type
    use limber_commands_sweep_pool, only: history_name
    use limber_commands_sweep_rows, only: row_type, row_states, row_missing, row_done, row_refused, row_failed, row_crashed
@@ -70,7 +71,8 @@ contains
          & 'largest estimated error of a channel relative to its magnitude; -1: none was asked for', error)
       if (.not. allocated(error)) call file%define_channel('warnings', 1, '1', 'number of warnings; /run/messages has them', error)
       do i = 1, size(sweep%scalars)
-         if (.not. allocated(error)) call file%define_channel(trim(sweep%scalars(i)), 1, '', trim(sweep%meanings(i)), error)
+         if (.not. allocated(error)) call file%define_channel(trim(sweep%scalars(i)), 1, trim(sweep%units(i)), &
+            & trim(sweep%meanings(i)), error)
       end do
       do i = 1, size(rows)
          if (allocated(error)) exit
@@ -100,9 +102,7 @@ contains
          call file%put_real('/run/seconds', rows%seconds, 's', 'CPU seconds of each row, reading and modes included', error)
          if (.not. allocated(error)) call file%put_text('/run/messages', messages, error)
          if (.not. allocated(error)) call file%put_text('/run/histories', histories, error)
-         if (.not. allocated(error)) call file%put_text('/run/deck', sweep%text, error)
-         if (.not. allocated(error)) call file%put_attribute('/run', 'limber_version', version, error)
-         if (.not. allocated(error)) call file%put_attribute('/run', 'commit', commit, error)
+         if (.not. allocated(error)) call record_origin(sweep%deck, file, error)
       end subroutine put_texts
 
    end subroutine write_results

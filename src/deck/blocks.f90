@@ -6,6 +6,7 @@ module limber_deck_blocks
    use limber_base_text, only: as_text, lowercase
    use limber_deck_cursor, only: letters, digits
    use limber_deck_compile, only: is_reserved
+   use limber_deck_quantity_names, only: quantity_names
    use limber_deck_lexer, only: part_type, trimmed, find_outside, collapsed, comment_start, is_parameter_name
    use limber_deck_origin, only: origin_type
    use limber_deck_source, only: beside
@@ -347,13 +348,27 @@ contains
       if (self%kept < 2) then
          if (self%seen == self%kept .and. len(self%block%text('FILE')) == 0) call diagnostics%add(self%block%origin, &
             & "table '"//name//"' has too few points", 'give at least two')
-      else if (is_reserved(name) .or. .not. is_parameter_name(name)) then
+      else if (is_reserved(name) .or. any(quantity_names == lowercase(name)) .or. .not. is_parameter_name(name)) then
          call diagnostics%add(self%block%origin_of('NAME'), "'"//name//"' cannot be the name of a table", &
-            & 'a letter, then letters, digits and _; t, pi and the functions are reserved')
+            & 'a letter, then letters, digits and _; t, pi, functions and quantities are reserved; write '//valid_name(name))
       else if (deck%parameters%find_table(name) == 0) then
          call deck%parameters%define_table(name, new_table(x, y, self%block%word('INTERPOLATION') == 'SPLINE'))
       end if
    end subroutine define_table
+
+   !> The nearest name that a table can have.
+   pure function valid_name(name) result(valid)
+      character(*), intent(in) :: name
+      character(:), allocatable :: valid
+      character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
+      integer :: i
+      valid = lowercase(name)
+      do i = 1, len(valid)
+         if (verify(valid(i:i), letters//'0123456789_') > 0) valid(i:i) = '_'
+      end do
+      if (verify(valid(1:min(1, len(valid))), letters) > 0 .or. len(valid) == 0) valid = 'table_'//valid
+      if (is_reserved(valid) .or. any(quantity_names == valid)) valid = valid//'_table'
+   end function valid_name
 
    !> Closes the open block, if there is one, and appends it to the deck.
    subroutine end_block(self, deck, diagnostics)

@@ -57,7 +57,8 @@ contains
       else
          allocate (c%variables(0))
       end if
-      allocate (c%codes(len(text) + 1), c%operands(len(text) + 1), c%values(len(text) + 1), c%slots(0))
+      allocate (c%codes(len(text) + 1), c%operands(len(text) + 1), c%values(len(text) + 1), c%slots(0), &
+         & c%named(len(text) + 1))
       call ieee_get_status(floating)
       call ieee_set_halting_mode(ieee_all, .false.)
       call parse_expression(c, parameters)
@@ -75,6 +76,7 @@ contains
          allocate (expression%codes, source=c%codes(:c%count))
          allocate (expression%operands, source=c%operands(:c%count))
          allocate (expression%constants, source=c%values(:c%value_count))
+         if (any(c%named(:c%value_count))) allocate (expression%named, source=c%named(:c%value_count))
          call move_alloc(c%slots, expression%slots)
          if (allocated(c%tables)) call move_alloc(c%tables, expression%tables)
       else if (c%silent) then
@@ -273,7 +275,7 @@ contains
          c%failed = .true.
          c%silent = .true.
       else
-         call push_constant(c, parameters%items(found)%value, at)
+         call push_constant(c, parameters%items(found)%value, at, named=.true.)
       end if
    end subroutine parse_name
 

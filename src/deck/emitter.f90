@@ -25,6 +25,8 @@ module limber_deck_emitter
       !> Program so far; `count` operations, `constants` constants, `slots` slots
       integer, allocatable :: codes(:), operands(:)
       real(wp), allocatable :: values(:)
+      !> Whether a value is a parameter, or made of one
+      logical, allocatable :: named(:)
       !> Tables that occur, one behind the other
       real(wp), allocatable :: tables(:)
       type(slot_type), allocatable :: slots(:)
@@ -53,13 +55,17 @@ contains
    end subroutine push_table
 
    !> Adds a constant.
-   subroutine push_constant(c, value, at)
+   subroutine push_constant(c, value, at, named)
       class(emitter_type), intent(inout) :: c
       real(wp), intent(in) :: value
       !> Column to complain at
       integer, intent(in) :: at
+      !> Whether it is a parameter; false if not given
+      logical, intent(in), optional :: named
       c%value_count = c%value_count + 1
       c%values(c%value_count) = value
+      c%named(c%value_count) = .false.
+      if (present(named)) c%named(c%value_count) = named
       call push(c, op_constant, c%value_count, at)
    end subroutine push_constant
 
@@ -130,6 +136,7 @@ contains
       end if
       c%count = c%count - operands + 1
       c%value_count = c%value_count - operands + 1
+      c%named(c%value_count) = any(c%named(c%value_count:c%value_count + operands - 1))
       c%values(c%value_count) = u
       c%operands(c%count) = c%value_count
    end subroutine emit

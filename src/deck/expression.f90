@@ -31,6 +31,8 @@ module limber_deck_expression
       integer, allocatable :: operands(:)
       !> Constants, parameters included
       real(wp), allocatable :: constants(:)
+      !> Whether a constant is a parameter, or made of one (constants); unallocated: none is
+      logical, allocatable :: named(:)
       !> The tables that occur in it, one behind the other; unallocated if there are none
       real(wp), allocatable :: tables(:)
       !> What it depends on, each once

@@ -1,19 +1,23 @@
-!> Ends of beams that joints, drivers and springs hold. A body that only hangs on the beam holds nothing. Floor: model. Source:
-!> doc/theory, eq. (2.49).
+!> Ends of beams that joints, drivers and springs hold, and in which direction. A body that only hangs on the beam holds nothing.
+!> Floor: model. Source: doc/theory, eq. (2.49).
 module limber_model_held_ends
    use limber_base_kinds, only: wp
    use limber_deck_content, only: deck_type, block_type
-   use limber_model_points_of_action, only: body_of, point_of, has_pair
+   use limber_model_points_of_action, only: body_of, point_of, has_pair, line_angle, first_angle
    implicit none
    private
    public :: hold_type, holds_of
+
+   !> Part of a direction along an axis that is none
+   real(wp), parameter :: nearly = 0.05_wp
+   logical, parameter :: all_ways(2) = .true.
 
    !> A point of a body and what holds it
    type :: hold_type
       !> Its name without that of the body
       character(64) :: name = ''
-      !> Whether joints and drivers hold it, and the section there
-      logical :: held = .false., clamped = .false.
+      !> Whether joints and drivers hold it along the x and y axes of the body as it is placed at first, and the section there
+      logical :: held(2) = .false., clamped = .false.
       !> Whether that is a body which hangs there alone, and the mass of a rigid one
       logical :: hangs = .false.
       real(wp) :: mass = 0.0_wp
@@ -41,7 +45,7 @@ contains
                end do
             case ('DRIVER'); call of_driver(deck, block, body, holds)
             case ('MOTION')
-               if (block%name('BODY') == body) call note(hold_type('origin', .true., .true.), holds)
+               if (block%name('BODY') == body) call note(hold_type('origin', all_ways, .true.), holds)
             case ('BUSHING', 'SPRING')
                if (.not. has_pair(block)) cycle
                do k = 1, 2
@@ -51,11 +55,13 @@ contains
          end associate
       end do
       ! Of a body in space that nothing else holds the others are the ground
-      if (any((holds%held .or. holds%clamped .or. holds%across + holds%turning > 0.0_wp) .and. .not. holds%hangs)) then
-         where (holds%hangs)
-            holds%held = .false.
-            holds%clamped = .false.
-         end where
+      if (any((holds%held(1) .or. holds%held(2) .or. holds%clamped .or. holds%across + holds%turning > 0.0_wp) .and. &
+         & .not. holds%hangs)) then
+         do i = 1, size(holds)
+            if (.not. holds(i)%hangs) cycle
+            holds(i)%held = .false.
+            holds(i)%clamped = .false.
+         end do
       else
          holds%mass = 0.0_wp
       end if
@@ -74,6 +80,12 @@ contains
       other = deck%find_named('RIGID BODY|BEAM|FRAME|POINT MASS', trim(body_of(block%lines(1)%text(3 - side))))
       if (other > 0) new%hangs = is_alone(deck, deck%blocks(other)%name(), body_of(block%lines(1)%text(side)))
       new%held = .not. any(block%word('TYPE') == [character(5) :: 'GEAR', 'RACK', 'BELT'])
+      ! A line holds across itself
+      if (any(block%word('TYPE') == [character(13) :: 'POINT ON LINE', 'TRANSLATIONAL'])) then
+         associate (angle => line_angle(deck, block, body_of(block%lines(1)%text(side))))
+            new%held = abs([sin(angle), cos(angle)]) > nearly
+         end associate
+      end if
       new%clamped = any(block%word('TYPE') == [character(13) :: 'WELD', 'TRANSLATIONAL', 'GEAR', 'RACK', 'BELT'])
       if (block%word('TYPE') == 'RACK') new%clamped = side == 1
       if (new%hangs) then
@@ -130,10 +142,10 @@ contains
          if (block%name('BODY') == body) call note(hold_type('origin', clamped=.true.), holds)
       end if
       if (block%has('POINT')) then
-         if (body_of(block%text('POINT')) == body) call note(hold_type(point_of(block%text('POINT')), held=.true.), holds)
+         if (body_of(block%text('POINT')) == body) call note(hold_type(point_of(block%text('POINT')), ways()), holds)
       end if
       if (block%has('TO')) then
-         if (body_of(block%text('TO')) == body) call note(hold_type(point_of(block%text('TO')), held=.true.), holds)
+         if (body_of(block%text('TO')) == body) call note(hold_type(point_of(block%text('TO')), all_ways), holds)
       end if
       if (.not. block%has('JOINT') .or. block%word('TYPE') /= 'ANGLE') return
       joint = deck%find_named('JOINT', block%name('JOINT'))
@@ -143,6 +155,19 @@ contains
          if (body_of(deck%blocks(joint)%lines(1)%text(k)) == body) &
             & call note(hold_type(point_of(deck%blocks(joint)%lines(1)%text(k)), clamped=.true.), holds)
       end do
+
+   contains
+
+      !> A coordinate holds along its axis.
+      function ways()
+         logical :: ways(2)
+         ways = .true.
+         if (all(block%word('TYPE') /= [character(1) :: 'X', 'Y'])) return
+         associate (angle => first_angle(deck, body))
+            ways = abs([cos(angle), sin(angle)]) > nearly
+            if (block%word('TYPE') == 'Y') ways = abs([sin(angle), cos(angle)]) > nearly
+         end associate
+      end function ways
    end subroutine of_driver
 
    !> Springs whose direction is known.

@@ -18,7 +18,7 @@ module limber_model_model
    public :: model_type, body_type, whole_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
    public :: deflection_type
    public :: load_effort_type, distributed_load_type, named_load_type, scalar_type
-   public :: dynamics_type, analysis_step_type, channel_type, quantity_type, units_type
+   public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
    integer, parameter, public :: body_point = 1, body_rigid = 2, body_flexible = 3
@@ -57,6 +57,14 @@ module limber_model_model
    character(7), parameter, public :: summary_names(6) = [character(7) :: 'first', 'last', 'minimum', 'maximum', 'mean', 'rms']
    !> Instead of a quantity of the table: elongation and rate of the spring whose law it is
    integer, parameter, public :: own_elongation = -1, own_rate = -2
+
+   !> Dimension of a number
+   type :: dimension_type
+      !> Exponents of length, time and mass, and of angles
+      integer :: exponents(3) = 0, turns = 0
+      !> True if it may be any; true for a moment, which is no energy
+      logical :: open = .false., moment = .false.
+   end type dimension_type
 
    !> A quantity that an expression asks for
    type :: quantity_type
@@ -299,6 +307,7 @@ module limber_model_model
       character(:), allocatable :: name
       !> Text of its expression, and its units
       character(:), allocatable :: long_name, units
+      type(dimension_type) :: dimension
       !> What its displacements and angles are measured from; empty if nothing is to be said
       character(:), allocatable :: reference
       type(expression_type) :: expression
@@ -309,8 +318,8 @@ module limber_model_model
    !> A single number of a run: an expression of what channels were over its samples
    type :: scalar_type
       character(:), allocatable :: name
-      !> Text of its expression
-      character(:), allocatable :: long_name
+      !> Text of its expression, and its units
+      character(:), allocatable :: long_name, units
       type(expression_type) :: expression
       !> What each slot of the expression stands for: one of the kinds of summaries, and the index of the channel
       integer, allocatable :: summaries(:), channels(:)

@@ -4,7 +4,8 @@ module limber_model_points_of_action
    use limber_deck_content, only: deck_type, block_type
    implicit none
    private
-   public :: acting_type, acting_points, find_shared, find_turning, body_of, point_of, has_pair
+   public :: acting_type, acting_points, find_shared, find_turning, body_of, point_of, has_pair, line_angle, &
+      & first_angle
 
    !> Sine of the angle between line and axis that is none; a right angle
    real(wp), parameter :: nearly = 0.05_wp, right_angle = acos(0.0_wp)
@@ -163,14 +164,12 @@ contains
       !> Of the joint
       type(block_type), intent(in) :: block
       character(*), intent(in) :: body
-      real(wp) :: angle
       holds = .false.
       select case (block%word('TYPE'))
       case ('GEAR', 'RACK', 'BELT', 'SLIDING')
          return
       case ('POINT ON LINE', 'TRANSLATIONAL')
-         angle = block%real('ANGLE') + first_angle(deck, body_of(block%lines(1)%text(2))) - first_angle(deck, body)
-         holds = abs(sin(angle)) > nearly
+         holds = abs(sin(line_angle(deck, block, body))) > nearly
       case default
          holds = .true.
       end select
@@ -184,6 +183,15 @@ contains
       character(*), intent(in) :: body
       drives_along = abs(sin(first_angle(deck, body) + merge(right_angle, 0.0_wp, block%word('TYPE') == 'X'))) > nearly
    end function drives_along
+
+   !> Angle of the line of a joint from the x axis of a body, as bodies are placed at first.
+   real(wp) function line_angle(deck, block, body) result(angle)
+      type(deck_type), intent(in) :: deck
+      !> Of the joint
+      type(block_type), intent(in) :: block
+      character(*), intent(in) :: body
+      angle = block%real('ANGLE') + first_angle(deck, body_of(block%lines(1)%text(2))) - first_angle(deck, body)
+   end function line_angle
 
    !> Angle at which the deck places a body; 0 for the ground.
    real(wp) function first_angle(deck, body) result(angle)

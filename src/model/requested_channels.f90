@@ -5,27 +5,27 @@ module limber_model_requested_channels
    use limber_base_text, only: as_text, lowercase, nearest_name
    use limber_deck_content, only: block_type, field_type
    use limber_deck_diagnostics, only: diagnostics_type
-   use limber_deck_expression, only: slot_type, is_binary
-   use limber_deck_operations, only: op_constant, op_slot, op_negate, op_add, op_subtract, op_multiply, op_divide, &
-      & op_abs, function_names
+   use limber_deck_expression, only: slot_type
+   use limber_deck_operations, only: function_names
    use limber_model_lists, only: append
    use limber_model_points, only: find_point, find_body, find_named, enter_name
    use limber_model_quantities, only: quantities, of_point, of_body, of_beam_point, of_beam, of_joint, of_driver, of_spring, &
       & of_system, of_translational, of_turner, of_pusher, of_powered, quantity_elongation, quantity_rate, &
       & of_flexible_point, of_section, of_coupler, quantity_stress_top, quantity_stress_bottom, &
       & quantity_kinetic, quantity_potential, quantity_work
+   use limber_model_unit_rules, only: expression_units
    use limber_model_references, only: find_reference, warn_of_zero
-   use limber_model_model, only: model_type, body_type, channel_type, quantity_type, units_type, body_point, &
+   use limber_model_model, only: model_type, body_type, channel_type, quantity_type, dimension_type, body_point, &
       & body_flexible, ground, &
       & joint_coupler, coordinate_displacement, &
       & driver_angle, driver_joint_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
       & load_distributed, load_friction
    implicit none
    private
-   public :: add_channels, unit_text, find_quantity, flexible_instead
+   public :: add_channels, find_quantity, flexible_instead
 
-   !> Dimension that could not be worked out; that of an energy: exponents of length, time and mass
-   integer, parameter :: unknown = huge(1), energy(3) = [2, -2, 1]
+   !> Dimension of an energy: exponents of length, time and mass
+   integer, parameter :: energy(3) = [2, -2, 1]
 
 contains
 
@@ -70,7 +70,7 @@ contains
          call find_quantity(field%expression%slots(i), model, channel%quantities(i), diagnostics)
       end do
       if (any(channel%quantities%of < 0)) return
-      channel%units = channel_units(channel, model%units)
+      call expression_units(channel%expression, slot_dimensions(channel%quantities), model%units, channel%dimension, channel%units)
       call find_reference(model, channel)
       call warn_of_zero(model, field, channel, diagnostics)
    end subroutine new_channel
@@ -330,135 +330,17 @@ contains
       if (size(model%bodies) > most) text = text//' ... '//as_text(size(model%bodies))//' in all'
    end function body_list
 
-   !> Units of a channel from the dimensions of its quantities; 'unknown' where they do not fit together.
-   function channel_units(channel, units) result(text)
-      type(channel_type), intent(in) :: channel
-      type(units_type), intent(in) :: units
-      character(:), allocatable :: text
-      integer :: dimension(3)
-      dimension = expression_dimension(channel)
-      if (any(dimension == unknown)) then
-         text = 'unknown'
-         return
-      end if
-      text = unit_text(dimension, units, is_moment(channel))
-      if (size(channel%quantities) /= 1 .or. size(channel%expression%codes) /= 1) return
-      if (.not. channel%quantities(1)%angular) return
-      text = 'rad'
-      if (dimension(2) == -1) text = 'rad/'//units%time
-   end function channel_units
-
-   !> Whether what has the dimension of an energy is a moment: something of it is, and no angle multiplies that.
-   pure logical function is_moment(channel)
-      type(channel_type), intent(in) :: channel
+   !> Dimensions of quantities.
+   pure function slot_dimensions(asked) result(slots)
+      type(quantity_type), intent(in) :: asked(:)
+      type(dimension_type) :: slots(size(asked))
       integer :: i
-      is_moment = .false.
-      do i = 1, size(channel%quantities)
-         associate (quantity => channel%quantities(i))
-            if (quantity%angular .or. any(quantity%kind == [quantity_kinetic, quantity_potential, quantity_work])) then
-               is_moment = .false.
-               return
-            end if
-            is_moment = is_moment .or. all(quantity%dimension == energy)
-         end associate
+      do i = 1, size(asked)
+         slots(i)%exponents = asked(i)%dimension
+         slots(i)%turns = merge(1, 0, asked(i)%angular)
+         slots(i)%moment = all(asked(i)%dimension == energy) .and. .not. asked(i)%angular .and. &
+            & all(asked(i)%kind /= [quantity_kinetic, quantity_potential, quantity_work])
       end do
-   end function is_moment
-
-   !> Dimension of an expression: its postfix program run on exponents. Plain numbers have none; what they are added to or taken
-   !> from says theirs, but who multiplies that by another number may mean any dimension.
-   pure function expression_dimension(channel) result(dimension)
-      type(channel_type), intent(in) :: channel
-      integer :: dimension(3), stack(3, 128), i, top
-      logical :: plain(128), shifted(128)
-      top = 0
-      do i = 1, size(channel%expression%codes)
-         associate (code => channel%expression%codes(i))
-            if (code == op_constant .or. code == op_slot) then
-               top = top + 1
-               stack(:, top) = 0
-               plain(top) = code == op_constant
-               shifted(top) = .false.
-               if (code == op_slot) stack(:, top) = channel%quantities(channel%expression%operands(i))%dimension
-            else if (is_binary(code)) then
-               top = top - 1
-               stack(:, top) = combined(code, stack(:, top), stack(:, top + 1), plain(top:top + 1), shifted(top:top + 1))
-               shifted(top) = any(shifted(top:top + 1)) .or. ((code == op_add .or. code == op_subtract) .and. &
-                  & (plain(top) .neqv. plain(top + 1)))
-               plain(top) = all(plain(top:top + 1))
-            else if (code /= op_negate .and. code /= op_abs .and. any(stack(:, top) /= 0)) then
-               stack(:, top) = unknown
-            end if
-         end associate
-      end do
-      dimension = stack(:, 1)
-   end function expression_dimension
-
-   pure function combined(code, a, b, plain, shifted) result(c)
-      integer, intent(in) :: code, a(3), b(3)
-      !> Of both: whether it is a plain number, and whether one has been added to it
-      logical, intent(in) :: plain(2), shifted(2)
-      integer :: c(3)
-      c = unknown
-      if (any(a == unknown) .or. any(b == unknown)) return
-      select case (code)
-      case (op_multiply, op_divide)
-         if (any(plain .and. shifted(2:1:-1)) .and. any(abs(a) + abs(b) > 0)) return
-         c = a + merge(b, -b, code == op_multiply)
-      case (op_add, op_subtract)
-         if (all(a == b) .or. plain(2)) c = a
-         if (plain(1)) c = b
-      case default
-         if (all(a == b .and. a == 0)) c = 0
-      end select
-   end function combined
-
-   !> A dimension in the deck's units: 'm', 'm/s', 'N', '1'.
-   pure function unit_text(dimension, units, is_moment) result(text)
-      !> Exponents of length, time and mass
-      integer, intent(in) :: dimension(3)
-      type(units_type), intent(in) :: units
-      !> Whether what has the dimension of an energy is a moment; if not given, it is none
-      logical, intent(in), optional :: is_moment
-      character(:), allocatable :: text
-      text = named(dimension, units%length//' '//units%mass//' '//units%time)
-      if (present(is_moment)) then
-         if (is_moment .and. all(dimension == energy)) text = named([1, -2, 1], units%length//' '//units%mass//' '//units%time) &
-            & //' '//units%length
-         if (text(1:min(1, len(text))) == ' ') text = ''
-      end if
-      if (text /= '') return
-      text = power(units%mass, dimension(3))//power(units%length, dimension(1))//power(units%time, dimension(2))
-      if (text == '') then
-         text = '1'
-      else
-         text = text(2:)
-      end if
-   end function unit_text
-
-   !> Units with names of their own: of force, energy, stress, power; empty for others.
-   pure function named(dimension, system) result(text)
-      integer, intent(in) :: dimension(3)
-      !> Units of length, mass and time
-      character(*), intent(in) :: system
-      character(:), allocatable :: text
-      integer :: which
-      integer, parameter :: known(3, 4) = reshape([1, -2, 1, 2, -2, 1, -1, -2, 1, 2, -3, 1], [3, 4])
-      character(*), parameter :: names(4, 2) = reshape([character(3) :: 'N', 'J', 'Pa', 'W', 'N', 'mJ', 'MPa', 'mW'], [4, 2])
-      text = ''
-      do which = 1, size(known, 2)
-         if (any(dimension /= known(:, which))) cycle
-         if (system == 'm kg s') text = trim(names(which, 1))
-         if (system == 'mm t s') text = trim(names(which, 2))
-      end do
-   end function named
-
-   pure function power(unit, exponent) result(text)
-      character(*), intent(in) :: unit
-      integer, intent(in) :: exponent
-      character(:), allocatable :: text
-      text = ''
-      if (exponent /= 0) text = ' '//unit
-      if (exponent /= 0 .and. exponent /= 1) text = text//'^'//as_text(exponent)
-   end function power
+   end function slot_dimensions
 
 end module limber_model_requested_channels

@@ -6,7 +6,8 @@ module limber_model_run_scalars
    use limber_deck_expression, only: slot_type
    use limber_deck_operations, only: op_slot
    use limber_model_points, only: find_named
-   use limber_model_model, only: model_type, scalar_type, summary_names, summary_minimum, summary_maximum, &
+   use limber_model_unit_rules, only: expression_units
+   use limber_model_model, only: model_type, scalar_type, dimension_type, summary_names, summary_minimum, summary_maximum, &
       & summary_last
    implicit none
    private
@@ -51,6 +52,7 @@ contains
             associate (scalar => model%scalars(n))
                scalar%name = trim(summary_names(usual(k)))//'_'//model%channels(i)%name
                scalar%long_name = trim(summary_names(usual(k)))//'('//model%channels(i)%name//')'
+               scalar%units = model%channels(i)%units
                allocate (scalar%expression%codes(1), source=op_slot)
                allocate (scalar%expression%operands(1), source=1)
                allocate (scalar%expression%constants(0), scalar%expression%slots(1))
@@ -66,6 +68,7 @@ contains
       type(model_type), intent(in) :: model
       type(scalar_type), intent(inout) :: scalar
       type(diagnostics_type), intent(inout) :: diagnostics
+      type(dimension_type) :: dimension
       integer :: i
       scalar%expression = field%expression
       scalar%name = field%name
@@ -80,6 +83,9 @@ contains
          do i = 1, size(slots)
             call find_summary(slots(i), model, scalar%summaries(i), scalar%channels(i), diagnostics)
          end do
+         scalar%units = ''
+         if (all(scalar%summaries > 0 .and. scalar%channels > 0)) call expression_units(field%expression, &
+            & [(model%channels(scalar%channels(i))%dimension, i=1, size(slots))], model%units, dimension, scalar%units)
       end associate
    end subroutine fill_scalar
 

@@ -124,7 +124,7 @@ contains
          do i = 1, size(holds)
             at = abs(place_on(block, trim(holds(i)%name)) - [0.0_wp, length]) < 1.0e-6_wp*length
             where (at)
-               held = held .or. holds(i)%held
+               held = held .or. holds(i)%held(2)
                clamped = clamped .or. holds(i)%clamped
                spring(:, 1) = spring(:, 1) + holds(i)%across*length**3/beam%ei
                spring(:, 2) = spring(:, 2) + holds(i)%turning*length/beam%ei
@@ -229,7 +229,7 @@ contains
          node = node_named(deck, index, draft, trim(holds(i)%name))
          if (node == 0) cycle
          mesh%mass(1:2, node) = mesh%mass(1:2, node) + holds(i)%mass
-         if (holds(i)%held .or. holds(i)%across > firm*ei/length**3) mesh%free(1:2, node) = .false.
+         mesh%free(1:2, node) = mesh%free(1:2, node) .and. .not. (holds(i)%held .or. holds(i)%across > firm*ei/length**3)
          if (holds(i)%clamped .or. holds(i)%turning > firm*ei/length) mesh%free(3, node) = .false.
       end do
    end function held_frame

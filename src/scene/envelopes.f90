@@ -2,7 +2,7 @@
 module limber_scene_envelopes
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_model_requested_channels, only: unit_text
+   use limber_model_unit_rules, only: unit_text
    use limber_model_model, only: model_type
    use limber_model_beam_segments, only: pieces_of, piece_start, name_in_deck
    use limber_output_history, only: history_type

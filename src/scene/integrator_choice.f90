@@ -88,7 +88,9 @@ contains
       !> Turns of the motion beyond which the energy of a conservative scene counts more than its phase
       real(wp), parameter :: long = 1.0e3_wp
       character(:), allocatable :: ratio
-      ratio = found%rate_words(unit)//' is '//as_text(found%rate()/found%motion, 2)//' times as fast as the motion'
+      ratio = 'nothing vibrates'
+      if (found%rate() > 0.0_wp) ratio = found%rate_words(unit)//' is '//as_text(found%rate()/found%motion, 2)// &
+         & ' times as fast as the motion'
       if (.not. powered .and. found%motion*(dynamics%end - dynamics%start) > 2*acos(-1.0_wp)*long &
          & .and. dynamics%tolerance > 1.0e-6_wp) then
          integrator = 'CONSERVING'

@@ -2,10 +2,13 @@
 program test_names
    use limber_base_names, only: name_index_type
    use limber_base_text, only: as_text
+   use limber_deck_quantity_names, only: quantity_names
+   use limber_model_quantities, only: quantities
    use testing, only: check, check_text, finish
    implicit none
    integer, parameter :: many = 20000
 
+   call check(all(quantities%name == quantity_names), 'names that tables cannot have are those of quantities')
    call test_many()
    call test_shorten()
    call finish()

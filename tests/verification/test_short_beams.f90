@@ -13,6 +13,8 @@ program test_short_beams
    character(*), parameter :: walls = wall//far//'*JOINT, NAME=other, TYPE=WELD'//nl//' bar.end, ground.far'//nl
    character(*), parameter :: pins = far//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.start, ground.origin'//nl// &
       & '*JOINT, NAME=roller, TYPE=POINT ON LINE'//nl//' bar.end, ground.far'//nl
+   !> An end that keeps its direction and moves across
+   character(*), parameter :: guide = far//'*JOINT, NAME=guide, TYPE=TRANSLATIONAL, ANGLE=pi/2'//nl//' bar.end, ground.far'//nl
    !> Models of a beam; what a frame says of its members
    character(*), parameter :: beams(5) = [character(48) :: '', ', SEGMENTS=2', ', GEOMETRIC=K_G, SUPPORT=CLAMPED-FREE', &
       & ', GEOMETRIC=K_G, CORRECTIONS=YES', ', GEOMETRIC=LINEAR, SUPPORT=CLAMPED-CLAMPED']
@@ -24,6 +26,7 @@ program test_short_beams
    call check_scene(wall, 0.176_wp, 0.206_wp, 'clamped and free')
    call check_scene(pins, 0.331_wp, 0.384_wp, 'on pins')
    call check_scene(walls, 1.083_wp, 0.757_wp, 'between walls')
+   call check_scene(wall//guide, 0.360_wp, 0.438_wp, 'clamped and guided')
    call check_holds()
    call check_truss()
    call finish()
@@ -93,6 +96,8 @@ contains
          & 'a head')
       call check_first(wall//'*POINT MASS, NAME=head, MASS=23.4, X=1'//nl//'*JOINT, NAME=neck, TYPE=REVOLUTE'//nl// &
          & ' head, bar.end'//nl, 0.127_wp, 'a point mass')
+      call check_first(pin//guide, 0.098_wp, 'a pin and a guide')
+      call check_first(wall//'*DRIVER, NAME=along, TYPE=X, POINT=bar.end'//nl//' 1'//nl, 0.176_wp, 'a driver along the beam')
       call compare(told_of(frame('0.5', 'LARGE=NO')//pin//'*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=pin'//nl//' 0'//nl// &
          & '*MODES, NUMBER=1'//nl, 'first bending frequency'), 0.176_wp, 'a frame on a driven hinge')
    end subroutine check_holds

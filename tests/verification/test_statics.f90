@@ -26,6 +26,7 @@ program test_statics
    call check_crossed_elements()
    call check_propped()
    call check_ramp()
+   call check_start()
    call finish()
 
 contains
@@ -170,6 +171,32 @@ contains
          call reader%close()
       end do
    end subroutine check_corners
+
+   !> A bar placed aslant hangs from the first sample on, with all its weight if that does not grow; growing from nothing, its first
+   !> sample is that of a part of it, which is told.
+   subroutine check_start()
+      character(1), parameter :: nl = new_line('a')
+      character(*), parameter :: scene = '*GRAVITY'//nl//'*RIGID BODY, NAME=bar, MASS=2, INERTIA=1, CENTRE X=0.5, ANGLE=1'//nl// &
+         & '*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.origin, ground.origin'//nl//'*STATICS, INCREMENTS=4'
+      character(*), parameter :: asked = nl//'*OUTPUT'//nl//' a = angle(bar), f = force_y(pin)'//nl
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: angle(:), force(:)
+      integer :: i
+      do i = 1, 2
+         call run_text(scene//trim(merge(', RAMP=NO', '         ', i == 1))//asked, trim(results), report, error)
+         call check(.not. allocated(error), 'a bar that hangs')
+         if (allocated(error)) return
+         call reader%open(trim(results), error)
+         angle = channel(reader, 'a')
+         force = channel(reader, 'f')
+         call reader%close()
+         call check_close(maxval(abs(cos(angle))), 0.0_wp, 1.0e-9_wp, 'it hangs from the first sample on')
+         call check_close(force(1), 2*9.81_wp*merge(1.0_wp, 1.0e-3_wp, i == 1), 1.0e-9_wp, 'its weight at the first sample')
+         call check((index(report, 'at t = 0 no stable equilibrium is determined') > 0) .eqv. i == 2, 'what is told: '//report)
+      end do
+   end subroutine check_start
 
    !> A slider-crank at its dead centre: pulled it stays, pushed it folds over and says so, without a load nothing holds it.
    subroutine check_dead_centre()

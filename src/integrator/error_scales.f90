@@ -20,6 +20,8 @@ module limber_integrator_error_scales
       real(wp), allocatable :: value(:)
       !> Bodies that are connected have one number, from 1 on (bodies)
       integer, allocatable :: group(:)
+      !> Length of what is connected [length] (groups)
+      real(wp), allocatable :: length(:)
       !> Speed [length/time], common to connected bodies, without coordinates that drivers prescribe, and that of these (groups)
       real(wp), allocatable :: speed(:), driven(:)
       !> Whether a driver prescribes x or y of a body (2, bodies)
@@ -48,7 +50,9 @@ contains
       scales%value = 1.0_wp
       allocate (scales%group(size(system%layout%q)))
       call find_groups(system, scales%group)
-      allocate (scales%speed(maxval([0, scales%group])), source=system%model%length/duration)
+      allocate (scales%length(maxval([0, scales%group])))
+      call find_lengths(system, scales%group, scales%length)
+      allocate (scales%speed, source=scales%length/duration)
       allocate (scales%driven(size(scales%speed)), source=0.0_wp)
       scales%deflection = 0.0_wp
       scales%rate = 0.0_wp
@@ -124,6 +128,87 @@ contains
 
    end subroutine find_groups
 
+   !> Length of what is connected: that of the scene if all is, else of the largest body; of point masses the extent of their
+   !> places and of points of the ground that they are connected with, of one alone its distance from the origin, but no more than
+   !> the scene.
+   subroutine find_lengths(system, group, length)
+      type(system_type), intent(in) :: system
+      !> (bodies)
+      integer, intent(in) :: group(:)
+      !> (groups)
+      real(wp), intent(out) :: length(:)
+      !> Least part of the length of the scene that a point mass has which nothing holds
+      real(wp), parameter :: part = 1.0e-3_wp
+      real(wp), dimension(size(length)) :: farthest, distance
+      real(wp) :: middle(2, size(length))
+      integer :: count(size(length)), i
+      length = system%model%length
+      if (size(length) <= 1) return
+      length = 0.0_wp
+      distance = 0.0_wp
+      do i = 1, size(group)
+         associate (body => system%model%bodies(i))
+            length(group(i)) = max(length(group(i)), body%size)
+            if (body%whole > 0) length(group(i)) = max(length(group(i)), system%model%wholes(body%whole)%length)
+            distance(group(i)) = max(distance(group(i)), norm2(body%position))
+         end associate
+      end do
+      middle = 0.0_wp
+      count = 0
+      farthest = 0.0_wp
+      call visit_places(.true.)
+      do i = 1, size(length)
+         middle(:, i) = middle(:, i)/max(1, count(i))
+      end do
+      call visit_places(.false.)
+      where (.not. length > 0.0_wp) length = 2*farthest
+      where (.not. length > 0.0_wp) length = max(part*system%model%length, min(distance, system%model%length))
+
+   contains
+
+      !> Places of bodies, and of the ground where springs and joints hold them: added up, or their distances from the middle.
+      subroutine visit_places(adds)
+         logical, intent(in) :: adds
+         integer :: k, n
+         do k = 1, size(group)
+            call visit(group(k), system%model%bodies(k)%position, adds)
+         end do
+         do k = 1, size(system%model%joints)
+            if (all(system%model%joints(k)%points > 0)) call visit_ground(system%model%joints(k)%points, adds)
+         end do
+         do k = 1, size(system%loads)
+            associate (points => system%loads(k)%item%points)
+               do n = 2, size(points)
+                  if (all(points(n - 1:n) > 0)) call visit_ground(points(n - 1:n), adds)
+               end do
+            end associate
+         end do
+      end subroutine visit_places
+
+      !> The point of the ground of a pair, if one is.
+      subroutine visit_ground(points, adds)
+         integer, intent(in) :: points(2)
+         logical, intent(in) :: adds
+         integer :: bodies(2)
+         bodies = system%model%points(points)%body
+         if (bodies(1) /= ground .and. bodies(2) == ground) call visit(group(bodies(1)), system%model%points(points(2))%p0, adds)
+         if (bodies(2) /= ground .and. bodies(1) == ground) call visit(group(bodies(2)), system%model%points(points(1))%p0, adds)
+      end subroutine visit_ground
+
+      subroutine visit(of, place, adds)
+         integer, intent(in) :: of
+         real(wp), intent(in) :: place(2)
+         logical, intent(in) :: adds
+         if (adds) then
+            middle(:, of) = middle(:, of) + place
+            count(of) = count(of) + 1
+         else
+            farthest(of) = max(farthest(of), norm2(place - middle(:, of)))
+         end if
+      end subroutine visit
+
+   end subroutine find_lengths
+
    !> The largest speed of all [length/time].
    pure real(wp) function fastest(self)
       class(scales_type), intent(in) :: self
@@ -151,7 +236,7 @@ contains
             end if
          end do
          if (.not. system%layout%framed(i)) cycle
-         call raise_to(scales%speed(scales%group(i)), system%model%length*max(abs(v(first + 2)), abs(v(first + 3))))
+         call raise_to(scales%speed(scales%group(i)), scales%length(scales%group(i))*max(abs(v(first + 2)), abs(v(first + 3))))
          if (system%layout%n(i) == 0) cycle
          last = first + 3 + system%layout%n(i)
          call raise_to(scales%deflection(i), maxval(abs(q(first + 4:last))))
@@ -226,14 +311,15 @@ contains
       nq = system%layout%nq
       do i = 1, size(scales%deflection)
          first = system%layout%q(i)
-         scales%value(first:first + 1) = system%model%length
-         associate (speed => scales%speed(scales%group(i)), driven => scales%driven(scales%group(i)))
+         associate (speed => scales%speed(scales%group(i)), driven => scales%driven(scales%group(i)), &
+            & length => scales%length(scales%group(i)))
+            scales%value(first:first + 1) = length
             scales%value(nq + first:nq + first + 1) = merge(max(speed, driven), speed, scales%given(:, i))
          end associate
          if (.not. system%layout%framed(i)) cycle
          n = system%layout%n(i)
          scales%value(first + 2:first + 3) = 1.0_wp
-         scales%value(nq + first + 2:nq + first + 3) = scales%speed(scales%group(i))/system%model%length
+         scales%value(nq + first + 2:nq + first + 3) = scales%speed(scales%group(i))/scales%length(scales%group(i))
          scales%value(first + 4:first + 3 + n) = scales%deflection(i)
          scales%value(nq + first + 4:nq + first + 3 + n) = scales%rate(i)
          if (scales%damping) scales%value(nq + first + 4:nq + first + 3 + n) = max(scales%rate(i), scales%deflection(i) &

@@ -33,6 +33,7 @@ program test_contacts
    end do
    call check_detents()
    call check_lever()
+   call check_beside()
    do i = 1, size(integrators)
       call check_begun('0.3', '5*step(y(b) - 0.3)')
       call check_begun('7.1', '5*step(y(b) - 7.1)')
@@ -118,6 +119,22 @@ contains
             & tolerances(k)//': a rotor with detents')
       end do
    end subroutine check_detents
+
+   !> A mass on a spring beside a pendulum that nothing connects with it and that is a thousand times as large: closed form.
+   subroutine check_beside()
+      real(wp), parameter :: omega = 1.0e3_wp, end = 0.05_wp
+      real(wp), parameter :: expected = 3/omega*sin(omega*end) - 9.81_wp/omega**2*(1 - cos(omega*end))
+      real(wp), parameter :: most(4) = [4.0e-6_wp, 3.0e-8_wp, 6.0e-5_wp, 6.0e-5_wp]
+      real(wp), allocatable :: values(:, :)
+      do i = 1, 4
+         call run_scene('*RIGID BODY, NAME=large, MASS=1e6, INERTIA=1e8, CENTRE X=5'//newline//'*JOINT, NAME=j, TYPE=REVOLUTE'// &
+            & newline//' large.origin, ground.origin'//newline//'*POINT MASS, NAME=s, MASS=1e-6, X=0.001, VY=3'//newline// &
+            & '*SPRING, NAME=k, STIFFNESS=1'//newline//' s, ground.origin'//newline, '0.05', '1e-4', ' x = x(s), y = y(s), z = t', &
+            & values)
+         if (allocated(values)) call check_close(values(size(values, 1), 2), expected, most(i), trim(integrators(i))// &
+            & ': a mass on a spring beside a large pendulum')
+      end do
+   end subroutine check_beside
 
    !> Angle and spin of a sprung lever that a crank hits once in each of four turns.
    subroutine check_lever()

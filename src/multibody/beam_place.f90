@@ -43,7 +43,7 @@ contains
          call add_panel(reach(first:), g, p)
       end do
       chord = chord - origin
-      deflection = cross(chord, p - origin)/norm2(chord)
+      deflection = cross(chord, p - origin)/sqrt(chord(1)**2 + chord(2)**2)
    end function find_deflection
 
    !> Whether the stations of a panel give anything.

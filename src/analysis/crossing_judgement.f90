@@ -35,7 +35,7 @@ module limber_analysis_crossing_judgement
       !> Watched loads; none: nothing is done
       integer, allocatable :: loads(:)
       !> Start of the step and quarters of it; what halving finds
-      type(moment_type) :: quarters(0:4), halves(deepest)
+      type(moment_type), allocatable :: quarters(:), halves(:)
       !> Coordinates and velocities at the start of the step (nq), work put in before it; scratch
       real(wp), allocatable :: q(:), v(:), trial_q(:), trial_v(:)
       real(wp) :: w = 0.0_wp

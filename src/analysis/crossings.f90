@@ -41,7 +41,9 @@ contains
       self%sticking%jumped = start
       self%duration = duration
       self%tolerance = tolerance
+      allocate (self%quarters(0:4))
       if (n == 0) return
+      allocate (self%halves(deepest))
       do i = 0, 4
          call new_moment(n, self%quarters(i))
       end do

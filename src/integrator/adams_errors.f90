@@ -54,14 +54,15 @@ contains
       !> In units of the scales
       real(wp), intent(out) :: err
       integer, intent(out) :: k_next
-      real(wp) :: norm(0:2), difference
+      real(wp) :: norm(0:2), difference, weight
       integer :: i
       norm = 0.0_wp
       do i = 1, n
+         weight = 1/scale(i)
          difference = yp(i) - phi(i, 1)
-         norm(0) = norm(0) + (difference/scale(i))**2
-         if (k > 1) norm(1) = norm(1) + ((phi(i, k) + difference)/scale(i))**2
-         if (k > 2) norm(2) = norm(2) + ((phi(i, k - 1) + difference)/scale(i))**2
+         norm(0) = norm(0) + (difference*weight)**2
+         if (k > 1) norm(1) = norm(1) + ((phi(i, k) + difference)*weight)**2
+         if (k > 2) norm(2) = norm(2) + ((phi(i, k - 1) + difference)*weight)**2
       end do
       norm = h*sqrt(norm)
       err = norm(0)*(g(k) - g(k + 1))

@@ -212,7 +212,7 @@ contains
    !> The largest speed of all [length/time].
    pure real(wp) function fastest(self)
       class(scales_type), intent(in) :: self
-      fastest = maxval([self%speed, self%driven])
+      fastest = max(maxval(self%speed), maxval(self%driven))
    end function fastest
 
    !> Raises the scales to what occurs in a state.

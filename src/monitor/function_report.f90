@@ -37,9 +37,9 @@ module limber_monitor_function_report
       !> First and last of the watched beams; name
       integer :: first = 0, last = 0
       character(:), allocatable :: name
-      !> Parts beyond their limits that err, 0 for others: of the deflection by the shape and by vibrations, of moments in layers,
-      !> of moments and forces by vibrations; pieces of the first and the third
-      real(wp) :: rest = 0.0_wp, late = 0.0_wp, layers = 0.0_wp, lost(3) = 0.0_wp
+      !> Parts beyond their limits that err, 0 for others: of the deflection by the shape and by vibrations, of moments in layers and
+      !> at rest, of moments and forces by vibrations; pieces of the first and the third
+      real(wp) :: rest = 0.0_wp, late = 0.0_wp, layers = 0.0_wp, moments = 0.0_wp, lost(3) = 0.0_wp
       integer :: worst = 0, taut = 0
       !> Causes, what errs, and remedies
       character(:), allocatable :: causes, what, remedies
@@ -118,13 +118,15 @@ contains
       report%late = 0.0_wp
       report%lost = 0.0_wp
       report%layers = 0.0_wp
+      report%moments = 0.0_wp
       associate (beams => self%beams(report%first:report%last))
          moved = maxval(beams%moved)*size(beams)
          across = maxval(beams%moved_by_angle)*size(beams)
          length = sum([(model%bodies(beams(k)%body)%reduced%exact%total, k=1, size(beams))])
          report%worst = report%first - 1 + maxloc(beams%left_out(1), dim=1)
          left_out = maxval(beams%left_out(1))
-         if (left_out > least(1)*model%bodies(beams(1)%body)%reduced%exact%total) report%rest = left_out/max(across, left_out)
+         if (left_out > least(1)*model%bodies(beams(1)%body)%reduced%exact%total) &
+            & report%rest = left_out/max(across, left_out)
          report%taut = report%first
          do k = report%first, report%last
             if (lost_in_layers(self%beams(k)%layers) > lost_in_layers(self%beams(report%taut)%layers)) report%taut = k
@@ -134,11 +136,16 @@ contains
             report%lost = max(report%lost, lost_of_channels(self, self%beams(k), model))
          end do
          if (.not. shows_place(model, beams%body)) report%late = 0.0_wp
-         if (asks_moment(model, beams%body)) report%layers = lost_in_layers(self%beams(report%taut)%layers)
+         if (asks_moment(model, beams%body)) then
+            report%layers = lost_in_layers(self%beams(report%taut)%layers)
+            ! Of all pieces: a moment that one has at its end is that of the next one
+            report%moments = maxval(beams%moment_off)/max(maxval(beams%moment), tiny(moved))
+         end if
       end associate
       if (report%rest <= times*allowed(1)) report%rest = 0.0_wp
       if (report%late <= times*little) report%late = 0.0_wp
       if (report%layers <= times*little_force(of_moments)) report%layers = 0.0_wp
+      if (report%moments <= times*little_force(of_moments)) report%moments = 0.0_wp
       where (report%lost <= times*little_force) report%lost = 0.0_wp
    end subroutine weigh
 
@@ -156,10 +163,10 @@ contains
       report%remedies = ''
       functions = model%bodies(self%beams(report%first)%body)%choice%exact%angles
       sudden = max(report%late, maxval(report%lost(:of_forces)))
-      moments = max(report%lost(of_moments), report%layers)
+      moments = max(report%lost(of_moments), report%layers, report%moments)
       if (max(report%rest, report%late, moments, report%lost(of_forces)) <= 0.0_wp) return
-      if (report%rest > report%late) call add(report%causes, ' and ', 'all of its shape at t = '// &
-         & as_text(self%beams(report%worst)%when(1), 4))
+      if (report%rest > report%late .or. report%moments > 0.0_wp) call add(report%causes, ' and ', &
+         & 'all of its shape at t = '//as_text(self%beams(report%worst)%when(1), 4))
       if (sudden > 0.0_wp) call add(report%causes, ' and ', 'its vibrations under sudden or fast loads')
       if (max(report%rest, report%late) > 0.0_wp) call add_error(report, max(report%rest, report%late), 'its largest deflection')
       if (moments > 0.0_wp) call add_error(report, moments, 'bending moments asked for')
@@ -170,7 +177,7 @@ contains
             call add(report%remedies, ' and ', remedy_of(beam%layers, model, beam%body))
          end associate
       end if
-      if (max(report%rest, sudden) > 0.0_wp) then
+      if (max(report%rest, report%moments, sudden) > 0.0_wp) then
          more = functions_for(sudden, functions, room(model, self%beams(report%first)%body) &
             & - strains_of(model, self%beams(report%first)%body), slower(self, report))
          if (index(more, report%remedies) == 1) report%remedies = ''

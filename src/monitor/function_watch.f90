@@ -37,6 +37,8 @@ module limber_monitor_function_watch
       !> Largest displacements of the axis in the frame, along it, and by the angle alone [length]; largest ones that are left
       !> out, of bending and shear and of stretch, and when
       real(wp) :: moved = 0.0_wp, moved_along = 0.0_wp, moved_by_angle = 0.0_wp, left_out(2) = 0.0_wp, when(2) = 0.0_wp
+      !> At rest, where a scene with more functions was there to tell: the largest error of a bending moment, and the largest moment
+      real(wp) :: moment_off = 0.0_wp, moment = 0.0_wp
       !> Vibrations that it does not follow, and layers
       type(sudden_type) :: sudden
       type(layers_type) :: layers
@@ -460,6 +462,8 @@ contains
                beam%left_out(kind) = own%left_out(kind)
                beam%when(kind) = own%when(kind)
             end do
+            beam%moment_off = max(beam%moment_off, own%moment_off)
+            beam%moment = max(beam%moment, own%moment)
             call join_sudden(own%sudden, beam%sudden)
             call join_layers(own%layers, beam%layers)
             call join_buckling(own%buckling, beam%buckling)
@@ -484,6 +488,8 @@ contains
          call snapshot%exchange('moved', self%beams(i)%moved)
          call snapshot%exchange('moved_along', self%beams(i)%moved_along)
          call snapshot%exchange('moved_by_angle', self%beams(i)%moved_by_angle)
+         call snapshot%exchange('moment_off', self%beams(i)%moment_off)
+         call snapshot%exchange('moment', self%beams(i)%moment)
          call snapshot%exchange('left_out_1', self%beams(i)%left_out(1))
          call snapshot%exchange('left_out_2', self%beams(i)%left_out(2))
          call snapshot%exchange('when_1', self%beams(i)%when(1))

@@ -142,8 +142,9 @@ contains
          here = max(here, abs(v(first)), abs(v(first + 1)))
          change = max(abs(v(first) - self%v(first)), abs(v(first + 1) - self%v(first + 1)))
          if (system%layout%framed(i)) then
-            here = max(here, system%model%length*norm2(v(first + 2:first + 3)))
-            change = max(change, system%model%length*norm2(v(first + 2:first + 3) - self%v(first + 2:first + 3)))
+            here = max(here, system%model%length*sqrt(v(first + 2)**2 + v(first + 3)**2))
+            change = max(change, system%model%length*sqrt((v(first + 2) - self%v(first + 2))**2 &
+               & + (v(first + 3) - self%v(first + 3))**2))
          end if
          if (change > largest) body = i
          largest = max(largest, change)

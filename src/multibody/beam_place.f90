@@ -43,7 +43,7 @@ contains
          call add_panel(reach(first:), g, p)
       end do
       chord = chord - origin
-      deflection = cross(chord, p - origin)/norm2(chord)
+      deflection = cross(chord, p - origin)/sqrt(chord(1)**2 + chord(2)**2)
    end function find_deflection
 
    !> Whether the stations of a panel give anything.
@@ -60,26 +60,47 @@ contains
       real(wp), contiguous, intent(in) :: eta(:)
       real(wp), intent(out) :: g(panel_stations, 2)
       real(wp) :: theta(panel_stations), c(panel_stations), s(panel_stations), sigma(panel_stations, 2)
-      integer :: k, i, a
-      a = exact%angles
-      do k = 1, panel_stations
-         theta(k) = exact%lean(first + k - 1)
-         do i = 1, a
-            theta(k) = theta(k) + exact%psi(i, first + k - 1)*eta(i)
-         end do
-      end do
+      theta = exact%lean(first:first + panel_stations - 1)
+      call add_angles(exact%angles, exact%psi(:, first:first + panel_stations - 1), eta, theta)
       call take_sines(panel_stations, theta, s, c)
-      sigma(:, 1) = 1.0_wp
-      sigma(:, 2) = 0.0_wp
-      do k = 1, panel_stations
-         do i = 1, exact%strains
-            sigma(k, 1) = sigma(k, 1) + exact%chi(1, i, first + k - 1)*eta(a + i)
-            sigma(k, 2) = sigma(k, 2) + exact%chi(2, i, first + k - 1)*eta(a + i)
-         end do
-      end do
+      if (exact%strains == 0) then
+         g(:, 1) = c
+         g(:, 2) = s
+         return
+      end if
+      call add_strains(exact%strains, exact%chi(:, :, first:first + panel_stations - 1), eta(exact%angles + 1:), sigma)
       g(:, 1) = c*sigma(:, 1) - s*sigma(:, 2)
       g(:, 2) = s*sigma(:, 1) + c*sigma(:, 2)
    end subroutine place_panel
+
+   !> Adds to angles at the stations of a panel what the coordinates make.
+   pure subroutine add_angles(n, psi, eta, theta)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: psi(n, panel_stations), eta(n)
+      real(wp), intent(inout) :: theta(panel_stations)
+      integer :: i, k
+      do i = 1, n
+         do k = 1, panel_stations
+            theta(k) = theta(k) + psi(i, k)*eta(i)
+         end do
+      end do
+   end subroutine add_angles
+
+   !> Stretch of the axis at the stations of a panel: that of the undeformed one, and what the coordinates make.
+   pure subroutine add_strains(n, chi, eta, sigma)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: chi(2, n, panel_stations), eta(n)
+      real(wp), intent(out) :: sigma(panel_stations, 2)
+      integer :: i, k
+      sigma(:, 1) = 1.0_wp
+      sigma(:, 2) = 0.0_wp
+      do i = 1, n
+         do k = 1, panel_stations
+            sigma(k, 1) = sigma(k, 1) + chi(1, i, k)*eta(i)
+            sigma(k, 2) = sigma(k, 2) + chi(2, i, k)*eta(i)
+         end do
+      end do
+   end subroutine add_strains
 
    !> Adds what the stations of a panel give to a place.
    pure subroutine add_panel(reach, g, p)

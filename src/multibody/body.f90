@@ -54,9 +54,11 @@ contains
       !> As in `rigid_mass`; acceleration of gravity (2), unit vector of the frame (2), angular velocity
       real(wp), intent(in) :: inertia(4), gravity(2), u(2), omega
       real(wp), intent(out) :: on_frame(3)
-      real(wp) :: arm(2)
-      on_frame(1:2) = along(omega**2*inertia(2:3), u) + inertia(1)*gravity
+      real(wp) :: arm(2), square
       arm = along(inertia(2:3), u)
+      square = omega**2
+      on_frame(1) = square*arm(1) + inertia(1)*gravity(1)
+      on_frame(2) = square*arm(2) + inertia(1)*gravity(2)
       on_frame(3) = cross(arm, gravity)
    end subroutine rigid_forces
 

@@ -39,6 +39,7 @@ contains
          tree%first = 0
          tree%next = 0
          tree%body = 0
+         tree%open = [(i, i=1, size(system%constraints))]
          tree%plain = .true.
          tree%columns = 0
          tree%free = 0

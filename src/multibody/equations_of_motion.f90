@@ -18,7 +18,7 @@ module limber_multibody_equations_of_motion
    implicit none
    private
    public :: linearise, linearise_placed, accelerations, accelerate, sum_forces, sum_given_forces
-   public :: position_residual, velocity_residual, velocity_gaps
+   public :: position_residual, open_residual, velocity_residual, velocity_gaps
    public :: input_power, power_at, add_parts_of_power, mechanical_energy, worst_constraint
 
 contains
@@ -70,7 +70,7 @@ contains
       logical, intent(in), optional :: reactions
       logical :: asked
       integer :: i, first
-      real(wp) :: alpha
+      real(wp) :: alpha, square
       asked = .true.
       if (present(reactions)) asked = reactions
       call move_frames(system%model, system%layout, q, v, work%kinematics)
@@ -87,7 +87,9 @@ contains
          first = system%layout%q(i) + 2
          alpha = a(first)
          associate (frame => work%kinematics%frames(i))
-            a(first:first + 1) = alpha*turn(frame%u) - dot_product(frame%rate, frame%rate)*frame%u
+            square = frame%rate(1)**2 + frame%rate(2)**2
+            a(first) = -alpha*frame%u(2) - square*frame%u(1)
+            a(first + 1) = alpha*frame%u(1) - square*frame%u(2)
          end associate
       end do
       work%evaluations = work%evaluations + 1
@@ -203,21 +205,47 @@ contains
    real(wp) function position_residual(system, work) result(largest)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp) :: worst
-      integer :: i, k
+      integer :: i
       largest = 0.0_wp
       do i = 1, size(system%constraints)
-         associate (item => system%constraints(i)%item)
-            call item%residual(work%kinematics, work%phi(item%first:item%first + item%rows - 1))
-            worst = 0.0_wp
-            do k = item%first, item%first + item%rows - 1
-               worst = max(worst, abs(work%phi(k)))
-            end do
-            largest = max(largest, worst/item%scale)
-         end associate
+         call find_residual(system, work, i, largest)
       end do
       if (system%parted) largest = largest_of(system, work%phi)
    end function position_residual
+
+   !> The same where all frames that hang or are driven are in their places: the constraints that place them are kept there, and
+   !> have no residual.
+   real(wp) function open_residual(system, work) result(largest)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      integer :: k
+      largest = 0.0_wp
+      work%phi = 0.0_wp
+      do k = 1, size(system%tree%open)
+         call find_residual(system, work, system%tree%open(k), largest)
+      end do
+      if (system%parted) largest = largest_of(system, work%phi)
+   end function open_residual
+
+   !> Residual of one constraint into work%phi.
+   subroutine find_residual(system, work, which, largest)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      !> Index of the constraint
+      integer, intent(in) :: which
+      !> Raised to its residual, relative to its scale
+      real(wp), intent(inout) :: largest
+      real(wp) :: worst
+      integer :: k
+      associate (item => system%constraints(which)%item)
+         call item%residual(work%kinematics, work%phi(item%first:item%first + item%rows - 1))
+         worst = 0.0_wp
+         do k = item%first, item%first + item%rows - 1
+            worst = max(worst, abs(work%phi(k)))
+         end do
+         largest = max(largest, worst/item%scale)
+      end associate
+   end subroutine find_residual
 
    !> The largest of complete residuals, each relative to its scale: where equations are sums of several constraints.
    pure real(wp) function largest_of(system, residuals) result(largest)
@@ -280,10 +308,11 @@ contains
       real(wp), contiguous, intent(in) :: v(:)
       integer :: i, side, body, at, first, n
       real(wp) :: rates(3)
+      work%gamma = 0.0_wp
       do i = 1, size(system%constraints)
          associate (item => system%constraints(i)%item)
             at = item%first - 1
-            call item%rate(work%kinematics, work%gamma(at + 1:at + item%rows))
+            if (item%driven) call item%rate(work%kinematics, work%gamma(at + 1:at + item%rows))
             do side = 1, 2
                body = item%bodies(side)
                if (body == ground) cycle

@@ -69,6 +69,8 @@ module limber_multibody_kinematics
       type(centreline_type), allocatable :: lines(:)
       integer, allocatable :: beams(:)
       type(marker_type), allocatable :: markers(:)
+      !> Those of them that move with rigid bodies as points, and with bodies that deflect
+      integer, allocatable :: rigid(:), bending(:)
       !> Whether there are any of the following
       logical :: turns = .false.
       !> Markers that are directions of bodies
@@ -123,6 +125,7 @@ contains
          end associate
          if (kinematics%markers(m)%body == ground) kinematics%markers(m)%position = model%points(points(m))%p0
       end do
+      call sort_markers(model, kinematics)
       allocate (kinematics%directions(count(kinematics%markers%direction .and. kinematics%markers%body /= ground)))
       kinematics%directions = pack([(m, m=1, size(points))], kinematics%markers%direction .and. kinematics%markers%body /= ground)
       kinematics%turns = size(kinematics%directions) + size(angles) + size(bends) > 0
@@ -146,6 +149,21 @@ contains
          end associate
       end do
    end function new_kinematics
+
+   !> Lists the markers that move as points by what their bodies are.
+   pure subroutine sort_markers(model, kinematics)
+      type(model_type), intent(in) :: model
+      type(kinematics_type), intent(inout) :: kinematics
+      logical :: moves(size(kinematics%markers)), bends(size(kinematics%markers))
+      integer :: m
+      moves = kinematics%markers%carrier /= ground
+      do m = 1, size(moves)
+         bends(m) = moves(m)
+         if (moves(m)) bends(m) = model%bodies(kinematics%markers(m)%carrier)%reduced%n > 0
+      end do
+      kinematics%rigid = pack([(m, m=1, size(moves))], moves .and. .not. bends)
+      kinematics%bending = pack([(m, m=1, size(moves))], bends)
+   end subroutine sort_markers
 
    !> What the drivers prescribe at the time t; nothing is done if it is that of the last call.
    pure subroutine place_drives(model, t, kinematics)
@@ -214,19 +232,16 @@ contains
       !> Coordinates (nq)
       real(wp), contiguous, intent(in) :: q(:)
       type(kinematics_type), intent(inout) :: kinematics
-      integer :: i, m, first
+      integer :: i, k, first
       call place_bodies(model, layout, t, q, kinematics)
       do i = 1, size(kinematics%beams)
          first = layout%q(kinematics%beams(i)) + 4
          call kinematics%lines(i)%place_stations(q(first:first + kinematics%lines(i)%n - 1))
       end do
-      do m = 1, size(kinematics%markers)
-         associate (marker => kinematics%markers(m))
-            if (marker%carrier == ground) cycle
-            if (layout%n(marker%carrier) == 0) then
-               call place_rigid_marker(marker%p0, kinematics%frames(marker%carrier), marker)
-               cycle
-            else if (marker%line > 0) then
+      call place_rigid_markers(size(kinematics%rigid), kinematics%rigid, kinematics%frames, kinematics%markers)
+      do k = 1, size(kinematics%bending)
+         associate (marker => kinematics%markers(kinematics%bending(k)))
+            if (marker%line > 0) then
                call place_exact_marker(kinematics%lines(marker%line), kinematics%frames(marker%carrier), marker)
                cycle
             end if
@@ -237,6 +252,31 @@ contains
       end do
       if (kinematics%turns) call place_directions(model, layout, q, kinematics)
    end subroutine place_frames
+
+   !> Places those of the markers that are points of rigid bodies.
+   pure subroutine place_rigid_markers(n, list, frames, markers)
+      integer, intent(in) :: n, list(n)
+      !> Of the ground and the bodies; all markers
+      type(frame_motion_type), intent(in) :: frames(0:*)
+      type(marker_type), intent(inout) :: markers(*)
+      integer :: k, m
+      do k = 1, n
+         m = list(k)
+         call place_rigid_marker(markers(m)%p0, frames(markers(m)%carrier), markers(m))
+      end do
+   end subroutine place_rigid_markers
+
+   !> The same for their velocities.
+   pure subroutine move_rigid_markers(n, list, frames, markers)
+      integer, intent(in) :: n, list(n)
+      type(frame_motion_type), intent(in) :: frames(0:*)
+      type(marker_type), intent(inout) :: markers(*)
+      integer :: k, m
+      do k = 1, n
+         m = list(k)
+         call move_rigid_marker(frames(markers(m)%carrier), markers(m))
+      end do
+   end subroutine move_rigid_markers
 
    !> Directions, angles that are followed, and deflections; all else is placed.
    pure subroutine place_directions(model, layout, q, kinematics)
@@ -357,15 +397,12 @@ contains
       !> Coordinates and velocities (nq)
       real(wp), contiguous, intent(in) :: q(:), v(:)
       type(kinematics_type), intent(inout) :: kinematics
-      integer :: m, first, last
+      integer :: k, first, last
       call move_bodies(model, layout, v, kinematics)
-      do m = 1, size(kinematics%markers)
-         associate (marker => kinematics%markers(m))
-            if (marker%carrier == ground) cycle
-            if (layout%n(marker%carrier) == 0) then
-               call move_rigid_marker(kinematics%frames(marker%carrier), marker)
-               cycle
-            else if (marker%line > 0) then
+      call move_rigid_markers(size(kinematics%rigid), kinematics%rigid, kinematics%frames, kinematics%markers)
+      do k = 1, size(kinematics%bending)
+         associate (marker => kinematics%markers(kinematics%bending(k)))
+            if (marker%line > 0) then
                call move_exact_marker(kinematics%lines(marker%line), kinematics%frames(marker%carrier), marker)
                cycle
             end if

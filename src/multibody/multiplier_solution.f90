@@ -157,11 +157,14 @@ contains
                call hang_frame(system%layout%rates(i), system%tree%count(i), system%tree%columns(:, i), body%hanging, body%bias, &
                   & work%solution, body%acceleration)
             end if
-            a(first:first + 1) = body%acceleration(1:2)
+            a(first) = body%acceleration(1)
+            a(first + 1) = body%acceleration(2)
             if (.not. system%layout%framed(i)) cycle
-            a(first + 2:first + 3) = [body%acceleration(3), 0.0_wp]
-            if (system%layout%n(i) > 0) call expand_eta(system%layout%n(i), size(body%rows), body%coupling, body%eta_rows, &
-               & body%eta_force, body%rows, work%solution, body%acceleration, a(first + 4:first + 3 + system%layout%n(i)))
+            a(first + 2) = body%acceleration(3)
+            a(first + 3) = 0.0_wp
+            if (system%layout%n(i) == 0) cycle
+            call expand_eta(system%layout%n(i), size(body%rows), body%coupling, body%eta_rows, body%eta_force, body%rows, &
+               & work%solution, body%acceleration, a(first + 4:first + 3 + system%layout%n(i)))
             if (allocated(body%factor)) call from_unit_mass(body%factor, a(first + 4:first + 3 + system%layout%n(i)))
          end associate
       end do
@@ -172,6 +175,8 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: gamma(:)
+      !> Of the body's side in the joint that places it
+      real(wp) :: sign
       integer :: i, k, row
       associate (tree => system%tree)
          do k = 1, size(tree%order)
@@ -185,10 +190,14 @@ contains
                end if
                if (tree%joint(i) > 0) then
                   row = system%constraints(tree%joint(i))%item%first
-                  bias(1:2) = gamma(row:row + 1)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
+                  sign = merge(1.0_wp, -1.0_wp, tree%side(i) == 1)
+                  bias(1) = sign*gamma(row)
+                  bias(2) = sign*gamma(row + 1)
                   if (tree%carrier(i) /= ground) then
-                     associate (carrier => work%bodies(tree%carrier(i))%bias)
-                        bias(1:2) = bias(1:2) + carrier(1:2) + work%kinematics%markers(tree%marker(i))%lever*carrier(3)
+                     associate (carrier => work%bodies(tree%carrier(i))%bias, &
+                           & lever => work%kinematics%markers(tree%marker(i))%lever)
+                        bias(1) = bias(1) + carrier(1) + lever(1)*carrier(3)
+                        bias(2) = bias(2) + carrier(2) + lever(2)*carrier(3)
                      end associate
                   end if
                end if
@@ -252,10 +261,7 @@ contains
                end if
                if (tree%count(i) > 0) call add_hanging_force(rates, tree%count(i), tree%columns(:, i), body%hanging, body%bias, &
                   & body%mass, body%condensed, solution)
-               do j = 1, size(body%rows)
-                  solution(body%rows(j)) = solution(body%rows(j)) - (body%frame_rows(1, j)*body%bias(1) &
-                     & + body%frame_rows(2, j)*body%bias(2) + body%frame_rows(3, j)*body%bias(3))
-               end do
+               call take_bias(size(body%rows), body%rows, body%frame_rows, body%bias, solution)
             end associate
          end do
       end associate
@@ -285,7 +291,9 @@ contains
       real(wp), contiguous, intent(inout) :: solution(:)
       real(wp) :: left(3), push
       integer :: j
-      left = force - (mass(:, 1)*bias(1) + mass(:, 2)*bias(2) + mass(:, 3)*bias(3))
+      do j = 1, 3
+         left(j) = force(j) - (mass(j, 1)*bias(1) + mass(j, 2)*bias(2) + mass(j, 3)*bias(3))
+      end do
       do j = 1, count
          push = hanging(1, j)*left(1) + hanging(2, j)*left(2)
          if (rates == 3) push = push + hanging(3, j)*left(3)
@@ -293,13 +301,26 @@ contains
       end do
    end subroutine add_hanging_force
 
+   !> Takes from the right-hand sides of the constraints on such a frame what its bias makes of them.
+   pure subroutine take_bias(rows, list, frame_rows, bias, solution)
+      integer, intent(in) :: rows
+      !> Places of the constraints among the unknowns
+      integer, intent(in) :: list(rows)
+      real(wp), intent(in) :: frame_rows(3, rows), bias(3)
+      real(wp), contiguous, intent(inout) :: solution(:)
+      integer :: j
+      do j = 1, rows
+         solution(list(j)) = solution(list(j)) - (frame_rows(1, j)*bias(1) + frame_rows(2, j)*bias(2) + frame_rows(3, j)*bias(3))
+      end do
+   end subroutine take_bias
+
    !> All multipliers after `solve_multiplier_system`, into work%lambda: those of the unknowns as they are, those of the tree from
    !> what the equations of their body leave, the last in the tree first, eq. (4.8).
    subroutine recover_multipliers(system, work)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       integer :: i, j, k, row
-      real(wp) :: left(3)
+      real(wp) :: left(3), sign
       associate (tree => system%tree)
          do k = 1, size(work%lambda)
             if (tree%row(k) > 0) work%lambda(k) = work%solution(tree%row(k))
@@ -308,11 +329,8 @@ contains
             i = tree%order(k)
             if (tree%plain(i)) cycle
             associate (body => work%bodies(i))
-               left = body%condensed - (body%mass(:, 1)*body%acceleration(1) + body%mass(:, 2)*body%acceleration(2) &
-                  & + body%mass(:, 3)*body%acceleration(3))
-               do j = 1, size(body%rows)
-                  left = left - body%frame_rows(:, j)*work%solution(body%rows(j))
-               end do
+               call find_left(size(body%rows), body%rows, body%mass, body%frame_rows, body%condensed, body%acceleration, &
+                  & work%solution, left)
             end associate
             j = tree%first(i)
             do while (j > 0)
@@ -325,7 +343,9 @@ contains
             end if
             if (tree%joint(i) > 0) then
                row = system%constraints(tree%joint(i))%item%first
-               work%lambda(row:row + 1) = left(1:2)*work%jacobians(tree%side(i), tree%joint(i))%z(1, 1)
+               sign = merge(1.0_wp, -1.0_wp, tree%side(i) == 1)
+               work%lambda(row) = sign*left(1)
+               work%lambda(row + 1) = sign*left(2)
             end if
             if (tree%axis_rows(1, i) > 0) then
                work%lambda(tree%axis_rows(1, i)) = left(1)
@@ -338,6 +358,25 @@ contains
          end do
       end associate
    end subroutine recover_multipliers
+
+   !> What the accelerations and the multipliers of the unknowns leave of a frame's force.
+   pure subroutine find_left(rows, list, mass, frame_rows, force, acceleration, solution, left)
+      integer, intent(in) :: rows
+      !> Places of the constraints among the unknowns
+      integer, intent(in) :: list(rows)
+      real(wp), intent(in) :: mass(3, 3), frame_rows(3, rows), force(3), acceleration(3)
+      real(wp), contiguous, intent(in) :: solution(:)
+      real(wp), intent(out) :: left(3)
+      integer :: i, j
+      do i = 1, 3
+         left(i) = force(i) - (mass(i, 1)*acceleration(1) + mass(i, 2)*acceleration(2) + mass(i, 3)*acceleration(3))
+      end do
+      do j = 1, rows
+         do i = 1, 3
+            left(i) = left(i) - frame_rows(i, j)*solution(list(j))
+         end do
+      end do
+   end subroutine find_left
 
    !> Multipliers of the rows that hold a frame, from what is left of its forces, eq. (4.12).
    pure subroutine recover_held(system, work, body, left)

@@ -109,7 +109,7 @@ contains
          associate (body => work%bodies(i), n => system%layout%n(i), rows => size(work%bodies(i)%rows))
             do row = 1, rows
                associate (z => work%jacobians(body%sources(2, row), body%sources(1, row))%z, k => body%sources(3, row))
-                  body%frame_rows(:, row) = [z(k, 1), z(k, 2), z(k, 3)]
+                  call take_row(size(z, 1), k, z, body%frame_rows(:, row))
                end associate
             end do
             if (n > 0) call condense_body(n, rows, body%coupling, body%eta_rows, body%rows_place, body%mass, body%frame_rows, &
@@ -126,6 +126,16 @@ contains
       if (system%redundant) call give_slack(system, work)
       call work%matrix%factor(singular)
    end subroutine factor_multiplier_system
+
+   !> One row of a Jacobian on a frame.
+   pure subroutine take_row(rows, which, z, row)
+      integer, intent(in) :: rows, which
+      real(wp), intent(in) :: z(rows, 3)
+      real(wp), intent(inout) :: row(3)
+      row(1) = z(which, 1)
+      row(2) = z(which, 2)
+      row(3) = z(which, 3)
+   end subroutine take_row
 
    !> Lets redundant constraints give way, eq. (4.33).
    subroutine give_slack(system, work)
@@ -266,7 +276,9 @@ contains
       turning = 0.0_wp
       do j = 1, count
          if (rates == 3) turning = hanging(3, j)
-         product = mass(:, 1)*hanging(1, j) + mass(:, 2)*hanging(2, j) + mass(:, 3)*turning
+         do i = 1, 3
+            product(i) = mass(i, 1)*hanging(1, j) + mass(i, 2)*hanging(2, j) + mass(i, 3)*turning
+         end do
          do i = 1, count
             part = hanging(1, i)*product(1) + hanging(2, i)*product(2)
             if (rates == 3) part = part + hanging(3, i)*product(3)

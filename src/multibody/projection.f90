@@ -5,11 +5,12 @@ module limber_multibody_projection
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_model_model, only: point_type, ground
-   use limber_multibody_plane_vectors, only: cross
+   use limber_multibody_plane_vectors, only: along, cross
    use limber_multibody_assembly_newton, only: close_positions
    use limber_multibody_drivers, only: driven_angle_type
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
-   use limber_multibody_equations_of_motion, only: linearise, position_residual, velocity_residual, velocity_gaps
+   use limber_multibody_equations_of_motion, only: linearise, position_residual, open_residual, velocity_residual, &
+      & velocity_gaps
    use limber_multibody_kinematics, only: place_drives, place_frames
    use limber_multibody_point_motion, only: point_position, point_velocity
    use limber_multibody_multiplier_system, only: update_jacobians
@@ -71,7 +72,7 @@ contains
       real(wp), intent(out) :: before, residual
       real(wp) :: last
       integer :: round, i
-      residual = position_residual(system, work)
+      residual = open_residual(system, work)
       before = residual
       do round = 1, most
          if (residual <= tolerance) return
@@ -84,7 +85,7 @@ contains
          end do
          q = q + change
          call put_together(system, work, t, q)
-         residual = position_residual(system, work)
+         residual = open_residual(system, work)
          if (residual < 2*last .or. residual <= harmless) cycle
          call go_back(system, work, t, q, change, residual)
          return
@@ -103,7 +104,7 @@ contains
       real(wp), intent(out) :: residual
       q = q - change
       call put_together(system, work, t, q)
-      residual = position_residual(system, work)
+      residual = open_residual(system, work)
    end subroutine go_back
 
    !> Puts frames that hang on others, or are driven, where they belong.
@@ -112,21 +113,18 @@ contains
       type(workspace_type), intent(inout) :: work
       real(wp), intent(in) :: t
       !> Coordinates (nq)
-      real(wp), intent(inout) :: q(:)
-      real(wp) :: place(2)
+      real(wp), contiguous, intent(inout) :: q(:)
       integer :: i, j, k, first
       call place_drives(system%model, t, work%kinematics)
       associate (tree => system%tree)
          do k = 1, size(tree%order)
             i = tree%order(k)
             first = system%layout%q(i)
-            if (tree%joint(i) > 0) then
-               place = point_position(system%model, system%layout, system%model%points(system%marker_points(tree%marker(i))), q)
-               q(first:first + 1) = place
-            end if
+            if (tree%joint(i) > 0) call hang_origin(system, work, i, q)
             if (tree%driver(i) > 0) call head_frame(tree%driver(i))
             if (tree%grip(i) > 0) then
-               do j = 1, count(tree%holders(:, i) > 0)
+               do j = 1, size(tree%holders, 1)
+                  if (tree%holders(j, i) == 0) exit
                   call head_frame(tree%holders(j, i))
                end do
             end if
@@ -150,6 +148,27 @@ contains
       end subroutine head_frame
 
    end subroutine place_tree
+
+   !> Puts the origin of a frame where it hangs: at a point of a rigid body, or of the ground.
+   pure subroutine hang_origin(system, work, body, q)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> Index of the body
+      integer, intent(in) :: body
+      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp) :: p(2)
+      integer :: to, from
+      to = system%layout%q(body)
+      p = work%kinematics%markers(system%tree%marker(body))%p0
+      if (system%tree%carrier(body) /= ground) then
+         from = system%layout%q(system%tree%carrier(body))
+         p = along(p, q(from + 2:from + 3))
+         p(1) = q(from) + p(1)
+         p(2) = q(from + 1) + p(2)
+      end if
+      q(to) = p(1)
+      q(to + 1) = p(2)
+   end subroutine hang_origin
 
    !> Indices of the coordinates that `place_known` does not give.
    subroutine list_unplaced(system, list)
@@ -192,7 +211,8 @@ contains
             end if
             if (.not. tree%given(2, i)) cycle
             if (tree%driver(i) > 0) call turn_frame(system, work, tree%driver(i), first, q, v)
-            do j = 1, count(tree%holders(:, i) > 0)
+            do j = 1, size(tree%holders, 1)
+               if (tree%holders(j, i) == 0) exit
                call turn_frame(system, work, tree%holders(j, i), first, q, v)
             end do
          end do

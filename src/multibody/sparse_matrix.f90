@@ -287,8 +287,8 @@ contains
       logical, intent(out) :: singular
       real(wp) :: weight(few), largest, swap
       integer :: i, j, k, best, keep
+      a(:few*n) = 0.0_wp
       do j = 1, n
-         a(few*(j - 1) + 1:few*(j - 1) + n) = 0.0_wp
          weight(j) = 0.0_wp
          pivots(j) = j
       end do
@@ -359,8 +359,8 @@ contains
          do i = 1, j - 1
             x(i) = x(i) - a(i + few*(j - 1))*x(j)
          end do
+         b(j) = x(j)
       end do
-      b(:n) = x(:n)
    end subroutine substitute
 
    !> Factorisations until the next look at the growth of the pivots.

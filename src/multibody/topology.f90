@@ -47,6 +47,8 @@ module limber_multibody_topology
       integer, allocatable :: first(:), next(:)
       !> Body that a constraint places, holds or whose angle it gives; 0: none (constraints)
       integer, allocatable :: body(:)
+      !> Constraints that frames in their places do not keep by themselves: projections close them
+      integer, allocatable :: open(:)
       !> Number of unknown accelerations
       integer :: free = 0
       !> Place of each constraint equation among the unknowns; 0: solved in closed form (nc)
@@ -121,6 +123,7 @@ contains
       end associate
       call find_given(constraints, tree)
       call find_bearers(constraints, size(registry%model%joints), tree)
+      call find_open(size(constraints), tree)
       call number_rows(constraints, tree)
    end function new_tree
 
@@ -486,6 +489,20 @@ contains
       end subroutine add
 
    end subroutine find_bearers
+
+   !> Constraints that are left where all frames are in their places: those that place none, and those of bodies that are held.
+   subroutine find_open(constraints, tree)
+      !> Number of all
+      integer, intent(in) :: constraints
+      type(topology_type), intent(inout) :: tree
+      logical :: closed(constraints)
+      integer :: i
+      do i = 1, constraints
+         closed(i) = tree%body(i) > 0
+         if (closed(i)) closed(i) = tree%grip(tree%body(i)) == 0
+      end do
+      tree%open = pack([(i, i=1, constraints)], .not. closed)
+   end subroutine find_open
 
    !> Unknowns of a body that has just been put into the tree: those of its carrier, then its own.
    subroutine number_unknowns(layout, body, tree)

@@ -32,6 +32,7 @@ program test_layers
    call check_blade()
    call check_wire()
    call check_follower()
+   call check_few()
    call finish()
 
 contains
@@ -147,6 +148,19 @@ contains
       call told('follower', report, 'all of its shape at t = 1; about ', 100*hypot(last('x') + 0.008812838_wp, &
          & last('y') - 0.464138761_wp)/1.1_wp)
    end subroutine check_follower
+
+   !> A clamped bar under tension with a force in its middle on three functions, which have no layers: the moment at the wall is
+   !> F/2k tanh(kL/4) with k = sqrt(N/EI), and how much it errs is told.
+   subroutine check_few()
+      character(:), allocatable :: report
+      real(wp), parameter :: k = sqrt(1.0e6_wp/(2.1e11_wp*0.02_wp**4/12))
+      report = report_of('few', '*MATERIAL, NAME=steel, YOUNG=2.1e11, DENSITY=7850'//nl// &
+         & '*SECTION, NAME=square, SHAPE=RECTANGLE, WIDTH=0.02, HEIGHT=0.02'//nl//'*GROUND'//nl//' far, 1, 0'//nl// &
+         & '*BEAM, NAME=bar, MATERIAL=steel, SECTION=square, LENGTH=1, PRETENSION=1e6, FUNCTIONS=3'//nl//wall// &
+         & '*JOINT, NAME=other, TYPE=WELD, TURN=0'//nl//' bar.end, ground.far'//nl//'*FORCE, NAME=push, POINT=bar.middle'//nl// &
+         & ' 0, 1000'//nl//'*STATICS'//nl//'*OUTPUT'//nl//' moment = moment(wall)'//nl)
+      call told('few', report, 'of its largest deflection, about ', 100*(abs(last('moment'))/(500/k*tanh(k/4)) - 1))
+   end subroutine check_few
 
    !> A warning with a number that is right within a factor of 2 [%].
    subroutine told(name, report, words, truth)

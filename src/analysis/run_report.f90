@@ -49,9 +49,9 @@ contains
             & ': the integrator has damped or fed vibrations that the tolerance does not resolve'//cause//'; compare with a run'// &
             & ' at a tenth of TOLERANCE'//newline
       else if (outcome%imbalance > allowed_imbalance*passing_scale(outcome)) then
-         scale = outcome%kinetic_time/outcome%duration
-         text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)//' % of the mean of the'// &
-            & ' kinetic energy: for a short time this is '//as_text(outcome%fastest/scale, 2)//' times as large and more, and'// &
+         scale = outcome%moved_time/outcome%duration
+         text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)//' % of what it is in'// &
+            & ' the mean: for a short time it is '//as_text(outcome%fastest/scale, 2)//' times as large and more, and'// &
             & ' errors that are small beside that are not small beside the motion that follows, which goes on too fast or too'// &
             & ' slowly; use a smaller TOLERANCE, or INTEGRATOR=RADAU'//newline
       end if

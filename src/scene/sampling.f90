@@ -299,13 +299,14 @@ contains
       end if
       call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
       if (outcome%samples == 0) outcome%first_energy = kinetic + potential
+      if (outcome%samples == 0) outcome%first_potential = potential
       outcome%last_energy = kinetic + potential
       if (.not. allocated(outcome%net_work)) outcome%work_before = outcome%work
       outcome%work = sample%w
       outcome%imbalance = max(outcome%imbalance, abs(kinetic + potential - outcome%first_energy - sample%w))
       outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))
       if (size(scene%system%model%drivers) == 0) then
-         outcome%kinetic_time = outcome%kinetic_time + (t - outcome%summed)*kinetic
+         outcome%moved_time = outcome%moved_time + (t - outcome%summed)*max(kinetic, abs(potential - outcome%first_potential))
          outcome%duration = outcome%duration + (t - outcome%summed)
          outcome%fastest = max(outcome%fastest, kinetic)
       end if

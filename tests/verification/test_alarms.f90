@@ -73,13 +73,13 @@ contains
    !> Orbits about a centre, from the apocentre at a distance of one, against Kepler's equation: errors that are small beside the
    !> energy of a close passage are not small beside that of the orbit.
    subroutine test_orbits()
-      character(*), parameter :: radau = 'RADAU, TOLERANCE=1e-6', mean = '% of the mean of the kinetic energy'
+      character(*), parameter :: radau = 'RADAU, TOLERANCE=1e-6', mean = '% of what it is in the mean'
       call test_orbit(0.8_wp, 'AUTO, TOLERANCE=1e-6', 3.0e-4_wp, '')
       call test_orbit(0.5_wp, 'AUTO, TOLERANCE=1e-6', 2.0e-3_wp, '')
-      call test_orbit(0.8_wp, 'CONSERVING, TOLERANCE=1e-5', 3.0e-4_wp, '')
+      call test_orbit(0.8_wp, 'CONSERVING, TOLERANCE=1e-5', 2.0e-3_wp, '')
       call test_orbit(0.1_wp, radau, 3.0e-4_wp, '')
       call test_orbit(0.02_wp, radau, 3.0e-3_wp, '')
-      call test_orbit(0.1_wp, 'AUTO, TOLERANCE=1e-4', 1.0_wp, mean)
+      call test_orbit(0.1_wp, 'AUTO, TOLERANCE=1e-4', 1.5_wp, mean)
       call test_orbit(0.05_wp, 'ALPHA, TOLERANCE=1e-6', 1.0_wp, mean)
       call test_orbit(0.02_wp, 'CONSERVING, TOLERANCE=1e-6', 1.0_wp, mean)
       call test_orbit(0.02_wp, 'ALPHA, TOLERANCE=1e-6', 1.5_wp, mean)
@@ -111,8 +111,8 @@ contains
       integer :: i
       do i = 1, size(names)
          call judge('braked, '//names(i), '*POINT MASS, NAME=a, MASS=1, VX=10'//newline//'*FORCE, NAME=f, POINT=a'//newline// &
-            & ' -5*vx(a), 0'//newline//'*DYNAMICS, END=20, OUTPUTS=500, TOLERANCE=1e-4, INTEGRATOR='//trim(names(i))//newline// &
-            & '*OUTPUT'//newline//' x(a)', 2.0_wp, 2.0e-2_wp, '')
+            & ' -5*vx(a), 0'//newline//'*DYNAMICS, END=0.8, OUTPUTS=200, TOLERANCE=1e-4, INTEGRATOR='//trim(names(i))//newline// &
+            & '*OUTPUT'//newline//' x(a)', 2*(1 - exp(-4.0_wp)), 2.0e-2_wp, '')
       end do
    end subroutine test_braked
 

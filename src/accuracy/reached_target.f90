@@ -100,7 +100,7 @@ contains
          reached%reason = 'the search for TARGET='//as_text(target, 2)//' was given up after '//as_text(reached%runs)//' runs, '// &
             & as_text(reached%cpu, 2)//' s of CPU time: what it needs costs too much to be verified'
          if (reached%error > 0.0_wp .and. reached%error < 1.0e3_wp) reached%reason = reached%reason// &
-            & '; the last setting that was verified errs by '//as_text(reached%error, 2)//reached%place
+            & '; the best setting that was verified errs by '//as_text(reached%error, 2)//reached%place
          reached%reason = reached%reason//'. Ask for less, for a shorter time, or give FUNCTIONS, TOLERANCE and INTEGRATOR'
       else if (reached%reason == '' .and. is_of_time(target, reached)) then
          reached%reason = time_words(target, reached)

@@ -81,7 +81,10 @@ contains
       type(advice_type) :: verified
       real(wp) :: limit
       integer :: round
+      !> Whether the error that is known is that of the candidate
+      logical :: own
       logical :: climbed, on, looser
+      own = .false.
       reached%reason = ''
       reached%path = ''
       reached%place = ''
@@ -106,6 +109,7 @@ contains
          if (.not. allocated(error) .or. round == 1) then
             verified = reached%advice
             call take_trial(next, candidate)
+            own = .false.
          end if
          if (allocated(error)) exit
          limit = least_patience + patience*candidate%work
@@ -144,14 +148,15 @@ contains
                call descend(deck, target, quiet, pool, truth, reached, candidate, error)
                exit
             end if
-            if (.not. climbed .and. reached%reason == '' .and. truth%known) call keep_best()
+            own = reached%reason == '' .and. truth%known
+            if (.not. climbed .and. own) call keep_best()
             if (on .and. .not. climbed) call climb(target, truth, reached, climbed)
          end if
          if (.not. climbed) exit
          reached%climbs = reached%climbs + 1
       end do
       if (allocated(error) .and. .not. reached%done) reached%advice = verified
-      if (.not. reached%done .and. (reached%reason == '' .or. pool%spent .or. allocated(error)) .and. best%known) call give_back()
+      if (.not. reached%done .and. best%known) call give_back()
 
    contains
 
@@ -164,15 +169,16 @@ contains
          best%truth = truth
       end subroutine keep_best
 
-      !> Gives the best run back where the last one misses the target by more.
+      !> Gives the best run back where the last one misses the target by more, or was not verified.
       subroutine give_back()
-         if (truth%known .and. best%reached%error >= reached%error) return
+         if (own .and. best%reached%error >= reached%error) return
          candidate = best%candidate
          truth = best%truth
          reached%advice = best%reached%advice
          reached%error = best%reached%error
          reached%of_time = best%reached%of_time
          reached%of_model = best%reached%of_model
+         reached%place = best%reached%place
          reached%path = reached%path//newline//'   the best of these runs is kept: TOLERANCE='// &
             & as_text(reached%advice%tolerance, 2)//', error '//as_text(reached%error, 2)
       end subroutine give_back

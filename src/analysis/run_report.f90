@@ -3,7 +3,7 @@ module limber_analysis_run_report
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_scene_outcome, only: outcome_type, energy_scale, allowed_imbalance
+   use limber_scene_outcome, only: outcome_type, energy_scale, passing_scale, allowed_imbalance
    use limber_scene_first_scene, only: scene_type, mobility_line, inner_joints
    use limber_integrator_integrator, only: integrator_type
    use limber_output_history, only: history_type
@@ -41,13 +41,20 @@ contains
       real(wp) :: scale
       text = ''
       scale = energy_scale(outcome)
-      if (outcome%imbalance <= allowed_imbalance*scale) return
-      cause = ''
-      if (outcome%shows_work) cause = ', or the errors of a work that goes to and fro add up'
-      text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)// &
-         & ' % of '//trim(merge('the largest energy  ', 'the energy exchanged', scale <= outcome%largest_energy))// &
-         & ': the integrator has damped or fed vibrations that the tolerance does not resolve'//cause//'; compare with a run'// &
-         & ' at a tenth of TOLERANCE'//newline
+      if (outcome%imbalance > allowed_imbalance*scale) then
+         cause = ''
+         if (outcome%shows_work) cause = ', or the errors of a work that goes to and fro add up'
+         text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)// &
+            & ' % of '//trim(merge('the largest energy  ', 'the energy exchanged', scale <= outcome%largest_energy))// &
+            & ': the integrator has damped or fed vibrations that the tolerance does not resolve'//cause//'; compare with a run'// &
+            & ' at a tenth of TOLERANCE'//newline
+      else if (outcome%imbalance > allowed_imbalance*passing_scale(outcome)) then
+         scale = outcome%moved_time/outcome%duration
+         text = 'warning: the energy balance is off by '//as_text(100*outcome%imbalance/scale, 2)//' % of what it is in'// &
+            & ' the mean: for a short time it is '//as_text(outcome%fastest/scale, 2)//' times as large and more, and'// &
+            & ' errors that are small beside that are not small beside the motion that follows, which goes on too fast or too'// &
+            & ' slowly; use a smaller TOLERANCE, or INTEGRATOR=RADAU'//newline
+      end if
    end function energy_warning
 
    !> Time, steps, residuals, energy balance, where the file is.

@@ -185,7 +185,7 @@ contains
       do i = 1, size(advice%rungs)
          if (advice%expected(i) <= advice%target) cycle
          text = text//newline//"   beam '"//scene%deck%blocks(advice%rungs(i)%block)%name()//"': no rung is expected to"// &
-            & ' keep the target'
+            & ' keep the target; the one above comes nearest'
       end do
       do i = 1, size(advice%rungs)
          if (advice%probe%beams(i)%force <= rope) cycle

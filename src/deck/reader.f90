@@ -182,8 +182,12 @@ contains
       integer :: i, from, turns, outer, known, end
       call begin_repeat(assembly, deck, counter, from, turns, diagnostics)
       end = end_of_repeat(deck%source%files(file), line, last)
-      if (end > last) call diagnostics%add(assembly%block%origin, 'this *REPEAT has no *END REPEAT', &
-         & 'it stands in the same file, and each *REPEAT within has its own')
+      if (end > last) then
+         call diagnostics%add(assembly%block%origin, 'this *REPEAT has no *END REPEAT', &
+            & 'it stands in the same file, and each *REPEAT within has its own')
+         ! What it would repeat is not known
+         assembly%full = .true.
+      end if
       call drop_block(assembly, deck, diagnostics)
       outer = assembly%turn
       outside = deck%source%turn_label(outer)

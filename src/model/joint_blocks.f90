@@ -147,7 +147,9 @@ contains
             if (model%bodies(bodies(2))%kind == body_flexible .and. model%bodies(bodies(2))%end_point > 0) then
                if (model%bodies(bodies(2))%reduced%n > most_bends) call diagnostics%add(block%lines(1)%origin_of(2), &
                   & "the beam of joint '"//block%name()//"' has "//as_text(model%bodies(bodies(2))%reduced%n)//' coordinates', &
-                  & 'a point slides along a beam with at most '//as_text(most_bends)//': functions of the angle and the strain')
+                  & 'a point slides along a beam with at most '//as_text(most_bends)//': functions of the angle and the strain,'// &
+                  & ' one for each place between its ends where joints or loads act along it, and with SHEAR one for each of'// &
+                  & ' the angle; use fewer FUNCTIONS')
                return
             end if
          end if

@@ -178,8 +178,7 @@ contains
          end associate
       end if
       if (max(report%rest, report%moments, sudden) > 0.0_wp) then
-         more = functions_for(sudden, functions, room(model, self%beams(report%first)%body) &
-            & - strains_of(model, self%beams(report%first)%body), slower(self, report))
+         more = functions_for(sudden, functions, most_angles(model, self%beams(report%first)%body), slower(self, report))
          if (index(more, report%remedies) == 1) report%remedies = ''
          if (index(report%remedies, more) == 0) call add(report%remedies, ' and ', more)
       end if
@@ -250,12 +249,16 @@ contains
       end do
    end function room
 
-   !> Coordinates of the strain and the shear of an exact beam.
-   pure integer function strains_of(model, body) result(number)
+   !> Most FUNCTIONS= that a beam can have: beside them are coordinates of the strain, of a tension, of what loads and joints
+   !> between its ends add, and of the shear, one more for each.
+   pure integer function most_angles(model, body) result(most)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
-      number = model%bodies(body)%reduced%n - model%bodies(body)%reduced%exact%angles
-   end function strains_of
+      associate (own => model%bodies(body), exact => model%bodies(body)%reduced%exact)
+         most = room(model, body) - (own%reduced%n - own%choice%exact%angles - exact%shears)
+         if (exact%shears > 0) most = most/2
+      end associate
+   end function most_angles
 
    !> 'STRAIN FUNCTIONS=...': twice as many, as far as the beam can have them; empty if it has all.
    pure function strains_for(model, body) result(text)
@@ -305,7 +308,7 @@ contains
          if (.not. allocated(own%choice%exact%layers)) return
          if (size(own%choice%exact%layers) == 0) return
          if (own%choice%exact%layers(1) < alike*sqrt(own%beam%ei/layers%tension)) &
-            & text = 'FUNCTIONS='//as_text(min(2*own%choice%exact%angles, room(model, body) - strains_of(model, body)))
+            & text = 'FUNCTIONS='//as_text(min(2*own%choice%exact%angles, most_angles(model, body)))
       end associate
    end function remedy_of
 

@@ -38,6 +38,8 @@ module limber_multibody_force_elements
       !> that counts as an energy that it stores
       logical :: driven = .false., potential = .false., stores = .false.
       type(expression_type) :: law
+      !> The value of s that the energy is counted from
+      real(wp) :: origin = 0.0_wp
       !> What each slot of the law stands for: a gauge, or 0 for the time; and whether its rate is meant
       integer, allocatable :: slots(:)
       logical, allocatable :: by_rate(:)
@@ -47,6 +49,7 @@ module limber_multibody_force_elements
       procedure :: add_force => effort_add_force
       procedure :: add_tangent => effort_add_tangent
       procedure :: add_energy => effort_add_energy
+      procedure :: begin_energy => effort_begin_energy
       procedure :: add_power => effort_add_power
       procedure :: add_missed_power => effort_add_missed_power
       procedure :: measure
@@ -281,8 +284,22 @@ contains
       if (.not. (self%stores .or. self%stiffness > 0.0_wp)) return
       call read_gauge(self%gauges(1), kinematics, value, rate, weights)
       sum = sum + 0.5_wp*self%stiffness*value**2
-      if (self%stores) sum = sum - self%factor*value*mean_law(self%law, self%sign, self%shift, 0.0_wp, value)
+      if (self%stores) sum = sum - self%factor*(value - self%origin)*mean_law(self%law, self%sign, self%shift, self%origin, &
+         & value)
    end subroutine effort_add_energy
+
+   !> The energy of a law is its integral from zero, or from the first value where that does not exist, as of 1/s.
+   pure subroutine effort_begin_energy(self, kinematics)
+      class(force_element_type), intent(inout) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      !> Part of the integral in intervals that could not be made small enough
+      real(wp), parameter :: nothing = 1.0e-9_wp
+      real(wp) :: value, rate, weights(2, 3), mean, open
+      if (.not. self%stores) return
+      call read_gauge(self%gauges(1), kinematics, value, rate, weights)
+      call find_mean(self%law, self%sign, self%shift, 0.0_wp, value, mean, open)
+      self%origin = merge(0.0_wp, value, open <= nothing*min(abs(mean), huge(mean)))
+   end subroutine effort_begin_energy
 
    !> All but what comes from the energy.
    pure subroutine effort_add_power(self, kinematics, sum)
@@ -325,6 +342,16 @@ contains
       !> Each slot is sign times the variable + shift
       real(wp), intent(in) :: sign(:), shift(:)
       real(wp), intent(in) :: start, end
+      real(wp) :: open
+      call find_mean(law, sign, shift, start, end, mean, open)
+   end function mean_law
+
+   !> The same, and how much of it, in size, comes from the intervals that were not small enough at last.
+   pure subroutine find_mean(law, sign, shift, start, end, mean, open)
+      type(expression_type), intent(in) :: law
+      real(wp), intent(in) :: sign(:), shift(:)
+      real(wp), intent(in) :: start, end
+      real(wp), intent(out) :: mean, open
       !> Ends of the intervals that are rough, branches there and means over them
       real(wp) :: ends(2, most_rough), means(most_rough)
       real(wp) :: next_ends(2, 2*most_rough), next_means(2*most_rough)
@@ -332,6 +359,7 @@ contains
       real(wp) :: middle, halves(2), level, share
       integer :: i, rough, found, depth
       mean = 0.0_wp
+      open = 0.0_wp
       level = 0.0_wp
       share = 1.0_wp
       rough = 1
@@ -360,14 +388,17 @@ contains
             end if
          end do
          share = 0.5_wp*share
-         if (found > most_rough .or. depth == deepest) mean = mean + share*sum(next_means(:found))
+         if (found > most_rough .or. depth == deepest) then
+            mean = mean + share*sum(next_means(:found))
+            open = share*sum(abs(next_means(:found)))
+         end if
          if (found == 0 .or. found > most_rough) return
          rough = found
          ends(:, :rough) = next_ends(:, :rough)
          branches(:, :rough) = next_branches(:, :rough)
          means(:rough) = next_means(:rough)
       end do
-   end function mean_law
+   end subroutine find_mean
 
    !> The branches that a law of one variable takes behind a value, on the way from start to end; -1 if it has none.
    pure integer(long) function branch_at(law, sign, shift, value, way) result(branch)

@@ -34,6 +34,8 @@ module limber_multibody_load
       procedure(missed_interface), deferred :: add_missed_power
       !> Energy that it stores
       procedure :: add_energy => store_nothing
+      !> Settles from where that is counted
+      procedure :: begin_energy => begin_nothing
    end type load_type
 
    !> One place of a list of loads
@@ -105,6 +107,14 @@ module limber_multibody_load
    end type body_torque_type
 
 contains
+
+   !> A load whose energy is counted from a state without force.
+   pure subroutine begin_nothing(self, kinematics)
+      class(load_type), intent(inout) :: self
+      !> Placed at the first state
+      type(kinematics_type), intent(in) :: kinematics
+      self%share = self%share + 0*kinematics%time
+   end subroutine begin_nothing
 
    !> The energy of a load that stores none.
    pure subroutine store_nothing(self, kinematics, sum)

@@ -33,7 +33,7 @@ module limber_scene_first_scene
    use limber_multibody_massless, only: find_massless
    use limber_multibody_joint_misfit, only: bend_least
    use limber_multibody_modal_damping, only: any_modal, find_damping, damped_modes_type
-   use limber_multibody_kinematics, only: angle_type, place_frames
+   use limber_multibody_kinematics, only: angle_type, move_frames, place_frames
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill
    use limber_multibody_beam_supports, only: find_supports
@@ -197,8 +197,22 @@ contains
          call soften_constraints(scene%system)
          call new_workspace(scene%system, scene%work)
       end if
+      call begin_energies(scene)
       if (scene%system%model%assembly%static_deflections) call settle_deflections(scene, diagnostics)
    end subroutine assemble_scene
+
+   !> From where the energy of each load is counted.
+   subroutine begin_energies(scene)
+      type(scene_type), intent(inout) :: scene
+      integer :: i
+      associate (system => scene%system, kinematics => scene%work%kinematics)
+         call place_frames(system%model, system%layout, scene%begin, scene%q, kinematics)
+         call move_frames(system%model, system%layout, scene%q, scene%v, kinematics)
+         do i = 1, size(system%loads)
+            call system%loads(i)%item%begin_energy(kinematics)
+         end do
+      end associate
+   end subroutine begin_energies
 
    !> Shape of least energy where joints bend bodies, and a word if that is more than figures of the deck that are rounded.
    subroutine bend_bodies(scene, diagnostics)

@@ -7,7 +7,7 @@ module limber_scene_outcome
    use limber_output_internal_forces, only: section_forces_type
    implicit none
    private
-   public :: outcome_type, warn, all_warnings, energy_scale
+   public :: outcome_type, warn, all_warnings, energy_scale, passing_scale
 
    !> Part of the scale of the energy by which its balance may be off
    real(wp), parameter, public :: allowed_imbalance = 1.0e-2_wp
@@ -35,6 +35,9 @@ module limber_scene_outcome
       real(wp) :: first_energy = 0.0_wp, last_energy = 0.0_wp, work = 0.0_wp
       !> Largest |energy - first energy - work| at the end of a step with samples, and the largest energy that it compares with
       real(wp) :: imbalance = 0.0_wp, largest_energy = 0.0_wp
+      !> Integral over the time of the larger of the kinetic energy and the change of the potential one, that time, and the largest
+      !> kinetic energy; zero in scenes with drivers. The potential energy at the start
+      real(wp) :: first_potential = 0.0_wp, moved_time = 0.0_wp, duration = 0.0_wp, fastest = 0.0_wp
       !> Net work of each driver, load and body since the balance was off, eq. (7.1), the work put in before, the time up to which
       !> it is summed up, and the energy that counts as none: round-off, and a motion of almost nothing
       real(wp), allocatable :: net_work(:)
@@ -79,6 +82,10 @@ contains
       call snapshot%exchange('work', self%work)
       call snapshot%exchange('imbalance', self%imbalance)
       call snapshot%exchange('largest_energy', self%largest_energy)
+      call snapshot%exchange('first_potential', self%first_potential)
+      call snapshot%exchange('moved_time', self%moved_time)
+      call snapshot%exchange('duration', self%duration)
+      call snapshot%exchange('fastest', self%fastest)
       call snapshot%keep('net_work', self%net_work)
       call snapshot%exchange('work_before', self%work_before)
       call snapshot%exchange('summed', self%summed)
@@ -93,14 +100,33 @@ contains
    !> what counts as none.
    pure real(wp) function energy_scale(outcome) result(scale)
       type(outcome_type), intent(in) :: outcome
-      real(wp) :: missed
-      scale = max(outcome%largest_energy, outcome%no_energy)
-      if (.not. allocated(outcome%net_work)) return
-      ! What samples miss of powers that change faster does not count where the work matters
-      missed = 0.0_wp
-      if (outcome%shows_work) missed = abs(sum(outcome%net_work) - (outcome%work - outcome%work_before))
-      scale = max(scale, 0.5_wp*sum(abs(outcome%net_work)) - missed)
+      scale = max(outcome%largest_energy, outcome%no_energy, exchanged(outcome, outcome%shows_work))
    end function energy_scale
+
+   !> The same of a motion that is fast for a short time only, as near the pericentre of an orbit, and is not braked behind that:
+   !> what is small beside its largest energy need not be so beside the energy it has in the mean. Without such a passage it is
+   !> infinite.
+   pure real(wp) function passing_scale(outcome) result(scale)
+      type(outcome_type), intent(in) :: outcome
+      !> Largest kinetic energy beside the mean from which on it is one of a short passage
+      real(wp), parameter :: short = 5.0_wp
+      scale = huge(scale)
+      if (.not. (outcome%moved_time > 0.0_wp .and. outcome%fastest*outcome%duration > short*outcome%moved_time)) return
+      scale = max(outcome%moved_time/outcome%duration, outcome%no_energy, exchanged(outcome, .true.))
+   end function passing_scale
+
+   !> What drivers, loads and damping have exchanged, eq. (7.1).
+   pure real(wp) function exchanged(outcome, by_work)
+      type(outcome_type), intent(in) :: outcome
+      !> Whether what samples miss of powers that change faster is taken off
+      logical, intent(in) :: by_work
+      real(wp) :: missed
+      exchanged = 0.0_wp
+      if (.not. allocated(outcome%net_work)) return
+      missed = 0.0_wp
+      if (by_work) missed = abs(sum(outcome%net_work) - (outcome%work - outcome%work_before))
+      exchanged = 0.5_wp*sum(abs(outcome%net_work)) - missed
+   end function exchanged
 
    !> All warnings of a run, those of vibrations that are not followed among them.
    pure function all_warnings(outcome) result(text)

@@ -6,7 +6,7 @@ module limber_scene_sampling
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_scene_joint_check, only: check_joints
-   use limber_scene_outcome, only: outcome_type, warn, allowed_imbalance
+   use limber_scene_outcome, only: outcome_type, warn, allowed_imbalance, passing_scale
    use limber_scene_first_scene, only: scene_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_model, only: dynamics_type, ground
@@ -299,12 +299,18 @@ contains
       end if
       call mechanical_energy(scene%system, scene%work, sample%q, sample%v, kinetic, potential)
       if (outcome%samples == 0) outcome%first_energy = kinetic + potential
+      if (outcome%samples == 0) outcome%first_potential = potential
       outcome%last_energy = kinetic + potential
       if (.not. allocated(outcome%net_work)) outcome%work_before = outcome%work
       outcome%work = sample%w
       outcome%imbalance = max(outcome%imbalance, abs(kinetic + potential - outcome%first_energy - sample%w))
       outcome%largest_energy = max(outcome%largest_energy, kinetic, abs(potential - outcome%first_energy))
-      if (outcome%imbalance > allowed_imbalance*max(outcome%largest_energy, outcome%no_energy)) &
+      if (size(scene%system%model%drivers) == 0) then
+         outcome%moved_time = outcome%moved_time + (t - outcome%summed)*max(kinetic, abs(potential - outcome%first_potential))
+         outcome%duration = outcome%duration + (t - outcome%summed)
+         outcome%fastest = max(outcome%fastest, kinetic)
+      end if
+      if (outcome%imbalance > allowed_imbalance*min(max(outcome%largest_energy, outcome%no_energy), passing_scale(outcome))) &
          & call add_exchange(scene, t, sample, outcome)
       call add_turn(scene, t - outcome%summed, sample, outcome)
       if (outcome%largest_energy > 0.0_wp) outcome%ahead = outcome%ahead + (t - outcome%summed)*(kinetic + potential &

@@ -239,8 +239,8 @@ contains
    !> A line of 20 MB, or of as many words as the program is told, where the end of a *REPEAT is looked for: no words are taken from
    !> it, which the stack could not hold.
    subroutine test_long_line()
-      type(deck_type) :: deck
-      type(diagnostics_type) :: diagnostics
+      type(deck_type) :: deck, open_deck
+      type(diagnostics_type) :: diagnostics, open_diagnostics
       character(:), allocatable :: text
       character(16) :: argument
       integer :: words
@@ -252,6 +252,10 @@ contains
       call read_deck_text('deck.inp', text, deck, diagnostics)
       call check(diagnostics%count > 0, 'a line that is too long ends no *REPEAT')
       call check(diagnostics%items(1)%message == 'this *REPEAT has no *END REPEAT', diagnostics%items(1)%message)
+      ! One mistake, one message
+      call read_deck_text('deck.inp', '*REPEAT, COUNT=3, INDEX=i'//newline//'*POINT MASS, NAME=a<i>, MASS=1'//newline// &
+         & '*DYNAMICS, END=1'//newline//'*OUTPUT'//newline//' x(a1)'//newline, open_deck, open_diagnostics)
+      call check(open_diagnostics%count == 1 .and. .not. open_deck%is_whole, 'an open *REPEAT is one error')
    end subroutine test_long_line
 
    !> Errors and warnings that a later module adds.

@@ -31,6 +31,8 @@ program test_alarms
    call test_scalar()
    call test_still()
    call test_turning()
+   call test_orbits()
+   call test_braked()
    call finish()
 
 contains
@@ -67,6 +69,52 @@ contains
          call judge('behind statics, '//names(i), weight//hanging//'*STATICS'//newline//tail//' y(mass)', -1.0_wp, 1.0e-6_wp, '')
       end do
    end subroutine test_rest
+
+   !> Orbits about a centre, from the apocentre at a distance of one, against Kepler's equation: errors that are small beside the
+   !> energy of a close passage are not small beside that of the orbit.
+   subroutine test_orbits()
+      character(*), parameter :: radau = 'RADAU, TOLERANCE=1e-6', mean = '% of what it is in the mean'
+      call test_orbit(0.8_wp, 'AUTO, TOLERANCE=1e-6', 3.0e-4_wp, '')
+      call test_orbit(0.5_wp, 'AUTO, TOLERANCE=1e-6', 2.0e-3_wp, '')
+      call test_orbit(0.8_wp, 'CONSERVING, TOLERANCE=1e-5', 2.0e-3_wp, '')
+      call test_orbit(0.1_wp, radau, 3.0e-4_wp, '')
+      call test_orbit(0.02_wp, radau, 3.0e-3_wp, '')
+      call test_orbit(0.1_wp, 'AUTO, TOLERANCE=1e-4', 1.5_wp, mean)
+      call test_orbit(0.05_wp, 'ALPHA, TOLERANCE=1e-6', 1.0_wp, mean)
+      call test_orbit(0.02_wp, 'CONSERVING, TOLERANCE=1e-6', 1.0_wp, mean)
+      call test_orbit(0.02_wp, 'ALPHA, TOLERANCE=1e-6', 1.5_wp, mean)
+   end subroutine test_orbits
+
+   !> One of them, with the speed at the apocentre: x = a (e - cos E), E - e sin E = pi + n t, and the energy -1/(2a).
+   subroutine test_orbit(speed, integrator, error, warning)
+      real(wp), intent(in) :: speed, error
+      character(*), intent(in) :: integrator, warning
+      real(wp), parameter :: end = 6.0_wp
+      real(wp) :: axis, eccentricity, mean, angle
+      integer :: round
+      axis = 1/(2 - speed**2)
+      eccentricity = 1 - speed**2
+      mean = modulo(acos(-1.0_wp) + end/axis**1.5_wp, 2*acos(-1.0_wp))
+      angle = acos(-1.0_wp)
+      do round = 1, 50
+         angle = angle - (angle - eccentricity*sin(angle) - mean)/(1 - eccentricity*cos(angle))
+      end do
+      call judge('orbit from '//as_text(speed, 2)//', '//integrator, '*POINT MASS, NAME=a, MASS=1, X=1, VY='//as_text(speed, 2)// &
+         & newline//'*FORCE, NAME=f, POINT=a'//newline//' -x(a)/(x(a)**2+y(a)**2)**1.5, -y(a)/(x(a)**2+y(a)**2)**1.5'//newline// &
+         & '*DYNAMICS, END=6, OUTPUTS=50, INTEGRATOR='//integrator//newline//'*OUTPUT'//newline//' x(a)', &
+         & axis*(eccentricity - cos(angle)), error, warning)
+   end subroutine test_orbit
+
+   !> What is braked from a high speed has a short fast passage as well, and nothing is lost: x = v/c (1 - exp(-c t)).
+   subroutine test_braked()
+      character(10), parameter :: names(4) = [character(10) :: 'ADAMS', 'RADAU', 'ALPHA', 'CONSERVING']
+      integer :: i
+      do i = 1, size(names)
+         call judge('braked, '//names(i), '*POINT MASS, NAME=a, MASS=1, VX=10'//newline//'*FORCE, NAME=f, POINT=a'//newline// &
+            & ' -5*vx(a), 0'//newline//'*DYNAMICS, END=0.8, OUTPUTS=200, TOLERANCE=1e-4, INTEGRATOR='//trim(names(i))//newline// &
+            & '*OUTPUT'//newline//' x(a)', 2*(1 - exp(-4.0_wp)), 2.0e-2_wp, '')
+      end do
+   end subroutine test_braked
 
    !> A beam that hangs on a torque of round-off: nothing moves, and ADAMS still takes the steps of the fastest vibration.
    subroutine test_still()

@@ -15,6 +15,10 @@ program test_energy
    call check_slider_crank()
    call check_far('10')
    call check_far('300')
+   call check_pole('1/x')
+   call check_pole('0.5/x**1.2')
+   call check_pole('2/x**2')
+   call check_pole('x')
    call finish()
 
 contains
@@ -74,5 +78,30 @@ contains
       call check(maxval(here) > here(1) + 1.0e-4_wp, 'beam on a slide moves')
       call check_close(maxval(abs(energy - energy(1))), 0.0_wp, 1.0e-8_wp, 'beam on a slide at '//far//': energy')
    end subroutine check_far
+
+   !> Laws of the elongation with a pole at zero: the energy counts from the first elongation; others count from zero.
+   subroutine check_pole(law)
+      character(*), intent(in) :: law
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: x(:), kinetic(:), potential(:)
+      real(wp), parameter :: first = 0.7_wp
+      call run_changed('verification/pole_spring.inp', trim(results), [character(12) :: '1/x'], [character(12) :: law], reader)
+      x = channel(reader, 'x_a') - 0.5_wp
+      kinetic = channel(reader, 'kinetic_energy_system')
+      potential = channel(reader, 'potential_energy_system')
+      select case (law)
+      case ('1/x')
+         x = log(x/first)
+      case ('0.5/x**1.2')
+         x = 2.5_wp*(first**(-0.2_wp) - x**(-0.2_wp))
+      case ('2/x**2')
+         x = 2*(1/first - 1/x)
+      case default
+         x = 0.5_wp*x**2
+      end select
+      call check_close(maxval(abs(potential - x)), 0.0_wp, 1.0e-12_wp, 'potential energy of the law '//law)
+      call check_close(maxval(abs(kinetic + potential - potential(1))), 0.0_wp, 1.0e-5_wp, 'energy with the law '//law)
+      call reader%close()
+   end subroutine check_pole
 
 end program test_energy

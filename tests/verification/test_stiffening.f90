@@ -33,7 +33,7 @@ program test_stiffening
    call compare_pieces('../tests/verification/friction', trim(argument), 5, 'eps = 1e-4', 'eps = 1e-3', 'OUTPUTS=20', 'OUTPUTS=20')
    call check_vibration(trim(argument), '1e-4', '1000', 1.0e-4_wp, 12000)
    call check_vibration(trim(argument), '1e-4', '2000', 2.0e-4_wp, 24000)
-   call check_vibration(trim(argument), '2e-4', '500', 2.0e-4_wp, 6000)
+   call check_vibration(trim(argument), '2e-4', '500', 2.0e-4_wp, 8000)
    call compare_pieces('../tests/verification/vibration', trim(argument), 5, 'amplitude = 1e-4', 'amplitude = 2e-4', &
       & 'OUTPUTS=20', 'OUTPUTS=20')
    call finish()

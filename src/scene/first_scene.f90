@@ -1,6 +1,7 @@
 !> From a deck to a system at its first state. Deck -> model -> modes -> system -> assembly. Errors come back as text that points
 !> into the deck. Floor: scene.
 module limber_scene_first_scene
+   use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp, long
    use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type, raise, status_deck
@@ -204,13 +205,18 @@ contains
    !> From where the energy of each load is counted.
    subroutine begin_energies(scene)
       type(scene_type), intent(inout) :: scene
+      type(ieee_status_type) :: status
       integer :: i
       associate (system => scene%system, kinematics => scene%work%kinematics)
          call place_frames(system%model, system%layout, scene%begin, scene%q, kinematics)
          call move_frames(system%model, system%layout, scene%q, scene%v, kinematics)
+         ! Laws are tried where they may have no value
+         call ieee_get_status(status)
+         call ieee_set_halting_mode(ieee_all, .false.)
          do i = 1, size(system%loads)
             call system%loads(i)%item%begin_energy(kinematics)
          end do
+         call ieee_set_status(status)
       end associate
    end subroutine begin_energies
 

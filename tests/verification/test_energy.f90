@@ -85,7 +85,10 @@ contains
       type(history_reader_type) :: reader
       real(wp), allocatable :: x(:), kinetic(:), potential(:)
       real(wp), parameter :: first = 0.7_wp
-      call run_changed('verification/pole_spring.inp', trim(results), [character(12) :: '1/x'], [character(12) :: law], reader)
+      character(12) :: changed(1)
+      ! A constructor of a dummy of assumed length copies beyond it (gfortran 12)
+      changed(1) = law
+      call run_changed('verification/pole_spring.inp', trim(results), ['1/x'], changed, reader)
       x = channel(reader, 'x_a') - 0.5_wp
       kinetic = channel(reader, 'kinetic_energy_system')
       potential = channel(reader, 'potential_energy_system')

@@ -385,7 +385,7 @@ contains
          & ' a = torque(motor), b = kinetic_energy(system), c = power(motor), d = x(crank) - base'//nl// &
          & ' e = k*(base - x(crank)), f = 2*moment(pin)'//nl// &
          & ' g = torque(motor)*angle(crank), h = abs(force_x(pin)), i = k*t, j = 2*t, l = angle(crank) - k*t'//nl// &
-         & ' m = angle(crank)/spin(crank), n = max(spin(crank), 0), o = x(crank) - base*sin(k*t), p = angle(crank)/angle(crank)'
+         & ' m = angle(crank)/spin(crank), n = max(spin(crank), 0), o = x(crank) - base*sin(k*t), p = spin(crank)/spin(crank)'
       character(*), parameter :: names(15) = ['a', 'b', 'c', 'd', 'e', 'f', 'g', 'h', 'i', 'j', 'l', 'm', 'n', 'o', 'p']
       character(*), parameter :: other(7) = [character(7) :: 'unknown', 's', 'rad', 's', 'rad/s', 'm', '1']
       character(*), parameter :: si(15) = [[character(7) :: 'N m', 'J', 'W', 'm', 'unknown', 'N m', 'J', 'N'], other]

@@ -18,8 +18,8 @@ module limber_analysis_crossing_judgement
    integer, parameter, public :: deepest = 60
    !> Part of the largest value of a law that is little; part of its own largest value that is a slight change
    real(wp), parameter, public :: little = 1.0e-4_wp, slight = 0.05_wp
-   !> Parts of a step right behind its start in which a crossing is one at the start, by round-off; and in which one that has just been
-   !> met, found again, is the error of the constraints to which the start was brought
+   !> Parts of a step behind its start: in which a crossing is one at the start, by round-off; in which one that has been met, found
+   !> again, is the error by which constraints were corrected there
    real(wp), parameter, public :: just_met = 1.0e-8_wp, met_again = 1.0e-4_wp
 
    !> Changes of a law that matter, relative to how it varies in a step; fourth difference that no smooth law has; part of the largest

@@ -299,25 +299,8 @@ contains
       real(wp), intent(in) :: q(:), v(:)
       real(wp), intent(inout) :: a(:)
       logical, intent(out) :: done
-      logical :: singular
-      held%a = 0.0_wp
-      held%lambda = 0.0_wp
-      call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
-      call gather_gamma(system, work)
-      call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
-      held%tangent%softness = 1.0_wp
-      call combine(held%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
-      call held%tangent%matrix%factor(singular)
-      done = .not. singular
-      if (singular) return
-      associate (nw => system%layout%nw)
-         held%solution(:nw) = -held%motion
-         held%solution(nw + 1:) = work%gamma
-         call solve_refined(held%tangent, nw, held%solution, held%correction)
-         held%a = held%solution(:nw)
-         held%lambda = held%solution(nw + 1:)
-      end associate
-      call accelerations_of(system, work, held%a, a)
+      call balance_free(system, work, held, t, q, v, .true., done)
+      if (done) call accelerations_of(system, work, held%a, a)
    end subroutine free_accelerations
 
    !> Multipliers, and accelerations of the rates (nw), that a scene at rest has at a place, into held%lambda, held%a: the balance
@@ -328,12 +311,27 @@ contains
       type(driven_motion_type), intent(inout) :: held
       real(wp), intent(in) :: t, q(:)
       logical, intent(out) :: done
-      logical :: singular
       held%moved = 0.0_wp
+      call balance_free(system, work, held, t, q, held%moved, .false., done)
+   end subroutine rest_multipliers
+
+   !> The balance of forces of eq. (4.1) with free deflections, into held%a, held%lambda.
+   subroutine balance_free(system, work, held, t, q, v, moves, done)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(driven_motion_type), intent(inout) :: held
+      !> Time, coordinates and velocities (nq)
+      real(wp), intent(in) :: t, q(:), v(:)
+      !> Whether constraints have what velocities make of them
+      logical, intent(in) :: moves
+      !> False if the matrix is singular
+      logical, intent(out) :: done
+      logical :: singular
       held%a = 0.0_wp
       held%lambda = 0.0_wp
-      call motion_residual(system, work, t, q, held%moved, held%a, held%lambda, held%motion, held%rates)
-      call linearise_motion(system, work, held%tangent, q, held%moved, held%a, held%lambda)
+      call motion_residual(system, work, t, q, v, held%a, held%lambda, held%motion, held%rates)
+      if (moves) call gather_gamma(system, work)
+      call linearise_motion(system, work, held%tangent, q, v, held%a, held%lambda)
       held%tangent%softness = 1.0_wp
       call combine(held%tangent, (1.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), (0.0_wp, 0.0_wp), .false.)
       call held%tangent%matrix%factor(singular)
@@ -342,10 +340,11 @@ contains
       associate (nw => system%layout%nw)
          held%solution(:nw) = -held%motion
          held%solution(nw + 1:) = 0.0_wp
-         call solve_refined(held%tangent, system%layout%nw, held%solution, held%correction)
+         if (moves) held%solution(nw + 1:) = work%gamma
+         call solve_refined(held%tangent, nw, held%solution, held%correction)
          held%a = held%solution(:nw)
          held%lambda = held%solution(nw + 1:)
       end associate
-   end subroutine rest_multipliers
+   end subroutine balance_free
 
 end module limber_multibody_driven_motion

@@ -5,8 +5,9 @@ module limber_multibody_load_list
    use limber_model_quantities, only: quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, quantity_spin, &
       & quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, quantity_joint_spin, &
       & quantity_displacement, quantity_sliding_speed
-   use limber_model_model, only: model_type, force_type, torque_type, spring_type, load_effort_type, quantity_type, ground, &
-      & effort_axis, effort_follower, effort_distance, effort_slide, effort_angle, own_elongation, own_rate, in_efforts
+   use limber_model_model, only: model_type, force_type, torque_type, spring_type, load_effort_type, named_load_type, &
+      & quantity_type, ground, effort_axis, effort_follower, effort_distance, effort_slide, effort_angle, own_elongation, &
+      & own_rate, in_forces, in_torques, in_springs, in_efforts
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_load_functions, only: load_function_type, compare_gauges, gauge_shift, gauge_distance, gauge_slide, &
       & gauge_angle
@@ -15,7 +16,7 @@ module limber_multibody_load_list
    use limber_multibody_springs, only: point_spring_type
    implicit none
    private
-   public :: new_loads
+   public :: new_loads, places_of
 
    !> Distance below which a spring's direction fades, relative to the characteristic length
    real(wp), parameter :: softening = 1.0e-10_wp
@@ -60,6 +61,20 @@ contains
          end associate
       end do
    end subroutine new_loads
+
+   !> First and last place of a load of the deck in the list that `new_loads` makes.
+   pure subroutine places_of(model, named, first, last)
+      type(model_type), intent(in) :: model
+      type(named_load_type), intent(in) :: named
+      integer, intent(out) :: first, last
+      integer :: before
+      before = 0
+      if (named%list > in_forces) before = before + size(model%forces)
+      if (named%list > in_torques) before = before + size(model%torques)
+      if (named%list > in_springs) before = before + size(model%springs)
+      first = before + named%first
+      last = before + named%last
+   end subroutine places_of
 
    subroutine add_force(system, force, item)
       class(registry_type), intent(inout) :: system

@@ -6,12 +6,13 @@ module limber_multibody_modal_damping
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dgetrf, dgetrs
-   use limber_model_model, only: model_type, named_load_type, ground, in_forces, in_torques, in_springs
+   use limber_model_model, only: model_type, ground
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_dense_eigenmodes, only: symmetric_modes
    use limber_multibody_unit_mass_coordinates, only: update_eta_masses
    use limber_multibody_free_motions, only: free_motions_type, find_freedom
    use limber_multibody_kinematics, only: place_frames, move_frames
+   use limber_multibody_load_list, only: places_of
    use limber_multibody_multiplier_system, only: update_jacobians, update_beam_masses, update_masses
    use limber_multibody_springs, only: point_spring_type
    use limber_multibody_system, only: system_type, workspace_type
@@ -296,20 +297,6 @@ contains
          deallocate (at)
       end do
    end subroutine find_springs
-
-   !> First and last place of a load of the deck in the list of the system.
-   pure subroutine places_of(model, named, first, last)
-      type(model_type), intent(in) :: model
-      type(named_load_type), intent(in) :: named
-      integer, intent(out) :: first, last
-      integer :: before
-      before = 0
-      if (named%list > in_forces) before = before + size(model%forces)
-      if (named%list > in_torques) before = before + size(model%torques)
-      if (named%list > in_springs) before = before + size(model%springs)
-      first = before + named%first
-      last = before + named%last
-   end subroutine places_of
 
    !> Whether a stiffness is one of a spring: finite, and symmetric.
    pure logical function is_symmetric(stiffness)

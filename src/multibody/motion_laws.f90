@@ -5,11 +5,11 @@ module limber_multibody_motion_laws
    use limber_base_kinds, only: wp, long
    use limber_deck_operations, only: jet_type
    use limber_deck_range, only: range_type, law_range_over
-   use limber_model_model, only: in_efforts
    use limber_multibody_force_elements, only: force_element_type, max_slots
    use limber_multibody_bounds, only: bound_cubic, bound_length
    use limber_multibody_load_functions, only: gauge_angle, gauge_distance
    use limber_multibody_kinematics, only: kinematics_type
+   use limber_multibody_load_list, only: places_of
    use limber_multibody_system, only: system_type
    implicit none
    private
@@ -350,14 +350,11 @@ contains
       !> Index of the load
       integer, intent(in) :: load
       character(:), allocatable :: text
-      integer :: i, effort
-      effort = load - (size(system%loads) - size(system%model%efforts))
+      integer :: i, first, last
       text = 'the law of a load'
       do i = 1, size(system%model%loads)
-         associate (named => system%model%loads(i))
-            if (named%list == in_efforts .and. effort >= named%first .and. effort <= named%last) text = "the law of '"// &
-               & named%name//"'"
-         end associate
+         call places_of(system%model, system%model%loads(i), first, last)
+         if (load >= first .and. load <= last) text = "the law of '"//system%model%loads(i)%name//"'"
       end do
       if (size(system%loads(load)%item%bodies) > 0) text = text//" on body '"// &
          & system%model%bodies(system%loads(load)%item%bodies(1))%name//"'"

@@ -3,10 +3,11 @@ module limber_output_load_channels
    use limber_base_kinds, only: wp
    use limber_model_quantities, only: quantity_force_x, quantity_force_y, quantity_moment, quantity_power, quantity_elongation, &
       & quantity_rate
-   use limber_model_model, only: quantity_type, in_forces, in_torques, in_springs
+   use limber_model_model, only: quantity_type
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_load, only: load_type
+   use limber_multibody_load_list, only: places_of
    use limber_multibody_springs, only: point_spring_type
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -15,34 +16,28 @@ module limber_output_load_channels
 
 contains
 
-   !> A quantity of a load of the deck; loads of the system stand in the order forces, torques, springs, efforts.
+   !> A quantity of a load of the deck.
    real(wp) function load_value(system, work, quantity) result(value)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       type(quantity_type), intent(in) :: quantity
-      integer :: i, before
+      integer :: i, first, last
       real(wp) :: force(2)
       value = 0.0_wp
-      associate (named => system%model%loads(quantity%of), model => system%model)
-         before = 0
-         if (named%list > in_forces) before = size(model%forces)
-         if (named%list > in_torques) before = before + size(model%torques)
-         if (named%list > in_springs) before = before + size(model%springs)
-         select case (quantity%kind)
-         case (quantity_power)
-            do i = named%first, named%last
-               value = value + load_power(system%loads(before + i)%item, work%kinematics)
-            end do
-         case (quantity_force_x, quantity_force_y)
-            force = load_vector(system%loads(before + named%first)%item, work%kinematics) &
-               & + load_vector(system%loads(before + named%first + 1)%item, work%kinematics)
-            value = force(merge(1, 2, quantity%kind == quantity_force_x))
-         case (quantity_moment)
-            value = spring_value(system%loads(before + named%last)%item, work%kinematics, quantity_moment)
-         case default
-            value = spring_value(system%loads(before + named%first)%item, work%kinematics, quantity%kind)
-         end select
-      end associate
+      call places_of(system%model, system%model%loads(quantity%of), first, last)
+      select case (quantity%kind)
+      case (quantity_power)
+         do i = first, last
+            value = value + load_power(system%loads(i)%item, work%kinematics)
+         end do
+      case (quantity_force_x, quantity_force_y)
+         force = load_vector(system%loads(first)%item, work%kinematics) + load_vector(system%loads(first + 1)%item, work%kinematics)
+         value = force(merge(1, 2, quantity%kind == quantity_force_x))
+      case (quantity_moment)
+         value = spring_value(system%loads(last)%item, work%kinematics, quantity_moment)
+      case default
+         value = spring_value(system%loads(first)%item, work%kinematics, quantity%kind)
+      end select
    end function load_value
 
    !> Elongation, its rate, tension or torque of a spring.

@@ -12,6 +12,7 @@ module limber_analysis_dynamic_analysis
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_fresh_start, only: pass_break
+   use limber_analysis_passing_errors, only: passages_type, start_passages, note_passage, count_passage, passing_warning
    use limber_scene_interruption, only: interruption_type
    use limber_monitor_indicator_start, only: start_indicators
    use limber_scene_joint_check, only: watches_joints
@@ -161,6 +162,7 @@ contains
       type(jump_watch_type) :: watch
       type(turning_type) :: turning
       type(crossings_type) :: crossings
+      type(passages_type) :: passages
       type(curve_watch_type) :: curves
       type(curve_pieces_type) :: pieces
       character(:), allocatable :: text
@@ -181,6 +183,7 @@ contains
       sample%v = scene%v
       call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
+      call start_passages(passages, scene%system, crossings)
       call new_curve_watch(curves, scene%system, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
@@ -252,6 +255,8 @@ contains
                cycle
             end if
             call meet_crossing()
+            call note_passage(passages, scene%system, scene%work, integrator, crossings, t)
+            if (crossings%found == found_bend .or. crossings%found == found_jump) call count_passage(passages, crossings)
          end if
          if (size(pieces%paths) > 0) call meet_end()
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
@@ -295,6 +300,8 @@ contains
       outcome%reached = t
       call tell_kinks(pieces, scene%system, outcome)
       if (.not. allocated(error)) call look_at_end(scene, integrator, sample, outcome)
+      text = passing_warning(passages, scene%system, crossings, dynamics)
+      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       text = scale_warning(watch, scene%system, integrator%tolerance, t)
       if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
       text = ''
@@ -514,6 +521,7 @@ contains
          call watch%exchange(snapshot)
          call turning%exchange(snapshot)
          call crossings%exchange(snapshot)
+         call passages%exchange(snapshot)
          if (snapshot%restoring .and. size(crossings%loads) > 0) call resume_crossings(crossings, scene%system, scene%work, &
             & integrator%t)
          call pieces%exchange(snapshot, scene%system)

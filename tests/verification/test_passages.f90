@@ -1,0 +1,57 @@
+!> Laws of place that come and go many times: what their passages add up to is right, against the integral of the law along a known
+!> motion, or the run tells of it. Usage, in tests/: test_passages RESULT_FILE
+program test_passages
+   use limber_base_kinds, only: wp
+   use limber_base_error, only: error_type
+   use limber_base_text, only: newline, as_text
+   use limber_output_history_reader, only: history_reader_type
+   use runs, only: run_text, channel
+   use testing, only: check, check_no_error, finish
+   implicit none
+
+   character(10), parameter :: integrators(4) = [character(10) :: 'AUTO', 'RADAU', 'ALPHA', 'CONSERVING']
+   character(*), parameter :: told = 'errors of these passages add up: the speed along y'
+   character(256) :: results
+   integer :: i
+
+   call get_command_argument(1, results)
+   do i = 1, size(integrators)
+      call check_hills(trim(integrators(i)), '1e-4')
+      call check_hills(trim(integrators(i)), '1e-5')
+      call check_hills(trim(integrators(i)), '1e-6')
+   end do
+   call finish()
+
+contains
+
+   !> A mass that flies along x at 10 through 589 hills of a force along y.
+   subroutine check_hills(integrator, tolerance)
+      character(*), intent(in) :: integrator, tolerance
+      !> Error that must be told, and the one that must not be, relative to the speed at the end
+      real(wp), parameter :: wrong = 5.0e-2_wp, right = 1.0e-2_wp
+      integer, parameter :: cells = 2000000
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: speed(:)
+      character(:), allocatable :: report, name
+      real(wp) :: exact, off
+      integer :: k
+      name = 'hills, '//integrator//', '//tolerance//': '
+      exact = 0.0_wp
+      do k = 1, cells
+         exact = exact + 1.0e4_wp*max(0.0_wp, cos(37*(10*(k - 0.5_wp)/cells)**2) - 0.999_wp)/cells
+      end do
+      call run_text('*POINT MASS, NAME=a, MASS=1, VX=10'//newline//'*FORCE, NAME=f, POINT=a'//newline// &
+         & ' 0, 1e4*max(0, cos(37*x(a)*x(a)) - 0.999)'//newline//'*DYNAMICS, END=1, OUTPUTS=5, TOLERANCE='//tolerance// &
+         & ', INTEGRATOR='//integrator//newline//'*OUTPUT'//newline//' vy(a)'//newline, trim(results), report, error)
+      call check_no_error(error, name//'run')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      speed = channel(reader, 'vy_a')
+      call reader%close()
+      off = abs(speed(size(speed))/exact - 1)
+      if (off > wrong) call check(index(report, told) > 0, name//as_text(100*off, 2)//' % off, and not told: '//report)
+      if (off < right) call check(index(report, told) == 0, name//'off by '//as_text(100*off, 2)//' %: '//report)
+   end subroutine check_hills
+
+end program test_passages

@@ -14,8 +14,6 @@ module limber_analysis_static_branch
    use limber_multibody_free_motions, only: motion_text
    use limber_multibody_kinematics, only: place_frames, settle_angles
    use limber_multibody_turn_counts, only: driven_turn
-   use limber_multibody_force_elements, only: force_element_type
-   use limber_multibody_load, only: load_type, dead_force_type, body_torque_type
    implicit none
    private
    public :: statics_type, load_scene, scale_loads, time_of, accept, try, try_start, fall_into_place, find_critical, loads_drive
@@ -74,25 +72,12 @@ contains
       integer :: i
       do i = 1, size(scene%system%loads)
          associate (load => scene%system%loads(i)%item)
-            if (.not. is_steady(load)) cycle
+            if (.not. load%grows) cycle
             load%is_scaled = is_scaled
             load%share = factor
          end associate
       end do
    end subroutine scale_loads
-
-   !> Whether a load is constant in time, so that it may grow from zero.
-   logical function is_steady(load)
-      class(load_type), intent(in) :: load
-      is_steady = .false.
-      select type (load)
-      type is (dead_force_type); is_steady = load%law_x%is_constant() .and. load%law_y%is_constant()
-      type is (body_torque_type); is_steady = load%law%is_constant()
-      type is (force_element_type)
-         is_steady = load%driven .and. .not. (load%stores .or. load%stiffness > 0.0_wp .or. load%damping > 0.0_wp)
-         if (is_steady) is_steady = load%law%is_constant()
-      end select
-   end function is_steady
 
    pure real(wp) function time_of(step, part) result(t)
       type(analysis_step_type), intent(in) :: step

@@ -14,12 +14,13 @@ module limber_deck_compile
    use limber_deck_parameters, only: parameter_list_type, name_length
    use limber_deck_expression, only: expression_type
    use limber_deck_cursor, only: skip_blanks, peek, next_word, next_number, read_number, letters, digits
+   use limber_deck_quantity_names, only: quantity_names
    use limber_deck_emitter, only: emitter_type, push_constant, push_slot, push_table, emit, fail
    use limber_deck_operations, only: function_names, function_arity, first_function, op_negate, op_add, op_subtract, &
       & op_multiply, op_divide, op_power
    implicit none
    private
-   public :: compile, looks_like_expression, is_reserved
+   public :: compile, looks_like_operand, is_reserved
 
    !> Deepest nesting of parentheses, signs and exponents
    integer, parameter :: max_depth = 50
@@ -90,30 +91,36 @@ contains
       end if
    end subroutine compile
 
-   !> Whether a text could continue an expression: made only of numbers, operators, parentheses and names
-   !> that mean a number. Tells a power written with blanks from a comment.
-   logical function looks_like_expression(text, parameters)
-      character(*), intent(in) :: text
+   !> Whether a text behind asterisks begins with an operand, and goes on as an expression or a list would. Tells a power written
+   !> with a blank from a comment.
+   recursive logical function looks_like_operand(text, before, parameters) result(looks)
+      !> Behind the asterisks; of the line before them, where parameters may be defined too
+      character(*), intent(in) :: text, before
       type(parameter_list_type), intent(in) :: parameters
       type(emitter_type) :: c
       character(:), allocatable :: word
+      looks = .false.
       c%text = lowercase(text)
-      looks_like_expression = .false.
       call skip_blanks(c)
+      c%at = c%at + max(verify(text(c%at:)//'x', '+-') - 1, 0)
       if (c%at > len(text)) return
-      do while (c%at <= len(text))
-         if (scan(c%text(c%at:c%at), digits//'+-*/().,') > 0) then
-            c%at = c%at + 1
-         else
-            word = next_word(c)
-            if (len(word) == 0) return
-            c%at = c%at + len(word)
-            if (.not. (is_reserved(word) .or. parameters%find(word) > 0)) return
-         end if
-         call skip_blanks(c)
-      end do
-      looks_like_expression = .true.
-   end function looks_like_expression
+      word = next_word(c)
+      if (scan(c%text(c%at:c%at), digits//'.') > 0) then
+         word = next_number(c)
+         c%at = c%at + len(word)
+         looks = scan(word, digits) > 0
+      else if (len(word) > 0) then
+         c%at = c%at + len(word)
+         looks = is_reserved(word) .or. parameters%find(word) > 0 .or. index(lowercase(before), word//'=') > 0
+         if (.not. looks) looks = any(quantity_names == word) .and. peek(c) == '('
+      end if
+      if (peek(c) == '(') then
+         looks = looks .or. len(word) == 0 .and. looks_like_operand(text(c%at + 1:), before, parameters)
+         c%at = c%at + index(c%text(c%at:)//')', ')')
+      end if
+      call skip_blanks(c)
+      if (c%at <= len(text)) looks = looks .and. scan(c%text(c%at:c%at), '+-*/,)') > 0
+   end function looks_like_operand
 
    !> Whether a name has a meaning in expressions already: the time, pi or a function.
    pure logical function is_reserved(name)

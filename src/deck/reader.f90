@@ -13,7 +13,7 @@ module limber_deck_reader
       & is_parameter_name, keyword_of
    use limber_deck_diagnostics, only: diagnostics_type, max_errors
    use limber_deck_families, only: settle_models
-   use limber_deck_compile, only: looks_like_expression, is_reserved
+   use limber_deck_compile, only: looks_like_operand, is_reserved
    use limber_deck_parameters, only: parameter_type, override_type
    use limber_deck_schema, only: form_text
    use limber_deck_keywords, only: keyword_table
@@ -360,10 +360,8 @@ contains
       !> Set if so
       logical, intent(inout) :: broken
       type(diagnostics_type), intent(inout) :: diagnostics
-      integer :: last
       if (column + 2 > len(line)) return
-      last = column + 1 + comment_start(line(column + 2:)) - 1
-      if (.not. looks_like_expression(line(column + 2:last), deck%parameters)) return
+      if (.not. looks_like_operand(line(column + 2:), line(:column - 1), deck%parameters)) return
       broken = .true.
       call diagnostics%add(origin_type(start%file, start%line, column, column + 1, start%turn), &
          & "'**' behind a blank begins a comment, but this looks like a power", &

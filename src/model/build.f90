@@ -62,8 +62,8 @@ contains
       integer :: i, before
       logical :: whole
       allocate (model%bodies(0), model%wholes(0), model%points(0), model%joints(0), model%drivers(0), &
-         & model%forces(0), model%channels(0))
-      allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0), model%assembly%deflections(0))
+         & model%channels(0))
+      allocate (model%load_parts(0), model%loads(0), model%assembly%deflections(0))
       allocate (model%scalars(0), model%spreads(0))
       call read_labels(deck, model)
       call add_point(model, 'ground.origin', ground, [0.0_wp, 0.0_wp])

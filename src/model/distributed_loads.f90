@@ -12,12 +12,12 @@ module limber_model_distributed_loads
    use limber_beam_exact_beam, only: lean_at
    use limber_beam_beam_reduction, only: point_shape, exact_shape
    use limber_model_law_breaks, only: law_breaks, law_stations, undefined_at
-   use limber_model_load_blocks, only: new_effort, set_law, append_effort, name_load, constant
+   use limber_model_load_blocks, only: new_part, set_law, append_part, name_load, constant
    use limber_model_points, only: add_point, find_body
    use limber_model_beam_segments, only: pieces_of, piece_start
-   use limber_model_model, only: model_type, load_effort_type, distributed_load_type, body_type, body_flexible, effort_axis, &
-      & effort_follower, &
-      & load_distributed, in_efforts
+   use limber_model_model, only: model_type, load_part_type, distributed_load_type, body_type, body_flexible, along_axis, &
+      & along_follower, &
+      & load_distributed
    implicit none
    private
    public :: add_distributed, spread_parts
@@ -36,7 +36,7 @@ module limber_model_distributed_loads
 
 contains
 
-   !> One effort or two for each component of each line.
+   !> One part or two for each component of each line.
    subroutine add_distributed(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
@@ -65,7 +65,7 @@ contains
             & "' goes from 0 to "//as_text(length))
          return
       end if
-      first = size(model%efforts) + 1
+      first = size(model%load_parts) + 1
       do i = 1, size(block%lines)
          do k = 1, 2
             if (.not. has_values(block%lines(i)%fields(k)%expression, block%lines(i)%fields(k)%origin)) cycle
@@ -74,7 +74,7 @@ contains
             end do
          end do
       end do
-      call name_load(block, load_distributed, in_efforts, first, model)
+      call name_load(block, load_distributed, first, model)
 
    contains
 
@@ -232,7 +232,7 @@ contains
          !> its stations give to the place (stations)
          real(wp), intent(in) :: along, phi(:, :), psi(:), reach(:)
          real(wp), intent(in) :: force
-         type(load_effort_type) :: effort
+         type(load_part_type) :: part
          real(wp) :: origin(2), axis(2)
          call line_of(model%bodies(body), member, origin, axis)
          if (model%bodies(body)%reduced%is_exact) then
@@ -242,17 +242,17 @@ contains
          end if
          model%points(model%counts%points)%member = member
          model%points(model%counts%points)%along = along
-         effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), model%counts%points, 0)
-         effort%angle = (component - 1)*quarter
-         if (block%yes('FOLLOWER')) effort%angle = effort%angle + atan2(axis(2), axis(1))
+         part = new_part(merge(along_follower, along_axis, block%yes('FOLLOWER')), model%counts%points, 0)
+         part%angle = (component - 1)*quarter
+         if (block%yes('FOLLOWER')) part%angle = part%angle + atan2(axis(2), axis(1))
          if (block%yes('FOLLOWER') .and. model%bodies(body)%reduced%is_exact) &
-            & effort%angle = effort%angle + lean_at(model%bodies(body)%reduced%exact, along)
+            & part%angle = part%angle + lean_at(model%bodies(body)%reduced%exact, along)
          if (line%count() > 2) then
-            call set_law(effort, line%fields(3)%expression, force)
+            call set_law(part, line%fields(3)%expression, force)
          else
-            call set_law(effort, constant(1.0_wp), force)
+            call set_law(part, constant(1.0_wp), force)
          end if
-         call append_effort(model, effort)
+         call append_part(model, part)
       end subroutine act
 
    end subroutine add_share

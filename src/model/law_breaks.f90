@@ -8,7 +8,7 @@ module limber_model_law_breaks
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: op_constant, op_slot
    use limber_deck_range, only: range_type, law_range
-   use limber_model_model, only: model_type, load_effort_type, in_efforts
+   use limber_model_model, only: model_type, load_part_type
    implicit none
    private
    public :: find_breaks, changes_between, last_instant, round_off, law_breaks, find_stations, law_stations, undefined_at
@@ -74,7 +74,7 @@ contains
    logical function changes_between(model, from, to) result(changes)
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: from, to
-      integer :: i, j
+      integer :: i
       changes = .false.
       do i = 1, size(model%drivers)
          changes = changes .or. differs(model%drivers(i)%law)
@@ -82,13 +82,8 @@ contains
       do i = 1, size(model%joints)
          if (model%joints(i)%has_law) changes = changes .or. differs(model%joints(i)%law)
       end do
-      do i = 1, size(model%forces)
-         do j = 1, 2
-            changes = changes .or. differs(model%forces(i)%law(j))
-         end do
-      end do
-      do i = 1, size(model%torques)
-         changes = changes .or. differs(model%torques(i)%law)
+      do i = 1, size(model%load_parts)
+         if (model%load_parts(i)%driven) changes = changes .or. differs(law_of_time(model%load_parts(i)))
       end do
 
    contains
@@ -116,31 +111,13 @@ contains
       do i = 1, size(model%joints)
          if (model%joints(i)%has_law) call visit(model%joints(i)%law, model%joints(i)%name)
       end do
-      do i = 1, size(model%forces)
-         do j = 1, 2
-            call visit(model%forces(i)%law(j), model%forces(i)%name)
+      do i = 1, size(model%loads)
+         do j = model%loads(i)%first, model%loads(i)%last
+            if (model%load_parts(j)%driven) call visit(law_of_time(model%load_parts(j)), model%loads(i)%name)
          end do
-      end do
-      do i = 1, size(model%torques)
-         call visit(model%torques(i)%law, model%torques(i)%name)
-      end do
-      do i = 1, size(model%efforts)
-         if (model%efforts(i)%driven) call visit(law_of_time(model%efforts(i)), name_of_effort(i))
       end do
 
    contains
-
-      !> Name of the load that an effort is part of.
-      function name_of_effort(effort) result(name)
-         integer, intent(in) :: effort
-         character(:), allocatable :: name
-         integer :: k
-         name = ''
-         do k = 1, size(model%loads)
-            if (model%loads(k)%list /= in_efforts) cycle
-            if (model%loads(k)%first <= effort .and. effort <= model%loads(k)%last) name = model%loads(k)%name
-         end do
-      end function name_of_effort
 
       subroutine visit(law, name)
          type(expression_type), intent(in) :: law
@@ -156,23 +133,23 @@ contains
 
    end subroutine visit_laws
 
-   !> The law of an effort as one of time alone: what else it depends on counts as 1. So the factors of a law that are of time show
+   !> The law of a part of a load as one of time alone: what else it depends on counts as 1. So the factors of a law that are of time show
    !> where they change; where others do only the motion can tell.
-   function law_of_time(effort) result(law)
-      type(load_effort_type), intent(in) :: effort
+   function law_of_time(part) result(law)
+      type(load_part_type), intent(in) :: part
       type(expression_type) :: law
       integer :: i, n
-      n = size(effort%law%constants)
-      allocate (law%codes(size(effort%law%codes)), law%operands(size(effort%law%codes)), law%constants(n + 1))
-      law%codes = effort%law%codes
-      law%operands = effort%law%operands
-      law%constants(:n) = effort%law%constants
+      n = size(part%law%constants)
+      allocate (law%codes(size(part%law%codes)), law%operands(size(part%law%codes)), law%constants(n + 1))
+      law%codes = part%law%codes
+      law%operands = part%law%operands
+      law%constants(:n) = part%law%constants
       law%constants(n + 1) = 1.0_wp
-      if (allocated(effort%law%tables)) allocate (law%tables, source=effort%law%tables)
+      if (allocated(part%law%tables)) allocate (law%tables, source=part%law%tables)
       n = 0
       do i = 1, size(law%codes)
          if (law%codes(i) /= op_slot) cycle
-         if (effort%quantities(law%operands(i))%kind == 0) then
+         if (part%quantities(law%operands(i))%kind == 0) then
             law%operands(i) = 1
             n = 1
          else

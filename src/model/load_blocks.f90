@@ -1,9 +1,9 @@
-!> Loads and damping of the deck. Forces, torques, springs, bushings, friction, and the damping of beams. What is more than a time
-!> law on a point or body, or a linear spring between two points, becomes efforts. Floor: model.
+!> Loads and damping of the deck. Forces, torques, springs, bushings, friction, and the damping of beams. Each is made of parts
+!> that act along one scalar of the motion. Floor: model.
 module limber_model_load_blocks
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_deck_content, only: block_type, line_type
+   use limber_deck_content, only: block_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: op_constant
@@ -14,55 +14,49 @@ module limber_model_load_blocks
       & quantity_spin, quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, &
       & quantity_joint_spin, quantity_displacement, quantity_sliding_speed
    use limber_model_beam_segments, only: pieces_of, find_frame, has_frame
-   use limber_model_model, only: model_type, force_type, torque_type, spring_type, load_effort_type, named_load_type, &
+   use limber_model_model, only: model_type, load_part_type, named_load_type, &
       & quantity_type, &
       & body_type, body_point, body_flexible, ground, joint_revolute, joint_point_on_line, &
-      & joint_translational, effort_axis, effort_follower, &
-      & effort_distance, effort_slide, effort_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
-      & load_distributed, load_friction, in_forces, in_torques, in_springs, in_efforts, own_elongation, own_rate, most_slots
+      & joint_translational, along_axis, along_follower, &
+      & along_distance, along_slide, along_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
+      & load_friction, own_elongation, own_rate, most_slots
    implicit none
    private
    public :: add_force, add_torque, add_spring, add_bushing, add_friction, add_damping, resolve_laws
-   public :: new_effort, set_law, append_effort, name_load, constant
+   public :: new_part, set_law, append_part, name_load, constant
 
    real(wp), parameter :: quarter = 0.5_wp*acos(-1.0_wp)
 
 contains
 
+   !> A force, by its two components; one that is zero is left out.
    subroutine add_force(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(force_type) :: force
-      type(load_effort_type) :: effort
-      integer :: k
-      force%name = block%name()
-      force%point = find_point(model, block%text('POINT'), block%origin_of('POINT'), diagnostics)
-      if (force%point == 0 .or. size(block%lines) /= 1) return
-      if (.not. block%yes('FOLLOWER') .and. of_time(block%lines(1), 1) .and. of_time(block%lines(1), 2)) then
-         force%law(1) = block%lines(1)%fields(1)%expression
-         force%law(2) = block%lines(1)%fields(2)%expression
-         model%forces = [model%forces, force]
-         call name_load(block, load_force, in_forces, size(model%forces), model)
-         return
-      end if
-      if (block%yes('FOLLOWER')) call need_frame(model, force%point, block%text('POINT'), block%origin_of('POINT'), diagnostics)
+      type(load_part_type) :: part
+      integer :: point, first, k
+      point = find_point(model, block%text('POINT'), block%origin_of('POINT'), diagnostics)
+      if (point == 0 .or. size(block%lines) /= 1) return
+      if (block%yes('FOLLOWER')) call need_frame(model, point, block%text('POINT'), block%origin_of('POINT'), diagnostics)
+      first = size(model%load_parts) + 1
       do k = 1, 2
-         effort = new_effort(merge(effort_follower, effort_axis, block%yes('FOLLOWER')), force%point, 0)
-         effort%angle = (k - 1)*quarter
-         call set_law(effort, block%lines(1)%fields(k)%expression, 1.0_wp)
-         call append_effort(model, effort)
+         if (is_zero(block%lines(1)%fields(k)%expression)) cycle
+         part = new_part(merge(along_follower, along_axis, block%yes('FOLLOWER')), point, 0)
+         part%angle = (k - 1)*quarter
+         call set_law(part, block%lines(1)%fields(k)%expression, 1.0_wp)
+         call append_part(model, part)
       end do
-      call name_load(block, load_force, in_efforts, size(model%efforts) - 1, model)
+      call name_load(block, load_force, first, model)
    end subroutine add_force
 
+   !> A torque on the frame of a body or on a section.
    subroutine add_torque(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(torque_type) :: torque
-      type(load_effort_type) :: effort
-      integer :: points(2)
+      type(load_part_type) :: part
+      integer :: body, points(2)
       if (block%has('BODY') .eqv. block%has('POINT')) then
          call diagnostics%add(block%origin, "torque '"//block%name()//"' needs BODY or POINT, one of them", &
             & 'BODY=body, or POINT=beam.point for a section of a beam')
@@ -71,16 +65,9 @@ contains
       if (size(block%lines) /= 1) return
       points = 0
       if (block%has('BODY')) then
-         torque%body = find_frame(model, block%name('BODY'), block%origin_of('BODY'), diagnostics)
-         if (torque%body == 0) return
-         if (.not. block%has('REACTION') .and. of_time(block%lines(1), 1)) then
-            torque%name = block%name()
-            torque%law = block%lines(1)%fields(1)%expression
-            model%torques = [model%torques, torque]
-            call name_load(block, load_torque, in_torques, size(model%torques), model)
-            return
-         end if
-         points(1) = frame_point(model, torque%body)
+         body = find_frame(model, block%name('BODY'), block%origin_of('BODY'), diagnostics)
+         if (body == 0) return
+         points(1) = frame_point(model, body)
       else
          points(1) = section(block, 'POINT', model, diagnostics)
          if (points(1) == 0) return
@@ -89,18 +76,19 @@ contains
          points(2) = section(block, 'REACTION', model, diagnostics)
          if (points(2) == 0) return
       end if
-      effort = new_effort(effort_angle, points(1), points(2))
-      call set_law(effort, block%lines(1)%fields(1)%expression, 1.0_wp)
-      call append_effort(model, effort)
-      call name_load(block, load_torque, in_efforts, size(model%efforts), model)
+      part = new_part(along_angle, points(1), points(2))
+      call set_law(part, block%lines(1)%fields(1)%expression, 1.0_wp)
+      call append_part(model, part)
+      call name_load(block, load_torque, size(model%load_parts), model)
    end subroutine add_torque
 
+   !> A spring or damper between two points, or between two sections that turn.
    subroutine add_spring(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(spring_type) :: spring
-      type(load_effort_type) :: effort
+      type(load_part_type) :: part
+      integer :: points(2)
       logical :: turning, linear
       turning = block%word('TYPE') == 'ROTATIONAL'
       if (turning .and. block%real('LENGTH') > 0.0_wp) call diagnostics%add(block%origin_of('LENGTH'), &
@@ -108,40 +96,32 @@ contains
       if (.not. turning .and. abs(block%real('ANGLE')) > 0.0_wp) call diagnostics%add(block%origin_of('ANGLE'), &
          & 'ANGLE is of springs of TYPE=ROTATIONAL', 'the free length is LENGTH')
       if (size(block%lines) /= 1) return
-      call find_pair(block, model, spring%points, diagnostics)
-      if (any(spring%points == 0)) return
+      call find_pair(block, model, points, diagnostics)
+      if (any(points == 0)) return
       linear = block%lines(1)%count() < 3
       if (linear .and. .not. (block%given('STIFFNESS') .or. block%given('DAMPING'))) call diagnostics%add(block%origin, &
          & "spring '"//block%name()//"' does nothing", &
          & 'give STIFFNESS or DAMPING, or an expression of x, v and t behind the points')
-      call check_pair(block, model, spring%points, turning, diagnostics)
-      spring%name = block%name()
-      spring%stiffness = block%real('STIFFNESS')
-      spring%length = block%real('LENGTH')
-      spring%damping = block%real('DAMPING')
-      if (linear .and. .not. turning) then
-         model%springs = [model%springs, spring]
-         call name_load(block, load_spring, in_springs, size(model%springs), model)
-         return
-      end if
+      call check_pair(block, model, points, turning, diagnostics)
       if (turning) then
-         effort = new_effort(effort_angle, spring%points(2), spring%points(1))
+         part = new_part(along_angle, points(2), points(1))
       else
-         effort = new_effort(effort_distance, spring%points(1), spring%points(2))
+         part = new_part(along_distance, points(1), points(2))
       end if
-      effort%origin = merge(block%real('ANGLE'), spring%length, turning)
-      effort%stiffness = spring%stiffness
-      effort%damping = spring%damping
-      if (.not. linear) call set_law(effort, block%lines(1)%fields(3)%expression, -1.0_wp)
-      call append_effort(model, effort)
-      call name_load(block, merge(load_rotational, load_spring, turning), in_efforts, size(model%efforts), model)
+      part%origin = block%real('LENGTH')
+      if (turning) part%origin = block%real('ANGLE')
+      part%stiffness = block%real('STIFFNESS')
+      part%damping = block%real('DAMPING')
+      if (.not. linear) call set_law(part, block%lines(1)%fields(3)%expression, -1.0_wp)
+      call append_part(model, part)
+      call name_load(block, merge(load_rotational, load_spring, turning), size(model%load_parts), model)
    end subroutine add_spring
 
    subroutine add_bushing(block, model, diagnostics)
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(load_effort_type) :: effort
+      type(load_part_type) :: part
       character(8), parameter :: ends(3) = [character(8) :: 'X', 'Y', 'ROTATION']
       integer :: points(2), k
       if (size(block%lines) /= 1) return
@@ -150,15 +130,15 @@ contains
       if (model%points(points(1))%body == model%points(points(2))%body) call diagnostics%add(block%lines(1)%origin_of(2), &
          & "bushing '"//block%name()//"' joins a body to itself", 'name points of two different bodies')
       do k = 1, 3
-         effort = new_effort(merge(effort_angle, effort_slide, k == 3), points(1), points(2))
-         effort%angle = block%real('AXES') + (k - 1)*quarter
-         if (k == 3) effort%origin = block%real('ANGLE')
-         effort%stiffness = block%real('STIFFNESS '//trim(ends(k)))
-         effort%damping = block%real('DAMPING '//trim(ends(k)))
-         if (k == 3 .and. effort%stiffness + effort%damping > 0.0_wp) call check_turning(block, model, points, diagnostics)
-         call append_effort(model, effort)
+         part = new_part(merge(along_angle, along_slide, k == 3), points(1), points(2))
+         part%angle = block%real('AXES') + (k - 1)*quarter
+         if (k == 3) part%origin = block%real('ANGLE')
+         part%stiffness = block%real('STIFFNESS '//trim(ends(k)))
+         part%damping = block%real('DAMPING '//trim(ends(k)))
+         if (k == 3 .and. part%stiffness + part%damping > 0.0_wp) call check_turning(block, model, points, diagnostics)
+         call append_part(model, part)
       end do
-      call name_load(block, load_bushing, in_efforts, size(model%efforts) - 2, model)
+      call name_load(block, load_bushing, size(model%load_parts) - 2, model)
    end subroutine add_bushing
 
    !> Viscous friction along what a joint leaves free.
@@ -166,25 +146,25 @@ contains
       type(block_type), intent(in) :: block
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(load_effort_type) :: effort
+      type(load_part_type) :: part
       integer :: i
       i = find_named(model, 'joint', block%name('JOINT'))
       if (i == 0) return
       associate (joint => model%joints(i))
          select case (joint%kind)
          case (joint_revolute)
-            effort = new_effort(effort_angle, joint%points(1), joint%points(2))
+            part = new_part(along_angle, joint%points(1), joint%points(2))
          case (joint_point_on_line, joint_translational)
-            effort = new_effort(effort_slide, joint%points(1), joint%points(2))
-            effort%angle = joint%angle
+            part = new_part(along_slide, joint%points(1), joint%points(2))
+            part%angle = joint%angle
          case default
             call diagnostics%add(block%origin_of('JOINT'), "there is no friction in joint '"//joint%name//"'", &
                & 'it is for joints of the types REVOLUTE, TRANSLATIONAL and POINT ON LINE')
             return
          end select
-         effort%damping = block%real('COEFFICIENT')
-         call append_effort(model, effort)
-         call name_load(block, load_friction, in_efforts, size(model%efforts), model)
+         part%damping = block%real('COEFFICIENT')
+         call append_part(model, part)
+         call name_load(block, load_friction, size(model%load_parts), model)
       end associate
    end subroutine add_friction
 
@@ -243,17 +223,17 @@ contains
       end associate
    end subroutine damp
 
-   !> Finds what the laws of all efforts ask for, once all bodies, joints and springs are known.
+   !> Finds what the laws of all loads ask for, once all bodies, joints and springs are known.
    subroutine resolve_laws(model, diagnostics)
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
       integer :: i, k
-      do i = 1, size(model%efforts)
-         if (.not. model%efforts(i)%driven) cycle
-         associate (law => model%efforts(i)%law)
+      do i = 1, size(model%load_parts)
+         if (.not. model%load_parts(i)%driven) cycle
+         associate (law => model%load_parts(i)%law)
             if (size(law%slots) > most_slots) call diagnostics%add(law%slots(1)%origin, 'a law depends on '// &
                & as_text(size(law%slots))//' things', 'at most '//as_text(most_slots))
-            allocate (model%efforts(i)%quantities(size(law%slots)))
+            allocate (model%load_parts(i)%quantities(size(law%slots)))
             do k = 1, size(law%slots)
                call resolve(i, k)
             end do
@@ -262,10 +242,10 @@ contains
 
    contains
 
-      subroutine resolve(effort, slot)
-         integer, intent(in) :: effort, slot
+      subroutine resolve(part, slot)
+         integer, intent(in) :: part, slot
          type(quantity_type) :: quantity
-         associate (what => model%efforts(effort)%law%slots(slot))
+         associate (what => model%load_parts(part)%law%slots(slot))
             if (what%argument == '' .and. what%name == 'x') then
                quantity%kind = own_elongation
             else if (what%argument == '' .and. what%name == 'v') then
@@ -276,7 +256,7 @@ contains
                if (quantity%of > 0) call check_frame(model, quantity, what%origin, diagnostics)
             end if
          end associate
-         model%efforts(effort)%quantities(slot) = quantity
+         model%load_parts(part)%quantities(slot) = quantity
       end subroutine resolve
 
    end subroutine resolve_laws
@@ -317,31 +297,28 @@ contains
          & 'let it depend on x, y, vx, vy of points')
    end subroutine check_frame
 
-   !> Whether a field depends on nothing but the time.
-   pure logical function of_time(line, field)
-      type(line_type), intent(in) :: line
-      integer, intent(in) :: field
-      integer :: i
-      of_time = .true.
-      do i = 1, size(line%fields(field)%expression%slots)
-         if (len(line%fields(field)%expression%slots(i)%argument) > 0) of_time = .false.
-      end do
-   end function of_time
-
-   pure function new_effort(along, first, second) result(effort)
+   !> A part without stiffness, damping and law.
+   pure function new_part(along, first, second) result(part)
       integer, intent(in) :: along, first, second
-      type(load_effort_type) :: effort
-      effort%along = along
-      effort%points = [first, second]
-   end function new_effort
+      type(load_part_type) :: part
+      part%along = along
+      part%points = [first, second]
+   end function new_part
 
-   pure subroutine set_law(effort, law, factor)
-      type(load_effort_type), intent(inout) :: effort
+   !> Whether a law is the constant zero.
+   pure logical function is_zero(law)
+      type(expression_type), intent(in) :: law
+      is_zero = .false.
+      if (law%is_constant()) is_zero = .not. abs(law%constant_value()) > 0.0_wp
+   end function is_zero
+
+   pure subroutine set_law(part, law, factor)
+      type(load_part_type), intent(inout) :: part
       type(expression_type), intent(in) :: law
       real(wp), intent(in) :: factor
-      effort%driven = .true.
-      effort%law = law
-      effort%factor = factor
+      part%driven = .true.
+      part%law = law
+      part%factor = factor
    end subroutine set_law
 
    !> A law that does not change.
@@ -355,22 +332,22 @@ contains
    end function constant
 
    !> Appends by hand: array constructors of types with deep components copy badly.
-   subroutine append_effort(model, effort)
+   subroutine append_part(model, part)
       type(model_type), intent(inout) :: model
-      type(load_effort_type), intent(in) :: effort
-      type(load_effort_type), allocatable :: longer(:)
+      type(load_part_type), intent(in) :: part
+      type(load_part_type), allocatable :: longer(:)
       integer :: n
-      n = size(model%efforts) + 1
+      n = size(model%load_parts) + 1
       allocate (longer(n))
-      longer(:n - 1) = model%efforts
-      longer(n) = effort
-      call move_alloc(longer, model%efforts)
-   end subroutine append_effort
+      longer(:n - 1) = model%load_parts
+      longer(n) = part
+      call move_alloc(longer, model%load_parts)
+   end subroutine append_part
 
-   !> Names what stands in a list from an index to its end.
-   subroutine name_load(block, kind, list, first, model)
+   !> Names the parts from an index to the end of their list.
+   subroutine name_load(block, kind, first, model)
       type(block_type), intent(in) :: block
-      integer, intent(in) :: kind, list, first
+      integer, intent(in) :: kind, first
       type(model_type), intent(inout) :: model
       type(named_load_type), allocatable :: longer(:)
       integer :: n
@@ -379,10 +356,8 @@ contains
       longer(:n - 1) = model%loads
       longer(n)%name = block%name()
       longer(n)%kind = kind
-      longer(n)%list = list
       longer(n)%first = first
-      longer(n)%last = first
-      if (list == in_efforts) longer(n)%last = size(model%efforts)
+      longer(n)%last = size(model%load_parts)
       call move_alloc(longer, model%loads)
    end subroutine name_load
 

@@ -15,9 +15,9 @@ module limber_model_model
    use limber_beam_beam_reduction, only: reduction_type
    implicit none
    private
-   public :: model_type, body_type, whole_type, point_type, joint_type, term_type, driver_type, force_type, torque_type, spring_type
+   public :: model_type, body_type, whole_type, point_type, joint_type, term_type, driver_type
    public :: deflection_type
-   public :: load_effort_type, distributed_load_type, named_load_type, scalar_type
+   public :: load_part_type, distributed_load_type, named_load_type, scalar_type
    public :: dynamics_type, analysis_step_type, channel_type, quantity_type, dimension_type, units_type
 
    !> Kinds of bodies: a point mass has a position only, the others a floating frame too
@@ -41,15 +41,14 @@ module limber_model_model
    !> Index that stands for the ground where a body is expected
    integer, parameter, public :: ground = 0
 
-   !> What an effort acts along: the displacement of P1 along a fixed axis, relative to P2 if there is one; P1 itself along an axis
+   !> What a part of a load acts along: the displacement of P1 along a fixed axis, relative to P2 if there is one; P1 itself along an axis
    !> of its section; the distance of the points; the coordinate of P1 from P2 along an axis of the section at P2; the angle of the
    !> section at P1 less that at P2
-   integer, parameter, public :: effort_axis = 1, effort_follower = 2, effort_distance = 3, effort_slide = 4, effort_angle = 5
-   !> Kinds of loads that the deck names, and the lists of the model
+   integer, parameter, public :: along_axis = 1, along_follower = 2, along_distance = 3, along_slide = 4, along_angle = 5
+   !> Kinds of loads that the deck names
    integer, parameter, public :: load_force = 1, load_torque = 2, load_spring = 3, load_rotational = 4, load_bushing = 5, &
       & load_distributed = 6, load_friction = 7
-   integer, parameter, public :: in_forces = 1, in_torques = 2, in_springs = 3, in_efforts = 4
-   !> Most things that the law of an effort depends on
+   !> Most things that the law of a load depends on
    integer, parameter, public :: most_slots = 15
    !> Kinds of summaries of a channel, and their names
    integer, parameter, public :: summary_first = 1, summary_last = 2, summary_minimum = 3, summary_maximum = 4, &
@@ -249,37 +248,9 @@ module limber_model_model
       type(integral_type) :: integral
    end type driver_type
 
-   !> A dead force at a point
-   type :: force_type
-      character(:), allocatable :: name
-      !> Index of the point
-      integer :: point = 0
-      !> Its components along the fixed axes as functions of t (2) [force]
-      type(expression_type) :: law(2)
-   end type force_type
-
-   !> A torque on a body
-   type :: torque_type
-      character(:), allocatable :: name
-      !> Index of the body
-      integer :: body = 0
-      !> Function of t [force length]
-      type(expression_type) :: law
-   end type torque_type
-
-   !> A spring and a damper between two points
-   type :: spring_type
-      character(:), allocatable :: name
-      !> Indices of the two points
-      integer :: points(2) = 0
-      !> Stiffness [force/length], free length [length], damping [force time/length]
-      real(wp) :: stiffness = 0.0_wp, length = 0.0_wp, damping = 0.0_wp
-   end type spring_type
-
-   !> Something that acts along a scalar of the motion s: with -k (s - origin) - c s' and a law times a factor. Loads of the deck
-   !> that are more than a time law on a point or body, or a linear spring between two points, are made of these.
-   type :: load_effort_type
-      !> What s is: effort_axis, effort_follower, effort_distance, effort_slide or effort_angle
+   !> A part of a load: a force or torque along one scalar of the motion s, -k (s - origin) - c s' and a law times a factor
+   type :: load_part_type
+      !> What s is: along_axis, along_follower, along_distance, along_slide or along_angle
       integer :: along = 0
       !> Indices of one or two points: P1 and P2; the second may be 0
       integer :: points(2) = 0
@@ -291,15 +262,17 @@ module limber_model_model
       logical :: driven = .false.
       type(expression_type) :: law
       type(quantity_type), allocatable :: quantities(:)
-   end type load_effort_type
+   contains
+      procedure :: is_of_time, is_constant
+   end type load_part_type
 
-   !> A load as the deck names it, and what it is made of in the model's lists
+   !> A load as the deck names it
    type :: named_load_type
       character(:), allocatable :: name
       !> load_force, load_torque, load_spring, load_rotational, load_bushing, load_distributed or load_friction
       integer :: kind = 0
-      !> in_forces, in_torques, in_springs or in_efforts; first and last index in that list
-      integer :: list = 0, first = 0, last = 0
+      !> Its parts: first and last index in the list of the model
+      integer :: first = 0, last = 0
    end type named_load_type
 
    !> A requested channel: an expression of quantities
@@ -424,14 +397,11 @@ module limber_model_model
       type(point_type), allocatable :: points(:)
       type(joint_type), allocatable :: joints(:)
       type(driver_type), allocatable :: drivers(:)
-      type(force_type), allocatable :: forces(:)
-      type(torque_type), allocatable :: torques(:)
-      type(spring_type), allocatable :: springs(:)
-      type(load_effort_type), allocatable :: efforts(:)
+      !> All loads by their names, and their parts in the same order
+      type(named_load_type), allocatable :: loads(:)
+      type(load_part_type), allocatable :: load_parts(:)
       !> While the model is built
       type(distributed_load_type), allocatable :: spreads(:)
-      !> All loads by their names, each an interval of one of these lists
-      type(named_load_type), allocatable :: loads(:)
       type(channel_type), allocatable :: channels(:)
       type(scalar_type), allocatable :: scalars(:)
       !> True if the coordinates of all bodies are to be sampled, to be drawn
@@ -447,5 +417,21 @@ module limber_model_model
       type(counts_type) :: counts
       type(name_index_type) :: names
    end type model_type
+
+contains
+
+   !> Whether the law of a part depends on nothing but the time. True without a law.
+   pure logical function is_of_time(self)
+      class(load_part_type), intent(in) :: self
+      is_of_time = .not. self%driven
+      if (self%driven) is_of_time = all(self%quantities%kind == 0)
+   end function is_of_time
+
+   !> Whether a part is a force that never changes, and may grow from zero in *STATICS.
+   pure logical function is_constant(self)
+      class(load_part_type), intent(in) :: self
+      is_constant = self%driven .and. .not. (self%stiffness > 0.0_wp .or. self%damping > 0.0_wp)
+      if (is_constant) is_constant = self%law%is_constant()
+   end function is_constant
 
 end module limber_model_model

@@ -9,7 +9,7 @@ module limber_model_ramps
    use limber_deck_expression, only: expression_type
    use limber_deck_operations, only: jet_type
    use limber_model_driver_laws, only: driven_motion
-   use limber_model_model, only: model_type, named_load_type, step_statics, in_forces, in_torques, in_efforts
+   use limber_model_model, only: model_type, step_statics
    implicit none
    private
    public :: warn_of_ramp
@@ -55,17 +55,10 @@ contains
       do i = 1, size(model%loads)
          associate (load => model%loads(i))
             do k = load%first, load%last
-               select case (load%list)
-               case (in_forces)
-                  if (all([is_steady(model%forces(k)%law(1)), is_steady(model%forces(k)%law(2))]) .and. &
-                     & any([acts(model%forces(k)%law(1)), acts(model%forces(k)%law(2))])) text = load%name
-               case (in_torques); if (acts(model%torques(k)%law)) text = load%name
-               case (in_efforts)
-                  associate (effort => model%efforts(k))
-                     if (.not. effort%driven .or. effort%stiffness > 0.0_wp .or. effort%damping > 0.0_wp) cycle
-                     if (acts(effort%law) .and. abs(effort%factor) > 0.0_wp) text = load%name
-                  end associate
-               end select
+               associate (part => model%load_parts(k))
+                  if (.not. part%is_constant()) cycle
+                  if (abs(part%factor*part%law%constant_value()) > 0.0_wp) text = load%name
+               end associate
             end do
          end associate
          if (text == '') cycle
@@ -73,18 +66,6 @@ contains
          return
       end do
    end function what_grows
-
-   pure logical function is_steady(law)
-      type(expression_type), intent(in) :: law
-      is_steady = law%is_constant()
-   end function is_steady
-
-   !> Whether a law is constant, and not zero.
-   pure logical function acts(law)
-      type(expression_type), intent(in) :: law
-      acts = .false.
-      if (law%is_constant()) acts = abs(law%constant_value()) > 0.0_wp
-   end function acts
 
    !> What changes between two times, other than in proportion to the time that has passed, as loads that grow along do; empty:
    !> nothing does.
@@ -113,16 +94,8 @@ contains
       do i = 1, size(model%loads)
          associate (load => model%loads(i))
             do k = load%first, load%last
-               select case (load%list)
-               case (in_forces)
-                  do n = 1, 2
-                     if (law_moves(model%forces(k)%law(n), start, end, .true.)) text = load%name
-                  end do
-               case (in_torques); if (law_moves(model%torques(k)%law, start, end, .true.)) text = load%name
-               case (in_efforts)
-                  if (.not. model%efforts(k)%driven) cycle
-                  if (law_moves(model%efforts(k)%law, start, end, .true.)) text = load%name
-               end select
+               if (.not. model%load_parts(k)%driven) cycle
+               if (law_moves(model%load_parts(k)%law, start, end, .true.)) text = load%name
             end do
          end associate
          if (text == '') cycle

@@ -10,7 +10,7 @@ module limber_monitor_function_channels
       & quantity_shear_force, quantity_axial_force, quantity_force_x, quantity_force_y, quantity_force_1, quantity_force_2, &
       & quantity_moment, quantity_torque, quantity_force, quantity_power, quantity_x, quantity_y, quantity_vx, quantity_vy, &
       & quantity_ax, quantity_ay, quantity_deflection, quantity_u1, quantity_u2, quantity_rotation
-   use limber_model_model, only: model_type, quantity_type, driver_distance, effort_distance, ground
+   use limber_model_model, only: model_type, quantity_type, driver_distance, along_distance, ground
    implicit none
    private
    public :: asks_along, shows_place, asks_moment, lost_of_channels, of_moments, of_forces, of_pulls
@@ -49,13 +49,10 @@ contains
       do i = 1, size(model%drivers)
          if (model%drivers(i)%kind == driver_distance) asks_along = asks_along .or. are_within(model%drivers(i)%points)
       end do
-      do i = 1, size(model%springs)
-         if (model%springs(i)%stiffness > 0.0_wp) asks_along = asks_along .or. are_within(model%springs(i)%points)
-      end do
-      do i = 1, size(model%efforts)
-         associate (effort => model%efforts(i))
-            if (effort%along /= effort_distance .or. .not. effort%stiffness > 0.0_wp) cycle
-            asks_along = asks_along .or. are_within(effort%points)
+      do i = 1, size(model%load_parts)
+         associate (part => model%load_parts(i))
+            if (part%along /= along_distance .or. .not. part%stiffness > 0.0_wp) cycle
+            asks_along = asks_along .or. are_within(part%points)
          end associate
       end do
 

@@ -62,7 +62,7 @@ contains
       integer :: i, k
       self%n = min(most, system%layout%n(index))
       self%free = size(system%model%drivers) == 0 .and. (norm2(system%model%gravity) > 0.0_wp .or. &
-         & size(system%model%springs) > 0 .or. any(abs(system%model%efforts%stiffness) > 0.0_wp))
+         & any(abs(system%model%load_parts%stiffness) > 0.0_wp))
       allocate (self%grounded(size(system%model%bodies)), source=.false.)
       do i = 1, size(system%constraints)
          associate (bodies => system%constraints(i)%item%bodies)

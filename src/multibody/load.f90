@@ -20,6 +20,8 @@ module limber_multibody_load
       integer, allocatable :: points(:)
       !> False if all that it does is in the energy that it stores
       logical :: powered = .true.
+      !> Whether it never changes, and may grow from zero in a static analysis
+      logical :: grows = .false.
       !> Whether it is multiplied at present by a share, as by a static analysis in which it grows, and that
       logical :: is_scaled = .false.
       real(wp) :: share = 1.0_wp
@@ -82,12 +84,14 @@ module limber_multibody_load
       end subroutine missed_interface
    end interface
 
-   !> A force at a marker with given components along the fixed axes
+   !> A force at a marker along a fixed direction
    type, extends(load_type) :: dead_force_type
       !> Index of the marker
       integer :: marker = 0
-      !> Components as functions of t [force]; no array, of which gfortran 12 does not copy the parts when it copies a load
-      type(expression_type) :: law_x, law_y
+      !> What the law is multiplied by (2)
+      real(wp) :: direction(2) = 0.0_wp
+      !> Function of t [force]
+      type(expression_type) :: law
    contains
       procedure :: add_force => force_add_force
       procedure :: add_tangent => force_add_tangent
@@ -97,8 +101,9 @@ module limber_multibody_load
 
    !> A torque on the frame of a body
    type, extends(load_type) :: body_torque_type
-      !> Function of t [force length]
+      !> Function of t [force length], and what it is multiplied by
       type(expression_type) :: law
+      real(wp) :: factor = 1.0_wp
    contains
       procedure :: add_force => torque_add_force
       procedure :: add_tangent => torque_add_tangent
@@ -159,8 +164,7 @@ contains
       real(wp), intent(in) :: t
       real(wp) :: force(2), time(1)
       time = t
-      force(1) = self%law_x%evaluate(time)
-      force(2) = self%law_y%evaluate(time)
+      force = self%law%evaluate(time)*self%direction
    end function force_at
 
    pure subroutine torque_add_force(self, kinematics, force)
@@ -199,7 +203,7 @@ contains
       real(wp), intent(in) :: t
       real(wp) :: time(1)
       time = t
-      torque = self%law%evaluate(time)
+      torque = self%factor*self%law%evaluate(time)
    end function torque_at
 
 end module limber_multibody_load

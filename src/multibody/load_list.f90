@@ -5,9 +5,8 @@ module limber_multibody_load_list
    use limber_model_quantities, only: quantity_x, quantity_y, quantity_vx, quantity_vy, quantity_angle, quantity_spin, &
       & quantity_u1, quantity_u2, quantity_elongation, quantity_rate, quantity_joint_angle, quantity_joint_spin, &
       & quantity_displacement, quantity_sliding_speed
-   use limber_model_model, only: model_type, force_type, torque_type, spring_type, load_effort_type, named_load_type, &
-      & quantity_type, ground, effort_axis, effort_follower, effort_distance, effort_slide, effort_angle, own_elongation, &
-      & own_rate, in_forces, in_torques, in_springs, in_efforts
+   use limber_model_model, only: load_part_type, quantity_type, ground, along_axis, along_follower, along_distance, &
+      & along_slide, along_angle, own_elongation, own_rate
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_load_functions, only: load_function_type, compare_gauges, gauge_shift, gauge_distance, gauge_slide, &
       & gauge_angle
@@ -16,42 +15,24 @@ module limber_multibody_load_list
    use limber_multibody_springs, only: point_spring_type
    implicit none
    private
-   public :: new_loads, places_of
+   public :: new_loads
 
    !> Distance below which a spring's direction fades, relative to the characteristic length
    real(wp), parameter :: softening = 1.0e-10_wp
 
 contains
 
-   !> Forces, torques, springs and efforts of the model, in this order.
+   !> Loads of the system, one for each part of the loads of the model, in their order.
    subroutine new_loads(system, loads)
       class(registry_type), intent(inout) :: system
       type(load_item_type), allocatable, intent(out) :: loads(:)
-      integer :: i, side, count
-      associate (model => system%model)
-         allocate (loads(size(model%forces) + size(model%torques) + size(model%springs) + size(model%efforts)))
-      end associate
-      count = 0
-      do i = 1, size(system%model%forces)
-         count = count + 1
-         call add_force(system, system%model%forces(i), loads(count)%item)
-      end do
-      do i = 1, size(system%model%torques)
-         count = count + 1
-         call add_torque(system%model%torques(i), loads(count)%item)
-      end do
-      do i = 1, size(system%model%springs)
-         count = count + 1
-         call add_spring(system, system%model%springs(i), loads(count)%item)
-      end do
-      do i = 1, size(system%model%efforts)
-         count = count + 1
-         call add_effort(system, i, loads(count)%item)
-      end do
-      do i = 1, count
+      integer :: i, side
+      allocate (loads(size(system%model%load_parts)))
+      do i = 1, size(loads)
+         call new_load(system, system%model%load_parts(i), loads(i)%item)
          associate (load => loads(i)%item)
+            load%grows = system%model%load_parts(i)%is_constant()
             allocate (load%rates(size(load%bodies)), load%offsets(size(load%bodies)))
-            if (.not. allocated(load%points)) allocate (load%points(size(load%bodies)), source=0)
             load%rates = 0
             do side = 1, size(load%bodies)
                if (load%bodies(side) /= ground) load%rates(side) = system%layout%rates(load%bodies(side)) &
@@ -62,165 +43,197 @@ contains
       end do
    end subroutine new_loads
 
-   !> First and last place of a load of the deck in the list that `new_loads` makes.
-   pure subroutine places_of(model, named, first, last)
-      type(model_type), intent(in) :: model
-      type(named_load_type), intent(in) :: named
-      integer, intent(out) :: first, last
-      integer :: before
-      before = 0
-      if (named%list > in_forces) before = before + size(model%forces)
-      if (named%list > in_torques) before = before + size(model%torques)
-      if (named%list > in_springs) before = before + size(model%springs)
-      first = before + named%first
-      last = before + named%last
-   end subroutine places_of
-
-   subroutine add_force(system, force, item)
+   !> The load of a part, of the cheapest type that can be it.
+   subroutine new_load(system, part, item)
       class(registry_type), intent(inout) :: system
-      type(force_type), intent(in) :: force
+      type(load_part_type), intent(in) :: part
+      class(load_type), allocatable, intent(out) :: item
+      if (part%along == along_distance .and. .not. part%driven) then
+         call add_spring(system, part, item)
+      else if (.not. is_prescribed(part)) then
+         call add_element(system, part, item)
+      else if (part%along == along_axis) then
+         call add_force(system, part, item)
+      else if (part%along == along_angle .and. turns_with_frame(system, part%points(1))) then
+         call add_torque(system, part, item)
+      else
+         call add_element(system, part, item)
+      end if
+   end subroutine new_load
+
+   !> Whether a part acts at one point, with a law of the time and nothing else.
+   pure logical function is_prescribed(part)
+      type(load_part_type), intent(in) :: part
+      is_prescribed = part%driven .and. part%points(2) == 0 .and. part%is_of_time() &
+         & .and. .not. (part%stiffness > 0.0_wp .or. part%damping > 0.0_wp)
+   end function is_prescribed
+
+   !> Whether the section at a point has the angle of the frame, whatever deflects.
+   pure logical function turns_with_frame(system, point)
+      class(registry_type), intent(in) :: system
+      integer, intent(in) :: point
+      turns_with_frame = system%model%points(point)%body /= ground
+      if (turns_with_frame) turns_with_frame = .not. any(abs(system%model%points(point)%psi) > 0.0_wp)
+   end function turns_with_frame
+
+   subroutine add_force(system, part, item)
+      class(registry_type), intent(inout) :: system
+      type(load_part_type), intent(in) :: part
       class(load_type), allocatable, intent(out) :: item
       type(dead_force_type) :: dead
-      dead%marker = marker_of(system, force%point)
-      dead%law_x = force%law(1)
-      dead%law_y = force%law(2)
-      dead%bodies = [system%model%points(force%point)%body]
-      dead%points = [force%point]
+      dead%marker = marker_of(system, part%points(1))
+      dead%direction = part%factor*axis_of(part%angle)
+      dead%law = part%law
+      dead%bodies = [system%model%points(part%points(1))%body]
+      dead%points = [part%points(1)]
       allocate (item, source=dead)
    end subroutine add_force
 
-   subroutine add_torque(torque, item)
-      type(torque_type), intent(in) :: torque
+   subroutine add_torque(system, part, item)
+      class(registry_type), intent(in) :: system
+      type(load_part_type), intent(in) :: part
       class(load_type), allocatable, intent(out) :: item
       type(body_torque_type) :: turning
-      turning%law = torque%law
-      turning%bodies = [torque%body]
+      turning%factor = part%factor
+      turning%law = part%law
+      turning%bodies = [system%model%points(part%points(1))%body]
+      turning%points = [part%points(1)]
       allocate (item, source=turning)
    end subroutine add_torque
 
-   subroutine add_spring(system, spring, item)
+   subroutine add_spring(system, part, item)
       class(registry_type), intent(inout) :: system
-      type(spring_type), intent(in) :: spring
+      type(load_part_type), intent(in) :: part
       class(load_type), allocatable, intent(out) :: item
       type(point_spring_type) :: pull
-      pull%markers(1) = marker_of(system, spring%points(1))
-      pull%markers(2) = marker_of(system, spring%points(2))
-      pull%bodies = [system%model%points(spring%points(1))%body, system%model%points(spring%points(2))%body]
-      pull%points = spring%points
-      pull%stiffness = spring%stiffness
-      pull%free_length = spring%length
-      pull%damping = spring%damping
+      pull%markers(1) = marker_of(system, part%points(1))
+      pull%markers(2) = marker_of(system, part%points(2))
+      pull%bodies = [system%model%points(part%points(1))%body, system%model%points(part%points(2))%body]
+      pull%points = part%points
+      pull%stiffness = part%stiffness
+      pull%free_length = part%origin
+      pull%damping = part%damping
       pull%softening = softening*system%model%length
-      pull%powered = spring%damping > 0.0_wp
+      pull%powered = part%damping > 0.0_wp
       allocate (item, source=pull)
    end subroutine add_spring
 
-   !> An effort: its gauges, and the bodies that these are on.
-   subroutine add_effort(system, index, item)
+   !> Unit vector at an angle; exactly that of an axis of the ground at a whole number of quarters of a turn.
+   pure function axis_of(angle) result(axis)
+      real(wp), intent(in) :: angle
+      real(wp) :: axis(2)
+      axis = [cos(angle), sin(angle)]
+      if (any(abs(axis) < 4*epsilon(angle))) axis = anint(axis)
+   end function axis_of
+
+   !> A force element: its gauges, and the bodies that these are on.
+   subroutine add_element(system, part, item)
       class(registry_type), intent(inout) :: system
-      !> In the model
-      integer, intent(in) :: index
+      type(load_part_type), intent(in) :: part
       class(load_type), allocatable, intent(out) :: item
-      type(force_element_type) :: effort
+      type(force_element_type) :: element
       type(load_function_type) :: gauge
       integer :: k
-      associate (spec => system%model%efforts(index))
-         effort%follower = spec%along == effort_follower
-         effort%stiffness = spec%stiffness
-         effort%damping = spec%damping
-         effort%factor = spec%factor
-         effort%driven = spec%driven
-         allocate (effort%gauges(0), effort%bodies(0))
-         call own_gauge(system, spec, gauge)
-         call include_gauge(system, gauge, effort%gauges, effort%bodies, k)
-         if (spec%driven) then
-            effort%law = spec%law
-            allocate (effort%slots(size(spec%quantities)), effort%by_rate(size(spec%quantities)))
-            do k = 1, size(spec%quantities)
-               call read_slot(system, spec, spec%quantities(k), effort, k)
-            end do
-            call find_potential(effort)
-            effort%stores = effort%potential .and. all(spec%quantities%kind == own_elongation)
-         else
-            allocate (effort%slots(0), effort%by_rate(0))
-         end if
-         effort%powered = spec%damping > 0.0_wp .or. (spec%driven .and. .not. effort%stores)
-      end associate
-      allocate (effort%points(size(effort%bodies)), source=0)
+      element%follower = part%along == along_follower
+      element%stiffness = part%stiffness
+      element%damping = part%damping
+      element%factor = part%factor
+      element%driven = part%driven
+      allocate (element%gauges(0), element%bodies(0), element%slots(0), element%by_rate(0))
+      call own_gauge(system, part, gauge)
+      call include_gauge(system, gauge, element%gauges, element%bodies, k)
+      if (part%driven) call read_law(system, part, element)
+      element%powered = part%damping > 0.0_wp .or. (part%driven .and. .not. element%stores)
+      allocate (element%points(size(element%bodies)), source=0)
       do k = 2, 1, -1
-         if (system%model%efforts(index)%points(k) == 0) cycle
-         where (effort%bodies == system%model%points(system%model%efforts(index)%points(k))%body) &
-            & effort%points = system%model%efforts(index)%points(k)
+         if (part%points(k) == 0) cycle
+         where (element%bodies == system%model%points(part%points(k))%body) element%points = part%points(k)
       end do
-      allocate (item, source=effort)
-   end subroutine add_effort
+      allocate (item, source=element)
+   end subroutine add_element
 
-   !> Whether the law of an effort depends on nothing but the gauge that it acts along, whatever name the deck has for that.
-   subroutine find_potential(effort)
-      type(force_element_type), intent(inout) :: effort
+   !> The law of a force element, and what it depends on.
+   subroutine read_law(system, part, element)
+      class(registry_type), intent(inout) :: system
+      type(load_part_type), intent(in) :: part
+      type(force_element_type), intent(inout) :: element
       integer :: k
-      allocate (effort%sign(size(effort%slots)), effort%shift(size(effort%slots)))
-      effort%potential = size(effort%slots) > 0 .and. .not. effort%follower
-      do k = 1, size(effort%slots)
-         if (effort%potential) effort%potential = effort%slots(k) > 0 .and. .not. effort%by_rate(k)
-         if (effort%potential) call compare_gauges(effort%gauges(1), effort%gauges(effort%slots(k)), effort%sign(k), &
-            & effort%shift(k), effort%potential)
+      element%law = part%law
+      deallocate (element%slots, element%by_rate)
+      allocate (element%slots(size(part%quantities)), element%by_rate(size(part%quantities)))
+      do k = 1, size(part%quantities)
+         call read_slot(system, part, part%quantities(k), element, k)
+      end do
+      call find_potential(element)
+      element%stores = element%potential .and. all(part%quantities%kind == own_elongation)
+   end subroutine read_law
+
+   !> Whether the law of a force element depends on nothing but the gauge that it acts along, whatever name the deck has for that.
+   subroutine find_potential(element)
+      type(force_element_type), intent(inout) :: element
+      integer :: k
+      allocate (element%sign(size(element%slots)), element%shift(size(element%slots)))
+      element%potential = size(element%slots) > 0 .and. .not. element%follower
+      do k = 1, size(element%slots)
+         if (element%potential) element%potential = element%slots(k) > 0 .and. .not. element%by_rate(k)
+         if (element%potential) call compare_gauges(element%gauges(1), element%gauges(element%slots(k)), element%sign(k), &
+            & element%shift(k), element%potential)
       end do
    end subroutine find_potential
 
    !> What a slot of a law stands for.
-   subroutine read_slot(system, spec, quantity, effort, slot)
+   subroutine read_slot(system, part, quantity, element, slot)
       class(registry_type), intent(inout) :: system
-      type(load_effort_type), intent(in) :: spec
+      type(load_part_type), intent(in) :: part
       type(quantity_type), intent(in) :: quantity
-      type(force_element_type), intent(inout) :: effort
+      type(force_element_type), intent(inout) :: element
       integer, intent(in) :: slot
       type(load_function_type) :: gauge
-      effort%by_rate(slot) = .false.
-      effort%slots(slot) = 0
+      element%by_rate(slot) = .false.
+      element%slots(slot) = 0
       if (quantity%kind == 0) return
       if (quantity%kind < 0) then
-         call own_gauge(system, spec, gauge)
-         effort%by_rate(slot) = quantity%kind == own_rate
+         call own_gauge(system, part, gauge)
+         element%by_rate(slot) = quantity%kind == own_rate
       else
-         call quantity_gauge(system, quantity, gauge, effort%by_rate(slot))
+         call quantity_gauge(system, quantity, gauge, element%by_rate(slot))
       end if
-      call include_gauge(system, gauge, effort%gauges, effort%bodies, effort%slots(slot))
+      call include_gauge(system, gauge, element%gauges, element%bodies, element%slots(slot))
    end subroutine read_slot
 
-   !> The gauge that an effort acts along.
-   subroutine own_gauge(system, spec, gauge)
+   !> The gauge that a part of a load acts along.
+   subroutine own_gauge(system, part, gauge)
       class(registry_type), intent(inout) :: system
-      type(load_effort_type), intent(in) :: spec
+      type(load_part_type), intent(in) :: part
       type(load_function_type), intent(out) :: gauge
       integer :: k
-      gauge%origin = spec%origin
-      if (spec%along == effort_angle) then
+      gauge%origin = part%origin
+      if (part%along == along_angle) then
          gauge%kind = gauge_angle
          do k = 1, 2
-            if (spec%points(k) == 0) cycle
-            gauge%markers(k) = direction_of(system, spec%points(k), 0.0_wp)
+            if (part%points(k) == 0) cycle
+            gauge%markers(k) = direction_of(system, part%points(k), 0.0_wp)
             if (system%model%points(system%marker_points(gauge%markers(k)))%body == ground) cycle
             gauge%angles(k) = angle_of(system, 0, gauge%markers(k))
          end do
          return
       end if
       do k = 1, 2
-         if (spec%points(k) > 0) gauge%markers(k) = marker_of(system, spec%points(k))
+         if (part%points(k) > 0) gauge%markers(k) = marker_of(system, part%points(k))
       end do
-      select case (spec%along)
-      case (effort_axis)
+      select case (part%along)
+      case (along_axis)
          gauge%kind = gauge_shift
-         gauge%axis = [cos(spec%angle), sin(spec%angle)]
-      case (effort_distance)
+         gauge%axis = axis_of(part%angle)
+      case (along_distance)
          gauge%kind = gauge_distance
          gauge%softening = softening*system%model%length
-      case (effort_follower)
+      case (along_follower)
          gauge%kind = gauge_slide
-         gauge%markers(3) = direction_of(system, spec%points(1), spec%angle)
-      case (effort_slide)
+         gauge%markers(3) = direction_of(system, part%points(1), part%angle)
+      case (along_slide)
          gauge%kind = gauge_slide
-         gauge%markers(3) = direction_of(system, spec%points(2), spec%angle)
+         gauge%markers(3) = direction_of(system, part%points(2), part%angle)
       end select
    end subroutine own_gauge
 
@@ -230,54 +243,35 @@ contains
       type(quantity_type), intent(in) :: quantity
       type(load_function_type), intent(out) :: gauge
       logical, intent(out) :: by_rate
-      type(load_effort_type) :: like
+      type(load_part_type) :: like
       by_rate = .false.
       like%points = [quantity%of, 0]
       select case (quantity%kind)
       case (quantity_x, quantity_y, quantity_vx, quantity_vy)
-         like%along = effort_axis
+         like%along = along_axis
          if (quantity%kind == quantity_y .or. quantity%kind == quantity_vy) like%angle = 0.5_wp*acos(-1.0_wp)
          by_rate = quantity%kind == quantity_vx .or. quantity%kind == quantity_vy
       case (quantity_angle, quantity_spin)
-         like%along = effort_angle
+         like%along = along_angle
          like%points(1) = frame_point(system, quantity%of)
          by_rate = quantity%kind == quantity_spin
       case (quantity_u1, quantity_u2)
-         like%along = effort_slide
+         like%along = along_slide
          like%points(2) = frame_point(system, system%model%points(quantity%of)%body)
          if (quantity%kind == quantity_u2) like%angle = 0.5_wp*acos(-1.0_wp)
          like%origin = system%model%points(quantity%of)%p0(merge(2, 1, quantity%kind == quantity_u2))
       case (quantity_joint_angle, quantity_joint_spin, quantity_displacement, quantity_sliding_speed)
-         like%along = merge(effort_angle, effort_slide, &
+         like%along = merge(along_angle, along_slide, &
             & quantity%kind == quantity_joint_angle .or. quantity%kind == quantity_joint_spin)
          like%points = system%model%joints(quantity%of)%points
          like%angle = system%model%joints(quantity%of)%angle
          by_rate = quantity%kind == quantity_joint_spin .or. quantity%kind == quantity_sliding_speed
       case (quantity_elongation, quantity_rate)
-         like = effort_of(system%model, quantity%of)
+         like = system%model%load_parts(system%model%loads(quantity%of)%first)
          by_rate = quantity%kind == quantity_rate
       end select
       call own_gauge(system, like, gauge)
    end subroutine quantity_gauge
-
-   !> A spring of the deck as an effort.
-   function effort_of(model, load) result(effort)
-      type(model_type), intent(in) :: model
-      !> Index among the named loads
-      integer, intent(in) :: load
-      type(load_effort_type) :: effort
-      associate (named => model%loads(load))
-         if (named%list == in_efforts) then
-            effort%along = model%efforts(named%first)%along
-            effort%points = model%efforts(named%first)%points
-            effort%origin = model%efforts(named%first)%origin
-         else
-            effort%along = effort_distance
-            effort%points = model%springs(named%first)%points
-            effort%origin = model%springs(named%first)%length
-         end if
-      end associate
-   end function effort_of
 
    !> Adds a gauge to a list, unless it is there, and the bodies of its markers to another.
    subroutine include_gauge(system, gauge, gauges, bodies, found)

@@ -12,7 +12,6 @@ module limber_multibody_modal_damping
    use limber_multibody_unit_mass_coordinates, only: update_eta_masses
    use limber_multibody_free_motions, only: free_motions_type, find_freedom
    use limber_multibody_kinematics, only: place_frames, move_frames
-   use limber_multibody_load_list, only: places_of
    use limber_multibody_multiplier_system, only: update_jacobians, update_beam_masses, update_masses
    use limber_multibody_springs, only: point_spring_type
    use limber_multibody_system, only: system_type, workspace_type
@@ -228,6 +227,7 @@ contains
       logical, intent(out) :: missed
       real(wp), allocatable :: stiffness(:, :), mass(:, :)
       complex(wp), allocatable :: value(:), vector(:, :)
+      logical, allocatable :: strained(:)
       integer :: i, first, j, f, rigid
       f = size(basis, 2)
       allocate (stiffness(f, f), mass(f, f))
@@ -247,10 +247,30 @@ contains
          return
       end if
       rigid = count(.not. aimag(value) > 0.0_wp)
-      frequency = pack(aimag(value), aimag(value) > 0.0_wp)
-      allocate (motion(size(basis, 1), size(frequency)))
       motion = matmul(basis, real(vector(:, rigid + 1:), wp))
+      strained = [(is_strained(system, springs, aimag(value(rigid + i)), motion(:, i)), i=1, size(motion, 2))]
+      frequency = pack(aimag(value(rigid + 1:)), strained)
+      motion = motion(:, pack([(i, i=1, size(strained))], strained))
    end subroutine find_modes
+
+   !> Whether a mode strains bodies or springs: its frequency is not that of round-off, and its energy not that of its parts.
+   pure logical function is_strained(system, springs, frequency, motion)
+      type(system_type), intent(in) :: system
+      !> (nw, nw), of unit modal mass (nw)
+      real(wp), intent(in) :: springs(:, :), frequency, motion(:)
+      !> Part of a sum that is round-off
+      real(wp), parameter :: none = 1.0e-13_wp
+      real(wp) :: energy, parts
+      integer :: i, first, last
+      energy = dot_product(motion, matmul(springs, motion))
+      parts = dot_product(abs(motion), matmul(abs(springs), abs(motion)))
+      do i = 1, size(system%layout%w)
+         first = system%layout%w(i) + system%layout%rates(i)
+         last = first + system%layout%n(i) - 1
+         energy = energy + sum(system%model%bodies(i)%reduced%omega2*motion(first:last)**2)
+      end do
+      is_strained = energy > max(0.5_wp*frequency**2, none*parts)
+   end function is_strained
 
    !> matrix = matrix + factor row row^T.
    pure subroutine add_square(factor, row, matrix)
@@ -269,14 +289,13 @@ contains
       real(wp), allocatable, intent(inout) :: springs(:, :)
       real(wp), allocatable :: stiffness(:, :), damping(:, :), whole(:, :)
       integer, allocatable :: to(:), at(:)
-      integer :: i, j, k, m, first, last
+      integer :: i, j, k, m
       deallocate (springs)
       allocate (springs(system%layout%nw, system%layout%nw), whole(system%layout%nw, system%layout%nw))
       springs = 0.0_wp
       do i = 1, size(system%model%loads)
-         call places_of(system%model, system%model%loads(i), first, last)
          allocate (at(0))
-         do k = first, last
+         do k = system%model%loads(i)%first, system%model%loads(i)%last
             if (.not. is_spring(system, k)) cycle
             to = unknowns_of(system, k)
             if (size(at) == 0) whole = 0.0_wp

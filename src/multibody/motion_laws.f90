@@ -9,7 +9,6 @@ module limber_multibody_motion_laws
    use limber_multibody_bounds, only: bound_cubic, bound_length
    use limber_multibody_load_functions, only: gauge_angle, gauge_distance
    use limber_multibody_kinematics, only: kinematics_type
-   use limber_multibody_load_list, only: places_of
    use limber_multibody_system, only: system_type
    implicit none
    private
@@ -350,11 +349,12 @@ contains
       !> Index of the load
       integer, intent(in) :: load
       character(:), allocatable :: text
-      integer :: i, first, last
+      integer :: i
       text = 'the law of a load'
       do i = 1, size(system%model%loads)
-         call places_of(system%model, system%model%loads(i), first, last)
-         if (load >= first .and. load <= last) text = "the law of '"//system%model%loads(i)%name//"'"
+         associate (named => system%model%loads(i))
+            if (load >= named%first .and. load <= named%last) text = "the law of '"//named%name//"'"
+         end associate
       end do
       if (size(system%loads(load)%item%bodies) > 0) text = text//" on body '"// &
          & system%model%bodies(system%loads(load)%item%bodies(1))%name//"'"

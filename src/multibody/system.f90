@@ -23,7 +23,7 @@ module limber_multibody_system
    type, extends(registry_type) :: system_type
       !> Joints first, then drivers, in the order of the model, then the parts that some of them have more than one of
       type(constraint_item_type), allocatable :: constraints(:)
-      !> Forces first, then torques, springs and efforts, in the order of the model
+      !> One for each part of the loads of the model, in their order
       type(load_item_type), allocatable :: loads(:)
       !> Of each body mass, first moment (2) and second moment of mass about the origin of its frame, undeformed; side by side,
       !> since they are all that the steps of a rigid body need (4, bodies)

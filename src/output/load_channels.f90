@@ -7,7 +7,6 @@ module limber_output_load_channels
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_load, only: load_type
-   use limber_multibody_load_list, only: places_of
    use limber_multibody_springs, only: point_spring_type
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -21,23 +20,25 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       type(quantity_type), intent(in) :: quantity
-      integer :: i, first, last
+      integer :: i
       real(wp) :: force(2)
       value = 0.0_wp
-      call places_of(system%model, system%model%loads(quantity%of), first, last)
-      select case (quantity%kind)
-      case (quantity_power)
-         do i = first, last
-            value = value + load_power(system%loads(i)%item, work%kinematics)
-         end do
-      case (quantity_force_x, quantity_force_y)
-         force = load_vector(system%loads(first)%item, work%kinematics) + load_vector(system%loads(first + 1)%item, work%kinematics)
-         value = force(merge(1, 2, quantity%kind == quantity_force_x))
-      case (quantity_moment)
-         value = spring_value(system%loads(last)%item, work%kinematics, quantity_moment)
-      case default
-         value = spring_value(system%loads(first)%item, work%kinematics, quantity%kind)
-      end select
+      associate (first => system%model%loads(quantity%of)%first, last => system%model%loads(quantity%of)%last)
+         select case (quantity%kind)
+         case (quantity_power)
+            do i = first, last
+               value = value + load_power(system%loads(i)%item, work%kinematics)
+            end do
+         case (quantity_force_x, quantity_force_y)
+            force = load_vector(system%loads(first)%item, work%kinematics) &
+               & + load_vector(system%loads(first + 1)%item, work%kinematics)
+            value = force(merge(1, 2, quantity%kind == quantity_force_x))
+         case (quantity_moment)
+            value = spring_value(system%loads(last)%item, work%kinematics, quantity_moment)
+         case default
+            value = spring_value(system%loads(first)%item, work%kinematics, quantity%kind)
+         end select
+      end associate
    end function load_value
 
    !> Elongation, its rate, tension or torque of a spring.
@@ -65,7 +66,7 @@ contains
       end select
    end function spring_value
 
-   !> Force of an effort on its first marker, along the fixed axes (2).
+   !> Force of a force element on its first marker, along the fixed axes (2).
    function load_vector(load, kinematics) result(force)
       class(load_type), intent(in) :: load
       type(kinematics_type), intent(in) :: kinematics

@@ -7,7 +7,7 @@ module limber_output_outline
    use limber_beam_plane_frame, only: member_length
    use limber_beam_frame_reduction, only: frame_point_shape
    use limber_beam_beam_reduction, only: point_shape
-   use limber_model_model, only: model_type, joint_type, body_point, body_flexible, &
+   use limber_model_model, only: model_type, joint_type, body_point, body_flexible, load_spring, &
       & joint_revolute, joint_point_on_line, joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, &
       & joint_rack, joint_belt
    use limber_output_drawn_coordinates, only: body_width, drawn_shape, drawn_place, named_places, stretches_of_beam
@@ -236,7 +236,7 @@ contains
       type(model_type), intent(in) :: model
       type(geometry_type), intent(inout) :: geometry
       integer :: i, k, n
-      n = size(model%springs)
+      n = count(model%loads%kind == load_spring)
       do i = 1, size(model%joints)
          if (all(model%joints(i)%points > 0)) n = n + 1
       end do
@@ -255,10 +255,12 @@ contains
          geometry%connection_angles(k) = model%joints(i)%angle - model%points(model%joints(i)%points(2))%lean
          geometry%connection_radii(:, k) = model%joints(i)%radius
       end do
-      do i = 1, size(model%springs)
-         geometry%connections(k + i) = model%springs(i)%name
-         geometry%connection_types(k + i) = 'SPRING'
-         geometry%connection_places(:, k + i) = model%springs(i)%points
+      do i = 1, size(model%loads)
+         if (model%loads(i)%kind /= load_spring) cycle
+         k = k + 1
+         geometry%connections(k) = model%loads(i)%name
+         geometry%connection_types(k) = 'SPRING'
+         geometry%connection_places(:, k) = model%load_parts(model%loads(i)%first)%points
       end do
    end subroutine take_connections
 

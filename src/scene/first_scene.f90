@@ -19,7 +19,7 @@ module limber_scene_first_scene
    use limber_beam_reduction_cache, only: library_type
    use limber_model_build, only: build_model
    use limber_model_beam_segments, only: name_in_deck
-   use limber_model_model, only: model_type, step_dynamics, in_springs, ground
+   use limber_model_model, only: model_type, step_dynamics, along_distance, ground
    use limber_multibody_assembly, only: first_guess, assemble
    use limber_multibody_hanging_loads, only: first_push, hang_bodies
    use limber_multibody_driven_motion, only: driven_motion_type, new_held, balance_deflections
@@ -530,7 +530,7 @@ contains
       if (allocated(model%wholes)) number = sum(model%wholes%inner)
    end function inner_joints
 
-   !> Springs that pull or push between points that coincide: their force has no direction.
+   !> Springs, linear or with a law, that pull or push between points that coincide: their force has no direction.
    subroutine warn_of_springs(scene, diagnostics)
       type(scene_type), intent(in) :: scene
       type(diagnostics_type), intent(inout) :: diagnostics
@@ -539,12 +539,12 @@ contains
       integer :: i, k, block
       associate (model => scene%system%model, layout => scene%system%layout)
          do i = 1, size(model%loads)
-            if (model%loads(i)%list /= in_springs) cycle
             do k = model%loads(i)%first, model%loads(i)%last
-               associate (spring => model%springs(k))
+               associate (spring => model%load_parts(k))
+                  if (spring%along /= along_distance .or. .not. (spring%driven .or. spring%stiffness > 0.0_wp)) cycle
                   gap = point_position(model, layout, model%points(spring%points(1)), scene%q) &
                      & - point_position(model, layout, model%points(spring%points(2)), scene%q)
-                  if (norm2(gap) > 1.0e-12_wp*spring%length .or. .not. spring%stiffness*spring%length > 0.0_wp) cycle
+                  if (norm2(gap) > 1.0e-12_wp*spring%origin .or. .not. spring%origin > 0.0_wp) cycle
                end associate
                origin = origin_type(file=1)
                block = scene%deck%find_named('SPRING', model%loads(i)%name)

@@ -16,7 +16,7 @@ module limber_scene_law_checks
 
 contains
 
-   !> Errors at the drivers, forces and torques whose laws are not defined throughout the dynamic analysis.
+   !> Errors at the drivers and loads whose laws are not defined throughout the dynamic analysis.
    subroutine check_laws(model, deck, diagnostics)
       type(model_type), intent(in) :: model
       type(deck_type), intent(in) :: deck
@@ -25,13 +25,13 @@ contains
       do i = 1, size(model%drivers)
          call check_law(model%drivers(i)%law, 'DRIVER|MOTION', model%drivers(i)%name)
       end do
-      do i = 1, size(model%forces)
-         do j = 1, 2
-            call check_law(model%forces(i)%law(j), 'FORCE', model%forces(i)%name)
+      do i = 1, size(model%loads)
+         do j = model%loads(i)%first, model%loads(i)%last
+            associate (part => model%load_parts(j))
+               if (part%driven .and. part%is_of_time()) &
+                  & call check_law(part%law, 'FORCE|TORQUE|SPRING|DISTRIBUTED LOAD', model%loads(i)%name)
+            end associate
          end do
-      end do
-      do i = 1, size(model%torques)
-         call check_law(model%torques(i)%law, 'TORQUE', model%torques(i)%name)
       end do
 
    contains

@@ -10,8 +10,9 @@ module scenes
    use limber_beam_beam_mesh, only: beam_type, new_support
    use limber_beam_reduced_body, only: rigid_reduced
    use limber_beam_beam_reduction, only: fidelity_exact, point_shape, exact_shape, reduce_beam, reduction_type
-   use limber_model_model, only: body_flexible, body_point, body_rigid, body_type, driver_type, force_type, ground, &
-      & joint_point_on_line, joint_revolute, joint_type, model_type, point_type, spring_type, torque_type
+   use limber_model_model, only: body_flexible, body_point, body_rigid, body_type, driver_type, ground, &
+      & joint_point_on_line, joint_revolute, joint_type, load_part_type, model_type, point_type, along_axis, along_distance, &
+      & along_angle
    implicit none
    private
    public :: random, constant_law, wavy_law, ramp_law, gauss_point, gauss_weight, derivative, second_derivative
@@ -101,8 +102,8 @@ contains
       real(wp), intent(in) :: length
       type(model_type) :: model
       model%length = length
-      allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%forces(0), model%channels(0))
-      allocate (model%torques(0), model%springs(0), model%efforts(0), model%loads(0))
+      allocate (model%bodies(0), model%points(0), model%joints(0), model%drivers(0), model%channels(0))
+      allocate (model%load_parts(0), model%loads(0))
    end function empty_model
 
    !> Adds a rigid body; returns its index.
@@ -335,21 +336,14 @@ contains
       call move_alloc(longer, model%drivers)
    end subroutine add_driver
 
-   !> Puts a dead force on a point.
-   subroutine add_force(model, name, point, x, y)
+   !> Puts a dead force on a point: two loads, along x and y.
+   subroutine add_force(model, point, x, y)
       type(model_type), intent(inout) :: model
-      character(*), intent(in) :: name
       integer, intent(in) :: point
       type(expression_type), intent(in) :: x, y
-      type(force_type), allocatable :: longer(:)
-      integer :: n
-      n = size(model%forces) + 1
-      allocate (longer(n))
-      longer(:n - 1) = model%forces
-      longer(n)%name = name
-      longer(n)%point = point
-      longer(n)%law = [x, y]
-      call move_alloc(longer, model%forces)
+      call add_part(model, along_axis, [point, 0], law=x)
+      call add_part(model, along_axis, [point, 0], law=y)
+      model%load_parts(size(model%load_parts))%angle = 0.5_wp*acos(-1.0_wp)
    end subroutine add_force
 
    !> Puts a spring between two points.
@@ -357,30 +351,42 @@ contains
       type(model_type), intent(inout) :: model
       integer, intent(in) :: first, second
       real(wp), intent(in) :: stiffness, length, damping
-      type(spring_type) :: spring
-      spring%name = 'spring'
-      spring%points = [first, second]
-      spring%stiffness = stiffness
-      spring%length = length
-      spring%damping = damping
-      model%springs = [model%springs, spring]
+      call add_part(model, along_distance, [first, second])
+      associate (spring => model%load_parts(size(model%load_parts)))
+         spring%stiffness = stiffness
+         spring%origin = length
+         spring%damping = damping
+      end associate
    end subroutine add_spring
 
-   !> Puts a torque on a body; appended by hand for the law's sake.
+   !> Puts a torque on the frame of a body.
    subroutine add_torque(model, body, law)
       type(model_type), intent(inout) :: model
       integer, intent(in) :: body
       type(expression_type), intent(in) :: law
-      type(torque_type), allocatable :: longer(:)
-      integer :: n
-      n = size(model%torques) + 1
-      allocate (longer(n))
-      longer(:n - 1) = model%torques
-      longer(n)%name = 'torque'
-      longer(n)%body = body
-      longer(n)%law = law
-      call move_alloc(longer, model%torques)
+      call add_part(model, along_angle, [add_place(model, 'torque', body, [0.0_wp, 0.0_wp]), 0], law=law)
    end subroutine add_torque
+
+   !> Adds a part of a load without a name, by hand for the law's sake.
+   subroutine add_part(model, along, points, law)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: along, points(2)
+      !> Of the time
+      type(expression_type), intent(in), optional :: law
+      type(load_part_type), allocatable :: longer(:)
+      integer :: n
+      n = size(model%load_parts) + 1
+      allocate (longer(n))
+      longer(:n - 1) = model%load_parts
+      longer(n)%along = along
+      longer(n)%points = points
+      longer(n)%driven = present(law)
+      if (present(law)) then
+         longer(n)%law = law
+         allocate (longer(n)%quantities(size(law%slots)))
+      end if
+      call move_alloc(longer, model%load_parts)
+   end subroutine add_part
 
    !> A driven slider-crank under weight, its rod rigid or of a fidelity with two bending and two axial coordinates.
    subroutine slider_crank(fidelity, ea, model, error)

@@ -90,7 +90,7 @@ contains
       model = empty_model(1.0_wp)
       bead = add_point_mass(model, 'bead', 1.0_wp, nil)
       place = add_place(model, 'bead.origin', bead, nil)
-      call add_force(model, 'push', place, ramp_law(1.0_wp, sharp, middle), wavy_law(0.1_wp, 0.0_wp, 0.5_wp, 7.0_wp))
+      call add_force(model, place, ramp_law(1.0_wp, sharp, middle), wavy_law(0.1_wp, 0.0_wp, 0.5_wp, 7.0_wp))
       call begin(model, tolerance, duration, system, work, integrator, q, v)
       t = 0.0_wp
       f = 0.0_wp
@@ -526,7 +526,7 @@ contains
       call join(model, 'wrist-pin', joint_revolute, rod, [0.5_wp, 0.0_wp], slider, nil)
       call join(model, 'slide', joint_point_on_line, slider, nil, ground, nil, 0.05_wp)
       call add_driver(model, 'motor', crank, wavy_law(0.9_wp, 20.0_wp, 0.3_wp, 5.0_wp))
-      call add_force(model, 'load', model%joints(3)%points(2), wavy_law(-3.0_wp, 0.0_wp, 2.0_wp, 30.0_wp), &
+      call add_force(model, model%joints(3)%points(2), wavy_law(-3.0_wp, 0.0_wp, 2.0_wp, 30.0_wp), &
          & wavy_law(0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp))
    end function slider_crank
 

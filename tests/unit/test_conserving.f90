@@ -400,7 +400,7 @@ contains
          else
             points(2) = add_beam_place(model, 'shoulder', 2, 0.3_wp)
          end if
-         call add_force(model, 'push', points(2), wavy_law(0.2_wp, 0.1_wp, 2.0_wp, 9.0_wp), &
+         call add_force(model, points(2), wavy_law(0.2_wp, 0.1_wp, 2.0_wp, 9.0_wp), &
             & wavy_law(-1.0_wp, 0.0_wp, 1.0_wp, 11.0_wp))
          call run_fixed(model, 1.0e-4_wp, 10000, 10, 0.0_wp, outcome)
          call report(outcome, 'work, rod of fidelity '//as_text(kinds(kind)))

@@ -367,8 +367,8 @@ contains
       call add_joint(model, 'slide', joint_point_on_line, e, pin, 0.05_wp)
       if (.not. driven) return
       call add_driver(model, 'motor', crank, wavy_law(0.9_wp, 4.0_wp, 0.3_wp, 5.0_wp))
-      call add_force(model, 'push', middle, wavy_law(0.2_wp, 0.1_wp, 2.0_wp, 3.0_wp), wavy_law(-1.0_wp, 0.0_wp, 1.0_wp, 2.0_wp))
-      call add_force(model, 'pull', e, wavy_law(3.0_wp, 0.0_wp, 0.0_wp, 1.0_wp), wavy_law(0.5_wp, 0.0_wp, 0.0_wp, 1.0_wp))
+      call add_force(model, middle, wavy_law(0.2_wp, 0.1_wp, 2.0_wp, 3.0_wp), wavy_law(-1.0_wp, 0.0_wp, 1.0_wp, 2.0_wp))
+      call add_force(model, e, wavy_law(3.0_wp, 0.0_wp, 0.0_wp, 1.0_wp), wavy_law(0.5_wp, 0.0_wp, 0.0_wp, 1.0_wp))
    end function slider_crank
 
    !> A consistent state of a slider-crank that moves and vibrates.

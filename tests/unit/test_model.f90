@@ -13,7 +13,8 @@ program test_model
       & 'point_off_beam', 'points', 'section', 'section_missing', 'segments', 'spread_loads', 'too_many_bending_modes', &
       & 'too_many_modes', 'turns_apart', 'welds', 'large_frame', 'moved_whole', 'held_rod']
    character(*), parameter :: warned(*) = [character(32) :: 'warn_exact_options', 'warn_no_tension', &
-      & 'warn_redundant_coupler', 'warn_redundant_joint', 'warn_redundant_beam', 'warn_singular', 'warn_ramp', 'warn_ramp_load']
+      & 'warn_redundant_coupler', 'warn_redundant_joint', 'warn_redundant_beam', 'warn_singular', 'warn_ramp', 'warn_ramp_load', &
+      & 'warn_springs']
 
    do i = 1, size(refused)
       call check_refused(trim(refused(i)))

@@ -139,11 +139,11 @@ contains
       call check_no_error(error, 'beam')
       block = add_rigid(model, 'block', 2.0_wp, 0.3_wp, [0.1_wp, -0.2_wp], [0.5_wp, 0.5_wp], 2.0_wp)
       bead = add_point_mass(model, 'bead', 0.7_wp, [1.0_wp, -0.4_wp])
-      call add_force(model, 'bend', add_beam_place(model, 'beam.place', beam, 0.9_wp), wavy_law(3.0_wp, 0.0_wp, 2.0_wp, 3.0_wp), &
+      call add_force(model, add_beam_place(model, 'beam.place', beam, 0.9_wp), wavy_law(3.0_wp, 0.0_wp, 2.0_wp, 3.0_wp), &
          & wavy_law(-1.0_wp, 7.0_wp, 0.0_wp, 0.0_wp))
-      call add_force(model, 'turn', add_place(model, 'block.corner', block, [-0.4_wp, 0.25_wp]), &
+      call add_force(model, add_place(model, 'block.corner', block, [-0.4_wp, 0.25_wp]), &
          & wavy_law(-5.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), wavy_law(4.0_wp, 1.0_wp, 0.0_wp, 0.0_wp))
-      call add_force(model, 'push', add_place(model, 'bead', bead, [0.0_wp, 0.0_wp]), wavy_law(1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), &
+      call add_force(model, add_place(model, 'bead', bead, [0.0_wp, 0.0_wp]), wavy_law(1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), &
          & wavy_law(2.0_wp, 0.0_wp, 0.0_wp, 0.0_wp))
    end function loaded
 
@@ -175,7 +175,7 @@ contains
       call add_joint(model, 'tip', joint_revolute, tip, add_beam_place(model, 'arm.start', arm, 0.0_wp))
       call add_joint(model, 'slot', joint_point_on_line, add_beam_place(model, 'arm.inside', arm, 0.95_wp), &
          & add_place(model, 'block.slot', block, [0.2_wp, -0.3_wp]), 0.6_wp)
-      call add_force(model, 'push', add_frame_place(model, 'frame.inside', frame, 2, 0.33_wp), &
+      call add_force(model, add_frame_place(model, 'frame.inside', frame, 2, 0.33_wp), &
          & wavy_law(-5.0_wp, 0.0_wp, 0.0_wp, 0.0_wp), wavy_law(4.0_wp, 1.0_wp, 0.0_wp, 0.0_wp))
    end function framed
 

@@ -30,7 +30,7 @@ module limber_analysis_analysis_steps
    use limber_output_history, only: history_type
    use limber_output_internal_forces, only: join_envelopes
    use limber_output_progress, only: progress_type
-   use limber_multibody_assembly, only: assemble, first_guess
+   use limber_multibody_assembly, only: assemble, first_guess, turn_rates
    use limber_multibody_equations_of_motion, only: linearise, worst_constraint
    use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium
    use limber_multibody_modal_damping, only: any_modal
@@ -307,7 +307,10 @@ contains
          if (step%kind == step_dynamics) scene%last%rotation = 0.0_wp
          allocate (guess(size(scene%q)))
          if (step%velocities == velocities_none) scene%v = 0.0_wp
-         if (step%velocities == velocities_of_deck) call first_guess(system, step%dynamics%start, guess, scene%v)
+         if (step%velocities == velocities_of_deck) then
+            call first_guess(system, step%dynamics%start, guess, scene%v)
+            call turn_rates(system, guess, scene%q, scene%v)
+         end if
          follows = is_motion_before(system%model, i)
          call begin_behind(system, scene%work, scene%q, follows, scene%begin, jumps, error)
          if (allocated(error)) return

@@ -66,7 +66,7 @@ contains
       call open_history(scene, results, force, history%history_type, error, batch%in_memory)
       do k = 1, reached%samples%samples
          if (allocated(error)) return
-         call history%append(reached%samples%times(k), reached%samples%values(:, k), error)
+         call history%take(reached%samples%times(k), reached%samples%values(:, k), error)
       end do
       if (allocated(error)) return
       batch%error = reached%error

@@ -13,6 +13,9 @@ module limber_deck_families
    character(20), parameter, public :: options_of_modes(*) = pack(option_table%name, of_beams .and. with_modes)
    character(20), parameter, public :: options_of_exact(*) = pack(option_table%name, of_beams .and. with_exact)
    character(20), parameter, public :: options_of_frame_modes(*) = pack(option_table%name, of_frames .and. with_modes)
+   !> Where bodies are at first, and how fast: kept if the deck gives it, otherwise found by the assembly
+   character(20), parameter :: bodies(*) = [character(20) :: 'POINT MASS', 'RIGID BODY', 'BEAM', 'FRAME']
+   character(20), parameter :: options_of_first_state(*) = [character(20) :: 'X', 'Y', 'ANGLE', 'VX', 'VY', 'SPIN']
 
 contains
 
@@ -85,15 +88,17 @@ contains
       end do
    end function studies_modes
 
-   !> Whether an option means nothing of a beam.
+   !> Whether an option that the deck does not give means nothing of a body.
    pure logical function is_void(keyword, model, option)
       !> Of the block; its GEOMETRIC, of a frame of exact beams LARGE; the option's name
       character(*), intent(in) :: keyword, model, option
-      is_void = .false.
+      is_void = any(bodies == keyword) .and. any(options_of_first_state == option)
+      if (is_void) return
       if (keyword == 'FRAME' .and. model == 'LARGE') is_void = any(options_of_frame_modes == option)
       if (keyword /= 'BEAM') return
       if (model == 'EXACT') then
-         is_void = any(options_of_modes == option)
+         ! The functions of an exact beam are found from what holds it
+         is_void = any(options_of_modes == option) .or. option == 'SUPPORT'
       else
          is_void = any(options_of_exact == option)
       end if

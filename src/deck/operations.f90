@@ -133,6 +133,10 @@ contains
          f = u
          if (is_below(u, jet_type())) f = jet_type(-u%value, -u%first, -u%second)
          return
+      else if (code == op_sqrt .and. abs(u%value) <= 0.0_wp .and. abs(u%first) <= 0.0_wp) then
+         ! The root of a square is a magnitude
+         f%first = sqrt(0.5_wp*max(0.0_wp, u%second))
+         return
       end if
       f%value = unary_value(code, u%value)
       call unary_derivatives(code, u%value, f%value, f_u, f_uu)
@@ -194,8 +198,8 @@ contains
          f%first = u%first - v%first
          f%second = u%second - v%second
       case (op_multiply)
-         f%first = u%first*v%value + u%value*v%first
-         f%second = u%second*v%value + 2.0_wp*u%first*v%first + u%value*v%second
+         f%first = times(u%first, v%value) + times(u%value, v%first)
+         f%second = times(u%second, v%value) + 2.0_wp*times(u%first, v%first) + times(u%value, v%second)
       case (op_divide)
          ! Nothing over what has overflowed, or will in a derivative
          if (abs(v%value) > endless .and. abs(u%value) < sqrt(endless)) return
@@ -217,6 +221,16 @@ contains
          if (is_below(u, v)) f = v
       end select
    end function binary_jet
+
+   !> A product in which nothing times infinity is nothing: the derivative of x sqrt(|x|) at 0.
+   elemental real(wp) function times(a, b)
+      real(wp), intent(in) :: a, b
+      if (abs(a) <= 0.0_wp .or. abs(b) <= 0.0_wp) then
+         times = 0.0_wp
+      else
+         times = a*b
+      end if
+   end function times
 
    !> Whether u < v at this instant or, where they are equal, right after it: a bend in time has the derivatives of what
    !> follows, in every function of a law.
@@ -267,8 +281,8 @@ contains
          f_uu = 0.0_wp
          if (abs(c) > 0.0_wp) f_u = c*power(u%value, c - 1.0_wp)
          if (abs(c*(c - 1.0_wp)) > 0.0_wp) f_uu = c*(c - 1.0_wp)*power(u%value, c - 2.0_wp)
-         f%first = f_u*u%first
-         f%second = f_uu*u%first**2 + f_u*u%second
+         f%first = times(f_u, u%first)
+         f%second = times(f_uu, u%first**2) + times(f_u, u%second)
       end if
    end function power_jet
 

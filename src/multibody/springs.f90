@@ -10,9 +10,10 @@ module limber_multibody_springs
 
    !> A spring and a damper between two markers, g = P2 - P1 apart:
    !>
-   !>    tension k (l - l0) + c l',      l = sqrt(g.g + softening^2)
+   !>    tension k (l - l0) + c l',      l = sqrt(g.g + s^2)
    !>
-   !> along g/l. The softening length is far below what can be seen; it keeps all derivatives finite where the points meet.
+   !> along g/l. The softening length s is far below what can be seen; it keeps all derivatives finite where the points meet. There the
+   !> damper resists the velocity, with c (s/l)^2 g', as it does on both sides of a passage.
    type, extends(load_type) :: point_spring_type
       !> Indices of the two markers
       integer :: markers(2) = 0
@@ -38,7 +39,7 @@ contains
       real(wp), intent(inout) :: force(:)
       real(wp) :: pull(2), gap(2), rate(2), length
       call measure(self, kinematics, gap, rate, length)
-      pull = spring_tension(self, kinematics)/length*gap
+      pull = spring_tension(self, kinematics)/length*gap + self%damping*(self%softening/length)**2*rate
       call add_marker(kinematics%markers(self%markers(1)), pull, force(:self%rates(1)))
       call add_marker(kinematics%markers(self%markers(2)), -pull, force(self%rates(1) + 1:))
    end subroutine spring_add_force
@@ -84,7 +85,7 @@ contains
       real(wp), intent(inout) :: sum
       real(wp) :: gap(2), rate(2), length
       call measure(self, kinematics, gap, rate, length)
-      sum = sum - self%damping*(dot_product(gap, rate)/length)**2
+      sum = sum - self%damping*((dot_product(gap, rate)/length)**2 + (self%softening/length)**2*dot_product(rate, rate))
    end subroutine spring_add_power
 
    !> Of the damper: what the length changes by in the step is what its rate of the mean says.
@@ -142,25 +143,27 @@ contains
       length = sqrt(dot_product(gap, gap) + self%softening**2)
    end function softened
 
-   !> The pull n = (k (1 - l0/l) + c g.g'/l^2) g and its derivatives by g and by g'.
+   !> The pull n = (k (1 - l0/l) + c g.g'/l^2) g + c (s/l)^2 g' and its derivatives by g and by g'.
    pure subroutine pull_derivatives(self, kinematics, pull, by_gap, by_rate)
       class(point_spring_type), intent(in) :: self
       type(kinematics_type), intent(in) :: kinematics
       real(wp), intent(out) :: pull(2), by_gap(2, 2), by_rate(2, 2)
-      real(wp) :: gap(2), rate(2), length, along, drag, factor
+      real(wp) :: gap(2), rate(2), length, along, drag, factor, core
       integer :: i, j
       call measure(self, kinematics, gap, rate, length)
       drag = self%damping/length**2
       along = dot_product(gap, rate)
       factor = self%stiffness*(1 - self%free_length/length) + drag*along
-      pull = factor*gap
+      core = self%damping*(self%softening/length)**2
+      pull = factor*gap + core*rate
       do j = 1, 2
          do i = 1, 2
             by_rate(i, j) = drag*gap(i)*gap(j)
             by_gap(i, j) = (self%stiffness*self%free_length/length - 2*drag*along)*gap(i)/length*gap(j)/length &
-               & + drag*gap(i)*rate(j)
+               & + drag*gap(i)*rate(j) - 2*core*rate(i)*gap(j)/length**2
          end do
          by_gap(j, j) = by_gap(j, j) + factor
+         by_rate(j, j) = by_rate(j, j) + core
       end do
    end subroutine pull_derivatives
 

@@ -17,7 +17,8 @@ module pardons
    !> Warnings that begin at a part of something: what stands before the number and behind it, and the part at which they begin
    character(*), parameter :: energy_words = 'energy balance is off by ', ringing_words = ' may err by about ', &
       & slip_words = 'they are off by ', phase_words = 'the motion is ', price_words = 'longer shows: up to '
-   character(*), parameter :: kept_words = 'keeps up a vibration', unfollowed_words = 'does not follow a vibration'
+   character(*), parameter :: kept_words = 'keeps up a vibration', unfollowed_words = 'does not follow a vibration', &
+      & beyond_functions = 'do not follow'
    !> A warning that begins below a part of something
    character(*), parameter :: grip_words = 'lost their grip but for '
    real(wp), parameter :: energy_begins = 1.0e-2_wp, ringing_begins = 1.0e-2_wp, slip_begins = 2.0e-2_wp, &
@@ -93,10 +94,13 @@ contains
       keeps_up = index(warnings, kept_words) > 0
    end function keeps_up
 
-   !> Whether a warning is of one run by one integrator, which another run of the same scene need not share.
-   pure logical function is_of_run(line)
-      character(*), intent(in) :: line
-      is_of_run = keeps_up(line) .or. index(line, unfollowed_words) > 0
+   !> Whether a warning is of one run by one integrator, which another run of the same scene need not share: what functions make of
+   !> vibrations that the integrator has made is one, too.
+   pure logical function is_of_run(line, warnings)
+      !> The warning, and all of its run
+      character(*), intent(in) :: line, warnings
+      is_of_run = keeps_up(line) .or. index(line, unfollowed_words) > 0 .or. (index(line, beyond_functions) > 0 .and. &
+         & index(warnings, unfollowed_words) > 0)
    end function is_of_run
 
    pure logical function is_near(line, words, unit, begins)

@@ -159,10 +159,10 @@ contains
          integer :: sign
          more = missing_line(scales%idle, other, base)
          fewer = missing_line(scales%idle, base, other)
-         if (is_of_run(more)) then
+         if (is_of_run(more, other%warnings)) then
             if (is_right(plan%base, base)) more = ''
          end if
-         if (is_of_run(fewer)) then
+         if (is_of_run(fewer, base%warnings)) then
             if (is_right(view, other)) fewer = ''
          end if
          if (more == '' .and. fewer == '') return

@@ -6,9 +6,10 @@ program test_given
    use limber_base_error, only: error_type
    use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: change_deck, channel
+   use runs, only: change_deck, channel, run_text
    use testing, only: check, check_close, check_no_error, finish
    implicit none
+   character(1), parameter :: nl = new_line('a')
    character(512) :: argument
 
    call get_command_argument(1, argument)
@@ -29,9 +30,74 @@ program test_given
       & "joint 'hinge' and joint 'rack' let it move by an infinitely small way only")
    call check_refused(trim(argument), 'verification/stuck_rack.inp', 'lever, 0.3, 0', 'lever, 0, 3', &
       & "joint 'hinge' and joint 'rack' let it move by an infinitely small way only")
+   ! Velocities of the deck in a later analysis, whatever has turned since
+   call check_later(trim(argument))
+   ! The effective deck gives what the deck gave, and nothing more
+   call check_effective(trim(argument), 'rods', '*GRAVITY'//nl//'*POINT MASS, NAME=a, MASS=1, VX=2'//nl// &
+      & '*POINT MASS, NAME=b, MASS=1, X=1, Y=1'//nl//'*POINT MASS, NAME=c, MASS=1, X=2'//nl//'*JOINT, NAME=j, TYPE=ROD'//nl// &
+      & ' a, b'//nl//'*JOINT, NAME=k, TYPE=ROD'//nl//' b, c'//nl//'*DYNAMICS, END=0.3, OUTPUTS=3'//nl//'*OUTPUT'//nl// &
+      & ' x(a), vx(a), y(b), vy(b), vx(c)')
+   call check_effective(trim(argument), 'an exact beam', '*MATERIAL, NAME=m, YOUNG=1E6, DENSITY=1'//nl// &
+      & '*SECTION, NAME=s, SHAPE=GENERAL, AREA=1, INERTIA=1E-6'//nl//'*BEAM, NAME=b, MATERIAL=m, SECTION=s, LENGTH=1'//nl// &
+      & '*JOINT, NAME=j, TYPE=WELD, TURN=0'//nl//' b.start, ground.origin'//nl//'*FORCE, NAME=f, POINT=b.end'//nl//' 0, -t'// &
+      & nl//'*STATICS, INCREMENTS=2'//nl//'*OUTPUT'//nl//' x(b.end), y(b.end), rotation(b.end)')
    call finish()
 
 contains
+
+   !> A pendulum that statics has turned from ANGLE=-60 deg to its lowest place starts with the SPIN of the deck.
+   subroutine check_later(results)
+      character(*), intent(in) :: results
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: spin(:), angle(:)
+      call run_text('*GRAVITY'//nl//'*RIGID BODY, NAME=b, MASS=1, INERTIA=0.1, CENTRE X=0.5, ANGLE=-60 deg, SPIN=2'//nl// &
+         & '*JOINT, NAME=j, TYPE=REVOLUTE'//nl//' b.origin, ground.origin'//nl//'*STATICS'//nl// &
+         & '*DYNAMICS, END=1.001, OUTPUTS=1, VELOCITIES=DECK'//nl//'*OUTPUT'//nl//' spin(b), angle(b)', results, report, error)
+      call check_no_error(error, 'velocities of the deck')
+      call reader%open(results, error)
+      spin = channel(reader, 'spin_b')
+      angle = channel(reader, 'angle_b')
+      call reader%close()
+      call check_close(angle(size(angle) - 1), -0.5_wp*acos(-1.0_wp), 1.0e-6_wp, 'statics has turned the pendulum')
+      call check_close(spin(size(spin) - 1), 2.0_wp, 1.0e-12_wp, 'and it starts with the spin of the deck')
+   end subroutine check_later
+
+   !> All channels of a deck and of its effective deck are the same.
+   subroutine check_effective(results, name, text)
+      character(*), intent(in) :: results, name, text
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report, effective
+      real(wp), allocatable :: first(:, :), second(:, :)
+      call run_text(text, results, report, error)
+      call check_no_error(error, name)
+      call reader%open(results, error)
+      call all_channels(reader, first)
+      call reader%read_text('/run/effective_deck', effective, error)
+      call reader%close()
+      call run_text(effective, results, report, error)
+      call check_no_error(error, name//': effective deck')
+      call check(index(report, 'warning') == 0, name//': the effective deck has nothing to tell: '//report)
+      call reader%open(results, error)
+      call all_channels(reader, second)
+      call reader%close()
+      call check(maxval(abs(first)) > 0.0_wp .and. maxval(abs(first - second)) <= 0.0_wp, name//': the same results')
+   end subroutine check_effective
+
+   !> Samples of all channels (samples, channels).
+   subroutine all_channels(reader, values)
+      type(history_reader_type), intent(inout) :: reader
+      real(wp), allocatable, intent(out) :: values(:, :)
+      real(wp), allocatable :: one(:)
+      integer :: i
+      do i = 1, size(reader%channels)
+         one = channel(reader, reader%channels(i)%name)
+         if (.not. allocated(values)) allocate (values(size(one), size(reader%channels)))
+         values(:, i) = one
+      end do
+   end subroutine all_channels
 
    !> A deck that is refused by name, or is not.
    subroutine check_refused(results, deck, old, new, names)

@@ -55,6 +55,7 @@ contains
       call run_for('open', 'LENGTH=1, SUPPORT=CLAMPED-FREE'//weld//pull, '1e-2', '')
       call check(status == 'kept' .and. warnings == '', 'open: '//status//warnings)
       call compare('open', truth, 1.0e-2_wp)
+      call test_scalar()
       call run_for('K_G', 'LENGTH=1, SUPPORT=CLAMPED-FREE, GEOMETRIC=K_G, ELEMENTS=40'//weld//pull, '1e-1', '')
       call check(status == 'kept', 'K_G is enough, and shown to be: '//status)
       call check(index(report, 'by a run aside') > 0, 'what the deck fixes is shown: '//report)
@@ -287,6 +288,24 @@ contains
          & 'target and motion: a row of coordinates for each sample')
       call reader%close()
    end subroutine test_motion
+
+   !> The last value of a channel of the run that is left, as a *SCALAR.
+   subroutine test_scalar()
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: values(:), scalar(:)
+      call run_text(unit_beam//'LENGTH=1'//weld//'*FORCE, NAME=pull, POINT=bar.end'//newline//' 0, 0.03*smoothstep(t/12)'// &
+         & newline//slow//'*ACCURACY, TARGET=1e-2'//newline//'*OUTPUT'//newline//' y = y(bar.end)'//newline//'*SCALAR'//newline// &
+         & ' end = last(y)', trim(results), report, error)
+      call check_no_error(error, 'a scalar of a target')
+      call reader%open(trim(results), error)
+      values = channel(reader, 'y')
+      call reader%read_numbers('/scalars/end', scalar, error)
+      call check_no_error(error, 'a scalar of a target is in the results')
+      call reader%close()
+      call check(abs(values(size(values))) > 0.0_wp .and. abs(scalar(1) - values(size(values))) <= 0.0_wp, &
+         & 'it is that of the channel: '//as_text(scalar(1)))
+   end subroutine test_scalar
 
    !> Runs a beam or another deck for a target and takes what it says.
    subroutine run_for(name, beam, target, deck, more)

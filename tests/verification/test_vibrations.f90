@@ -6,7 +6,7 @@ program test_vibrations
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed
+   use runs, only: run_changed, run_text
    use testing, only: check, check_close, check_no_error, finish
    implicit none
    !> Speeds, and the first two frequencies of flapping [sqrt(EI/(rho A L^4))]
@@ -15,6 +15,7 @@ program test_vibrations
       & 4.1373195730_wp, 22.6149219565_wp, 4.7972785324_wp, 23.3202636743_wp, 5.5850014209_wp, 24.2733493944_wp, &
       & 6.4495447486_wp, 25.4460803580_wp, 7.3603730193_wp, 26.8090816785_wp, 9.2568376005_wp, 29.9953818916_wp, &
       & 11.2023277622_wp, 33.6403658542_wp, 13.1701504875_wp, 37.6031123312_wp], [2, 10])
+   character(1), parameter :: nl = new_line('a')
    character(256) :: results
 
    call get_command_argument(1, results)
@@ -24,6 +25,7 @@ program test_vibrations
    call check_long()
    call check_free()
    call check_see_saw()
+   call check_at_rest()
    call finish()
 
 contains
@@ -100,6 +102,38 @@ contains
       call check_close(frequency(3), 615.14901972_wp, 1.0e-6_wp, 'gears: third frequency')
       call reader%close()
    end subroutine check_free
+
+   !> Derivatives at rest: a damper between points that coincide there, c/(2 sqrt(k m)), and the drag of the air, which is nothing.
+   subroutine check_at_rest()
+      character(*), parameter :: bushing = '*BUSHING, NAME=s, STIFFNESS X=200, STIFFNESS Y=200'//nl//' p, ground.origin'//nl// &
+         & '*FORCE, NAME=f, POINT=p'//nl
+      call vibrate('*JOINT, NAME=l, TYPE=POINT ON LINE'//nl//' p, ground.origin'//nl//'*SPRING, NAME=s, STIFFNESS=200, DAMPING=4'&
+         & //nl//' p, ground.origin', 'a damper of no length', 10*sqrt(1 - 0.1_wp**2), 0.1_wp)
+      call vibrate(bushing//' -5*vx(p)*sqrt(vx(p)**2 + vy(p)**2), -5*vy(p)*(vx(p)**2 + vy(p)**2)**0.5', 'drag', 10.0_wp, 0.0_wp)
+      call vibrate(bushing//' -50*x(p)*sqrt(abs(x(p))), -800*max(0, -y(p) - 0.1)**0.25*vy(p)', 'roots', 10.0_wp, 0.0_wp)
+   end subroutine check_at_rest
+
+   !> The first mode of a mass of 2.
+   subroutine vibrate(lines, name, expected, ratio)
+      !> What holds it, and what that is called
+      character(*), intent(in) :: lines, name
+      real(wp), intent(in) :: expected, ratio
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: frequency(:), growth(:)
+      call run_text('*POINT MASS, NAME=p, MASS=2'//nl//lines//nl//'*MODES, DAMPED=YES'//nl//'*OUTPUT'//nl//' x(p)', &
+         & trim(results), report, error)
+      call check_no_error(error, name)
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call reader%read_numbers('/modes/modes/frequency', frequency, error)
+      call reader%read_numbers('/modes/modes/growth', growth, error)
+      call check_no_error(error, name//': modes')
+      call reader%close()
+      call check_close(frequency(1), expected, 1.0e-7_wp*expected, name//': frequency')
+      call check_close(growth(1), -10*ratio, 1.0e-7_wp, name//': decay')
+   end subroutine vibrate
 
    !> Beams on a hinge between their ends, of lengths at which the stiffness of the free motion was round-off of either sign: the
    !> zero takes no other frequency away. They are roots of the equation of two beams that share the angle and the moment at the hinge.

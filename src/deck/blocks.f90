@@ -214,14 +214,16 @@ contains
       !> Options that were given, well or badly
       logical, intent(inout) :: attempted(:)
       type(diagnostics_type), intent(inout) :: diagnostics
-      type(part_type) :: name, value
+      type(part_type) :: name, value, next
       character(:), allocatable :: word
       integer :: equals, i
+      logical :: has_value
       if (len(part%text) == 0) then
          call diagnostics%add(part%origin, 'an option is missing between two commas')
          return
       end if
       equals = find_outside(part%text, '=', 1)
+      has_value = equals > 0
       if (equals == 0) equals = len(part%text) + 1
       name = trimmed(part%text, part%origin, 1, equals - 1)
       value = trimmed(part%text, part%origin, equals + 1, len(part%text))
@@ -234,6 +236,13 @@ contains
          return
       end if
       attempted(i) = .true.
+      call find_joined(value%text, specs, equals)
+      if (equals > 0) then
+         next = trimmed(value%text, value%origin, equals, len(value%text))
+         call diagnostics%add(next%origin, "a comma is missing before '"//next%text//"'", 'options are separated by commas')
+         value = trimmed(value%text, value%origin, 1, equals - 1)
+         attempted = .true.
+      end if
       if (block%options(i)%given) then
          call diagnostics%add(name%origin, "the option '"//word//"' is given twice", 'remove one of the two', &
             & block%options(i)%origin, 'first given here')
@@ -243,7 +252,7 @@ contains
       block%options(i)%origin = name%origin
       if (len(value%text) > 0) then
          call read_option(specs(i), value, deck%parameters, block%options(i), diagnostics)
-      else if (specs(i)%kind == kind_yes .and. equals > len(part%text)) then
+      else if (specs(i)%kind == kind_yes .and. .not. has_value) then
          block%options(i)%text = 'YES'
          block%options(i)%has_value = .true.
       else
@@ -251,6 +260,22 @@ contains
             & //trim(specs(i)%meaning))
       end if
    end subroutine read_given
+
+   !> Where another option begins in a value, because the comma before it is missing: column, 0 if none does.
+   pure subroutine find_joined(value, specs, column)
+      character(*), intent(in) :: value
+      type(option_spec_type), intent(in) :: specs(:)
+      integer, intent(out) :: column
+      integer :: equals, i
+      column = 0
+      equals = find_outside(value, '=', 1)
+      do i = 2, equals - 1
+         if (value(i - 1:i - 1) /= ' ' .or. value(i:i) == ' ') cycle
+         if (.not. any(specs%name == collapsed(value(i:equals - 1)))) cycle
+         column = i
+         return
+      end do
+   end subroutine find_joined
 
    subroutine complain_option(block, specs, name, word, attempted, diagnostics)
       type(block_type), intent(in) :: block

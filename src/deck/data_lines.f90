@@ -59,6 +59,19 @@ contains
       end select
    end subroutine read_line
 
+   !> Column of the last parenthesis that is open at the end of a text; 0: none is.
+   pure integer function open_parenthesis(text) result(column)
+      character(*), intent(in) :: text
+      integer :: depth
+      depth = 0
+      do column = len(text), 1, -1
+         if (text(column:column) == ')') depth = depth + 1
+         if (text(column:column) == '(') depth = depth - 1
+         if (depth < 0) return
+      end do
+      column = 0
+   end function open_parenthesis
+
    !> A row of fields of which the table gives number and kinds.
    subroutine read_row(keyword, parts, deck, line, ok, diagnostics)
       character(*), intent(in) :: keyword
@@ -88,7 +101,11 @@ contains
             if (least < size(specs)) wanted = as_text(least)//' to '//wanted
          end if
          wanted = 'a data line of *'//keyword//' has '//wanted
-         if (size(parts) < least) then
+         if (size(parts) < least .and. open_parenthesis(parts(size(parts))%text) > 0) then
+            associate (last => parts(size(parts)))
+               call diagnostics%add(after(last%origin), "a parenthesis is not closed in '"//last%text//"'", 'write ) where it ends')
+            end associate
+         else if (size(parts) < least) then
             call diagnostics%add(after(line%origin), wanted, trim(specs(size(parts) + 1)%name)//' is missing')
          else
             call diagnostics%add(parts(size(specs) + 1)%origin, wanted, 'this is too much')

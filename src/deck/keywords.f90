@@ -67,7 +67,7 @@ module limber_deck_keywords
       &    'A load along a beam or a member of a frame; several data lines are added'), &
       & keyword_type('DAMPING', many, form_fields, 0, many, &
       &    'Damping of the vibrations of a beam or frame; data lines: modes with a ratio of their own'), &
-      & keyword_type('FRICTION', many, form_none, 0, 0, 'Viscous friction in a joint'), &
+      & keyword_type('FRICTION', many, form_none, 0, 0, 'Viscous friction in a REVOLUTE, TRANSLATIONAL or POINT ON LINE joint'), &
       & keyword_type('ASSEMBLY', 1, form_fields, 0, many, &
       &    'How the first position is found from the guesses; data lines: given deflections'), &
       & keyword_type('KINEMATICS', many, form_none, 0, 0, &

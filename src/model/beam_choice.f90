@@ -94,7 +94,7 @@ contains
          do k = 1, size(deck%blocks(i)%lines)
             associate (line => deck%blocks(i)%lines(k))
                before = diagnostics%count
-               x = beam_place(deck%blocks(index), line, diagnostics)
+               x = beam_place(deck, deck%blocks(index), line, diagnostics)
                if (diagnostics%count == before .and. (x < 0.0_wp .or. x > deck%blocks(index)%real('LENGTH'))) &
                   & call diagnostics%add(line%origin_of(1), 'the mass lies outside the beam', &
                   & 'give a coordinate from 0 to '//as_text(deck%blocks(index)%real('LENGTH')))
@@ -111,16 +111,22 @@ contains
       end do
    end subroutine read_masses
 
-   !> Coordinate along a beam that the first field of a line gives as a number or as the name of a point.
-   real(wp) function beam_place(block, line, diagnostics) result(x)
+   !> Coordinate along a beam that the first field of a line gives as a number, the name of a point, or else of a parameter.
+   real(wp) function beam_place(deck, block, line, diagnostics) result(x)
+      type(deck_type), intent(in) :: deck
       !> Of the beam
       type(block_type), intent(in) :: block
       type(line_type), intent(in) :: line
       type(diagnostics_type), intent(inout) :: diagnostics
       logical :: found
+      integer :: parameter
       x = line%number(1)
       if (line%text(1) == '') return
       call find_beam_point(block, line%text(1), x, found)
+      if (found) return
+      parameter = deck%parameters%find(line%text(1))
+      found = parameter > 0
+      if (found) x = deck%parameters%items(parameter)%value
       if (.not. found) call diagnostics%add(line%origin_of(1), "beam '"//block%name()//"' has no point '"//line%text(1)//"'", &
          & 'give a coordinate, or a point that the beam names')
    end function beam_place
@@ -224,7 +230,7 @@ contains
          do k = 1, size(deck%blocks(i)%lines)
             associate (line => deck%blocks(i)%lines(k), length => deck%blocks(index)%real('LENGTH'))
                before = diagnostics%count
-               x = beam_place(deck%blocks(index), line, diagnostics)
+               x = beam_place(deck, deck%blocks(index), line, diagnostics)
                if (diagnostics%count > before) cycle
                part = findloc([1, 2, 6], nint(line%number(2)), dim=1)
                if (x < 0.0_wp .or. x > length) then

@@ -16,7 +16,7 @@ module limber_model_load_blocks
    use limber_model_beam_segments, only: pieces_of, find_frame, has_frame
    use limber_model_model, only: model_type, load_part_type, named_load_type, &
       & quantity_type, &
-      & body_type, body_point, body_flexible, ground, joint_revolute, joint_point_on_line, &
+      & body_type, body_point, ground, joint_revolute, joint_point_on_line, &
       & joint_translational, along_axis, along_follower, &
       & along_distance, along_slide, along_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
       & load_friction, own_elongation, own_rate, most_slots
@@ -179,15 +179,16 @@ contains
       pieces = pieces_of(model, body)
       before = diagnostics%count
       do body = pieces(1), pieces(2)
-         call damp(block, body, model, diagnostics)
+         call damp(block, body, before, model, diagnostics)
          if (diagnostics%count > before) return
       end do
    end subroutine add_damping
 
    !> Ratios of damping of the coordinates of a body: eq. (3.39).
-   subroutine damp(block, body, model, diagnostics)
+   subroutine damp(block, body, before, model, diagnostics)
       type(block_type), intent(in) :: block
-      integer, intent(in) :: body
+      !> Body, and number of errors before the block
+      integer, intent(in) :: body, before
       type(model_type), intent(inout) :: model
       type(diagnostics_type), intent(inout) :: diagnostics
       real(wp), allocatable :: ratio(:)
@@ -201,6 +202,8 @@ contains
          ratio = block%real('RATIO')
          do i = 1, size(block%lines)
             mode = nint(block%lines(i)%number(1))
+            ! Of a beam in error nothing is known
+            if (reduced%n == 0 .and. before > 0) cycle
             if (mode > reduced%n) then
                call diagnostics%add(block%lines(i)%origin_of(1), "beam '"//model%bodies(body)%name//"' has "// &
                   & as_text(reduced%n)//' modes, '//as_text(reduced%bending)//' of them bending', 'give a mode that it has')

@@ -12,7 +12,7 @@ module limber_analysis_dynamic_analysis
    use limber_analysis_crossings, only: crossings_type, new_crossings, begin_crossings, resume_crossings, go_on, find_crossing, &
       & count_crossing, found_nothing, found_bend, found_jump
    use limber_analysis_fresh_start, only: pass_break
-   use limber_analysis_passing_errors, only: passages_type, start_passages, note_passage, count_passage, passing_warning
+   use limber_analysis_added_errors, only: added_errors_type, start_added, begin_added, note_added, tell_errors
    use limber_scene_interruption, only: interruption_type
    use limber_monitor_indicator_start, only: start_indicators
    use limber_scene_joint_check, only: watches_joints
@@ -26,8 +26,7 @@ module limber_analysis_dynamic_analysis
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_warning
    use limber_analysis_turn_steps, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_unfollowed, only: unfollowed_type, start_unfollowed, watch_channels, unfollowed_warning, shows_vibrations
-   use limber_monitor_run_monitor, only: check_deflections, jump_watch_type, start_watch, watch_velocities, scale_warning, &
-      & phase_warning, slip_warning, find_weak
+   use limber_monitor_run_monitor, only: check_deflections, jump_watch_type, start_watch, watch_velocities, find_weak
    use limber_integrator_adams, only: adams_type
    use limber_integrator_alpha, only: alpha_type
    use limber_integrator_conserving, only: conserving_type
@@ -162,7 +161,7 @@ contains
       type(jump_watch_type) :: watch
       type(turning_type) :: turning
       type(crossings_type) :: crossings
-      type(passages_type) :: passages
+      type(added_errors_type) :: added
       type(curve_watch_type) :: curves
       type(curve_pieces_type) :: pieces
       character(:), allocatable :: text
@@ -183,7 +182,7 @@ contains
       sample%v = scene%v
       call new_crossings(crossings, scene%system, dynamics%start, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
-      call start_passages(passages, scene%system, crossings)
+      call start_added(added, scene%system, crossings, t, scene%q, scene%v)
       call new_curve_watch(curves, scene%system, dynamics%end - dynamics%start, integrator%tolerance)
       if (size(curves%joints) > 0) call begin_curves(curves, scene%system, scene%work, t, scene%q, scene%v, 0.0_wp)
       if (recorder%needs_accelerations) call start_unfollowed(unfollowed, scene)
@@ -255,12 +254,11 @@ contains
                cycle
             end if
             call meet_crossing()
-            call note_passage(passages, scene%system, scene%work, integrator, crossings, t)
-            if (crossings%found == found_bend .or. crossings%found == found_jump) call count_passage(passages, crossings)
          end if
          if (size(pieces%paths) > 0) call meet_end()
          call integrator%interpolate(t, sample%q, sample%v, sample%w)
          call integrator%complete(scene%system, scene%work, t, sample%q, sample%v)
+         call note_added(added, scene%system, scene%work, integrator, crossings, dynamics%end, t, sample%q, sample%v)
          if (size(crossings%loads) > 0 .and. .not. cut) call go_on(crossings, sample%q, sample%v, sample%w)
          if (size(curves%joints) > 0 .and. .not. cut) call go_on_curves(curves, t, sample%q, sample%v, sample%w)
          call look(scene, dynamics, integrator, in_motion, sample, outcome)
@@ -300,18 +298,8 @@ contains
       outcome%reached = t
       call tell_kinks(pieces, scene%system, outcome)
       if (.not. allocated(error)) call look_at_end(scene, integrator, sample, outcome)
-      text = passing_warning(passages, scene%system, crossings, dynamics)
-      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
-      text = scale_warning(watch, scene%system, integrator%tolerance, t)
-      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
-      text = ''
-      if (allocated(outcome%turned)) text = phase_warning(scene%system, integrator%tolerance, maxval(abs(outcome%turned)), &
-         & dynamics%end - dynamics%start, outcome%ahead)
-      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
-      text = ''
-      if (allocated(outcome%slip)) text = slip_warning(watch, scene%system, dynamics, outcome%slip, outcome%slip_time, &
-         & outcome%slip_speed)
-      if (text /= '' .and. .not. allocated(error)) call warn(outcome, text)
+      if (.not. allocated(error)) call tell_errors(added, scene%system, crossings, dynamics, watch, integrator%tolerance, t, &
+         & outcome)
       if (.not. allocated(error)) call warn_of_vibrations()
 
    contains
@@ -440,6 +428,7 @@ contains
             & integrator%work_at_start - sample%w, error)
          if (allocated(error)) return
          call start_watch(watch, time, sample%v)
+         call begin_added(added, time, sample%q, sample%v)
          call start_turning(turning, scene%system, time, sample%q, sample%v, integrator%ends_on_samples)
          call follow_turns(time)
          if (size(crossings%loads) > 0) call begin_crossings(crossings, scene%system, scene%work, time, sample%q, sample%v, &
@@ -521,7 +510,7 @@ contains
          call watch%exchange(snapshot)
          call turning%exchange(snapshot)
          call crossings%exchange(snapshot)
-         call passages%exchange(snapshot)
+         call added%exchange(snapshot)
          if (snapshot%restoring .and. size(crossings%loads) > 0) call resume_crossings(crossings, scene%system, scene%work, &
             & integrator%t)
          call pieces%exchange(snapshot, scene%system)

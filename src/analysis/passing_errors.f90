@@ -1,21 +1,19 @@
-!> Errors of many passages of laws of the motion. Each is below the tolerance, but where all are of one sign they add up. Between some
-!> of the crossings the velocities are compared with what the accelerations along the dense output make of them; from these the sum
-!> over all is found. Floor: analysis. Source: doc/theory, eqs. (5.68), (5.69).
+!> Errors of many passages of laws of the motion. Each is below the tolerance, but where all are of one sign they add up. Between
+!> some of the crossings the errors of the steps are found, and from these the sum over all. Floor: analysis. Source: doc/theory,
+!> eqs. (5.68), (5.69).
 module limber_analysis_passing_errors
    use limber_base_kinds, only: wp
-   use limber_base_error, only: error_type
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_analysis_crossings, only: crossings_type
-   use limber_integrator_integrator, only: integrator_type
+   use limber_analysis_step_defects, only: defect_type
    use limber_model_model, only: dynamics_type
-   use limber_multibody_equations_of_motion, only: linearise, accelerations
    use limber_multibody_layout, only: rates_of
    use limber_multibody_motion_laws, only: describe_law
-   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_system, only: system_type
    implicit none
    private
-   public :: passages_type, start_passages, note_passage, count_passage, passing_warning
+   public :: passages_type, start_passages, note_rates, looks_at, note_passage, count_passage, passing_warning
 
    !> Of so many intervals between crossings one is looked at, first and later; odd numbers see what laws do and what lies between
    integer, parameter :: closely = 3, later = 9
@@ -31,8 +29,8 @@ module limber_analysis_passing_errors
       real(wp), allocatable :: largest(:)
       !> Errors of each rate in the interval at hand, and along its sign; sums of both over all, and of their squares (nw)
       real(wp), allocatable :: now(:), with(:), sum(:), sum_with(:), square(:), square_with(:)
-      !> Scratch: coordinates, velocities, accelerations (nq); rates (nw)
-      real(wp), allocatable, private :: q(:), v(:), a(:), before(:), after(:), made(:), part(:)
+      !> Scratch (nw)
+      real(wp), allocatable, private :: w(:)
    contains
       procedure :: exchange => exchange_passages
    end type passages_type
@@ -40,56 +38,43 @@ module limber_analysis_passing_errors
 contains
 
    !> Begins.
-   subroutine start_passages(self, system, crossings)
+   subroutine start_passages(self, system, laws)
       type(passages_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      type(crossings_type), intent(in) :: crossings
-      if (size(crossings%loads) == 0) return
-      associate (nq => system%layout%nq, nw => system%layout%nw)
-         allocate (self%of(size(crossings%loads)), source=0)
+      !> Number of watched laws
+      integer, intent(in) :: laws
+      allocate (self%of(laws), source=0)
+      associate (nw => system%layout%nw)
          allocate (self%largest(nw), self%now(nw), self%with(nw), self%sum(nw), self%sum_with(nw), self%square(nw), &
-            & self%square_with(nw), self%before(nw), self%after(nw), self%made(nw), self%part(nw), source=0.0_wp)
-         allocate (self%q(nq), self%v(nq), self%a(nq), source=0.0_wp)
+            & self%square_with(nw), self%w(nw), source=0.0_wp)
       end associate
    end subroutine start_passages
 
-   !> Takes a step up to a time, from the state that `crossings` has at its start: finds by how much the velocities differ from the
-   !> integral of the accelerations along the dense output, eq. (5.68), in the intervals that are looked at.
-   subroutine note_passage(self, system, work, integrator, crossings, t)
+   !> Takes the rates at the end of a step.
+   pure subroutine note_rates(self, system, q, v)
       type(passages_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      class(integrator_type), intent(inout) :: integrator
+      !> Coordinates and velocities (nq)
+      real(wp), intent(in) :: q(:), v(:)
+      call rates_of(system%layout, q, v, self%w)
+      self%largest = max(self%largest, abs(self%w))
+   end subroutine note_rates
+
+   !> Whether the last step is in an interval that is looked at, and a law does something in it.
+   pure logical function looks_at(self, crossings) result(looks)
+      type(passages_type), intent(in) :: self
       type(crossings_type), intent(in) :: crossings
-      real(wp), intent(in) :: t
-      !> Formula of Gauss of order 6 from 0 to 1
-      real(wp), parameter :: place(3) = 0.5_wp + sqrt(0.15_wp)*[-1.0_wp, 0.0_wp, 1.0_wp], weight(3) = [5, 8, 5]/18.0_wp
-      type(error_type), allocatable :: error
-      real(wp) :: h, w
-      integer :: i
-      call integrator%interpolate(t, self%q, self%v, w)
-      call integrator%complete(system, work, t, self%q, self%v)
-      call rates_of(system%layout, self%q, self%v, self%after)
-      self%largest = max(self%largest, abs(self%after))
-      if (self%crossings == 0 .or. mod(self%crossings, stride(self)) /= 0 .or. all(crossings%idle)) return
-      h = t - crossings%quarters(0)%t
-      if (.not. h > 0.0_wp) return
-      call rates_of(system%layout, crossings%q, crossings%v, self%before)
-      self%made = 0.0_wp
-      do i = 1, 3
-         associate (at => crossings%quarters(0)%t + place(i)*h)
-            call integrator%interpolate(at, self%q, self%v, w)
-            call integrator%complete(system, work, at, self%q, self%v)
-            call linearise(system, work, at, self%q, error)
-         end associate
-         if (allocated(error)) return
-         call accelerations(system, work, self%q, self%v, self%a)
-         call rates_of(system%layout, self%q, self%a, self%part)
-         self%made = self%made + weight(i)*h*self%part
-      end do
-      self%made = self%after - self%before - self%made
-      self%now = self%now + self%made
-      self%with = self%with + sign(1.0_wp, self%after + self%before)*self%made
+      looks = .false.
+      if (self%crossings == 0) return
+      looks = mod(self%crossings, stride(self)) == 0 .and. .not. all(crossings%idle)
+   end function looks_at
+
+   !> Takes the errors of a step.
+   pure subroutine note_passage(self, defect)
+      type(passages_type), intent(inout) :: self
+      type(defect_type), intent(in) :: defect
+      self%now = self%now + defect%rates
+      self%with = self%with + sign(1.0_wp, defect%w)*defect%rates
    end subroutine note_passage
 
    !> Counts a crossing that has been met: an interval ends there.
@@ -153,8 +138,8 @@ contains
          & trim(merge('                    ', ' or INTEGRATOR=RADAU', dynamics%integrator == 'RADAU'))
    end function passing_warning
 
-   !> What errors add up to relative to the largest value, eq. (5.69): their sum if they are of one sign; if they are of both, and not
-   !> little, at least what such leave.
+   !> What errors add up to relative to the largest value, eq. (5.69): their sum if they are of one sign; if they are of both, and
+   !> not little, at least what such leave.
    pure real(wp) function added(sum, square, largest) result(share)
       !> Sums of the errors and of their squares, largest value
       real(wp), intent(in) :: sum, square, largest

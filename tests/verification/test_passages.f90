@@ -1,5 +1,6 @@
-!> Laws of place that come and go many times: what their passages add up to is right, against the integral of the law along a known
-!> motion, or the run tells of it. Usage, in tests/: test_passages RESULT_FILE
+!> Errors that add up beside the tolerance. Laws of place that come and go many times: what their passages add up to is right,
+!> against the integral of the law along a known motion, or the run tells of it. The same of a body whose motion is small beside
+!> what a soft spring connects it with, in closed form. Usage, in tests/: test_passages RESULT_FILE
 program test_passages
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -19,6 +20,10 @@ program test_passages
       call check_hills(trim(integrators(i)), '1e-4')
       call check_hills(trim(integrators(i)), '1e-5')
       call check_hills(trim(integrators(i)), '1e-6')
+      call check_small(trim(integrators(i)), '1e-3', '0.05')
+      call check_small(trim(integrators(i)), '1e-4', '0.05')
+      call check_small(trim(integrators(i)), '1e-5', '1')
+      call check_small(trim(integrators(i)), '1e-7', '0.05')
    end do
    call finish()
 
@@ -53,5 +58,36 @@ contains
       if (off > wrong) call check(index(report, told) > 0, name//as_text(100*off, 2)//' % off, and not told: '//report)
       if (off < right) call check(index(report, told) == 0, name//'off by '//as_text(100*off, 2)//' %: '//report)
    end subroutine check_hills
+
+   !> A mass of 1e-6 on a spring to the ground, 1000 rad/s with an amplitude of 3e-3, and by a spring of a millionth of the
+   !> stiffness on a pendulum 5 long.
+   subroutine check_small(integrator, tolerance, end)
+      character(*), intent(in) :: integrator, tolerance, end
+      real(wp), parameter :: wrong = 6.0e-2_wp, right = 4.0e-3_wp, amplitude = 3.0e-3_wp, omega = 1000.0_wp
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: t(:), y(:)
+      character(:), allocatable :: report, name
+      real(wp) :: off
+      logical :: tells
+      name = 'small motion, '//integrator//', '//tolerance//', END='//end//': '
+      call run_text('*RIGID BODY, NAME=big, MASS=1e6, INERTIA=1e8, CENTRE X=5'//newline// &
+         & '*JOINT, NAME=j, TYPE=REVOLUTE'//newline// &
+         & ' big.origin, ground.origin'//newline//'*POINT MASS, NAME=s, MASS=1e-6, X=0.001, VY=3'//newline// &
+         & '*SPRING, NAME=own, STIFFNESS=1'//newline//' s, ground.origin'//newline// &
+         & '*SPRING, NAME=soft, STIFFNESS=1e-6, LENGTH=5'// &
+         & newline//' s, big.centre'//newline//'*DYNAMICS, END='//end//', OUTPUTS=200, TOLERANCE='//tolerance//', INTEGRATOR='// &
+         & integrator//newline//'*OUTPUT'//newline//' y(s)'//newline, trim(results), report, error)
+      call check_no_error(error, name//'run')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call reader%read_time(t, error)
+      y = channel(reader, 'y_s')
+      call reader%close()
+      off = maxval(abs(y - amplitude*sin(omega*t)))/amplitude
+      tells = index(report, "body 's' moves by") > 0
+      if (off > wrong) call check(tells, name//as_text(100*off, 2)//' % off, and not told: '//report)
+      if (off < right) call check(.not. tells, name//'off by '//as_text(100*off, 2)//' %: '//report)
+   end subroutine check_small
 
 end program test_passages

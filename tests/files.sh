@@ -140,6 +140,7 @@ cp run.h5 good.h5
 cp run.checkpoint.h5 good.checkpoint.h5
 size=$(wc -c < good.checkpoint.h5)
 refused=0
+told=0
 for i in 1 2 3 4 5 6 7 8 9 10 11 12; do
   at=$((size*(2*i - 1)/24))
   byte=$(od -An -tu1 -j $at -N 1 good.checkpoint.h5)
@@ -160,6 +161,8 @@ for i in 1 2 3 4 5 6 7 8 9 10 11 12; do
   case $status in
     2 | 3)
       refused=$((refused + 1))
+      ! grep -q 'no reason given' messages || complain "byte $at: refused without a reason: $(cat messages)"
+      grep -q 'is damaged: .*--force without --restart begins anew' messages && told=$((told + 1))
       cmp -s run.h5 good.h5 || complain "byte $at: the results were touched"
       cmp -s run.checkpoint.h5 damaged || complain "byte $at: the checkpoint was touched"
       [ ! -e run.h5.running ] || complain "byte $at: run.h5.running is left" ;;
@@ -167,6 +170,7 @@ for i in 1 2 3 4 5 6 7 8 9 10 11 12; do
     *) complain "byte $at: status $status" ;;
   esac
 done
+[ $told -ge 1 ] || complain "of no damaged checkpoint it is said that it is, and what to do"
 [ $refused -ge 3 ] || complain "only $refused of 12 damaged checkpoints are refused"
 cp good.checkpoint.h5 run.checkpoint.h5
 cp good.h5 run.h5

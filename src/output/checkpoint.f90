@@ -17,7 +17,7 @@ module limber_output_checkpoint
    use limber_base_text, only: as_text
    use limber_output_hdf5, only: create_file, open_file, close_file, write_attribute
    use limber_output_hdf5_checked, only: write_checked, write_checked_label
-   use limber_output_hdf5_error, only: no_id
+   use limber_output_hdf5_error, only: no_reason, no_id
    use limber_output_hdf5_read, only: read_attribute, read_dataset
    implicit none
    private
@@ -92,6 +92,8 @@ contains
       character(:), allocatable :: format
       real(wp), allocatable :: numbers(:)
       integer :: version
+      !> Whether it is a checkpoint that this limber could go on from
+      logical :: ours
       file = no_id
       call open_file(path, file, error)
       if (allocated(error)) return
@@ -105,6 +107,7 @@ contains
          if (version /= checkpoint_version) call raise(error, path//' has version '//as_text(version)// &
             & ' of the format of checkpoints; this limber reads version '//as_text(checkpoint_version), status_deck)
       end if
+      ours = .not. allocated(error)
       if (.not. allocated(error)) call read_attribute(file, '/', 'samples', checkpoint%samples, error)
       if (.not. allocated(error)) call read_attribute(file, '/', 'time', checkpoint%time, error)
       if (.not. allocated(error)) call read_dataset(file, '/program', checkpoint%program, error)
@@ -113,10 +116,25 @@ contains
       if (.not. allocated(error)) call read_dataset(file, '/reals', snapshot%reals, error)
       if (.not. allocated(error)) call read_dataset(file, '/integers', numbers, error)
       if (.not. allocated(error)) allocate (snapshot%integers, source=nint(numbers))
-      if (allocated(error)) then
-         if (index(error%message, path) /= 1) error%message = path//' is damaged: '//error%message
-      end if
+      if (allocated(error) .and. ours) call tell_damage(path, error)
       call close_file(path, file, ignored)
    end subroutine read_checkpoint
+
+   !> Says of a checkpoint that cannot be read to its end that it is damaged, and what to do.
+   subroutine tell_damage(path, error)
+      character(*), intent(in) :: path
+      !> Why; on return what is told of it
+      type(error_type), allocatable, intent(inout) :: error
+      character(*), parameter :: none = ': '//no_reason
+      character(:), allocatable :: text
+      integer :: at
+      text = error%message
+      if (index(text, path//': ') == 1) text = text(len(path) + 3:)
+      at = index(text, none)
+      if (at > 0) text = text(:at - 1)//text(at + len(none):)
+      deallocate (error)
+      call raise(error, path//' is damaged: '//text//'; the run cannot go on from it, --force without --restart begins anew', &
+         & status_deck)
+   end subroutine tell_damage
 
 end module limber_output_checkpoint

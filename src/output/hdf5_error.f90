@@ -6,13 +6,15 @@ module limber_output_hdf5_error
    use limber_base_error, only: error_type, raise
    implicit none
    private
-   public :: open_library, hdf5_error, stack_reason, text_of, no_id, reason_in_use
+   public :: open_library, hdf5_error, stack_reason, text_of, no_id, reason_in_use, no_reason
 
    !> Value of an identifier that is not open
    integer(hid_t), parameter :: no_id = -1_hid_t
 
    !> Reason for a file that is locked
    character(*), parameter :: reason_in_use = 'another program has it open'
+   !> Reason where HDF5 has none
+   character(*), parameter :: no_reason = 'no reason given by HDF5'
 
    !> One entry of the HDF5 error stack (H5E_error2_t)
    type, bind(c) :: stack_entry_type
@@ -88,7 +90,7 @@ contains
       integer :: start
       description = c_null_ptr
       status = h5ewalk2(0_c_int64_t, 0_c_int, c_funloc(keep_innermost), c_loc(description))
-      reason = 'no reason given by HDF5'
+      reason = no_reason
       if (status < 0 .or. .not. c_associated(description)) return
       reason = text_of(description)
       if (index(reason, 'unable to lock file') > 0) then

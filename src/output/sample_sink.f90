@@ -17,13 +17,16 @@ module limber_output_sample_sink
       integer(long) :: most_evaluations = huge(1_long)
       !> Whether the run ends at its next step, increment or sample when a signal asks for that: one that could not go on from there
       logical :: heeds_signals = .false.
-      !> What channels were over the samples: sums, in the units of the channel and its square, where they are asked for
+      !> What channels were over the samples, where that is asked for: integrals over the time by the trapezoidal rule, of the channel
+      !> and its square, and that time; sums of both where no time passes
       integer :: taken = 0
-      real(wp), allocatable :: first(:), last(:), smallest(:), largest(:), total(:), squares(:)
+      real(wp), allocatable :: first(:), last(:), smallest(:), largest(:)
+      real(wp), allocatable, private :: integral(:), square_integral(:), total(:), squares(:)
+      real(wp), private :: at = 0.0_wp, span = 0.0_wp
    contains
       procedure(append_interface), deferred :: append
       procedure :: secure => secure_nothing, note_checkpoint => note_nothing
-      procedure :: take, watch_limit, check_limit, summarise
+      procedure :: take, watch_limit, check_limit, summarise, mean, mean_square
       procedure :: exchange => exchange_sink
    end type sink_type
 
@@ -113,9 +116,32 @@ contains
       class(sink_type), intent(inout) :: self
       !> How many
       integer, intent(in) :: width
-      allocate (self%first(width), self%last(width), self%smallest(width), self%largest(width), self%total(width), &
-         & self%squares(width), source=0.0_wp)
+      allocate (self%first(width), self%last(width), self%smallest(width), self%largest(width), self%integral(width), &
+         & self%square_integral(width), self%total(width), self%squares(width), source=0.0_wp)
    end subroutine summarise
+
+   !> Mean of a channel over the time, from sample to sample along straight lines: the instant at which one analysis ends and the next
+   !> begins counts once. Over the samples where no time passes.
+   pure real(wp) function mean(self, channel)
+      class(sink_type), intent(in) :: self
+      integer, intent(in) :: channel
+      if (self%span > 0.0_wp) then
+         mean = self%integral(channel)/self%span
+      else
+         mean = self%total(channel)/max(1, self%taken)
+      end if
+   end function mean
+
+   !> The same of its square.
+   pure real(wp) function mean_square(self, channel)
+      class(sink_type), intent(in) :: self
+      integer, intent(in) :: channel
+      if (self%span > 0.0_wp) then
+         mean_square = self%square_integral(channel)/self%span
+      else
+         mean_square = self%squares(channel)/max(1, self%taken)
+      end if
+   end function mean_square
 
    !> Takes a sample, unless the time is over.
    subroutine take(self, t, values, error)
@@ -123,6 +149,7 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: values(:)
       type(error_type), allocatable, intent(out) :: error
+      real(wp) :: step
       call self%check_limit(t, error)
       if (allocated(error)) return
       call self%append(t, values, error)
@@ -132,7 +159,14 @@ contains
             self%first = now
             self%smallest = now
             self%largest = now
+            self%last = now
+            self%at = t
          end if
+         step = abs(t - self%at)
+         self%integral = self%integral + 0.5_wp*step*(self%last + now)
+         self%square_integral = self%square_integral + 0.5_wp*step*(self%last**2 + now**2)
+         self%span = self%span + step
+         self%at = t
          self%taken = self%taken + 1
          self%last = now
          self%smallest = min(self%smallest, now)
@@ -179,6 +213,10 @@ contains
       call snapshot%keep('last', self%last)
       call snapshot%keep('smallest', self%smallest)
       call snapshot%keep('largest', self%largest)
+      call snapshot%exchange('sample_time', self%at)
+      call snapshot%exchange('span', self%span)
+      call snapshot%keep('integral', self%integral)
+      call snapshot%keep('square_integral', self%square_integral)
       call snapshot%keep('total', self%total)
       call snapshot%keep('squares', self%squares)
    end subroutine exchange_sink

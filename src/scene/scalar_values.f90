@@ -42,8 +42,8 @@ contains
       case (summary_last); value = sink%last(channel)
       case (summary_minimum); value = sink%smallest(channel)
       case (summary_maximum); value = sink%largest(channel)
-      case (summary_mean); value = sink%total(channel)/max(1, sink%taken)
-      case (summary_rms); value = sqrt(sink%squares(channel)/max(1, sink%taken))
+      case (summary_mean); value = sink%mean(channel)
+      case (summary_rms); value = sqrt(sink%mean_square(channel))
       end select
    end function summary
 

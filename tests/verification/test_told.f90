@@ -16,6 +16,7 @@ program test_told
    character(:), allocatable :: report
 
    call get_command_argument(1, results)
+   call check_means()
    call check_work()
    call check_reach()
    call check_speeds()
@@ -30,6 +31,19 @@ program test_told
    call finish()
 
 contains
+
+   !> Mean values are those over the time, however the samples lie and wherever one analysis ends: of x = t from 0 to 2, and the root
+   !> mean square of a sine over its period.
+   subroutine check_means()
+      type(error_type), allocatable :: error
+      call run_text('*POINT MASS, NAME=m, MASS=1, VX=1'//nl//'*DYNAMICS, END=1, OUTPUTS=4'//nl// &
+         & '*DYNAMICS, END=2, OUTPUTS=40'//nl//'*OUTPUT'//nl//' x(m), sine = sin(pi*t)'//nl// &
+         & '*SCALAR'//nl//' mean_x = mean(x_m), rms_sine = rms(sine)'//nl, trim(results), report, error)
+      call check_no_error(error, 'means')
+      if (allocated(error)) return
+      call check(index(report//nl, 'mean_x = 1'//nl) > 0, 'the mean of t from 0 to 2: '//report)
+      call check(index(report//nl, 'rms_sine = 0.70710678'//nl) > 0, 'the root mean square of a sine: '//report)
+   end subroutine check_means
 
    !> Work is the kinetic energy of what is moved from rest, however often it has gone in and out.
    subroutine check_work()

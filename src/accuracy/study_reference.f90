@@ -21,6 +21,9 @@ module limber_accuracy_study_reference
       real(wp) :: uncertainty = 0.0_wp
       !> What it is, for people
       character(:), allocatable :: source
+      !> Whether it is the finest model of the study, and no more; then what its run warns of
+      logical :: of_deck = .false.
+      character(:), allocatable :: warnings
    end type reference_type
 
    !> Longest line of a file with columns

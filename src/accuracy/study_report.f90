@@ -16,21 +16,59 @@ module limber_accuracy_study_report
 
 contains
 
-   !> Deck, reference and how well it is known.
+   !> Deck, reference and how well it is known. The finest model has nothing finer to be compared with: only the warnings of its run
+   !> tell of its errors.
    function heading(plan, reference) result(text)
       type(plan_type), intent(in) :: plan
       type(reference_type), intent(in) :: reference
-      character(:), allocatable :: text
+      character(:), allocatable :: text, warnings
       integer :: i
       text = 'Study of '//plan%path//': '//plan%heading//newline//'Reference: '//reference%source
       if (reference%uncertainty > 0.0_wp) text = text//' to '//as_text(reference%uncertainty, 2)//', that is '// &
          & as_text(floor(-log10(reference%uncertainty)))//' digits'
+      if (reference%of_deck) then
+         text = text//newline//'The reference has the finest model of the study'//at_finest(plan, 0)//': errors of that model'// &
+            & ' itself are in no table'
+         warnings = ''
+         if (allocated(reference%warnings)) warnings = warnings_of(reference%warnings)
+         if (warnings == '') then
+            text = text//'; its run warns of none'
+         else
+            text = text//'. Its run warns, so that it is no measure of the truth:'//warnings
+         end if
+      end if
       text = text//newline//'Errors are relative to the largest magnitude of each channel:'
       do i = 1, size(plan%names)
          if (i > 1) text = text//','
          text = text//' '//trim(plan%names(i))
       end do
    end function heading
+
+   !> The warnings of a run, each from its word on to the end of the line, once, behind line feeds.
+   function warnings_of(lines, told) result(text)
+      character(*), intent(in) :: lines
+      !> Text whose warnings are left out
+      character(*), intent(in), optional :: told
+      character(:), allocatable :: text, line
+      character(*), parameter :: word = 'warning: '
+      integer :: first, last, at
+      text = ''
+      first = 1
+      do while (first <= len(lines))
+         last = index(lines(first:), newline)
+         if (last == 0) last = len(lines) - first + 2
+         line = lines(first:first + last - 2)
+         first = first + last
+         at = index(line, word)
+         if (at == 0) cycle
+         line = newline//'  '//line(at:)
+         if (index(text//newline, line//newline) > 0) cycle
+         if (present(told)) then
+            if (index(told//newline, line//newline) > 0) cycle
+         end if
+         text = text//line
+      end do
+   end function warnings_of
 
    !> All runs of the grid.
    function grid_table(plan, runs) result(text)
@@ -254,10 +292,12 @@ contains
    end function error_cells
 
    !> The cheapest run that is as accurate as wanted, and what one more digit costs.
-   function advice(plan, runs) result(text)
+   function advice(plan, runs, told) result(text)
       type(plan_type), intent(in) :: plan
       type(run_type), intent(in) :: runs(:)
-      character(:), allocatable :: text
+      !> The report before it: warnings in it are not repeated
+      character(*), intent(in) :: told
+      character(:), allocatable :: text, warnings
       integer :: chosen, better
       chosen = cheapest(runs, plan%aim)
       text = ''
@@ -279,6 +319,13 @@ contains
          text = text//'one more digit costs '//as_text(median(runs(better)%cpu)/median(runs(chosen)%cpu), 2)//' times: '// &
             & trim(runs(better)%setting%integrator)//' at '//step_word(plan)//as_text(control(runs(better)%setting))// &
             & model_text(plan, runs(better)%setting)
+      end if
+      if (.not. allocated(runs(chosen)%warnings)) return
+      warnings = warnings_of(runs(chosen)%warnings, told)
+      if (warnings /= '') then
+         text = text//newline//'That run warns:'//warnings
+      else if (warnings_of(runs(chosen)%warnings) /= '') then
+         text = text//newline//'That run warns of the same as the reference, above'
       end if
    end function advice
 

@@ -7,7 +7,9 @@ module limber_accuracy_study_runs
    use limber_base_signals, only: signal_came, signal_name
    use limber_base_text, only: as_text, first_line, newline
    use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
-   use limber_scene_outcome, only: outcome_type
+   use limber_analysis_run_report, only: energy_warning
+   use limber_monitor_model_ranges, only: range_warnings
+   use limber_scene_outcome, only: outcome_type, all_warnings
    use limber_scene_first_scene, only: scene_type, build_scene
    use limber_accuracy_study_plan, only: plan_type, setting_type, variant, finest, levels, set_fine, all_integrators, &
       & axis_integrator, axis_tolerance, axis_modes, axis_elements, axis_fidelity
@@ -25,6 +27,8 @@ module limber_accuracy_study_runs
       type(setting_type) :: setting
       !> Why it failed; empty if it did not
       character(:), allocatable :: reason
+      !> What it warns of, a line for each; not allocated before it has run
+      character(:), allocatable :: warnings
       !> CPU seconds of the time loop of each repeat; wall seconds of building, assembly and time loop
       real(wp), allocatable :: cpu(:), whole(:)
       integer(long) :: steps = 0, rejected = 0, evaluations = 0
@@ -76,6 +80,8 @@ contains
       end if
       run%cpu = [run%cpu, outcome%cpu]
       run%whole = [run%whole, scene%building + scene%assembling + outcome%wall]
+      run%warnings = scene%warnings//all_warnings(outcome)//range_warnings(outcome%indicators, scene%system%model)// &
+         & energy_warning(outcome)
       run%steps = integrator%statistics%steps
       run%rejected = integrator%statistics%rejected
       run%evaluations = integrator%statistics%evaluations
@@ -171,6 +177,8 @@ contains
             end if
             reference = solution(best)
             reference%uncertainty = max(least, 10*epsilon(1.0_wp))
+            reference%warnings = runs(best)%warnings
+            reference%of_deck = .true.
             reference%source = trim(names(best))//' at '//as_text(tolerance, 2)//'; '//trim(names(sum(pair) - best))//' agrees'
             if (pair(1) == pair(2)) reference%source = trim(names(best))//' at '//as_text(tolerance, 2)// &
                & '; at ten times that it agrees (the others cost too much)'

@@ -13,7 +13,7 @@ module limber_analysis_own_motions
    public :: motions_type, start_motions, note_place, is_due, note_errors, motion_warning
 
    !> Own motion, in units of the scene, that is small; that is none, and the same in units of the tolerance
-   real(wp), parameter :: small = 0.05_wp, none = 1.0e-9_wp, nothing = 0.1_wp
+   real(wp), parameter :: small = 0.05_wp, none = 1.0e-9_wp, nothing = 0.3_wp
    !> The first steps are all looked at, then one of so many
    integer, parameter :: first = 16, every = 16
 

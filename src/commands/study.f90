@@ -80,8 +80,10 @@ contains
             & time_table(plan, reference, runs)
          call add_runs(plan, 0, runs, file, error)
          if (.not. allocated(error)) call file%put_text('/run/failures', failures(plan, runs), error)
+         if (.not. allocated(error) .and. allocated(reference%warnings)) call file%put_text('/run/warnings', reference%warnings, &
+            & error)
          if (.not. allocated(error) .and. .not. signal_came()) call study_families(plan, fine, file, report, error)
-         report = report//newline//newline//advice(plan, runs)//newline//'The table of the runs is in '//results
+         report = report//newline//newline//advice(plan, runs, report)//newline//'The table of the runs is in '//results
          if (signal_came() .and. .not. allocated(error)) call interrupt(error)
       end subroutine report_runs
 

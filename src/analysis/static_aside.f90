@@ -28,7 +28,7 @@ module limber_analysis_static_aside
       & least_sizes, largest_force, is_place
 
    !> Largest part of a channel that is not told, and above which it is only told as more than that
-   real(wp), parameter :: little = 0.04_wp, beyond = 0.5_wp
+   real(wp), parameter :: little = 0.02_wp, beyond = 0.5_wp
    !> Parts that are nothing: of the largest channel of the same unit; of the length of the scene, and of a radian; of the largest
    !> force, and of this times the length of the scene, of forces and moments
    real(wp), parameter :: of_unit = 0.03_wp, of_place = 1.0e-6_wp, of_force = 1.0e-3_wp

@@ -9,7 +9,7 @@ module limber_accuracy_advice
    implicit none
    private
    public :: advice_type, make_advice, apply_advice, expected_error, expected_stretch, cost_of, check_rung, vibrates, rest_beyond, &
-      & note_surprise, deck_of
+      & note_surprise, begin_bending, deck_of
 
    !> What is advised
    type :: advice_type
@@ -36,6 +36,8 @@ module limber_accuracy_advice
    !> Part of the target below which the expected error of a beam does not matter, and part below which all that its deflection does
    !> to the channels does not
    real(wp), parameter :: no_matter = 0.02_wp, no_effect = 0.2_wp
+   !> Largest tolerance that is advised
+   real(wp), parameter :: largest_tolerance = 1.0e-2_wp
 
 contains
 
@@ -216,17 +218,26 @@ contains
       if (low > 0.0_wp) part = max(least, min(most, high/max(low - high, 0.5_wp*high)))
    end function rest_beyond
 
+   !> Integrator and tolerance that a search takes once beams bend: RADAU, for higher rungs have vibrations that bind ADAMS, and no
+   !> less than the target, for a smaller tolerance costs little more once it is known to be needed.
+   pure subroutine begin_bending(advice)
+      type(advice_type), intent(inout) :: advice
+      if (.not. (advice%open_integrator .and. advice%open_tolerance .and. any(advice%rungs%step > 0))) return
+      advice%integrator = 'RADAU'
+      advice%tolerance = min(largest_tolerance, max(wanted_tolerance(advice), advice%target))
+   end subroutine begin_bending
+
    !> Tolerance whose error of the integration is its part of the target: eq. (7.85).
    pure real(wp) function wanted_tolerance(advice) result(tolerance)
       type(advice_type), intent(in) :: advice
-      !> The least to begin with where beams bend is a part of the target: what a probe expects of a stiff beam may be far too little
-      real(wp), parameter :: largest = 1.0e-2_wp, smallest = 1.0e-12_wp, part_least = 1.0e-4_wp
+      !> The least where beams bend is a part of the target: what a probe expects of a stiff beam may be far too little
+      real(wp), parameter :: smallest = 1.0e-12_wp, part_least = 1.0e-4_wp
       !> Error of the deflections by that of a step, relative to their scale; the same of rigid scenes
-      real(wp), parameter :: of_deflections = 3.0e-3_wp, of_motion = 10.0_wp, begin = 1.0_wp
+      real(wp), parameter :: of_deflections = 3.0e-3_wp, of_motion = 10.0_wp
       integer :: i
       if (advice%probe%blind) then
          ! A smaller one costs less once it is known to be needed
-         tolerance = largest
+         tolerance = largest_tolerance
          return
       end if
       tolerance = part_time*advice%target/of_motion
@@ -238,9 +249,8 @@ contains
                & *beam%deflection/(of_deflections*beam%effect))
          end associate
       end do
-      ! A smaller one costs little more once it is known to be needed
-      if (any(advice%rungs%step > 0)) tolerance = max(part_least*advice%target, begin*tolerance)
-      tolerance = max(smallest, min(largest, tolerance))
+      if (any(advice%rungs%step > 0)) tolerance = max(part_least*advice%target, tolerance)
+      tolerance = max(smallest, min(largest_tolerance, tolerance))
    end function wanted_tolerance
 
    !> A deck with the integrator that has turned out better.

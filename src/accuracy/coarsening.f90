@@ -19,8 +19,9 @@ module limber_accuracy_coarsening
    real(wp), parameter :: loosest = 1.0e-2_wp, looser(2) = [1.75_wp, 10.0_wp]
    !> Part of the work that a setting must save, and what a rung must be expected to save to be tried
    real(wp), parameter :: saved = 0.1_wp, worth = 0.05_wp
-   !> Part of the target that what is left may err by: a step that is meant to come near to the target needs some room
-   real(wp), parameter :: near = 0.95_wp
+   !> Part of the target that what is left may err by: a step that is meant to come near to the target needs some room, as does what
+   !> the finest run errs by beyond what is known of it
+   real(wp), parameter :: near = 0.9_wp
    !> Work of the whole search in units of what is left after which nothing more is tried, and tries that there are all the same
    real(wp), parameter :: most_effort = 13.0_wp
    integer, parameter :: least_tries = 3

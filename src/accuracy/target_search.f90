@@ -4,7 +4,7 @@ module limber_accuracy_target_search
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, status_interrupted
    use limber_base_text, only: as_text, newline
-   use limber_accuracy_advice, only: advice_type, make_advice, expected_error, expected_stretch, check_rung, deck_of
+   use limber_accuracy_advice, only: advice_type, make_advice, expected_error, expected_stretch, check_rung, begin_bending, deck_of
    use limber_accuracy_coarsening, only: descend
    use limber_accuracy_fixed_options, only: verify_fixed, find_fixed, unverified_words
    use limber_accuracy_run_pool, only: pool_type
@@ -13,7 +13,7 @@ module limber_accuracy_target_search
    use limber_accuracy_fidelity_levels, only: level_type, richer, can_climb, names_of
    use limber_accuracy_candidate, only: candidate_type, take_trial, take_samples, least_patience, least_verified
    use limber_accuracy_reference_run, only: reference_run_type, error_against
-   use limber_accuracy_verification, only: verify, bound_strain, does_for, falls_short, of_truth, ladder, widening, time_first
+   use limber_accuracy_verification, only: verify, bound_strain, does_for, falls_short, ladder, widening, time_first
    use limber_deck_content, only: deck_type
    implicit none
    private
@@ -186,7 +186,7 @@ contains
    end subroutine search
 
    !> The first run. Scenes with beams take RADAU, and try what AUTO takes: ADAMS at the tolerance of rigid bodies, which it needs, stays
-   !> if it costs much less, for higher rungs have vibrations that bind it.
+   !> if it costs much less.
    subroutine begin(deck, quiet, pool, candidate, reached, error)
       type(deck_type), intent(in) :: deck
       !> Whether the progress is not shown
@@ -205,7 +205,7 @@ contains
       logical :: both
       associate (advice => reached%advice)
          both = any(advice%rungs%step > 0) .and. advice%open_integrator .and. advice%open_tolerance
-         if (both) advice%integrator = 'RADAU'
+         call begin_bending(advice)
          call pool%run(deck_of(advice, deck), advice%rungs, advice%tolerance, 1.0_wp, huge(limit), .false., quiet, 'run', &
             & candidate, error)
          if (allocated(error) .or. .not. any(advice%rungs%step > 0) .or. .not. advice%open_tolerance) return
@@ -246,12 +246,13 @@ contains
       integer, parameter :: high = 7
       type(level_type) :: higher
       integer :: i
-      logical :: stalls
+      logical :: stalls, rigid
       climbed = .false.
       stalls = reached%before > 0.0_wp .and. reached%of_model > reached%before* &
          & merge(stalled_high, stalled, any(reached%advice%rungs%step >= high))
       reached%before = 0.0_wp
       associate (advice => reached%advice)
+         rigid = .not. any(advice%rungs%step > 0)
          if (stalls .and. does_for(truth, advice%rungs, advice%tolerance, target) .and. &
             & .not. any(truth%rungs%stretches .and. .not. advice%rungs%stretches)) then
             ! Beside a truth of a much smaller tolerance it may be the integration that is left
@@ -275,9 +276,6 @@ contains
             & (of_tightened*target/reached%of_time)**(0.75_wp/reached%shown%falling) < 1.5_wp*ladder))
          if (.not. climbed) reached%of_time_before = 0.0_wp
          if (.not. truth%known .and. climbed) return
-         ! Neither functions nor strain: the truth itself errs in time
-         if (stalls .and. .not. climbed .and. advice%open_tolerance .and. reached%of_time > 2*of_truth*target .and. &
-            & .not. any(truth%rungs%stretches .and. .not. advice%rungs%stretches)) call tighten(0.1_wp)
          if (stalls .and. climbed) return
          if (reached%of_model > 0.5_wp*target .or. .not. climbed) then
             do i = 1, size(advice%rungs)
@@ -290,6 +288,7 @@ contains
             end do
          end if
          if (climbed) reached%before = reached%of_model
+         if (rigid .and. .not. reached%tightened) call begin_bending(advice)
          if (.not. climbed .and. advice%open_tolerance .and. reached%of_time > 0.1_wp*target) call tighten(0.2_wp)
       end associate
 

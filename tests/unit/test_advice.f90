@@ -3,7 +3,7 @@
 program test_advice
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
-   use limber_accuracy_advice, only: advice_type, make_advice, expected_error, cost_of, rest_beyond
+   use limber_accuracy_advice, only: advice_type, make_advice, expected_error, cost_of, rest_beyond, begin_bending
    use limber_commands_advise, only: read_whole_deck
    use limber_accuracy_fixed_options, only: free_options
    use limber_accuracy_pilot_run, only: forecast_type
@@ -25,9 +25,40 @@ program test_advice
    call test_given()
    call test_rests()
    call test_choices()
+   call test_beginning()
    call finish()
 
 contains
+
+   !> A search begins with the tolerance that is expected to be needed, eq. (7.85), but with no less than the target: a smaller one is
+   !> found by runs. Deflections of w/L = 1e-6 that make all of a channel ask for 0.3*1e-3*1e-6/3e-3 = 1e-7, those of 0.1 for
+   !> 5*0.3*1e-3.
+   subroutine test_beginning()
+      type(advice_type) :: advice
+      advice%target = 1.0e-3_wp
+      allocate (advice%rungs(1), advice%probe%beams(1))
+      advice%tolerance = 3.0e-5_wp
+      advice%rungs%step = 0
+      advice%probe%beams(1)%effect = 1.0_wp
+      advice%probe%beams(1)%deflection = 1.0e-6_wp
+      call begin_bending(advice)
+      call check_close(advice%tolerance, 3.0e-5_wp, 1.0e-18_wp, 'a rigid beam: as it was')
+      call check(advice%integrator == '', 'and the integrator of AUTO')
+      advice%rungs%step = 1
+      call begin_bending(advice)
+      call check_close(advice%tolerance, 1.0e-3_wp, 1.0e-16_wp, 'a stiff beam that bends: the target')
+      call check(advice%integrator == 'RADAU', 'by RADAU')
+      advice%probe%beams(1)%deflection = 0.1_wp
+      call begin_bending(advice)
+      call check_close(advice%tolerance, 1.5e-3_wp, 1.0e-16_wp, 'a soft one: what is expected')
+      advice%target = 1.0e-1_wp
+      call begin_bending(advice)
+      call check_close(advice%tolerance, 1.0e-2_wp, 1.0e-16_wp, 'no more than 1e-2')
+      advice%open_tolerance = .false.
+      advice%tolerance = 1.0e-8_wp
+      call begin_bending(advice)
+      call check_close(advice%tolerance, 1.0e-8_wp, 1.0e-20_wp, 'what the deck gives stays')
+   end subroutine test_beginning
 
    !> Bending and stretch with the masses [1 c; c 1] and the stiffness 4 and 10^4: with the stretch held w = 2, and with it free
    !> (1 - c^2) w^4 - (4 + 10^4) w^2 + 4 10^4 = 0. A third coordinate, without mobility, changes nothing.

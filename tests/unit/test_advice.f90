@@ -30,9 +30,8 @@ program test_advice
 
 contains
 
-   !> A search begins with the tolerance that is expected to be needed, eq. (7.85), but with no less than the target: a smaller one is
-   !> found by runs. Deflections of w/L = 1e-6 that make all of a channel ask for 0.3*1e-3*1e-6/3e-3 = 1e-7, those of 0.1 for
-   !> 5*0.3*1e-3.
+   !> A search begins with the tolerance that is expected to be needed, eq. (7.85), but with no less than the target. Deflections of
+   !> w/L = 1e-6 that make all of a channel ask for 0.3*1e-3*1e-6/3e-3 = 1e-7, those of 0.1 for 5*0.3*1e-3.
    subroutine test_beginning()
       type(advice_type) :: advice
       advice%target = 1.0e-3_wp

@@ -13,9 +13,9 @@ module limber_integrator_adams
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance, constraint_limit
    use limber_integrator_error_scales, only: scales_type, new_scales, update_scales, energy_scale
    use limber_multibody_kinematics, only: place_frames
-   use limber_multibody_equations_of_motion, only: linearise, linearise_placed, accelerations, input_power
+   use limber_multibody_equations_of_motion, only: linearise, accelerations, input_power
    use limber_multibody_motion_laws, only: watched_loads
-   use limber_multibody_projection, only: project_position, project_velocity, list_unplaced, place_known
+   use limber_multibody_projection, only: project_state, list_unplaced, place_known
    use limber_multibody_layout, only: rates_of
    use limber_multibody_articulated_rigid, only: articulated_rigid_type, new_recursion, recursive_accelerations, recursive_settle
    use limber_multibody_system, only: system_type, workspace_type
@@ -196,6 +196,16 @@ contains
          self%v(self%kept(i)) = y(self%nq + i)
       end do
    end subroutine spread_kept
+
+   !> Takes them out of all, into p.
+   subroutine gather_kept(self)
+      class(adams_type), intent(inout) :: self
+      integer :: i
+      do i = 1, self%nq
+         self%p(i) = self%q(self%kept(i))
+         self%p(self%nq + i) = self%v(self%kept(i))
+      end do
+   end subroutine gather_kept
 
    !> The scales of what is integrated.
    subroutine keep_scales(self, system)
@@ -404,7 +414,10 @@ contains
       !> False if the constraints cannot be met
       logical, intent(out) :: accepted
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: before, residual
+      !> Part of the tolerance that a residual of the positions may be: far below the error of the step. They do not add up, for
+      !> each state is projected anew.
+      real(wp), parameter :: part = 1.0e-6_wp
+      real(wp) :: aim, limit, residual
       integer :: nq
       nq = self%nq
       if (self%laws_bend) then
@@ -414,54 +427,27 @@ contains
       end if
       self%p = self%p + self%h*self%g(self%k + 1)*(self%yp - self%phi(:, 1))
       if (self%h < short*self%duration) call add_lost(nq, self%h, self%y, self%p, self%lost)
+      accepted = .true.
       if (self%tree%usable) then
-         accepted = .true.
          call recursive_settle(self%tree, self%p(:nq), self%p(nq + 1:2*nq))
-         self%y = self%p
-         call differentiate(self, system, work, self%y, self%yp)
-         return
+      else
+         aim = max(constraint_tolerance, part*self%tolerance)
+         limit = max(constraint_limit, aim)
+         if (self%whole) then
+            call project_state(system, work, t, self%p(:nq), self%p(nq + 1:2*nq), self%change, aim, limit, residual, error)
+         else
+            ! What follows from the time is there since the prediction
+            call spread_kept(self, self%p)
+            call project_state(system, work, t, self%q, self%v, self%change, aim, limit, residual, error)
+            call gather_kept(self)
+         end if
+         accepted = residual <= limit
+         if (allocated(error) .or. .not. accepted) return
+         self%statistics%position_residual = max(self%statistics%position_residual, residual)
       end if
-      if (.not. self%whole) then
-         call correct_kept(self, system, work, t, accepted, error)
-         return
-      end if
-      call project_position(system, work, t, self%p(:nq), self%change, constraint_tolerance, before, residual)
-      accepted = residual <= constraint_limit
-      if (.not. accepted) return
-      self%statistics%position_residual = max(self%statistics%position_residual, residual)
-      call linearise_placed(system, work, t, self%p(:nq), error)
-      if (allocated(error)) return
-      call project_velocity(system, work, self%p(nq + 1:2*nq), self%change)
       self%y = self%p
       call differentiate(self, system, work, self%y, self%yp)
    end subroutine correct
-
-   !> The same where not all coordinates are integrated.
-   subroutine correct_kept(self, system, work, t, accepted, error)
-      class(adams_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t
-      logical, intent(out) :: accepted
-      type(error_type), allocatable, intent(out) :: error
-      real(wp) :: before, residual
-      integer :: i
-      ! What follows from the time is there since the prediction
-      call spread_kept(self, self%p)
-      call project_position(system, work, t, self%q, self%change, constraint_tolerance, before, residual)
-      accepted = residual <= constraint_limit
-      if (.not. accepted) return
-      self%statistics%position_residual = max(self%statistics%position_residual, residual)
-      call linearise_placed(system, work, t, self%q, error)
-      if (allocated(error)) return
-      call project_velocity(system, work, self%v, self%change)
-      do i = 1, self%nq
-         self%p(i) = self%q(self%kept(i))
-         self%p(self%nq + i) = self%v(self%kept(i))
-      end do
-      self%y = self%p
-      call differentiate(self, system, work, self%y, self%yp)
-   end subroutine correct_kept
 
    !> Order and step of the next step (block 4).
    subroutine next_order_and_step(self, estimate, k_next)

@@ -118,24 +118,36 @@ contains
          phi(a:b, k + 2) = phi(a:b, k + 1)
          phi(a:b, k + 1) = 0.0_wp
          p(a:b) = 0.0_wp
-         do i = k, 1, -1
-            call extrapolate(b - a + 1, g(i), phi(a:b, i + 1), phi(a:b, i), p(a:b))
+         do i = k, 2, -2
+            call extrapolate(b - a + 1, g(i - 1:i), phi(a:b, i + 1), phi(a:b, i), phi(a:b, i - 1), p(a:b))
          end do
+         if (modulo(k, 2) == 1) call add_lowest(b - a + 1, g(1), phi(a:b, 2), phi(a:b, 1), p(a:b))
          p(a:b) = y(a:b) + h*p(a:b)
       end do
    end subroutine predict
 
-   !> Adds a difference to the prediction, and to itself the one behind it.
-   pure subroutine extrapolate(n, factor, next, difference, p)
+   !> Adds two differences to the prediction, and to each the one behind it.
+   pure subroutine extrapolate(n, factor, behind, upper, lower, p)
       integer, intent(in) :: n
-      real(wp), intent(in) :: factor, next(n)
-      real(wp), intent(inout) :: difference(n), p(n)
+      !> Of the lower, of the upper
+      real(wp), intent(in) :: factor(2), behind(n)
+      real(wp), intent(inout) :: upper(n), lower(n), p(n)
       integer :: c
       do c = 1, n
-         p(c) = p(c) + factor*difference(c)
-         difference(c) = difference(c) + next(c)
+         p(c) = (p(c) + factor(2)*upper(c)) + factor(1)*lower(c)
+         upper(c) = upper(c) + behind(c)
+         lower(c) = lower(c) + upper(c)
       end do
    end subroutine extrapolate
+
+   !> The same with the lowest alone, where their number is odd.
+   pure subroutine add_lowest(n, factor, behind, lowest, p)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: factor, behind(n)
+      real(wp), intent(inout) :: lowest(n), p(n)
+      p = p + factor*lowest
+      lowest = lowest + behind
+   end subroutine add_lowest
 
    !> Takes a prediction back (block 3).
    pure subroutine restore_differences(k, h, beta, psi, phi)
@@ -166,18 +178,23 @@ contains
          b = min(ny, a + block - 1)
          phi(a:b, k + 1) = yp(a:b) - phi(a:b, 1)
          phi(a:b, k + 2) = phi(a:b, k + 1) - phi(a:b, k + 2)
-         do i = 1, k
-            call add_change(b - a + 1, phi(a:b, k + 1), phi(a:b, i))
+         do i = 1, k - 1, 2
+            call add_change(b - a + 1, phi(a:b, k + 1), phi(a:b, i), phi(a:b, i + 1))
          end do
+         if (modulo(k, 2) == 1) phi(a:b, k) = phi(a:b, k) + phi(a:b, k + 1)
       end do
    end subroutine finish_differences
 
-   !> Adds the change of the derivative to a difference.
-   pure subroutine add_change(n, change, difference)
+   !> Adds the change of the derivative to two differences.
+   pure subroutine add_change(n, change, lower, upper)
       integer, intent(in) :: n
       real(wp), intent(in) :: change(n)
-      real(wp), intent(inout) :: difference(n)
-      difference = difference + change
+      real(wp), intent(inout) :: lower(n), upper(n)
+      integer :: c
+      do c = 1, n
+         lower(c) = lower(c) + change(c)
+         upper(c) = upper(c) + change(c)
+      end do
    end subroutine add_change
 
 end module limber_integrator_divided_differences

@@ -40,7 +40,7 @@ module limber_multibody_beam_axis
       real(wp), allocatable :: hx(:, :), hy(:, :), ax(:, :), ay(:, :), field(:, :), force(:, :), pull(:, :)
    contains
       procedure :: place, place_axis, move, place_stations, move_stations, mass_matrix, eta_mass, forces, kinetic, moment, momenta
-      procedure :: spread_points, add_curvature, add_bend, drift_of, accelerations, exchange => exchange_centreline
+      procedure :: is_at, spread_points, add_curvature, add_bend, drift_of, accelerations, exchange => exchange_centreline
    end type centreline_type
 
 contains
@@ -104,9 +104,7 @@ contains
       !> (n)
       real(wp), contiguous, intent(in) :: eta(:)
       integer :: before
-      if (self%placed) then
-         if (.not. any(abs(eta - self%at) > 0.0_wp)) return
-      end if
+      if (self%is_at(eta)) return
       self%at = eta
       self%placed = all(abs(eta) <= huge(eta))
       do before = 0, self%stations - panel_stations, panel_stations
@@ -116,6 +114,15 @@ contains
       self%spread = .false.
       self%swept = .false.
    end subroutine place_stations
+
+   !> Whether the stations are placed at coordinates.
+   pure logical function is_at(self, eta)
+      class(centreline_type), intent(in) :: self
+      !> (n)
+      real(wp), contiguous, intent(in) :: eta(:)
+      is_at = self%placed
+      if (is_at) is_at = .not. any(abs(eta - self%at) > 0.0_wp)
+   end function is_at
 
    !> The stations of a panel: g and its derivatives.
    pure subroutine place_panel(before, stations, angles, strains, n, lean, angle, stretch, eta, g, gx, gy)

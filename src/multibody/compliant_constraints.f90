@@ -36,6 +36,7 @@ contains
          tree%axes = 0
          tree%axis_rows = 0
          tree%given = .false.
+         tree%timed = [integer ::]
          tree%first = 0
          tree%next = 0
          tree%body = 0
@@ -54,6 +55,7 @@ contains
          do i = 1, system%nc
             tree%row(i) = tree%free + i
          end do
+         tree%equations = [(i, i=1, system%nc)]
          tree%unknowns = tree%free + system%nc
       end associate
       mass = 0.0_wp

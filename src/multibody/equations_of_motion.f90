@@ -448,7 +448,7 @@ contains
    end function body_loss
 
    !> Kinetic energy, and potential energy: of beams, weight and springs. In the model k_g the energy of a beam is that of K_E.
-   !> With loads, the kinematics are left placed at q.
+   !> Axes of exact beams that are placed at q are left moved with v; with loads, all kinematics are left placed at q.
    subroutine mechanical_energy(system, work, q, v, kinetic, potential)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -471,12 +471,14 @@ contains
             u = q(first + 2:first + 3)
             omega = dot_product(turn(u), v(first + 2:first + 3))
             if (reduced%is_exact) then
-               associate (line => work%bodies(i)%line)
-                  call place_axis(work%kinematics%lines(findloc(work%kinematics%beams, i, dim=1)), q(first + 4:last), line)
-                  call line%move(v(first + 4:last))
-                  kinetic = kinetic + line%kinetic(along(v(first:first + 1), [u(1), -u(2)]), omega, v(first + 4:last))
-                  potential = potential - dot_product(system%model%gravity, reduced%mass*q(first:first + 1) &
-                     & + along(line%moment(), u))
+               potential = potential - reduced%mass*dot_product(system%model%gravity, q(first:first + 1))
+               associate (placed => work%kinematics%lines(findloc(work%kinematics%beams, i, dim=1)))
+                  if (placed%is_at(q(first + 4:last))) then
+                     call add_axis_energy(placed, system%model%gravity, u, omega, q(first:last), v(first:last), kinetic, potential)
+                  else
+                     call add_axis_energy(work%bodies(i)%line, system%model%gravity, u, omega, q(first:last), v(first:last), &
+                        & kinetic, potential)
+                  end if
                end associate
             else
                kinetic = kinetic + kinetic_energy(reduced, u, q(first + 4:last), v(first:first + 1), omega, v(first + 4:last))
@@ -493,24 +495,18 @@ contains
       end do
    end subroutine mechanical_energy
 
-   !> Places the axis of an exact beam: as the kinematics have it, if they are there.
-   pure subroutine place_axis(placed, eta, line)
-      type(centreline_type), intent(in) :: placed
-      !> Coordinates (n)
-      real(wp), contiguous, intent(in) :: eta(:)
+   !> Adds the kinetic energy of an exact beam, and that of its weight from the origin of its frame on.
+   pure subroutine add_axis_energy(line, gravity, u, omega, q, v, kinetic, potential)
+      !> Left at the state
       type(centreline_type), intent(inout) :: line
-      if (.not. (placed%placed .and. placed%spread) .or. any(abs(eta - placed%at) > 0.0_wp)) then
-         call line%place_axis(eta)
-         return
-      end if
-      line%at(:) = placed%at
-      line%g(:, :) = placed%g
-      line%gx(:, :) = placed%gx
-      line%gy(:, :) = placed%gy
-      line%p(:, :) = placed%p
-      line%placed = .true.
-      line%spread = .false.
-      line%swept = .false.
-   end subroutine place_axis
+      !> Acceleration of gravity (2), unit vector of the frame (2), its angular velocity, coordinates and velocities of the body
+      real(wp), intent(in) :: gravity(2), u(2), omega
+      real(wp), contiguous, intent(in) :: q(:), v(:)
+      real(wp), intent(inout) :: kinetic, potential
+      call line%place_axis(q(5:))
+      call line%move(v(5:))
+      kinetic = kinetic + line%kinetic(along(v(1:2), [u(1), -u(2)]), omega, v(5:))
+      potential = potential - dot_product(gravity, along(line%moment(), u))
+   end subroutine add_axis_energy
 
 end module limber_multibody_equations_of_motion

@@ -6,7 +6,7 @@ module limber_multibody_multiplier_solution
    use limber_model_model, only: ground
    use limber_multibody_unit_mass_coordinates, only: to_unit_mass, from_unit_mass
    use limber_multibody_multiplier_system, only: side_at
-   use limber_multibody_system, only: system_type, workspace_type
+   use limber_multibody_system, only: system_type, workspace_type, body_workspace_type
    implicit none
    private
    public :: solve_multiplier_system, solve_gaps, recover_multipliers
@@ -119,23 +119,19 @@ contains
       real(wp), contiguous, intent(out) :: a(:)
       integer :: i
       do i = 1, size(work%bodies)
-         work%bodies(i)%bias = 0.0_wp
+         work%bodies(i)%force = 0.0_wp
          work%bodies(i)%eta_force = 0.0_wp
+         work%bodies(i)%bias = 0.0_wp
       end do
       if (system%tree%holds) then
-         do i = 1, size(work%bodies)
-            work%bodies(i)%force = 0.0_wp
-         end do
          call set_bias(system, work, gaps)
          call set_right_side(system, work, gaps, .true.)
-         call work%matrix%solve(work%solution)
-         call expand(system, work, a)
-         return
+      else
+         work%solution(:system%tree%free) = 0.0_wp
+         do i = 1, size(system%tree%equations)
+            work%solution(system%tree%free + i) = gaps(system%tree%equations(i))
+         end do
       end if
-      work%solution(:system%tree%free) = 0.0_wp
-      do i = 1, size(gaps)
-         if (system%tree%row(i) > 0) work%solution(system%tree%row(i)) = gaps(i)
-      end do
       call work%matrix%solve(work%solution)
       call expand(system, work, a)
    end subroutine solve_gaps
@@ -145,30 +141,52 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       real(wp), contiguous, intent(out) :: a(:)
+      integer :: i, first, last
+      associate (layout => system%layout, tree => system%tree)
+         call expand_frames(size(work%bodies), layout%q, layout%rates, tree%plain, tree%count, size(tree%columns, 1), &
+            & tree%columns, work%solution, work%bodies, a)
+         do i = 1, size(work%bodies)
+            if (layout%n(i) == 0) cycle
+            first = layout%q(i) + 4
+            last = first + layout%n(i) - 1
+            associate (body => work%bodies(i))
+               call expand_eta(layout%n(i), size(body%rows), body%coupling, body%eta_rows, body%eta_force, body%rows, &
+                  & work%solution, body%acceleration, a(first:last))
+               if (allocated(body%factor)) call from_unit_mass(body%factor, a(first:last))
+            end associate
+         end do
+      end associate
+   end subroutine expand
+
+   !> The part of the frames.
+   pure subroutine expand_frames(n, places, rates, plain, counts, most, columns, solution, bodies, a)
+      !> Number of bodies, first index and number of rates of each, whether these are unknowns
+      integer, intent(in) :: n, places(n), rates(n)
+      logical, intent(in) :: plain(n)
+      !> Number of unknowns on which each depends, and their indices
+      integer, intent(in) :: counts(n), most, columns(most, n)
+      real(wp), contiguous, intent(in) :: solution(:)
+      type(body_workspace_type), intent(inout) :: bodies(n)
+      real(wp), contiguous, intent(inout) :: a(:)
       integer :: i, j, first
-      do i = 1, size(work%bodies)
-         first = system%layout%q(i)
-         associate (body => work%bodies(i))
-            if (system%tree%plain(i)) then
-               do j = 1, system%layout%rates(i)
-                  body%acceleration(j) = work%solution(system%tree%columns(j, i))
+      do i = 1, n
+         associate (body => bodies(i))
+            if (plain(i)) then
+               do j = 1, rates(i)
+                  body%acceleration(j) = solution(columns(j, i))
                end do
             else
-               call hang_frame(system%layout%rates(i), system%tree%count(i), system%tree%columns(:, i), body%hanging, body%bias, &
-                  & work%solution, body%acceleration)
+               call hang_frame(rates(i), counts(i), columns(:, i), body%hanging, body%bias, solution, body%acceleration)
             end if
+            first = places(i)
             a(first) = body%acceleration(1)
             a(first + 1) = body%acceleration(2)
-            if (.not. system%layout%framed(i)) cycle
+            if (rates(i) == 2) cycle
             a(first + 2) = body%acceleration(3)
             a(first + 3) = 0.0_wp
-            if (system%layout%n(i) == 0) cycle
-            call expand_eta(system%layout%n(i), size(body%rows), body%coupling, body%eta_rows, body%eta_force, body%rows, &
-               & work%solution, body%acceleration, a(first + 4:first + 3 + system%layout%n(i)))
-            if (allocated(body%factor)) call from_unit_mass(body%factor, a(first + 4:first + 3 + system%layout%n(i)))
          end associate
       end do
-   end subroutine expand
+   end subroutine expand_frames
 
    !> What the joints and drivers of the tree give their frames beside the unknowns, eq. (4.6).
    subroutine set_bias(system, work, gamma)
@@ -243,8 +261,8 @@ contains
       integer :: i, j, k, rates, column
       associate (tree => system%tree, solution => work%solution)
          solution(:tree%free) = 0.0_wp
-         do k = 1, size(gamma)
-            if (tree%row(k) > 0) solution(tree%row(k)) = gamma(k)
+         do k = 1, size(tree%equations)
+            solution(tree%free + k) = gamma(tree%equations(k))
          end do
          do i = 1, size(work%bodies)
             rates = system%layout%rates(i)
@@ -322,8 +340,8 @@ contains
       integer :: i, j, k, row
       real(wp) :: left(3), sign
       associate (tree => system%tree)
-         do k = 1, size(work%lambda)
-            if (tree%row(k) > 0) work%lambda(k) = work%solution(tree%row(k))
+         do k = 1, size(tree%equations)
+            work%lambda(tree%equations(k)) = work%solution(tree%free + k)
          end do
          do k = size(tree%order), 1, -1
             i = tree%order(k)

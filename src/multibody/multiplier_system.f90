@@ -12,6 +12,7 @@ module limber_multibody_multiplier_system
    use limber_base_kinds, only: wp
    use limber_model_model, only: ground
    use limber_multibody_body, only: body_mass, rigid_mass
+   use limber_multibody_constraint, only: jacobian_type
    use limber_multibody_unit_mass_coordinates, only: to_unit_mass
    use limber_multibody_known_bodies, only: split_motion
    use limber_multibody_system, only: system_type, workspace_type
@@ -93,7 +94,7 @@ contains
       real(wp), contiguous, intent(in) :: q(:)
       !> True if a pivot is zero
       logical, intent(out) :: singular
-      integer :: i, j, row
+      integer :: i, j
       call update_masses(system, work, q)
       if (system%exact) call update_beam_masses(work)
       do i = 1, size(work%kinematics%beams)
@@ -107,11 +108,7 @@ contains
       work%matrix%values = 0.0_wp
       do i = 1, size(work%bodies)
          associate (body => work%bodies(i), n => system%layout%n(i), rows => size(work%bodies(i)%rows))
-            do row = 1, rows
-               associate (z => work%jacobians(body%sources(2, row), body%sources(1, row))%z, k => body%sources(3, row))
-                  call take_row(size(z, 1), k, z, body%frame_rows(:, row))
-               end associate
-            end do
+            call take_rows(rows, size(system%constraints), body%sources, work%jacobians, body%frame_rows)
             if (n > 0) call condense_body(n, rows, body%coupling, body%eta_rows, body%rows_place, body%mass, body%frame_rows, &
                & work%matrix%values)
             if (system%tree%plain(i)) then
@@ -127,15 +124,22 @@ contains
       call work%matrix%factor(singular)
    end subroutine factor_multiplier_system
 
-   !> One row of a Jacobian on a frame.
-   pure subroutine take_row(rows, which, z, row)
-      integer, intent(in) :: rows, which
-      real(wp), intent(in) :: z(rows, 3)
-      real(wp), intent(inout) :: row(3)
-      row(1) = z(which, 1)
-      row(2) = z(which, 2)
-      row(3) = z(which, 3)
-   end subroutine take_row
+   !> Rows of the Jacobians on a frame.
+   pure subroutine take_rows(rows, constraints, sources, jacobians, frame_rows)
+      integer, intent(in) :: rows, constraints
+      !> Where each comes from: constraint, side, row in it
+      integer, intent(in) :: sources(3, rows)
+      type(jacobian_type), intent(in) :: jacobians(2, constraints)
+      real(wp), intent(inout) :: frame_rows(3, rows)
+      integer :: row, k
+      do row = 1, rows
+         associate (z => jacobians(sources(2, row), sources(1, row))%z)
+            do k = 1, 3
+               frame_rows(k, row) = z(sources(3, row), k)
+            end do
+         end associate
+      end do
+   end subroutine take_rows
 
    !> Lets redundant constraints give way, eq. (4.33).
    subroutine give_slack(system, work)

@@ -9,8 +9,8 @@ module limber_multibody_projection
    use limber_multibody_assembly_newton, only: close_positions
    use limber_multibody_drivers, only: driven_angle_type
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix
-   use limber_multibody_equations_of_motion, only: linearise, position_residual, open_residual, velocity_residual, &
-      & velocity_gaps
+   use limber_multibody_equations_of_motion, only: linearise, linearise_placed, position_residual, open_residual, &
+      & velocity_residual, velocity_gaps
    use limber_multibody_kinematics, only: place_drives, place_frames
    use limber_multibody_point_motion, only: point_position, point_velocity
    use limber_multibody_multiplier_system, only: update_jacobians
@@ -25,10 +25,33 @@ module limber_multibody_projection
    !> Most rounds of Newton's method
    integer, parameter :: most_rounds = 6
 
-   public :: project_position, project_velocity, settle, settle_position, settle_place, normalise_frames, list_unplaced, &
-      & place_known
+   public :: project_state, project_position, project_velocity, settle, settle_position, settle_place, normalise_frames, &
+      & list_unplaced, place_known
 
 contains
+
+   !> Moves a state that is near the one whose factors are at hand onto the constraints, positions first, and leaves the system
+   !> linearised there.
+   subroutine project_state(system, work, t, q, v, change, aim, limit, residual, error)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      !> Coordinates and velocities (nq)
+      real(wp), contiguous, intent(inout) :: q(:), v(:)
+      !> Scratch (nq)
+      real(wp), contiguous, intent(inout) :: change(:)
+      !> Residual of the positions, relative to the constraints' scales, that is aimed at, and the one beyond which all else is
+      !> left as it is; residual reached
+      real(wp), intent(in) :: aim, limit
+      real(wp), intent(out) :: residual
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: before
+      call project_position(system, work, t, q, change, aim, before, residual)
+      ! One that is no number is beyond it, too
+      if (.not. residual <= limit) return
+      call linearise_placed(system, work, t, q, error)
+      if (.not. allocated(error)) call project_velocity(system, work, v, change)
+   end subroutine project_state
 
    !> Moves q onto the constraints, least in the mass norm, by Newton steps with the factors at hand; the frames'
    !> vectors are brought to unit length. Leaves the kinematics placed at the new q.
@@ -187,6 +210,7 @@ contains
    end subroutine list_unplaced
 
    !> Coordinates and velocities that follow from the time alone: of frames that are driven, and origins of those that hang on them.
+   !> What hangs on the ground is there from the start.
    subroutine place_known(system, work, t, q, v)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
@@ -196,8 +220,8 @@ contains
       integer :: i, j, k, first
       call place_drives(system%model, t, work%kinematics)
       associate (tree => system%tree)
-         do k = 1, size(tree%order)
-            i = tree%order(k)
+         do k = 1, size(tree%timed)
+            i = tree%timed(k)
             first = system%layout%q(i)
             if (tree%given(1, i)) then
                if (tree%joint(i) > 0) then

@@ -38,6 +38,9 @@ module limber_multibody_topology
       integer, allocatable :: axes(:, :), axis_rows(:, :)
       !> Whether the origin of a frame, and its angle, are known in time and found at once: 1 and 2 (2, bodies)
       logical, allocatable :: given(:, :)
+      !> Bodies of which something is known so and changes, each behind the one that carries it: not those that only hang on the
+      !> ground
+      integer, allocatable :: timed(:)
       !> True if the frame's own rates are unknowns, all of them
       logical, allocatable :: plain(:)
       !> Number of unknowns on which the frame's accelerations depend, and their indices (most, bodies)
@@ -53,6 +56,8 @@ module limber_multibody_topology
       integer :: free = 0
       !> Place of each constraint equation among the unknowns; 0: solved in closed form (nc)
       integer, allocatable :: row(:)
+      !> Constraint equations that have one, in the order of the unknowns, behind the accelerations
+      integer, allocatable :: equations(:)
       !> Number of all unknowns
       integer :: unknowns = 0
    end type topology_type
@@ -436,6 +441,8 @@ contains
    subroutine find_given(constraints, tree)
       type(constraint_item_type), intent(in) :: constraints(:)
       type(topology_type), intent(inout) :: tree
+      !> Whether they change, in the order of the tree (bodies)
+      logical :: changes(size(tree%order))
       integer :: i, j, k
       do k = 1, size(tree%order)
          i = tree%order(k)
@@ -451,7 +458,9 @@ contains
                tree%given(2, i) = item%rows > 0
             end select
          end do
+         changes(k) = tree%given(2, i) .or. (tree%given(1, i) .and. (tree%joint(i) == 0 .or. tree%carrier(i) /= ground))
       end do
+      tree%timed = pack(tree%order, changes)
    end subroutine find_given
 
    !> What each constraint places, holds or drives, and what each body bears of it.
@@ -530,7 +539,7 @@ contains
    subroutine number_rows(constraints, tree)
       type(constraint_item_type), intent(in) :: constraints(:)
       type(topology_type), intent(inout) :: tree
-      integer :: i, row
+      integer :: i, row, list(size(tree%row))
       tree%unknowns = tree%free
       tree%row = 0
       do i = 1, size(constraints)
@@ -538,8 +547,10 @@ contains
          do row = constraints(i)%item%first, constraints(i)%item%first + constraints(i)%item%rows - 1
             tree%unknowns = tree%unknowns + 1
             tree%row(row) = tree%unknowns
+            list(tree%unknowns - tree%free) = row
          end do
       end do
+      tree%equations = list(:tree%unknowns - tree%free)
    end subroutine number_rows
 
 end module limber_multibody_topology

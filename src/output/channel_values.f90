@@ -251,7 +251,8 @@ contains
       type(system_type), intent(in) :: system
       type(workspace_type), intent(in) :: work
       real(wp), intent(in) :: t
-      real(wp), contiguous, intent(in) :: q(:), v(:), a(:)
+      !> Not by their bounds, which each call would have to hand on
+      real(wp), intent(in) :: q(system%layout%nq), v(system%layout%nq), a(system%layout%nq)
       real(wp) :: vector(2), force(3)
       if (quantity%kind == 0) then
          value = t

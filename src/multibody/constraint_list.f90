@@ -6,16 +6,16 @@ module limber_multibody_constraint_list
       & joint_translational, joint_weld, joint_rod, joint_curve, joint_sliding, joint_gear, joint_rack, joint_belt, joint_coupler, &
       & coordinate_joint_angle, coordinate_displacement, driver_angle, driver_joint_angle, driver_distance, &
       & driver_displacement, driver_x, driver_y
-   use limber_multibody_constraint, only: constraint_type
+   use limber_multibody_constraint, only: constraint_type, constraint_item_type
    use limber_multibody_couplers, only: add_coupler
    use limber_multibody_drivers, only: driven_angle_type, driven_origin_type
-   use limber_multibody_sliding_along_beam, only: exact_path_type, set_axis
+   use limber_multibody_sliding_along_beam, only: exact_path_type
    use limber_multibody_point_joints, only: revolute_type, point_on_line_type
    use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_joint_functions, only: joint_function_type, measure_along, measure_angle
    use limber_multibody_path_constraints, only: curve_joint_type, sliding_type, set_line
-   use limber_multibody_marker_registry, only: registry_type, marker_of, frame_marker, frame_direction, angle_of, bend_of, &
-      & guessed_angle, guessed_position
+   use limber_multibody_sliding_paths, only: find_axes, new_path, guessed_coordinate, slides_exactly
+   use limber_multibody_marker_registry, only: registry_type, marker_of, angle_of, bend_of, guessed_angle, guessed_position
    use limber_multibody_function_sums, only: add_coordinate, add_section_angle, add_displacement, add_parallel, &
       & add_component, add_distance, &
       & add_measure, vector, take_measures, find_bodies, guessed_distance, guessed_place
@@ -34,7 +34,7 @@ contains
       integer, intent(in) :: index
       class(constraint_type), allocatable, intent(out) :: item
       !> Receives the parts behind the first of a coupler of more than two bodies
-      type(linear_type), allocatable, intent(inout) :: parts(:)
+      type(constraint_item_type), allocatable, intent(inout) :: parts(:)
       type(joint_type) :: joint
       joint = system%model%joints(index)
       select case (joint%kind)
@@ -153,35 +153,44 @@ contains
       allocate (item, source=path)
    end subroutine add_curve
 
-   !> A point on the line of a deforming beam; the second point only names the beam.
+   !> A point on the line of a deforming beam; the second point names the beam, and where coordinates along it are counted from.
    subroutine add_sliding(system, joint, item)
       class(registry_type), intent(inout) :: system
       type(joint_type), intent(in) :: joint
       class(constraint_type), allocatable, intent(out) :: item
       type(sliding_type) :: path
-      type(exact_path_type) :: exact
       type(linear_type) :: axes
-      integer :: markers(2), side, direction, body
-      body = system%model%points(joint%points(2))%body
-      markers = [marker_of(system, joint%points(1)), 0]
-      markers(2) = frame_marker(system, body)
-      do side = 1, 2
-         direction = frame_direction(system, body, (side - 1)*right_angle)
-         call add_measure(axes, joint_function_type(kind=measure_along, &
-            & vectors=[vector(axes, markers(1)), vector(axes, markers(2)), vector(axes, direction)]), 1.0_wp, 1)
-      end do
-      if (system%model%bodies(body)%reduced%is_exact) then
-         call take_measures(axes, exact)
-         exact%bend = bend_of(system, body)
-         call set_axis(exact, system%model%bodies(body)%reduced%exact)
-         allocate (item, source=exact)
+      integer :: body
+      if (slides_exactly(system, joint)) then
+         allocate (item, source=new_path(system, joint))
          return
       end if
+      body = system%model%points(joint%points(2))%body
+      call find_axes(system, joint, axes)
       call take_measures(axes, path)
+      path%start = system%model%points(joint%points(2))%along
       if (system%layout%n(body) > 0) path%bend = bend_of(system, body)
       call set_line(path, system%model%bodies(body)%field, system%model%bodies(body)%choice%origin)
       allocate (item, source=path)
    end subroutine add_sliding
+
+   !> Drives the coordinate of a point along an exact beam.
+   subroutine add_drive_along(system, index, item)
+      class(registry_type), intent(inout) :: system
+      !> Of the driver in the model
+      integer, intent(in) :: index
+      class(constraint_type), allocatable, intent(out) :: item
+      type(exact_path_type) :: path
+      associate (driver => system%model%drivers(index))
+         path = new_path(system, system%model%joints(driver%joint))
+         path%of_coordinate = .true.
+         path%offset = path%start
+         path%drive = index
+         path%scale = system%model%length
+         if (.not. driver%has_initial) driver%initial(1) = guessed_coordinate(system, system%model%joints(driver%joint), path)
+      end associate
+      allocate (item, source=path)
+   end subroutine add_drive_along
 
    !> The constraint of a driver of the model.
    subroutine new_driver(system, index, item)
@@ -212,6 +221,8 @@ contains
          origin%points = [driver%points(1), 0]
          origin%scale = system%model%length
          allocate (item, source=origin)
+      else if (drives_along_beam(system, driver)) then
+         call add_drive_along(system, index, item)
       else
          along%rows = 1
          along%drive = index
@@ -248,6 +259,14 @@ contains
          drives = .not. (any(abs(point%p0) > 0.0_wp) .or. any(abs(point%phi) > 0.0_wp))
       end associate
    end function drives_origin
+
+   !> Whether a driver moves a point along an exact beam.
+   pure logical function drives_along_beam(system, driver) result(drives)
+      class(registry_type), intent(in) :: system
+      type(driver_type), intent(in) :: driver
+      drives = driver%kind == driver_displacement
+      if (drives) drives = slides_exactly(system, system%model%joints(driver%joint))
+   end function drives_along_beam
 
    !> Points where a driver acts on its bodies.
    subroutine find_points(system, driver, item)

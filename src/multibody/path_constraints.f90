@@ -6,6 +6,7 @@ module limber_multibody_path_constraints
    use limber_base_spline, only: spline_type, new_spline, spline_segment, spline_clamped, spline_natural
    use limber_beam_beam_mesh, only: displacement_field_type
    use limber_model_curve, only: curve_type
+   use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_function_constraints, only: function_constraint_type, variables_type, most_vectors
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_joint_functions, only: measure_value
@@ -22,7 +23,7 @@ module limber_multibody_path_constraints
    end type curve_joint_type
 
    !> A point slides along a beam: zeta = w(s, eta) at the s with xi = s - origin + u(s, eta)
-   type, extends(function_constraint_type) :: sliding_type
+   type, extends(beam_path_type) :: sliding_type
       !> Coordinate along the beam of the frame's origin
       real(wp) :: origin = 0.0_wp
       !> Nodes of the beam (n), shapes of its coordinates there, across (n, bending) and along (n, axial), and their second
@@ -30,6 +31,7 @@ module limber_multibody_path_constraints
       real(wp), allocatable :: s(:), w(:, :), w_bent(:, :), u(:, :), u_bent(:, :)
    contains
       procedure :: evaluate => sliding_evaluate
+      procedure :: coordinate => sliding_coordinate
    end type sliding_type
 
 contains
@@ -144,6 +146,24 @@ contains
          end do
       end do
    end subroutine sliding_evaluate
+
+   !> s and its rate, eqs. (3.22), (3.24).
+   pure subroutine sliding_coordinate(self, z, rate, s, speed)
+      class(sliding_type), intent(in) :: self
+      real(wp), intent(in) :: z(:), rate(:)
+      real(wp), intent(out) :: s, speed
+      real(wp) :: u(0:2), shape(0:2)
+      integer :: k, axial
+      axial = 2 + size(self%w, 2)
+      s = z(1) + self%origin
+      call settle(self, z, s, u)
+      speed = rate(1)
+      do k = 1, size(self%u, 2)
+         shape = line_shape(self%s, self%u(:, k), self%u_bent(:, k), s)
+         speed = speed - shape(0)*rate(axial + k)
+      end do
+      speed = speed/(1 + u(1))
+   end subroutine sliding_coordinate
 
    !> The coordinate along the beam whose section is at xi, by Newton's method; the displacement along it with two derivatives.
    pure subroutine settle(self, z, s, u)

@@ -8,7 +8,6 @@ module limber_multibody_system
    use limber_multibody_beam_axis, only: centreline_type, new_centreline
    use limber_multibody_constraint, only: constraint_item_type, jacobian_type, new_jacobian
    use limber_multibody_constraint_list, only: new_joint, new_driver
-   use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_kinematics, only: kinematics_type, new_kinematics
    use limber_multibody_load_list, only: new_loads
    use limber_multibody_load, only: load_item_type
@@ -151,7 +150,7 @@ contains
       type(model_type), intent(in) :: model
       type(system_type), intent(inout) :: system
       type(constraint_item_type), allocatable :: whole(:)
-      type(linear_type), allocatable :: parts(:)
+      type(constraint_item_type), allocatable :: parts(:)
       integer :: i, joints
       joints = size(model%joints)
       allocate (whole(joints + size(model%drivers)), parts(0))
@@ -169,8 +168,9 @@ contains
       end do
       system%parted = size(parts) > 0
       do i = 1, size(parts)
-         allocate (system%constraints(size(whole) + i)%item, source=parts(i))
-         associate (part => system%constraints(size(whole) + i)%item, item => system%constraints(parts(i)%part_of)%item)
+         call move_alloc(parts(i)%item, system%constraints(size(whole) + i)%item)
+         associate (part => system%constraints(size(whole) + i)%item, &
+            & item => system%constraints(system%constraints(size(whole) + i)%item%part_of)%item)
             part%first = item%first
             part%scale = item%scale
             part%label = item%label

@@ -11,10 +11,10 @@ module limber_output_internal_forces
    use limber_model_model, only: body_type, ground
    use limber_multibody_plane_vectors, only: cross
    use limber_multibody_beam_axis, only: centreline_type
+   use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_constraint, only: constraint_type
    use limber_multibody_sliding_along_beam, only: exact_path_type, foot_of
    use limber_multibody_point_motion, only: point_position
-   use limber_multibody_path_constraints, only: sliding_type
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -306,14 +306,12 @@ contains
       class(constraint_type), intent(in) :: item
       slides = .false.
       select type (item)
-      class is (sliding_type)
-         slides = .true.
-      class is (exact_path_type)
+      class is (beam_path_type)
          slides = .true.
       end select
    end function slides
 
-   !> Adds the forces of points that slide along an exact beam, where they are.
+   !> Adds the forces of points that slide along an exact beam, and of what drives them there, where they are.
    subroutine add_sliding(effort, system, work, body, line, recovery, q)
       type(section_forces_type), intent(inout) :: effort
       type(system_type), intent(in) :: system

@@ -4,6 +4,7 @@ module limber_output_joint_forces
    use limber_base_kinds, only: wp
    use limber_model_model, only: ground, point_type, driver_angle
    use limber_output_segment_measures, only: whole_direction
+   use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_plane_vectors, only: along, cross, turn
    use limber_multibody_point_motion, only: point_position, point_velocity
    use limber_multibody_system, only: system_type, workspace_type
@@ -79,12 +80,17 @@ contains
       end associate
    end function reaction
 
-   !> Place of the first point of a joint along the axis at its angle in the second section.
+   !> Place of the first point of a joint along the axis at its angle in the second section, or along the beam from the second point.
    pure real(wp) function joint_displacement(system, joint, q) result(place)
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint
       real(wp), intent(in) :: q(:)
-      real(wp) :: axis(2), turning(2)
+      real(wp) :: axis(2), turning(2), speed
+      select type (path => system%constraints(joint)%item)
+      class is (beam_path_type)
+         call find_coordinate(system, path, q, q, place, speed)
+         return
+      end select
       call find_axis(system, joint, q, q, axis, turning)
       associate (spec => system%model%joints(joint))
          place = dot_product(axis, point_position(system%model, system%layout, system%model%points(spec%points(1)), q) &
@@ -97,7 +103,12 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint
       real(wp), intent(in) :: q(:), v(:)
-      real(wp) :: axis(2), turning(2)
+      real(wp) :: axis(2), turning(2), place
+      select type (path => system%constraints(joint)%item)
+      class is (beam_path_type)
+         call find_coordinate(system, path, q, v, place, speed)
+         return
+      end select
       call find_axis(system, joint, q, v, axis, turning)
       associate (a => system%model%points(system%model%joints(joint)%points(1)), &
             & b => system%model%points(system%model%joints(joint)%points(2)))
@@ -107,6 +118,26 @@ contains
                & system%layout, b, q))
       end associate
    end function joint_sliding
+
+   !> Coordinate along a beam from the second point to the first, and its rate.
+   pure subroutine find_coordinate(system, path, q, v, place, speed)
+      type(system_type), intent(in) :: system
+      class(beam_path_type), intent(in) :: path
+      real(wp), intent(in) :: q(:), v(:)
+      real(wp), intent(out) :: place, speed
+      real(wp) :: arm(2), drift(2), z(2 + system%layout%n(path%bodies(2))), rate(2 + system%layout%n(path%bodies(2)))
+      integer :: first, last
+      first = system%layout%q(path%bodies(2))
+      last = first + 3 + system%layout%n(path%bodies(2))
+      associate (point => system%model%points(path%points(1)), u => q(first + 2:first + 3), turning => v(first + 2:first + 3))
+         arm = point_position(system%model, system%layout, point, q) - q(first:first + 1)
+         drift = point_velocity(system%model, system%layout, point, q, v) - v(first:first + 1)
+         z = [dot_product(u, arm), cross(u, arm), q(first + 4:last)]
+         rate = [dot_product(u, drift) + dot_product(turning, arm), cross(u, drift) + cross(turning, arm), v(first + 4:last)]
+      end associate
+      call path%coordinate(z, rate, place, speed)
+      place = place - path%start
+   end subroutine find_coordinate
 
    !> The axis of a joint in its second section, and how it turns.
    pure subroutine find_axis(system, joint, q, v, axis, turning)

@@ -213,7 +213,8 @@ module limber_deck_keywords
       & option_spec_type('DAMPING', 'RATIO', kind_nonnegative, '', &
       &    '', '0', 'part of the critical damping of each mode, as joints and springs hold the body at first, without loads'), &
       & option_spec_type('FRICTION', 'NAME', kind_name, 'joints, drivers and loads', '', needed, 'name of the friction'), &
-      & option_spec_type('FRICTION', 'JOINT', kind_reference, 'JOINT', '', needed, 'joint that it is in'), &
+      & option_spec_type('FRICTION', 'JOINT', kind_reference, 'JOINT', '', needed, &
+      &    'joint that it is in, of TYPE REVOLUTE, TRANSLATIONAL or POINT ON LINE'), &
       & option_spec_type('FRICTION', 'COEFFICIENT', kind_nonnegative, '', &
       &    'N m s, N s/m', needed, 'torque for each unit of relative spin, force for each unit of sliding speed'), &
       & option_spec_type('ASSEMBLY', 'LARGEST TURN', kind_positive, '', &

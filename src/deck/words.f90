@@ -30,8 +30,9 @@ module limber_deck_words
       &    'the first point stays on CURVE, whose origin is the second point, its x axis at ANGLE in the ' &
       &    //'section there; a cam. A kink is an impact, a jump is refused; behind its ends an open curve is straight'), &
       & word_spec_type('JOINT', 'SLIDING', &
-      &    'the first point slides along the line of the *BEAM that the second point names, as that bends; the beam has ' &
-      &    //'at most 24 coordinates: functions of the angle, the strain, one for each place where something acts along it'), &
+      &    'the first point slides along the line of the *BEAM that the second point names, as that bends; ANGLE has no ' &
+      &    //'meaning; the beam has at most 24 coordinates: functions of the angle, the strain, one for each place where ' &
+      &    //'something acts along it'), &
       & word_spec_type('JOINT', 'GEAR', &
       &    'gears about the two points, whoever carries these: they roll off each other where the line of ' &
       &    //'centres meets them, and push across it; teeth mesh as in the first guess'), &
@@ -46,7 +47,8 @@ module limber_deck_words
       & word_spec_type('DRIVER', 'DISTANCE', &
       &    'distance of POINT and TO, above 0'), &
       & word_spec_type('DRIVER', 'DISPLACEMENT', &
-      &    'displacement(JOINT)'), &
+      &    'displacement(JOINT); of SLIDING the coordinate along the undeformed axis from the second point, so that the ' &
+      &    //'force acts where the first point is, along the tangent there; laws of loads cannot use it'), &
       & word_spec_type('DRIVER', 'X', &
       &    'coordinate of POINT along the fixed x axis; Y: along the y axis')]
 

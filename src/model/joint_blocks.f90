@@ -4,6 +4,7 @@ module limber_model_joint_blocks
    use limber_base_text, only: as_text
    use limber_deck_content, only: deck_type, block_type, line_type
    use limber_deck_diagnostics, only: diagnostics_type
+   use limber_deck_origin, only: origin_type
    use limber_model_law_breaks, only: law_breaks, law_stations
    use limber_model_curve, only: curve_type, spline_curve, expression_curve
    use limber_model_law_integrals, only: integrate
@@ -324,8 +325,24 @@ contains
          term%of = find_joint(model, line%text(3))
          if (term%of == 0) call diagnostics%add(line%origin_of(3), "there is no joint '"//line%text(3)//"'", &
                & object=line%text(3))
+         if (term%of > 0 .and. term%kind == coordinate_displacement) &
+            & call check_along(model, term%of, line%origin_of(3), diagnostics)
       end if
    end subroutine read_term
+
+   !> Warns of what moves a point along a beam that is not exact: section forces of such beams do not know of it.
+   subroutine check_along(model, joint, origin, diagnostics)
+      type(model_type), intent(in) :: model
+      !> Index of the joint
+      integer, intent(in) :: joint
+      type(origin_type), intent(in) :: origin
+      type(diagnostics_type), intent(inout) :: diagnostics
+      if (model%joints(joint)%kind /= joint_sliding) return
+      associate (beam => model%bodies(model%points(model%joints(joint)%points(2))%body))
+         if (.not. beam%reduced%is_exact) call diagnostics%warn(origin, "axial forces of '"//beam%name//"' lack the force "// &
+            & "along it at joint '"//model%joints(joint)%name//"'", 'leave out GEOMETRIC and modes: an EXACT beam has them')
+      end associate
+   end subroutine check_along
 
    !> Index of a joint between two points; 0 if there is none of this name.
    pure integer function find_joint(model, name) result(found)
@@ -401,6 +418,7 @@ contains
       case ('DISPLACEMENT')
          kind = driver_displacement
          call need(joint > 0, 'JOINT')
+         if (ok) call check_along(model, joint, block%origin_of('JOINT'), diagnostics)
       case ('DISTANCE')
          kind = driver_distance
          call need(all(points > 0), 'POINT and TO')

@@ -16,7 +16,7 @@ module limber_model_load_blocks
    use limber_model_beam_segments, only: pieces_of, find_frame, has_frame
    use limber_model_model, only: model_type, load_part_type, named_load_type, &
       & quantity_type, &
-      & body_type, body_point, ground, joint_revolute, joint_point_on_line, &
+      & body_type, body_point, ground, joint_revolute, joint_point_on_line, joint_sliding, &
       & joint_translational, along_axis, along_follower, &
       & along_distance, along_slide, along_angle, load_force, load_torque, load_spring, load_rotational, load_bushing, &
       & load_friction, own_elongation, own_rate, most_slots
@@ -282,7 +282,8 @@ contains
       call diagnostics%add(origin, "a load cannot depend on '"//trim(quantities(kind)%name)//"'", 'it may depend on '//list)
    end subroutine check_quantity
 
-   !> Complains of a quantity that is measured from the frame of a beam in segments, unless that is the frame of its own piece.
+   !> Complains of a coordinate along a beam, and of a quantity that is measured from the frame of a beam in segments, unless that is
+   !> the frame of its own piece.
    subroutine check_frame(model, quantity, origin, diagnostics)
       type(model_type), intent(in) :: model
       type(quantity_type), intent(in) :: quantity
@@ -292,6 +293,11 @@ contains
       select case (quantity%kind)
       case (quantity_angle, quantity_spin); body = quantity%of
       case (quantity_u1, quantity_u2); body = model%points(quantity%of)%body
+      case (quantity_displacement, quantity_sliding_speed)
+         if (model%joints(quantity%of)%kind == joint_sliding) call diagnostics%add(origin, "a load cannot depend on '"// &
+            & trim(quantities(quantity%kind)%name)//"' of a point that slides along a beam", &
+            & 'let it depend on x, y, vx, vy of the point')
+         return
       case default; return
       end select
       pieces = pieces_of(model, body)

@@ -297,7 +297,8 @@ contains
       if (.not. has_pair(deck%blocks(joint))) return
       associate (block => deck%blocks(joint))
          turning = block%word('TYPE') == 'REVOLUTE'
-         do k = 1, 2
+         ! What slides along a beam acts on all of it
+         do k = 1, merge(1, 2, block%word('TYPE') == 'SLIDING')
             call enter(block%lines(1)%text(k), body, .not. turning, turning, points)
          end do
       end associate

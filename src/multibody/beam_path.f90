@@ -12,6 +12,9 @@ module limber_multibody_beam_path
    type, abstract, extends(function_constraint_type) :: beam_path_type
       !> Coordinate along the beam of the joint's second point, from which the joint's own is counted [length]
       real(wp) :: start = 0.0_wp
+      !> Whether f is of the coordinate s along the beam, factor s - offset, and not of the distance from it
+      logical :: of_coordinate = .false.
+      real(wp) :: factor = 1.0_wp, offset = 0.0_wp
    contains
       !> Where along the beam the point is, and its rate
       procedure(coordinate_interface), deferred :: coordinate

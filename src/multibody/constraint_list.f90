@@ -9,13 +9,13 @@ module limber_multibody_constraint_list
    use limber_multibody_constraint, only: constraint_type, constraint_item_type
    use limber_multibody_couplers, only: add_coupler
    use limber_multibody_drivers, only: driven_angle_type, driven_origin_type
-   use limber_multibody_sliding_along_beam, only: exact_path_type
+   use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_point_joints, only: revolute_type, point_on_line_type
    use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_joint_functions, only: joint_function_type, measure_along, measure_angle
-   use limber_multibody_path_constraints, only: curve_joint_type, sliding_type, set_line
-   use limber_multibody_sliding_paths, only: find_axes, new_path, guessed_coordinate, slides_exactly
-   use limber_multibody_marker_registry, only: registry_type, marker_of, angle_of, bend_of, guessed_angle, guessed_position
+   use limber_multibody_path_constraints, only: curve_joint_type
+   use limber_multibody_sliding_paths, only: new_path, new_coordinate, slides
+   use limber_multibody_marker_registry, only: registry_type, marker_of, angle_of, guessed_angle, guessed_position
    use limber_multibody_function_sums, only: add_coordinate, add_section_angle, add_displacement, add_parallel, &
       & add_component, add_distance, &
       & add_measure, vector, take_measures, find_bodies, guessed_distance, guessed_place
@@ -153,43 +153,29 @@ contains
       allocate (item, source=path)
    end subroutine add_curve
 
-   !> A point on the line of a deforming beam; the second point names the beam, and where coordinates along it are counted from.
+   !> A point on the line of a deforming beam.
    subroutine add_sliding(system, joint, item)
       class(registry_type), intent(inout) :: system
       type(joint_type), intent(in) :: joint
       class(constraint_type), allocatable, intent(out) :: item
-      type(sliding_type) :: path
-      type(linear_type) :: axes
-      integer :: body
-      if (slides_exactly(system, joint)) then
-         allocate (item, source=new_path(system, joint))
-         return
-      end if
-      body = system%model%points(joint%points(2))%body
-      call find_axes(system, joint, axes)
-      call take_measures(axes, path)
-      path%start = system%model%points(joint%points(2))%along
-      if (system%layout%n(body) > 0) path%bend = bend_of(system, body)
-      call set_line(path, system%model%bodies(body)%field, system%model%bodies(body)%choice%origin)
-      allocate (item, source=path)
+      class(beam_path_type), allocatable :: path
+      call new_path(system, joint, path)
+      call move_alloc(path, item)
    end subroutine add_sliding
 
-   !> Drives the coordinate of a point along an exact beam.
+   !> Drives the coordinate of a point along a beam.
    subroutine add_drive_along(system, index, item)
       class(registry_type), intent(inout) :: system
       !> Of the driver in the model
       integer, intent(in) :: index
       class(constraint_type), allocatable, intent(out) :: item
-      type(exact_path_type) :: path
-      associate (driver => system%model%drivers(index))
-         path = new_path(system, system%model%joints(driver%joint))
-         path%of_coordinate = .true.
-         path%offset = path%start
-         path%drive = index
-         path%scale = system%model%length
-         if (.not. driver%has_initial) driver%initial(1) = guessed_coordinate(system, system%model%joints(driver%joint), path)
-      end associate
-      allocate (item, source=path)
+      class(beam_path_type), allocatable :: path
+      real(wp) :: guess
+      call new_coordinate(system, system%model%joints(system%model%drivers(index)%joint), 1.0_wp, path, guess)
+      path%drive = index
+      path%scale = system%model%length
+      if (.not. system%model%drivers(index)%has_initial) system%model%drivers(index)%initial(1) = guess
+      call move_alloc(path, item)
    end subroutine add_drive_along
 
    !> The constraint of a driver of the model.
@@ -260,12 +246,12 @@ contains
       end associate
    end function drives_origin
 
-   !> Whether a driver moves a point along an exact beam.
+   !> Whether a driver moves a point along a beam.
    pure logical function drives_along_beam(system, driver) result(drives)
       class(registry_type), intent(in) :: system
       type(driver_type), intent(in) :: driver
       drives = driver%kind == driver_displacement
-      if (drives) drives = slides_exactly(system, system%model%joints(driver%joint))
+      if (drives) drives = slides(system%model%joints(driver%joint))
    end function drives_along_beam
 
    !> Points where a driver acts on its bodies.

@@ -1,4 +1,4 @@
-!> Linear couplers of joint coordinates. Sums of parts of at most two bodies, which share an equation; a coordinate along an exact
+!> Linear couplers of joint coordinates. Sums of parts of at most two bodies, which share an equation; a coordinate along a
 !> beam is a part by itself. Floor: multibody. Source: doc/theory, eq. (3.21).
 module limber_multibody_couplers
    use limber_base_kinds, only: wp
@@ -8,8 +8,8 @@ module limber_multibody_couplers
    use limber_multibody_joint_functions, only: joint_function_type
    use limber_multibody_marker_registry, only: registry_type
    use limber_multibody_function_sums, only: add_coordinate, add_measure, find_bodies, vector
-   use limber_multibody_sliding_along_beam, only: exact_path_type
-   use limber_multibody_sliding_paths, only: guessed_coordinate, new_path, slides_exactly
+   use limber_multibody_beam_path, only: beam_path_type
+   use limber_multibody_sliding_paths, only: new_coordinate, slides
    implicit none
    private
    public :: add_coupler
@@ -23,105 +23,88 @@ contains
       class(constraint_type), allocatable, intent(out) :: item
       !> Receives the parts behind the first
       type(constraint_item_type), allocatable, intent(inout) :: parts(:)
-      type(linear_type), allocatable :: own(:)
-      type(exact_path_type), allocatable :: paths(:)
-      real(wp) :: sum
-      integer :: i, first
+      type(linear_type), allocatable :: linear(:)
+      type(constraint_item_type), allocatable :: own(:)
+      class(beam_path_type), allocatable :: path
+      real(wp) :: sum, guess
+      integer :: i
       sum = 0.0_wp
-      allocate (own(0), paths(0))
+      allocate (linear(0), own(0))
       do i = 1, size(system%model%joints(index)%terms)
          associate (term => system%model%joints(index)%terms(i))
             if (is_along_beam(system, term)) then
-               call add_path(system, term, paths, sum)
+               call new_coordinate(system, system%model%joints(term%of), term%coefficient, path, guess)
+               sum = sum + guess
+               call append_part(own, path)
             else
-               call add_term(system, term, own, sum)
+               call add_term(system, term, linear, sum)
             end if
          end associate
       end do
-      first = 1
-      if (size(own) > 0) then
-         if (.not. system%model%joints(index)%has_law) own(1)%offset(1) = sum
-         call take_part(own(1), item)
-      else
-         first = 2
-         if (.not. system%model%joints(index)%has_law) paths(1)%offset = paths(1)%offset + sum
-         call take_part(paths(1), item)
-      end if
-      do i = 2, size(own)
-         call append_part(parts, own(i))
+      do i = 1, size(linear)
+         call append_part(own, linear(i))
       end do
-      do i = first, size(paths)
-         call append_part(parts, paths(i))
-      end do
-
-   contains
-
-      !> The first part, which has the law.
-      subroutine take_part(part, item)
-         class(function_constraint_type), intent(inout) :: part
-         class(constraint_type), allocatable, intent(out) :: item
-         if (system%model%joints(index)%has_law) part%drive = size(system%model%drivers) &
-            & + count(system%model%joints(:index)%has_law)
-         call prepare(part)
-         allocate (item, source=part)
-      end subroutine take_part
-
-      !> What all parts have.
-      subroutine prepare(part)
-         class(function_constraint_type), intent(inout) :: part
-         associate (joint => system%model%joints(index))
-            part%driven = joint%has_law
-            part%scale = maxval(abs(joint%terms%coefficient)*merge(system%model%length, 1.0_wp, &
+      associate (joint => system%model%joints(index))
+         do i = 1, size(own)
+            own(i)%item%driven = joint%has_law
+            own(i)%item%scale = maxval(abs(joint%terms%coefficient)*merge(system%model%length, 1.0_wp, &
                & joint%terms%kind == coordinate_displacement))
-            if (.not. part%scale > 0.0_wp) part%scale = 1.0_wp
-         end associate
-      end subroutine prepare
-
-      !> One more part at the end of a list.
-      subroutine append_part(parts, part)
-         type(constraint_item_type), allocatable, intent(inout) :: parts(:)
-         class(function_constraint_type), intent(inout) :: part
-         type(constraint_item_type), allocatable :: longer(:)
-         integer :: k
-         call prepare(part)
-         part%part_of = index
-         allocate (longer(size(parts) + 1))
-         do k = 1, size(parts)
-            call move_alloc(parts(k)%item, longer(k)%item)
+            if (.not. own(i)%item%scale > 0.0_wp) own(i)%item%scale = 1.0_wp
+            if (i > 1) own(i)%item%part_of = index
          end do
-         allocate (longer(size(longer))%item, source=part)
-         call move_alloc(longer, parts)
-      end subroutine append_part
-
+         if (.not. joint%has_law) call set_sum(own(1)%item, sum)
+         if (joint%has_law) call set_drive(own(1)%item, size(system%model%drivers) &
+            & + count(system%model%joints(:index)%has_law))
+      end associate
+      call move_alloc(own(1)%item, item)
+      do i = 2, size(own)
+         call append_part(parts, own(i)%item)
+      end do
    end subroutine add_coupler
 
-   !> Whether a term is a coordinate along an exact beam.
+   !> What the sum keeps.
+   subroutine set_sum(part, sum)
+      class(constraint_type), intent(inout) :: part
+      real(wp), intent(in) :: sum
+      select type (part)
+      type is (linear_type)
+         part%offset(1) = sum
+      class is (beam_path_type)
+         part%offset = part%offset + sum
+      end select
+   end subroutine set_sum
+
+   !> What moves the sum.
+   subroutine set_drive(part, drive)
+      class(constraint_type), intent(inout) :: part
+      integer, intent(in) :: drive
+      select type (part)
+      class is (function_constraint_type)
+         part%drive = drive
+      end select
+   end subroutine set_drive
+
+   !> One more part at the end of a list.
+   subroutine append_part(parts, part)
+      type(constraint_item_type), allocatable, intent(inout) :: parts(:)
+      class(constraint_type), intent(in) :: part
+      type(constraint_item_type), allocatable :: longer(:)
+      integer :: k
+      allocate (longer(size(parts) + 1))
+      do k = 1, size(parts)
+         call move_alloc(parts(k)%item, longer(k)%item)
+      end do
+      allocate (longer(size(longer))%item, source=part)
+      call move_alloc(longer, parts)
+   end subroutine append_part
+
+   !> Whether a term is a coordinate along a beam.
    pure logical function is_along_beam(system, term) result(along)
       class(registry_type), intent(in) :: system
       type(term_type), intent(in) :: term
       along = term%kind == coordinate_displacement
-      if (along) along = slides_exactly(system, system%model%joints(term%of))
+      if (along) along = slides(system%model%joints(term%of))
    end function is_along_beam
-
-   !> Adds a coordinate along an exact beam, which is a part by itself.
-   subroutine add_path(system, term, paths, sum)
-      class(registry_type), intent(inout) :: system
-      type(term_type), intent(in) :: term
-      type(exact_path_type), allocatable, intent(inout) :: paths(:)
-      !> Receives the term's value in the first guess
-      real(wp), intent(inout) :: sum
-      type(exact_path_type), allocatable :: longer(:)
-      allocate (longer(size(paths) + 1))
-      longer(:size(paths)) = paths
-      associate (path => longer(size(longer)))
-         path = new_path(system, system%model%joints(term%of))
-         sum = sum + term%coefficient*guessed_coordinate(system, system%model%joints(term%of), path)
-         path%of_coordinate = .true.
-         path%factor = term%coefficient
-         path%offset = term%coefficient*path%start
-      end associate
-      call move_alloc(longer, paths)
-   end subroutine add_path
 
    !> Adds the measures of a joint coordinate, each to the first part that has its bodies, or room for them.
    subroutine add_term(system, term, parts, sum)

@@ -100,7 +100,7 @@ contains
       end do
    end subroutine set_line
 
-   !> f = zeta - w(s(xi, eta), eta), with s eliminated by its own equation: eqs. (3.22)-(3.24).
+   !> f = zeta - w(s(xi, eta), eta), with s eliminated by its own equation, or f of s: eqs. (3.22)-(3.24).
    pure subroutine sliding_evaluate(self, order, at)
       class(sliding_type), intent(in) :: self
       integer, intent(in) :: order
@@ -120,6 +120,7 @@ contains
          rows(:, 2 + i) = shape
       end do
       at%f(1) = at%z(2) - w(0)
+      if (self%of_coordinate) at%f(1) = self%factor*s - self%offset
       if (order == 0) return
       ! s by xi, by zeta, by eta across, by eta along
       by_s(:n) = 0.0_wp
@@ -133,6 +134,7 @@ contains
          if (i > 2 .and. i <= axial) at%gradient(1, i) = at%gradient(1, i) - rows(0, i)
       end do
       at%gradient(1, 2) = at%gradient(1, 2) + 1
+      if (self%of_coordinate) at%gradient(1, :n) = self%factor*by_s(:n)
       if (order == 1) return
       do j = 1, n
          do i = 1, n
@@ -143,6 +145,7 @@ contains
             at%hessian(i, j, 1) = -w(2)*by_s(i)*by_s(j) - w(1)*mixed*by_s(1)
             if (i > 2 .and. i <= axial) at%hessian(i, j, 1) = at%hessian(i, j, 1) - rows(1, i)*by_s(j)
             if (j > 2 .and. j <= axial) at%hessian(i, j, 1) = at%hessian(i, j, 1) - rows(1, j)*by_s(i)
+            if (self%of_coordinate) at%hessian(i, j, 1) = self%factor*mixed*by_s(1)
          end do
       end do
    end subroutine sliding_evaluate

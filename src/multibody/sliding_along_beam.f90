@@ -16,9 +16,6 @@ module limber_multibody_sliding_along_beam
       type(exact_type) :: exact
       !> Lagrange's polynomials of a panel in those of Legendre (0:, stations of a panel)
       real(wp) :: legendre(0:panel_stations - 1, panel_stations) = 0.0_wp
-      !> Whether f is of the coordinate s, and its two constants
-      logical :: of_coordinate = .false.
-      real(wp) :: factor = 1.0_wp, offset = 0.0_wp
    contains
       procedure :: evaluate
       procedure :: coordinate

@@ -1,36 +1,39 @@
-!> Paths along exact beams from the joints of the model, for what takes the coordinate along such a beam: joints, drivers, couplers
-!> and loads. Floor: multibody. Source: doc/theory, eqs. (3.25)-(3.27).
+!> Points that slide along beams, from the joints of the model, for what takes the coordinate along a beam: joints, drivers and
+!> couplers. Floor: multibody. Source: doc/theory, eqs. (3.21)-(3.27).
 module limber_multibody_sliding_paths
    use limber_base_kinds, only: wp
    use limber_model_model, only: joint_type, joint_sliding
+   use limber_multibody_beam_path, only: beam_path_type
    use limber_multibody_function_constraints, only: linear_type
    use limber_multibody_function_sums, only: add_measure, vector, take_measures
    use limber_multibody_joint_functions, only: joint_function_type, measure_along
    use limber_multibody_marker_registry, only: registry_type, marker_of, frame_marker, frame_direction, bend_of, guessed_position, &
       & guessed_turn
+   use limber_multibody_path_constraints, only: sliding_type, set_line
    use limber_multibody_plane_vectors, only: cross
-   use limber_multibody_sliding_along_beam, only: exact_path_type, set_axis, foot_of
+   use limber_multibody_sliding_along_beam, only: exact_path_type, set_axis
    implicit none
    private
-   public :: find_axes, new_path, guessed_coordinate, slides_exactly
+   public :: new_path, new_coordinate, slides
 
    real(wp), parameter :: right_angle = 0.5_wp*acos(-1.0_wp)
 
 contains
 
-   !> Whether the point of a joint slides along an exact beam.
-   pure logical function slides_exactly(system, joint) result(slides)
-      class(registry_type), intent(in) :: system
+   !> Whether the point of a joint slides along a beam.
+   pure logical function slides(joint)
       type(joint_type), intent(in) :: joint
       slides = joint%kind == joint_sliding
-      if (slides) slides = system%model%bodies(system%model%points(joint%points(2))%body)%reduced%is_exact
-   end function slides_exactly
+   end function slides
 
-   !> The place of the first point of a joint along the axes of the frame of the second one's body.
-   subroutine find_axes(system, joint, axes)
+   !> A point stays on the line of a deforming beam; the second point names the beam, and where coordinates along it are counted from.
+   subroutine new_path(system, joint, path)
       class(registry_type), intent(inout) :: system
       type(joint_type), intent(in) :: joint
-      type(linear_type), intent(inout) :: axes
+      class(beam_path_type), allocatable, intent(out) :: path
+      type(exact_path_type) :: exact
+      type(sliding_type) :: line
+      type(linear_type) :: axes
       integer :: markers(2), side, direction, body
       body = system%model%points(joint%points(2))%body
       markers = [marker_of(system, joint%points(1)), 0]
@@ -40,38 +43,43 @@ contains
          call add_measure(axes, joint_function_type(kind=measure_along, &
             & vectors=[vector(axes, markers(1)), vector(axes, markers(2)), vector(axes, direction)]), 1.0_wp, 1)
       end do
-   end subroutine find_axes
-
-   !> The constraint of a point that slides along an exact beam.
-   function new_path(system, joint) result(path)
-      class(registry_type), intent(inout) :: system
-      type(joint_type), intent(in) :: joint
-      type(exact_path_type) :: path
-      type(linear_type) :: axes
-      integer :: body
-      body = system%model%points(joint%points(2))%body
-      call find_axes(system, joint, axes)
+      if (system%model%bodies(body)%reduced%is_exact) then
+         call set_axis(exact, system%model%bodies(body)%reduced%exact)
+         allocate (path, source=exact)
+      else
+         call set_line(line, system%model%bodies(body)%field, system%model%bodies(body)%choice%origin)
+         allocate (path, source=line)
+      end if
       call take_measures(axes, path)
+      if (system%layout%n(body) > 0) path%bend = bend_of(system, body)
       path%start = system%model%points(joint%points(2))%along
-      path%bend = bend_of(system, body)
       path%bodies = [system%model%points(joint%points(1))%body, body]
       path%points = joint%points
-      call set_axis(path, system%model%bodies(body)%reduced%exact)
-   end function new_path
+   end subroutine new_path
 
-   !> Coordinate of the first point of a joint along the beam from the second one, in the first guess.
-   real(wp) function guessed_coordinate(system, joint, path) result(s)
-      class(registry_type), intent(in) :: system
+   !> The coordinate along the beam from the second point of a joint to the first, times a factor.
+   subroutine new_coordinate(system, joint, factor, path, guess)
+      class(registry_type), intent(inout) :: system
       type(joint_type), intent(in) :: joint
-      type(exact_path_type), intent(in) :: path
-      real(wp) :: arm(2), u(2), rest(path%exact%n), angle
-      rest = 0.0_wp
-      associate (body => system%model%points(joint%points(2))%body)
+      real(wp), intent(in) :: factor
+      class(beam_path_type), allocatable, intent(out) :: path
+      !> Its value in the first guess
+      real(wp), intent(out) :: guess
+      real(wp) :: arm(2), u(2), angle, speed
+      real(wp), allocatable :: z(:)
+      call new_path(system, joint, path)
+      path%of_coordinate = .true.
+      path%factor = factor
+      path%offset = factor*path%start
+      associate (body => path%bodies(2))
          arm = guessed_position(system, system%model%points(joint%points(1))) - system%model%bodies(body)%position
          angle = guessed_turn(system, body)
+         allocate (z(2 + system%layout%n(body)), source=0.0_wp)
       end associate
       u = [cos(angle), sin(angle)]
-      s = foot_of(path, [dot_product(u, arm), cross(u, arm)], rest) - path%start
-   end function guessed_coordinate
+      z(1:2) = [dot_product(u, arm), cross(u, arm)]
+      call path%coordinate(z, 0*z, guess, speed)
+      guess = factor*guess - path%offset
+   end subroutine new_coordinate
 
 end module limber_multibody_sliding_paths

@@ -7,8 +7,8 @@ program test_constraints
    use limber_beam_exact_functions, only: exact_choice_type
    use limber_beam_beam_mesh, only: beam_type, concentrate, new_support
    use limber_beam_beam_reduction, only: fidelity_exact, fidelity_kg, fidelity_linear, reduction_type
-   use limber_model_model, only: ground, joint_point_on_line, joint_revolute, joint_sliding, &
-      & model_type
+   use limber_model_model, only: coordinate_angle, coordinate_displacement, driver_displacement, ground, joint_coupler, &
+      & joint_point_on_line, joint_revolute, joint_sliding, model_type, term_type
    use limber_multibody_assembly, only: assemble, first_guess
    use limber_multibody_body, only: body_mass
    use limber_multibody_equations_of_motion, only: accelerations, input_power, linearise, mechanical_energy, &
@@ -94,7 +94,21 @@ contains
       if (exact) call add_joint(model, 'along the exact beam', joint_sliding, f, c)
       call add_driver(model, 'drive rod', rod, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
       call add_driver(model, 'drive block', block, wavy_law(2.9_wp, -0.7_wp, 0.6_wp, -1.4_wp))
+      if (exact) call move_along(model, size(model%joints))
    end function zoo
+
+   !> A driver of a coordinate along the exact beam, and a coupler of it and of an angle.
+   subroutine move_along(model, joint)
+      type(model_type), intent(inout) :: model
+      !> Its index
+      integer, intent(in) :: joint
+      call add_driver(model, 'creep', 0, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
+      model%drivers(size(model%drivers))%kind = driver_displacement
+      model%drivers(size(model%drivers))%joint = joint
+      call add_joint(model, 'thread', joint_coupler, 0, 0)
+      model%joints(size(model%joints))%terms = [term_type(2.0_wp, coordinate_angle, 1), term_type(0.7_wp, &
+         & coordinate_displacement, joint)]
+   end subroutine move_along
 
    !> Every coordinate random, deflections of a tenth of the length.
    function random_motion(system) result(motion)

@@ -221,6 +221,8 @@ contains
       call set_driver(model, driver_joint_angle, 'hinge', [0, 0])
       call add_driver(model, 'slide', 0, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
       call set_driver(model, driver_displacement, 'guide', [0, 0])
+      call add_driver(model, 'creep', 0, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
+      call set_driver(model, driver_displacement, 'rod along arm', [0, 0])
       call add_driver(model, 'reach', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
       call set_driver(model, driver_distance, '', [c, d])
       call add_driver(model, 'lift', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))

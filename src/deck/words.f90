@@ -30,9 +30,8 @@ module limber_deck_words
       &    'the first point stays on CURVE, whose origin is the second point, its x axis at ANGLE in the ' &
       &    //'section there; a cam. A kink is an impact, a jump is refused; behind its ends an open curve is straight'), &
       & word_spec_type('JOINT', 'SLIDING', &
-      &    'the first point slides along the line of the *BEAM that the second point names, as that bends; ANGLE has no ' &
-      &    //'meaning; the beam has at most 24 coordinates: functions of the angle, the strain, one for each place where ' &
-      &    //'something acts along it'), &
+      &    'the first point slides along the line of the *BEAM that the second point names, as that bends; the beam has ' &
+      &    //'at most 24 coordinates: functions of the angle, the strain, one for each place where something acts along it'), &
       & word_spec_type('JOINT', 'GEAR', &
       &    'gears about the two points, whoever carries these: they roll off each other where the line of ' &
       &    //'centres meets them, and push across it; teeth mesh as in the first guess'), &

@@ -282,8 +282,8 @@ contains
       call diagnostics%add(origin, "a load cannot depend on '"//trim(quantities(kind)%name)//"'", 'it may depend on '//list)
    end subroutine check_quantity
 
-   !> Complains of a coordinate along a beam, and of a quantity that is measured from the frame of a beam in segments, unless that is
-   !> the frame of its own piece.
+   !> Complains of a coordinate along a beam, and of a quantity that is measured from the frame of a beam in segments, unless that
+   !> is the frame of its own piece.
    subroutine check_frame(model, quantity, origin, diagnostics)
       type(model_type), intent(in) :: model
       type(quantity_type), intent(in) :: quantity

@@ -79,7 +79,7 @@ module limber_model_quantities
       &    'angle of a joint''s first section less that of the second, over turns; driven: those of the law'), &
       & quantity_spec_type('joint_spin', of_joint, [0, -1, 0], .true., 'its rate'), &
       & quantity_spec_type('displacement', of_joint, [1, 0, 0], .false., &
-      &    'place of the first point along the line through the second, at its ANGLE; of SLIDING along the bent beam'), &
+      &    'place of the first point along the line through the second, at its ANGLE; SLIDING: along the beam'), &
       & quantity_spec_type('sliding_speed', of_joint, [1, -1, 0], .false., 'its rate'), &
       & quantity_spec_type('force', of_driver, [1, -2, 1], .false., &
       &    'force of a driver that drives a length, positive where it lengthens'), &

@@ -81,8 +81,8 @@ contains
    pure subroutine distance_hessian(exact, foot, rows, by, p_by, hessian)
       type(exact_type), intent(in) :: exact
       type(foot_type), intent(in) :: foot
-      !> What the stations give to the place and its derivatives (stations, 0:3); derivatives by the coordinates of p' at the stations
-      !> (2, n, stations), and of the foot's place with two derivatives (2, n, 0:2)
+      !> What the stations give to the place and its derivatives (stations, 0:3); derivatives by the coordinates of p' at the
+      !> stations (2, n, stations), and of the foot's place with two derivatives (2, n, 0:2)
       real(wp), intent(in) :: rows(:, 0:), by(:, :, :), p_by(:, :, 0:)
       real(wp), intent(out) :: hessian(:, :)
       real(wp) :: s_by(2 + exact%n), turn_by(2 + exact%n), unit(2), normal(2), length, push(2, exact%stations)

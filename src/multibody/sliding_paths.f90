@@ -26,7 +26,7 @@ contains
       slides = joint%kind == joint_sliding
    end function slides
 
-   !> A point stays on the line of a deforming beam; the second point names the beam, and where coordinates along it are counted from.
+   !> A point stays on the line of a deforming beam; the second point names the beam, and where its coordinate is counted from.
    subroutine new_path(system, joint, path)
       class(registry_type), intent(inout) :: system
       type(joint_type), intent(in) :: joint

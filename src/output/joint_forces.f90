@@ -80,7 +80,7 @@ contains
       end associate
    end function reaction
 
-   !> Place of the first point of a joint along the axis at its angle in the second section, or along the beam from the second point.
+   !> Place of the first point of a joint along the axis at its angle in the second section, or along a beam from the second one.
    pure real(wp) function joint_displacement(system, joint, q) result(place)
       type(system_type), intent(in) :: system
       integer, intent(in) :: joint

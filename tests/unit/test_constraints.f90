@@ -106,7 +106,7 @@ contains
       model%drivers(size(model%drivers))%kind = driver_displacement
       model%drivers(size(model%drivers))%joint = joint
       call add_joint(model, 'thread', joint_coupler, 0, 0)
-      model%joints(size(model%joints))%terms = [term_type(2.0_wp, coordinate_angle, 1), term_type(0.7_wp, &
+      model%joints(size(model%joints))%terms = [term_type(1.2_wp, coordinate_angle, 1), term_type(0.7_wp, &
          & coordinate_displacement, joint)]
    end subroutine move_along
 
@@ -232,7 +232,8 @@ contains
                call residuals(system, work, t, q, phi(:, k))
             end do
             slope = derivative(phi(:, -2), phi(:, -1), phi(:, 1), phi(:, 2), h)
-            call check_rows(system, slope, jacobian(:, j), 1.0e-11_wp, 'Jacobian')
+            ! Where a point far from a bent beam has its foot the stencil is not as exact
+            call check_rows(system, slope, jacobian(:, j), merge(1.0e-10_wp, 1.0e-11_wp, system%exact), 'Jacobian')
          end do
 
          do k = -2, 2

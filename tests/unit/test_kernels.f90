@@ -221,8 +221,6 @@ contains
       call set_driver(model, driver_joint_angle, 'hinge', [0, 0])
       call add_driver(model, 'slide', 0, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
       call set_driver(model, driver_displacement, 'guide', [0, 0])
-      call add_driver(model, 'creep', 0, wavy_law(0.2_wp, 1.3_wp, 0.4_wp, 2.1_wp))
-      call set_driver(model, driver_displacement, 'rod along arm', [0, 0])
       call add_driver(model, 'reach', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
       call set_driver(model, driver_distance, '', [c, d])
       call add_driver(model, 'lift', 0, wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp))
@@ -266,7 +264,7 @@ contains
          & term_type(-0.7_wp, coordinate_joint_angle, hinge), term_type(0.3_wp, coordinate_displacement, guide)]
       call add_joint(model, 'driven coupler', joint_coupler, 0, 0)
       model%joints(size(model%joints))%terms = [term_type(2.0_wp, coordinate_angle, rod), &
-         & term_type(-0.7_wp, coordinate_angle, plate)]
+         & term_type(-0.7_wp, coordinate_angle, plate), term_type(0.4_wp, coordinate_displacement, hinge - 2)]
       model%joints(size(model%joints))%has_law = .true.
       model%joints(size(model%joints))%law = wavy_law(0.7_wp, 0.3_wp, 0.4_wp, 2.1_wp)
       long = 0

@@ -33,8 +33,8 @@ module limber_accuracy_run_pool
       real(wp) :: cpu = 0.0_wp, work = 0.0_wp, budget = huge(1.0_wp)
       !> Whether a run was given up for that
       logical :: spent = .false.
-      !> The last ones, by turns
-      type(entry_type) :: kept(most_kept)
+      !> The last ones, by turns; allocated by the first run
+      type(entry_type), allocatable :: kept(:)
       integer :: next = 0
       !> What tells how far the search is
       type(teller_type), private :: teller
@@ -63,6 +63,7 @@ contains
       character(*), intent(in), optional :: only
       logical :: other
       integer :: i
+      if (.not. allocated(self%kept)) allocate (self%kept(most_kept))
       other = .false.
       if (present(fresh)) other = fresh
       do i = 1, most_kept
@@ -101,6 +102,7 @@ contains
       integer :: i
       nearest = tolerance
       away = huge(away)
+      if (.not. allocated(self%kept)) return
       do i = 1, most_kept
          associate (entry => self%kept(i))
             if (.not. allocated(entry%rungs)) cycle

@@ -52,6 +52,7 @@ module limber_multibody_force_elements
       procedure :: begin_energy => effort_begin_energy
       procedure :: add_power => effort_add_power
       procedure :: add_missed_power => effort_add_missed_power
+      procedure :: state_along => effort_state
       procedure :: measure
       procedure :: read_motion
    end type force_element_type
@@ -94,6 +95,15 @@ contains
          push = push + self%factor*law_value(self, kinematics)
       end if
    end subroutine measure
+
+   !> The scalar, its rate and the force along it.
+   pure subroutine effort_state(self, kinematics, value, rate, push)
+      class(force_element_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: value, rate, push
+      real(wp) :: weights(2, 3)
+      call self%measure(kinematics, value, rate, push, weights)
+   end subroutine effort_state
 
    !> The law at the values and rates of its gauges.
    pure real(wp) function law_value(self, kinematics) result(value)

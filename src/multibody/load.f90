@@ -20,8 +20,8 @@ module limber_multibody_load
       integer, allocatable :: points(:)
       !> False if all that it does is in the energy that it stores
       logical :: powered = .true.
-      !> Whether it never changes, and may grow from zero in a static analysis
-      logical :: grows = .false.
+      !> Whether it never changes, and may grow from zero in a static analysis; whether it may resist places of its points
+      logical :: grows = .false., resists = .false.
       !> Whether it is multiplied at present by a share, as by a static analysis in which it grows, and that
       logical :: is_scaled = .false.
       real(wp) :: share = 1.0_wp
@@ -34,6 +34,8 @@ module limber_multibody_load
       procedure(energy_interface), deferred :: add_power
       !> Power that its law has somewhere in a step, less that of the force that the step takes
       procedure(missed_interface), deferred :: add_missed_power
+      !> The scalar that it acts along, its rate, and the force along it
+      procedure(state_interface), deferred :: state_along
       !> Energy that it stores
       procedure :: add_energy => store_nothing
       !> Settles from where that is counted
@@ -72,6 +74,16 @@ module limber_multibody_load
          real(wp), intent(inout) :: sum
       end subroutine energy_interface
 
+      !> The scalar that a load acts along; kinematics are placed and moved.
+      pure subroutine state_interface(self, kinematics, value, rate, push)
+         import :: load_type, kinematics_type, wp
+         class(load_type), intent(in) :: self
+         type(kinematics_type), intent(in) :: kinematics
+         !> [length or rad], [per time], [force or force length], positive where it makes the scalar grow; the value is zero where nobody
+         !> may ask for it
+         real(wp), intent(out) :: value, rate, push
+      end subroutine state_interface
+
       !> Adds to a power. The integral over a step is the work that its forces do not do, whatever the way, if that ends where the
       !> step does.
       pure subroutine missed_interface(self, mean, now, sum)
@@ -97,6 +109,7 @@ module limber_multibody_load
       procedure :: add_tangent => force_add_tangent
       procedure :: add_power => force_add_power
       procedure :: add_missed_power => force_add_missed_power
+      procedure :: state_along => force_state
    end type dead_force_type
 
    !> A torque on the frame of a body
@@ -109,6 +122,7 @@ module limber_multibody_load
       procedure :: add_tangent => torque_add_tangent
       procedure :: add_power => torque_add_power
       procedure :: add_missed_power => torque_add_missed_power
+      procedure :: state_along => torque_state
    end type body_torque_type
 
 contains
@@ -158,6 +172,17 @@ contains
       sum = sum + dot_product(force_at(self, now%time) - force_at(self, mean%time), now%markers(self%marker)%velocity)
    end subroutine force_add_missed_power
 
+   pure subroutine force_state(self, kinematics, value, rate, push)
+      class(dead_force_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: value, rate, push
+      real(wp) :: time(1)
+      time = kinematics%time
+      value = 0.0_wp
+      rate = dot_product(self%direction, kinematics%markers(self%marker)%velocity)
+      push = self%law%evaluate(time)
+   end subroutine force_state
+
    !> Components at a time (2).
    pure function force_at(self, t) result(force)
       class(dead_force_type), intent(in) :: self
@@ -196,6 +221,15 @@ contains
       real(wp), intent(inout) :: sum
       sum = sum + (torque_at(self, now%time) - torque_at(self, mean%time))*now%frames(self%bodies(1))%omega
    end subroutine torque_add_missed_power
+
+   pure subroutine torque_state(self, kinematics, value, rate, push)
+      class(body_torque_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: value, rate, push
+      value = 0.0_wp
+      rate = kinematics%frames(self%bodies(1))%omega
+      push = torque_at(self, kinematics%time)
+   end subroutine torque_state
 
    !> The torque at a time.
    pure real(wp) function torque_at(self, t) result(torque)

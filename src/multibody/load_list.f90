@@ -32,6 +32,7 @@ contains
          call new_load(system, system%model%load_parts(i), loads(i)%item)
          associate (load => loads(i)%item)
             load%grows = system%model%load_parts(i)%is_constant()
+            load%resists = may_resist(system%model%load_parts(i))
             allocate (load%rates(size(load%bodies)), load%offsets(size(load%bodies)))
             load%rates = 0
             do side = 1, size(load%bodies)
@@ -117,6 +118,12 @@ contains
       pull%powered = part%damping > 0.0_wp
       allocate (item, source=pull)
    end subroutine add_spring
+
+   !> Whether a part may resist places of its points.
+   pure logical function may_resist(part)
+      type(load_part_type), intent(in) :: part
+      may_resist = part%along /= along_follower .and. (part%stiffness > 0.0_wp .or. (part%driven .and. .not. part%is_of_time()))
+   end function may_resist
 
    !> Unit vector at an angle; exactly that of an axis of the ground at a whole number of quarters of a turn.
    pure function axis_of(angle) result(axis)

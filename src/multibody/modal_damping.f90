@@ -7,13 +7,11 @@ module limber_multibody_modal_damping
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dgetrf, dgetrs
    use limber_model_model, only: model_type, ground
-   use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_dense_eigenmodes, only: symmetric_modes
    use limber_multibody_unit_mass_coordinates, only: update_eta_masses
    use limber_multibody_free_motions, only: free_motions_type, find_freedom
    use limber_multibody_kinematics, only: place_frames, move_frames
    use limber_multibody_multiplier_system, only: update_jacobians, update_beam_masses, update_masses
-   use limber_multibody_springs, only: point_spring_type
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -296,7 +294,7 @@ contains
       do i = 1, size(system%model%loads)
          allocate (at(0))
          do k = system%model%loads(i)%first, system%model%loads(i)%last
-            if (.not. is_spring(system, k)) cycle
+            if (.not. system%loads(k)%item%resists) cycle
             to = unknowns_of(system, k)
             if (size(at) == 0) whole = 0.0_wp
             allocate (stiffness(size(to), size(to)), damping(size(to), size(to)), source=0.0_wp)
@@ -325,19 +323,6 @@ contains
       is_symmetric = all(ieee_is_finite(stiffness))
       if (is_symmetric) is_symmetric = all(abs(stiffness - transpose(stiffness)) <= none*maxval(abs(stiffness)))
    end function is_symmetric
-
-   !> Whether a load may resist places of its points.
-   pure logical function is_spring(system, load)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: load
-      is_spring = .false.
-      select type (item => system%loads(load)%item)
-      type is (point_spring_type)
-         is_spring = item%stiffness > 0.0_wp
-      type is (force_element_type)
-         is_spring = .not. item%follower .and. (item%stiffness > 0.0_wp .or. item%driven)
-      end select
-   end function is_spring
 
    !> Rates that a load acts on, body after body.
    pure function unknowns_of(system, load) result(list)

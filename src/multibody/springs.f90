@@ -27,6 +27,7 @@ module limber_multibody_springs
       procedure :: add_energy => spring_add_energy
       procedure :: add_power => spring_add_power
       procedure :: add_missed_power => spring_add_missed_power
+      procedure :: state_along => spring_state
       procedure :: tension => spring_tension
       procedure :: stretch => spring_stretch
    end type point_spring_type
@@ -107,6 +108,15 @@ contains
       call measure(self, kinematics, gap, rate, length)
       tension = self%stiffness*(length - self%free_length) + self%damping*dot_product(gap, rate)/length
    end function spring_tension
+
+   !> Elongation, its rate and minus the tension.
+   pure subroutine spring_state(self, kinematics, value, rate, push)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(out) :: value, rate, push
+      call spring_stretch(self, kinematics, value, rate)
+      push = -spring_tension(self, kinematics)
+   end subroutine spring_state
 
    !> Elongation and its rate.
    pure subroutine spring_stretch(self, kinematics, elongation, rate)

@@ -7,7 +7,6 @@ module limber_output_load_channels
    use limber_multibody_force_elements, only: force_element_type
    use limber_multibody_kinematics, only: kinematics_type
    use limber_multibody_load, only: load_type
-   use limber_multibody_springs, only: point_spring_type
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -47,17 +46,8 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       !> Index into the table of quantities
       integer, intent(in) :: kind
-      real(wp) :: elongation, rate, push, weights(2, 3)
-      elongation = 0.0_wp
-      rate = 0.0_wp
-      push = 0.0_wp
-      select type (load)
-      type is (point_spring_type)
-         call load%stretch(kinematics, elongation, rate)
-         push = -load%tension(kinematics)
-      type is (force_element_type)
-         call load%measure(kinematics, elongation, rate, push, weights)
-      end select
+      real(wp) :: elongation, rate, push
+      call load%state_along(kinematics, elongation, rate, push)
       select case (kind)
       case (quantity_elongation); value = elongation
       case (quantity_rate); value = rate
@@ -83,18 +73,9 @@ contains
    real(wp) function load_power(load, kinematics) result(power)
       class(load_type), intent(in) :: load
       type(kinematics_type), intent(in) :: kinematics
-      real(wp) :: elongation, rate, push, weights(2, 3)
-      power = 0.0_wp
-      select type (load)
-      type is (force_element_type)
-         call load%measure(kinematics, elongation, rate, push, weights)
-         power = push*rate
-      type is (point_spring_type)
-         call load%stretch(kinematics, elongation, rate)
-         power = -load%tension(kinematics)*rate
-      class default
-         call load%add_power(kinematics, power)
-      end select
+      real(wp) :: elongation, rate, push
+      call load%state_along(kinematics, elongation, rate, push)
+      power = push*rate
    end function load_power
 
 end module limber_output_load_channels

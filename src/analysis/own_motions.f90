@@ -1,12 +1,12 @@
 !> Bodies whose own motion is small beside the scene. Errors are judged by lengths and speeds of all that is connected; what is
-!> little there can be much of the motion of one body. In some steps errors of the places of rigid bodies are found, and compared
-!> with how far these move. Floor: analysis. Source: doc/theory, eqs. (5.68), (5.70).
+!> little there can be much of the motion of a body that loads alone connect with others. In some steps errors of the places of such
+!> rigid bodies are found, and compared with how far these move. Floor: analysis. Source: doc/theory, eqs. (5.68), (5.70).
 module limber_analysis_own_motions
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text
    use limber_analysis_step_defects, only: defect_type, find_response
-   use limber_model_model, only: dynamics_type
+   use limber_model_model, only: dynamics_type, ground
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
    private
@@ -21,6 +21,8 @@ module limber_analysis_own_motions
    type :: motions_type
       !> Steps so far
       integer :: steps = 0
+      !> Whether a body is looked at: rigid, and loads alone connect it, or those that joints join it with, with others (bodies)
+      logical, allocatable :: watched(:)
       !> Smallest and largest x and y [length] (2, bodies)
       real(wp), allocatable :: low(:, :), high(:, :)
       !> Errors of places that add up, at most and at the last look, and the time of that; the largest of those that what is stiff
@@ -40,6 +42,7 @@ contains
       real(wp), intent(in) :: q(:)
       integer :: i, n
       n = size(system%layout%q)
+      self%watched = tied_by_loads(system) .and. system%layout%n == 0
       allocate (self%low(2, n), self%high(2, n), self%added(n), self%now(n), self%seen(n), self%stiff(n), &
          & source=0.0_wp)
       do i = 1, n
@@ -47,6 +50,30 @@ contains
       end do
       self%high = self%low
    end subroutine start_motions
+
+   !> Bodies of groups that joints and drivers make, and that loads connect with other groups (bodies).
+   function tied_by_loads(system) result(tied)
+      type(system_type), intent(in) :: system
+      logical :: tied(size(system%layout%q))
+      integer :: group(size(tied)), i, j
+      group = [(i, i=1, size(group))]
+      do i = 1, size(system%constraints)
+         associate (bodies => system%constraints(i)%item%bodies)
+            if (any(bodies == ground)) cycle
+            where (group == group(bodies(2))) group = group(bodies(1))
+         end associate
+      end do
+      tied = .false.
+      do i = 1, size(system%loads)
+         associate (bodies => system%loads(i)%item%bodies)
+            do j = 2, size(bodies)
+               if (any(bodies(j - 1:j) == ground)) cycle
+               if (group(bodies(j)) == group(bodies(j - 1))) cycle
+               tied = tied .or. group == group(bodies(j)) .or. group == group(bodies(j - 1))
+            end do
+         end associate
+      end do
+   end function tied_by_loads
 
    !> Takes the places at the end of a step.
    pure subroutine note_place(self, system, q)
@@ -56,6 +83,7 @@ contains
       integer :: i
       self%steps = self%steps + 1
       do i = 1, size(self%added)
+         if (.not. self%watched(i)) cycle
          associate (at => system%layout%q(i))
             self%low(:, i) = min(self%low(:, i), q(at:at + 1))
             self%high(:, i) = max(self%high(:, i), q(at:at + 1))
@@ -68,6 +96,8 @@ contains
       type(motions_type), intent(in) :: self
       type(system_type), intent(in) :: system
       integer :: i
+      due = any(self%watched)
+      if (.not. due) return
       due = .false.
       if (self%steps > first .and. mod(self%steps, every) /= 0) return
       do i = 1, size(self%added)
@@ -81,9 +111,10 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(in) :: body
       real(wp) :: own
-      little = system%layout%n(body) == 0
+      little = self%watched(body)
+      if (.not. little) return
       own = own_motion(self, body)
-      little = little .and. own > max(none, nothing*system%model%dynamics%tolerance)*system%model%length .and. &
+      little = own > max(none, nothing*system%model%dynamics%tolerance)*system%model%length .and. &
          & own < small*system%model%length
    end function moves_little
 

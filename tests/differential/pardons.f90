@@ -16,13 +16,14 @@ module pardons
    real(wp), parameter :: of_vibrations = 10.0_wp
    !> Warnings that begin at a part of something: what stands before the number and behind it, and the part at which they begin
    character(*), parameter :: energy_words = 'energy balance is off by ', ringing_words = ' may err by about ', &
-      & slip_words = 'they are off by ', phase_words = 'the motion is ', price_words = 'longer shows: up to '
+      & slip_words = 'they are off by ', phase_words = 'the motion is ', price_words = 'longer shows: up to ', &
+      & inertia_words = "' errs by about "
    character(*), parameter :: kept_words = 'keeps up a vibration', unfollowed_words = 'does not follow a vibration', &
       & beyond_functions = 'do not follow'
    !> A warning that begins below a part of something
    character(*), parameter :: grip_words = 'lost their grip but for '
    real(wp), parameter :: energy_begins = 1.0e-2_wp, ringing_begins = 1.0e-2_wp, slip_begins = 2.0e-2_wp, &
-      & phase_begins = 2.0e-2_wp, price_begins = 1.0e4_wp, grip_begins = 1.0e-2_wp
+      & phase_begins = 2.0e-2_wp, price_begins = 1.0e4_wp, grip_begins = 1.0e-2_wp, inertia_begins = 1.0e-2_wp
    !> A warning that tells less than so many times the part at which it begins may be missing in another view
    real(wp), parameter :: near = 10.0_wp
 
@@ -79,7 +80,8 @@ contains
          last = first + index(warnings(first:)//newline, newline) - 2
          associate (line => warnings(first:last))
             if (.not. (is_near(line, energy_words, 0.01_wp, energy_begins) .or. is_near(line, ringing_words, 0.01_wp, &
-               & ringing_begins) .or. is_near(line, slip_words, 0.01_wp, slip_begins) .or. is_near(line, ' by about ', 1.0_wp, &
+               & ringing_begins) .or. is_near(line, inertia_words, 0.01_wp, inertia_begins) .or. &
+               & is_near(line, slip_words, 0.01_wp, slip_begins) .or. is_near(line, ' by about ', 1.0_wp, &
                & phase_begins) .or. is_near(line, price_words, 1.0_wp, price_begins) .or. &
                & (index(line, grip_words) > 0 .and. 0.01_wp*number_behind(line, grip_words) > grip_begins/near) .or. &
                & (idle .and. index(line, kept_words) > 0))) left = left//line//newline

@@ -8,7 +8,7 @@ module limber_monitor_function_report
       & of_forces, of_pulls
    use limber_monitor_function_buckling, only: buckles_unseen
    use limber_monitor_function_layers, only: layers_type, lost_in_layers
-   use limber_monitor_function_sudden, only: lost_deflection, is_struck
+   use limber_monitor_function_sudden, only: lost_deflection, is_struck, find_brevity
    use limber_monitor_function_watch, only: function_watch_type
    use limber_monitor_met_ends, only: met_ends_warnings
    use limber_monitor_noise, only: noise_of
@@ -167,7 +167,8 @@ contains
       if (max(report%rest, report%late, moments, report%lost(of_forces)) <= 0.0_wp) return
       if (report%rest > report%late .or. report%moments > 0.0_wp) call add(report%causes, ' and ', &
          & 'all of its shape at t = '//as_text(self%beams(report%worst)%when(1), 4))
-      if (sudden > 0.0_wp) call add(report%causes, ' and ', 'its vibrations under sudden or fast loads')
+      if (sudden > 0.0_wp) call add(report%causes, ' and ', 'its vibrations under sudden or fast loads' &
+         & //brevity(self, model, report))
       if (max(report%rest, report%late) > 0.0_wp) call add_error(report, max(report%rest, report%late), 'its largest deflection')
       if (moments > 0.0_wp) call add_error(report, moments, 'bending moments asked for')
       if (report%lost(of_forces) > 0.0_wp) call add_error(report, report%lost(of_forces), 'shear forces and reactions asked for')
@@ -185,6 +186,26 @@ contains
       text = "warning: beam '"//report%name//"' has too few functions of the angle: its "//as_text(functions)//' do not follow '// &
          & report%causes//'; '//report%what//' may be off; use '//report%remedies//newline
    end function angle_warning
+
+   !> How long moments and forces are off behind each jump, where that is short.
+   function brevity(self, model, report) result(text)
+      type(function_watch_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      type(report_type), intent(in) :: report
+      character(:), allocatable :: text
+      logical :: brief
+      real(wp) :: time, longest
+      integer :: k
+      text = ''
+      if (report%late > 0.0_wp) return
+      longest = 0.0_wp
+      do k = report%first, report%last
+         call find_brevity(self%beams(k)%sudden, brief, time)
+         if (.not. brief) return
+         longest = max(longest, time)
+      end do
+      text = ', for about '//as_text(longest, 2)//' '//model%units%time//' after a jump, until damping ends them'
+   end function brevity
 
    !> Adds one more to a list of words.
    pure subroutine add(list, link, word)

@@ -10,7 +10,8 @@ module limber_monitor_function_watch
    use limber_beam_force_recovery, only: recovery_type
    use limber_monitor_function_buckling, only: buckling_type, start_buckling, observe_buckling, join_buckling
    use limber_monitor_function_layers, only: layers_type, start_layers, observe_layers, join_layers
-   use limber_monitor_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, at_rest
+   use limber_monitor_function_sudden, only: sudden_type, start_sudden, observe_sudden, join_sudden, &
+      & share_that_stays, at_rest
    use limber_monitor_met_ends, only: met_ends_type, start_met_ends, observe_met_ends, join_met_ends
    use limber_model_force_sections, only: recover_stations
    use limber_output_exact_forces, only: find_lack, settle_stations
@@ -99,7 +100,7 @@ contains
          self%beams(k)%body = i
          call recover_stations(system%model, i, self%beams(k)%recovery)
          call start_effort(self%beams(k)%effort, system, i, self%beams(k)%recovery)
-         call start_sudden(self%beams(k)%sudden, system%model%bodies(i)%reduced%exact, &
+         call start_sudden(self%beams(k)%sudden, system%model%bodies(i)%reduced, &
             & system%model%bodies(i)%choice%exact%support)
          call start_layers(self%beams(k)%layers, system%model%bodies(i))
          call start_buckling(self%beams(k)%buckling, system%model, i)
@@ -379,7 +380,8 @@ contains
          bend = lack(1, :)
          forces = beam%effort%exact
          call settle_stations(body, eta, lack(1, :), forces)
-         call observe_sudden(beam%sudden, exact, state, t, eta - exact%rest, acceleration, lack(:2, :), forces)
+         call observe_sudden(beam%sudden, exact, state, t, eta - exact%rest, rate, acceleration, &
+            & lack(:2, :), forces)
          call observe_layers(beam%layers, exact, t, eta, beam%effort%exact)
          do k = 1, exact%stations
             own = exact%lean(k) + dot_product(exact%psi(:, k), eta(:a))
@@ -402,7 +404,8 @@ contains
          if (state /= at_rest) call observe_buckling(beam%buckling, t, &
             & -sum(exact%weight*beam%effort%exact(1, :))/exact%total, maxval(abs(place(:, 2))), exact%total)
          call displace(exact, body%choice%exact%support, slide, place)
-         call note(1, farthest(place))
+         ! Right behind a jump of loads damped beams have not moved yet, and what is lacking there may be gone soon
+         call note(1, farthest(place)*share_that_stays(beam%sudden, state, t))
          call displace(exact, body%choice%exact%support, bent, place)
          beam%moved_by_angle = max(beam%moved_by_angle, farthest(place))
          ! Beams stretch between their ends, too

@@ -1,7 +1,8 @@
 !> Loads that come suddenly or fast on default beams: deflections and bending moments are right to a hundredth, or warned of with at
 !> least a third of their error; loads that come slowly are not warned of. Truth: sums of the modes of straight beams in closed form,
 !> on pins, clamped at one end, and on a foot that shakes. Reactions of other bodies, forces along a beam and laws that jump at a
-!> place: told, with at least half of their error. Usage, in tests/: test_sudden_loads RESULT_FILE
+!> place: told, with at least half of their error. Damped beams: told, with at least their error. Usage, in
+!> tests/: test_sudden_loads RESULT_FILE
 program test_sudden_loads
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -33,6 +34,7 @@ program test_sudden_loads
    call get_command_argument(1, results)
    call check_pins()
    call check_cantilever()
+   call check_damped()
    call check_hub()
    call check_bob()
    call check_head()
@@ -89,6 +91,119 @@ contains
       force = force/load*1.0e-6_wp*199.859530_wp**2
       call judge('cantilever, shaken foot', foot, 1.0_wp, clamped, shaken, force, 199.859530_wp, .true.)
    end subroutine check_cantilever
+
+   !> Damped beams under loads that come at once: what lies beyond critical damping errs for an instant, by its moments, and hardly
+   !> moves otherwise than it should; under a load of their fifth frequency.
+   subroutine check_damped()
+      character(*), parameter :: couple = '*TORQUE, NAME=load, POINT=bar.end'//nl//' 1e-3*step(t - 0.5)'//nl
+      character(*), parameter :: push = at_middle//'1e-3*step(t - 0.5)'//nl
+      real(wp) :: force(modes), beta, sigma, tip(0:1)
+      integer :: n
+      force = [(load*sqrt(2.0_wp)*sin(0.5_wp*n*pi), n=1, modes)]
+      call judge_damped('damped pins, little', pins//push, on_pins, late, force, 0.0_wp, 2.0e-3_wp)
+      call judge_damped('damped pins', pins//push, on_pins, late, force, 0.0_wp, 5.0e-2_wp)
+      do n = 1, modes
+         call find_cantilever(n, beta, sigma)
+         tip = cantilever_tip(beta, sigma)
+         force(n) = load*tip(1)
+      end do
+      call judge_damped('damped couple', wall//couple, clamped, late, force, 0.0_wp, 5.0e-2_wp)
+      call judge_damped('couple with much damping', wall//couple, clamped, late, force, 0.0_wp, 0.25_wp)
+      do n = 1, modes
+         call find_cantilever(n, beta, sigma)
+         tip = cantilever_tip(beta, sigma)
+         force(n) = load*tip(0)
+      end do
+      call judge_damped('damped, fifth frequency', wall//at_tip//'1e-3*sin(199.859530*t)'//nl, clamped, harmonic, force, &
+         & 199.859530_wp, 5.0e-4_wp)
+   end subroutine check_damped
+
+   !> Runs a scene with damping and compares it with the sum of its modes: what is told is not less than the error, nor more than
+   !> six times it.
+   subroutine judge_damped(name, text, held, kind, force, omega, beta)
+      character(*), intent(in) :: name, text
+      integer, intent(in) :: held, kind
+      real(wp), intent(in) :: force(:), omega
+      !> By the rate of the curvature, in units of the curvature [time]
+      real(wp), intent(in) :: beta
+      integer, parameter :: samples = 200
+      character(*), parameter :: what(2) = [character(18) :: 'its deflection', 'its bending moment']
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp) :: truth(2, 0:samples), found(2, 0:samples), off(2), told(2)
+      character(12) :: number
+      integer :: i
+      write (number, '(es12.4)') beta
+      call run(text//'*DAMPING, BODY=bar, RAYLEIGH BETA='//trim(adjustl(number))//nl//'*DYNAMICS, END=1, OUTPUTS=200'//nl// &
+         & '*OUTPUT'//nl//merge(' y = y(bar.middle), moment = bending_moment(bar.middle)', &
+         & ' y = y(bar.end), moment = bending_moment(bar.start)    ', held == on_pins)//nl, report)
+      call reader%open(trim(results), error)
+      call check_no_error(error, name)
+      if (allocated(error)) return
+      found(1, :) = channel(reader, 'y')
+      found(2, :) = channel(reader, 'moment')
+      call reader%close()
+      do i = 0, samples
+         truth(:, i) = sum_of_damped(held, kind, force, omega, beta, i/real(samples, wp))
+      end do
+      off = maxval(abs(found - truth), dim=2)/maxval(abs(truth), dim=2)
+      told = [told_of(report, 'its largest deflection'), told_of(report, 'bending moments')]
+      print '(2a,4f10.5)', name, ': deflection off, told; moment off, told', off(1), told(1), off(2), told(2)
+      do i = 1, 2
+         call check(off(i) <= 5.0e-3_wp*i .or. told(i) >= off(i), name//': '//trim(what(i))//' is right, or told: '//report)
+         call check(told(i) <= 6*off(i), name//': no more than it is: '//trim(what(i))//': '//report)
+      end do
+   end subroutine judge_damped
+
+   !> Deflection and bending moment, that of the damping in it, of a beam at rest before (2).
+   function sum_of_damped(held, kind, force, omega, beta, t) result(total)
+      integer, intent(in) :: held, kind
+      real(wp), intent(in) :: force(:), omega, beta, t
+      real(wp) :: total(2), shape(2), frequency, root, sigma, tip(0:1)
+      integer :: n
+      total = 0.0_wp
+      do n = 1, modes
+         if (held == on_pins) then
+            frequency = (n*pi)**2
+            shape = sqrt(2.0_wp)*sin(0.5_wp*n*pi)*[1.0_wp, -frequency]
+         else
+            call find_cantilever(n, root, sigma)
+            frequency = root**2
+            tip = cantilever_tip(root, sigma)
+            shape = [tip(0), 2*frequency]
+         end if
+         total = total + shape*force(n)*damped_answer(kind, frequency, omega, beta, t)
+      end do
+   end function sum_of_damped
+
+   !> What a unit force on a vibration of unit mass makes: its place q, and q + beta q'.
+   pure function damped_answer(kind, frequency, omega, beta, t) result(q)
+      integer, intent(in) :: kind
+      real(wp), intent(in) :: frequency, omega, beta, t
+      real(wp) :: q(2), time, place(2), rate(2), part(2), rest
+      complex(wp) :: root(2), factor(2)
+      time = t
+      if (kind == late) time = t - 0.5_wp
+      q = 0.0_wp
+      if (.not. time > 0.0_wp) return
+      ! What goes on, at the start and now: place and rate
+      if (kind == late) then
+         place = 1/frequency**2
+         rate = 0.0_wp
+      else
+         rest = frequency**2 - omega**2
+         part = [rest, -beta*frequency**2*omega]/(rest**2 + (beta*frequency**2*omega)**2)
+         place = [part(2), part(1)*sin(omega*time) + part(2)*cos(omega*time)]
+         rate = omega*[part(1), part(1)*cos(omega*time) - part(2)*sin(omega*time)]
+      end if
+      root(1) = -0.5_wp*beta*frequency**2 - frequency*sqrt(cmplx((0.5_wp*beta*frequency)**2 - 1, 0.0_wp, wp))
+      root(2) = frequency**2/root(1)
+      factor(1) = (root(2)*place(1) - rate(1))/(root(1) - root(2))
+      factor(2) = -place(1) - factor(1)
+      q(1) = place(2) + real(sum(factor*exp(root*time)), wp)
+      q(2) = q(1) + beta*(rate(2) + real(sum(factor*root*exp(root*time)), wp))
+   end function damped_answer
 
    !> A cantilever on a hub that a couple turns for 0.05: the force of the axle is that of the weld, for the hub rests. It is 25 % off
    !> (against 20 functions). Nothing but this is asked for.

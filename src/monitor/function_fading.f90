@@ -37,8 +37,8 @@ contains
          fading%fast = ratio*sqrt(omega2)
          fading%slow = fading%fast
          angle = 0.5_wp*acos(-1.0_wp)*ratio/sqrt(1 - ratio**2)
-         fading%most_late = 2/max(tanh(angle), 1.0e-100_wp)
          fading%overshoot = exp(-2*angle)
+         fading%most_late = 2*(1 + fading%overshoot)/max(tanh(angle), 1.0e-100_wp)
       end if
    end function fading_of
 

@@ -1,6 +1,7 @@
 !> Operations and functions of expressions. Their names, their values, where they are not defined, and their first and second
 !> derivatives. Floor: deck.
 module limber_deck_operations
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
    use limber_base_kinds, only: wp
    implicit none
    private
@@ -133,9 +134,8 @@ contains
          f = u
          if (is_below(u, jet_type())) f = jet_type(-u%value, -u%first, -u%second)
          return
-      else if (code == op_sqrt .and. abs(u%value) <= 0.0_wp .and. abs(u%first) <= 0.0_wp) then
-         ! The root of a square is a magnitude
-         f%first = sqrt(0.5_wp*max(0.0_wp, u%second))
+      else if (code == op_sqrt .and. abs(u%value) <= 0.0_wp) then
+         f = power_at_zero(u, 0.5_wp)
          return
       end if
       f%value = unary_value(code, u%value)
@@ -276,6 +276,8 @@ contains
          f_uu = v%second*logarithm%value + 2.0_wp*v%first*logarithm%first + c*logarithm%second
          f%first = f%value*f_u
          f%second = f%value*(f_u**2 + f_uu)
+      else if (abs(u%value) <= 0.0_wp .and. c > 0.0_wp .and. c < 2.0_wp .and. .not. is_whole(c)) then
+         f = power_at_zero(u, c)
       else
          f_u = 0.0_wp
          f_uu = 0.0_wp
@@ -285,6 +287,24 @@ contains
          f%second = times(f_uu, u%first**2) + times(f_u, u%second)
       end if
    end function power_jet
+
+   !> u**c right behind u = 0, for c below 2 and not whole: infinite derivatives, if u grows from there; the root of a square is a
+   !> magnitude.
+   elemental function power_at_zero(u, c) result(f)
+      type(jet_type), intent(in) :: u
+      real(wp), intent(in) :: c
+      type(jet_type) :: f
+      real(wp) :: infinite
+      infinite = ieee_value(c, ieee_positive_inf)
+      if (abs(u%first) > 0.0_wp) then
+         if (c < 1.0_wp) f%first = infinite
+         f%second = infinite
+      else if (abs(u%second) > 0.0_wp) then
+         if (c < 0.5_wp) f%first = infinite
+         if (abs(c - 0.5_wp) <= 0.0_wp) f%first = sqrt(0.5_wp*max(0.0_wp, u%second))
+         if (c < 1.0_wp .and. abs(c - 0.5_wp) > 0.0_wp) f%second = infinite
+      end if
+   end function power_at_zero
 
    !> Why f(u) is not defined; empty if it is.
    pure function unary_complaint(code, u) result(text)

@@ -206,7 +206,8 @@ contains
       real(wp), intent(in) :: t
       !> Until so many times its rate have passed
       real(wp), parameter :: soon = 5.0_wp
-      fresh = fading%creeps .and. (is_sudden(kind) .or. (t - self%jumped)*fading%fast < soon)
+      fresh = fading%creeps .and. is_sudden(kind)
+      if (fading%creeps .and. .not. fresh) fresh = t - self%jumped < soon/max(fading%fast, 1/sqrt(huge(t)))
    end function is_fresh
 
    !> What the time since the last jump leaves of those before.

@@ -160,19 +160,11 @@ contains
    function sum_of_damped(held, kind, force, omega, beta, t) result(total)
       integer, intent(in) :: held, kind
       real(wp), intent(in) :: force(:), omega, beta, t
-      real(wp) :: total(2), shape(2), frequency, root, sigma, tip(0:1)
+      real(wp) :: total(2), shape(2), frequency
       integer :: n
       total = 0.0_wp
       do n = 1, modes
-         if (held == on_pins) then
-            frequency = (n*pi)**2
-            shape = sqrt(2.0_wp)*sin(0.5_wp*n*pi)*[1.0_wp, -frequency]
-         else
-            call find_cantilever(n, root, sigma)
-            frequency = root**2
-            tip = cantilever_tip(root, sigma)
-            shape = [tip(0), 2*frequency]
-         end if
+         call find_mode(held, n, frequency, shape)
          total = total + shape*force(n)*damped_answer(kind, frequency, omega, beta, t)
       end do
    end function sum_of_damped
@@ -448,24 +440,32 @@ contains
       told = told/100
    end function told_of
 
+   !> Frequency of a mode, its deflection and bending moment where they are asked for (2).
+   subroutine find_mode(held, n, frequency, shape)
+      integer, intent(in) :: held, n
+      real(wp), intent(out) :: frequency, shape(2)
+      real(wp) :: root, sigma, tip(0:1)
+      if (held == on_pins) then
+         frequency = (n*pi)**2
+         shape = sqrt(2.0_wp)*sin(0.5_wp*n*pi)*[1.0_wp, -frequency]
+      else
+         call find_cantilever(n, root, sigma)
+         frequency = root**2
+         tip = cantilever_tip(root, sigma)
+         shape = [tip(0), 2*frequency]
+      end if
+   end subroutine find_mode
+
    !> Deflection and bending moment of a beam at rest before, where they are asked for (2).
    function sum_of_modes(held, kind, force, omega, t) result(total)
       integer, intent(in) :: held, kind
       !> On the modes (modes); frequency of the force; time
       real(wp), intent(in) :: force(:), omega, t
-      real(wp) :: total(2), shape(2), frequency, beta, sigma, tip(0:1)
+      real(wp) :: total(2), shape(2), frequency
       integer :: n
       total = 0.0_wp
       do n = 1, modes
-         if (held == on_pins) then
-            frequency = (n*pi)**2
-            shape = sqrt(2.0_wp)*sin(0.5_wp*n*pi)*[1.0_wp, -frequency]
-         else
-            call find_cantilever(n, beta, sigma)
-            frequency = beta**2
-            tip = cantilever_tip(beta, sigma)
-            shape = [tip(0), 2*frequency]
-         end if
+         call find_mode(held, n, frequency, shape)
          total = total + shape*force(n)*answer(kind, frequency, omega, t)
       end do
    end function sum_of_modes

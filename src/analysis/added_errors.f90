@@ -19,6 +19,8 @@ module limber_analysis_added_errors
 
    !> What is remembered
    type :: added_errors_type
+      !> Whether there are laws of the motion, or bodies that loads alone connect; without them nothing is looked at
+      logical :: wanted = .false.
       type(defect_type) :: defect
       type(passages_type) :: passages
       type(motions_type) :: motions
@@ -35,17 +37,19 @@ contains
       type(crossings_type), intent(in) :: crossings
       !> First state (nq)
       real(wp), intent(in) :: t, q(:), v(:)
+      call start_motions(self%motions, system, q)
+      self%wanted = size(crossings%loads) > 0 .or. any(self%motions%watched)
+      if (.not. self%wanted) return
       call new_defect(self%defect, system)
       call begin_step(self%defect, t, q, v)
       call start_passages(self%passages, system, size(crossings%loads))
-      call start_motions(self%motions, system, q)
    end subroutine start_added
 
    !> Takes a state for the start of the next step.
    pure subroutine begin_added(self, t, q, v)
       type(added_errors_type), intent(inout) :: self
       real(wp), intent(in) :: t, q(:), v(:)
-      call begin_step(self%defect, t, q, v)
+      if (self%wanted) call begin_step(self%defect, t, q, v)
    end subroutine begin_added
 
    !> Takes a step up to a state.
@@ -61,6 +65,7 @@ contains
       real(wp), intent(inout) :: q(:), v(:)
       real(wp) :: put_in
       logical :: passes, small, found
+      if (.not. self%wanted) return
       call note_place(self%motions, system, q)
       passes = looks_at(self%passages, crossings)
       small = is_due(self%motions, system)

@@ -110,6 +110,9 @@ contains
          call need('RADIUS')
       case (joint_curve)
          call need('CURVE')
+      case (joint_sliding)
+         if (block%given('ANGLE')) call diagnostics%warn(block%origin_of('ANGLE'), 'ANGLE means nothing of a joint of'// &
+            & ' TYPE=SLIDING: its point slides along the beam', 'remove it')
       end select
 
    contains

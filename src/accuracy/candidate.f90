@@ -10,7 +10,8 @@ module limber_accuracy_candidate
    use limber_analysis_error_estimate, only: add_quantities, round_off
    use limber_scene_outcome, only: outcome_type
    use limber_accuracy_fidelity_levels, only: level_type, apply_rung
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_integrator_integrator, only: integrator_type

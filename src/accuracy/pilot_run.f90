@@ -7,7 +7,7 @@ module limber_accuracy_pilot_run
    use limber_analysis_dynamic_analysis, only: new_integrator
    use limber_accuracy_pilot_scenes, only: build_exact, probe_modally, make_rigid, build, probe_modes
    use limber_accuracy_fidelity_levels, only: level_type, bare_deck
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_accuracy_modal_response, only: follow_forces, follow_first, vibration_modes, frequency_shifts
    use limber_deck_content, only: deck_type
    use limber_integrator_integrator, only: integrator_type

@@ -4,7 +4,8 @@ module limber_accuracy_pilot_scenes
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_accuracy_fidelity_levels, only: level_type, apply_rung
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_families, only: options_of_exact

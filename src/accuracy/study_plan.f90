@@ -4,7 +4,8 @@ module limber_accuracy_study_plan
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, lowercase
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_keywords, only: keyword_options, split_values

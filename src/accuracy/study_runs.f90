@@ -10,7 +10,8 @@ module limber_accuracy_study_runs
    use limber_analysis_run_report, only: energy_warning
    use limber_monitor_model_ranges, only: range_warnings
    use limber_scene_outcome, only: outcome_type, all_warnings
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_accuracy_study_plan, only: plan_type, setting_type, variant, finest, levels, set_fine, all_integrators, &
       & axis_integrator, axis_tolerance, axis_modes, axis_elements, axis_fidelity
    use limber_accuracy_study_reference, only: reference_type, take_reference, compare, difference

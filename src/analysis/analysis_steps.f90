@@ -16,7 +16,8 @@ module limber_analysis_analysis_steps
    use limber_monitor_indicator_start, only: start_indicators
    use limber_analysis_kinematic_analysis, only: run_kinematics
    use limber_analysis_modal_analysis, only: run_modes
-   use limber_scene_first_scene, only: scene_type, settle_integrator
+   use limber_scene_first_scene, only: settle_integrator
+   use limber_scene_scene, only: scene_type
    use limber_analysis_small_motions, only: linearise_state, lowest_vibrations
    use limber_scene_speed_jumps, only: begin_behind, refused_speeds
    use limber_analysis_static_analysis, only: run_statics

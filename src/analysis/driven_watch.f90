@@ -11,7 +11,7 @@ module limber_analysis_driven_watch
    use limber_monitor_indicator_start, only: start_indicators
    use limber_monitor_observation, only: observe
    use limber_scene_outcome, only: outcome_type
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_analysis_static_aside, only: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
    use limber_analysis_left_inertia, only: left_inertia_type, balance_type, start_left_inertia, compare_inertia, tell_left_inertia
    use limber_model_analyses, only: title

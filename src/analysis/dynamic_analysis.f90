@@ -22,7 +22,7 @@ module limber_analysis_dynamic_analysis
    use limber_monitor_noise, only: noise_of
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: sample_type, sample_time, record, look_between, check_energy, check_residuals
-   use limber_scene_first_scene, only: scene_type, seconds_since
+   use limber_scene_scene, only: scene_type, seconds_since
    use limber_analysis_stiffening, only: stiffening_type, watch_stiffness, stiffness_warning
    use limber_analysis_turn_steps, only: turning_type, start_turning, turn_time, watch_turning
    use limber_analysis_unfollowed, only: unfollowed_type, start_unfollowed, watch_channels, unfollowed_warning, shows_vibrations

@@ -9,7 +9,7 @@ module limber_analysis_error_estimate
    use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
    use limber_scene_outcome, only: outcome_type
    use limber_scene_channel_errors, only: envelope, shrinkage, widening, unknown_ratio, no_shrinkage
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_deck_operations, only: op_slot
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance
    use limber_model_quantities, only: quantities, quantity_work

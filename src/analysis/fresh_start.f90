@@ -8,7 +8,7 @@ module limber_analysis_fresh_start
    use limber_analysis_looks, only: observe_state
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: sample_type
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_scene_speed_jumps, only: demanded_jumps
    use limber_monitor_run_monitor, only: largest_speed
    use limber_integrator_integrator, only: integrator_type

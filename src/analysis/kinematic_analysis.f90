@@ -11,7 +11,7 @@ module limber_analysis_kinematic_analysis
    use limber_scene_joint_check, only: check_joints
    use limber_scene_outcome, only: outcome_type
    use limber_scene_sampling, only: check_residuals
-   use limber_scene_first_scene, only: scene_type, seconds_since
+   use limber_scene_scene, only: scene_type, seconds_since
    use limber_scene_speed_jumps, only: speed_jumps_type, new_speed_jumps, pass_speed_jumps, tell_speed_jumps
    use limber_analysis_static_aside, only: aside_sample_type
    use limber_model_law_breaks, only: last_instant

@@ -9,7 +9,7 @@ module limber_analysis_left_inertia
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
    use limber_analysis_static_aside, only: least_sizes, largest_force, is_place
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_scene_outcome, only: outcome_type, warn
    use limber_model_law_breaks, only: find_breaks, changes_between, round_off
    use limber_model_model, only: analysis_step_type

@@ -6,7 +6,7 @@ module limber_analysis_looks
    use limber_monitor_observation, only: observe
    use limber_scene_outcome, only: outcome_type
    use limber_scene_sampling, only: sample_type
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_monitor_function_sudden, only: in_motion
    use limber_integrator_integrator, only: integrator_type
    use limber_model_model, only: dynamics_type

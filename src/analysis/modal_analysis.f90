@@ -13,7 +13,7 @@ module limber_analysis_modal_analysis
    use limber_monitor_mode_checks, only: mode_warnings
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: check_residuals
-   use limber_scene_first_scene, only: scene_type, seconds_since
+   use limber_scene_scene, only: scene_type, seconds_since
    use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
    use limber_model_model, only: ground, analysis_step_type, ground
    use limber_output_channel_values, only: recorder_type, new_recorder, channel_values, sample_width

@@ -8,7 +8,7 @@ module limber_analysis_mode_aside
    use limber_analysis_scene_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
    use limber_analysis_richer_scene, only: richer_words, can_enrich, project_coordinates, nothing_more, with_responses, &
       & with_modes, with_both, with_functions
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
    use limber_model_model, only: analysis_step_type
    use limber_model_beam_segments, only: name_in_deck

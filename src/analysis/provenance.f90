@@ -9,7 +9,7 @@ module limber_analysis_provenance
    use limber_scene_envelopes, only: record_envelope
    use limber_scene_scalar_values, only: scalar_values
    use limber_monitor_model_ranges, only: record_indicators
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_analysis_analysis_steps, only: passed_type
    use limber_deck_content, only: deck_type
    use limber_deck_effective, only: effective_deck

@@ -3,7 +3,7 @@
 module limber_analysis_richer_scene
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_deck_content, only: deck_type
    use limber_beam_frame_reduction, only: available_frame_modes
    use limber_beam_beam_mesh, only: nodal_masses, nodal_inertias

@@ -4,7 +4,7 @@ module limber_analysis_run_report
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
    use limber_scene_outcome, only: outcome_type, energy_scale, passing_scale, allowed_imbalance
-   use limber_scene_first_scene, only: scene_type, mobility_line, inner_joints
+   use limber_scene_scene, only: scene_type, mobility_line, inner_joints
    use limber_integrator_integrator, only: integrator_type
    use limber_output_history, only: history_type
    implicit none

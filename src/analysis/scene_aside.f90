@@ -4,7 +4,8 @@ module limber_analysis_scene_aside
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
    use limber_analysis_richer_scene, only: richer_deck, can_enrich, project_coordinates, nothing_more
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_multibody_equilibrium, only: equilibrium_type, new_equilibrium, find_equilibrium
    use limber_multibody_system, only: system_type

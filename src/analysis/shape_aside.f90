@@ -9,7 +9,7 @@ module limber_analysis_shape_aside
    use limber_analysis_richer_scene, only: nothing_more, with_angles
    use limber_analysis_scene_aside, only: aside_type, build_aside, place_aside
    use limber_analysis_static_aside, only: aside_sample_type
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_beam_exact_beam, only: exact_type, reach_of, panel_stations
    use limber_beam_force_recovery, only: recovery_type
    use limber_beam_taut_axis, only: locate, values_at

@@ -3,7 +3,7 @@
 module limber_analysis_small_motions
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type, raise
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_model_model, only: ground, analysis_step_type
    use limber_multibody_equilibrium, only: equilibrium_type, linearise_balance
    use limber_multibody_free_motions, only: find_freedom, has_potential

@@ -16,7 +16,7 @@ module limber_analysis_static_analysis
    use limber_scene_outcome, only: outcome_type
    use limber_monitor_model_ranges, only: likely_cause
    use limber_scene_sampling, only: check_residuals
-   use limber_scene_first_scene, only: scene_type, seconds_since
+   use limber_scene_scene, only: scene_type, seconds_since
    use limber_analysis_static_aside, only: static_aside_type, aside_sample_type, start_static_aside, compare_sample, static_warning
    use limber_analysis_shape_aside, only: shape_aside_type, compare_shapes, tell_shapes
    use limber_analysis_skipped_laws, only: bent_law

@@ -9,7 +9,7 @@ module limber_analysis_static_aside
    use limber_base_text, only: as_text, newline
    use limber_analysis_scene_aside, only: aside_type, build_aside, place_aside, additional_modes, add_missed
    use limber_analysis_richer_scene, only: richer_words, can_enrich, nothing_more, with_responses, with_modes, with_both
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_model_quantities, only: quantities, is_internal_force
    use limber_model_model, only: model_type
    use limber_model_beam_segments, only: name_in_deck

@@ -5,7 +5,7 @@ module limber_analysis_static_branch
    use limber_base_signals, only: signal_came
    use limber_base_text, only: as_text, newline
    use limber_analysis_curve_path, only: curve_path_type
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_analysis_skipped_laws, only: skips_law
    use limber_model_model, only: analysis_step_type, leave_unstable
    use limber_output_channel_values, only: recorder_type

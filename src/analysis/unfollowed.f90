@@ -7,7 +7,7 @@ module limber_analysis_unfollowed
    use limber_base_snapshot, only: snapshot_type
    use limber_base_text, only: as_text, newline
    use limber_scene_sampling, only: sample_type
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_deck_difference_terms, only: size_of_terms
    use limber_integrator_unfollowed_vibrations, only: ringing_type
    use limber_model_model, only: dynamics_type, model_type

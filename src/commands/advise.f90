@@ -10,7 +10,8 @@ module limber_commands_advise
    use limber_accuracy_fixed_options, only: free_options, free_integration, find_fixed, unverified_words
    use limber_accuracy_pilot_run, only: forecast_type
    use limber_accuracy_fidelity_levels, only: level_type, rung_name, richer, can_climb
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_deck_content, only: deck_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_effective, only: effective_deck

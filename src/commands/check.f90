@@ -2,7 +2,8 @@
 module limber_commands_check
    use limber_base_error, only: error_type
    use limber_base_text, only: as_text, newline
-   use limber_scene_first_scene, only: scene_type, read_scene, mobility_line, inner_joints
+   use limber_scene_first_scene, only: read_scene
+   use limber_scene_scene, only: scene_type, mobility_line, inner_joints
    use limber_deck_parameters, only: override_type
    use limber_model_model, only: body_type, body_flexible, units_type
    implicit none

@@ -17,7 +17,8 @@ module limber_commands_run
    use limber_monitor_model_ranges, only: range_warnings
    use limber_analysis_provenance, only: open_history, record_outcome, record_steps
    use limber_scene_scalar_values, only: scalar_values, scalar_lines, scalar_warnings
-   use limber_scene_first_scene, only: scene_type, build_scene, seconds_since
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type, seconds_since
    use limber_analysis_analysis_steps, only: run_steps, passed_type
    use limber_commands_target_run, only: run_to_target
    use limber_deck_diagnostics, only: diagnostics_type

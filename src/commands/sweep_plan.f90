@@ -6,7 +6,8 @@ module limber_commands_sweep_plan
    use limber_base_kinds, only: wp, long
    use limber_base_text, only: as_text, lowercase, newline
    use limber_base_version, only: version, commit
-   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: read_scene
+   use limber_scene_scene, only: scene_type
    use limber_deck_compile, only: compile
    use limber_deck_content, only: deck_type, block_type
    use limber_deck_expression, only: expression_type

@@ -17,7 +17,8 @@ module limber_commands_target_run
    use limber_accuracy_reached_target, only: reached_type
    use limber_analysis_provenance, only: open_history, record_outcome
    use limber_scene_scalar_values, only: scalar_lines, scalar_warnings
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_accuracy_target_search, only: reach_target
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_integrator_integrator, only: integrator_type

@@ -2,7 +2,7 @@
 !> turns. Floor: scene. Source: doc/theory, eq. (3.13).
 module limber_scene_analysis_gaps
    use limber_base_kinds, only: wp
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_multibody_assembly, only: turn_rates
    use limber_multibody_assembly_newton, only: close_positions
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix

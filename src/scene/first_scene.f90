@@ -3,15 +3,14 @@
 module limber_scene_first_scene
    use, intrinsic :: ieee_exceptions, only: ieee_status_type, ieee_get_status, ieee_set_status, ieee_set_halting_mode, ieee_all
    use limber_base_kinds, only: wp, long
-   use limber_base_snapshot, only: snapshot_type
    use limber_base_error, only: error_type, raise, status_deck
    use limber_base_text, only: as_text, newline
    use limber_scene_damping_check, only: damping_warning
    use limber_scene_law_checks, only: check_laws
    use limber_scene_integrator_choice, only: choose_integrator
    use limber_scene_speed_jumps, only: begin_behind
-   use limber_scene_given_state, only: change_type, changed_places, changed_velocities
-   use limber_deck_content, only: deck_type
+   use limber_scene_scene, only: scene_type, place_of, place_of_body, starts_with_dynamics, seconds_since
+   use limber_scene_start_warnings, only: warn_of_redundancy, warn_of_turn, warn_of_springs, warn_of_changes
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_origin, only: origin_type
    use limber_deck_parameters, only: override_type
@@ -19,63 +18,27 @@ module limber_scene_first_scene
    use limber_beam_reduction_cache, only: library_type
    use limber_model_build, only: build_model
    use limber_model_beam_segments, only: name_in_deck
-   use limber_model_model, only: model_type, step_dynamics, along_distance, ground
+   use limber_model_model, only: model_type
    use limber_multibody_assembly, only: first_guess, assemble
    use limber_multibody_hanging_loads, only: first_push, hang_bodies
    use limber_multibody_driven_motion, only: driven_motion_type, new_held, balance_deflections
    use limber_multibody_constraint_rank, only: assembly_type
    use limber_multibody_drivers, only: driven_angle_type
-   use limber_multibody_redundant_constraints, only: redundancy_type, find_redundancy, group_names, constraint_names
+   use limber_multibody_redundant_constraints, only: redundancy_type, find_redundancy, constraint_names
    use limber_multibody_first_deflections, only: balance_start
    use limber_multibody_start_rates, only: follow_balance
    use limber_multibody_compliant_constraints, only: soften_constraints
-   use limber_multibody_plane_vectors, only: cross
-   use limber_multibody_point_motion, only: point_position
    use limber_multibody_massless, only: find_massless
    use limber_multibody_joint_misfit, only: bend_least
    use limber_multibody_modal_damping, only: any_modal, find_damping, damped_modes_type
-   use limber_multibody_kinematics, only: angle_type, move_frames, place_frames
+   use limber_multibody_kinematics, only: move_frames, place_frames
    use limber_multibody_multiplier_system, only: update_jacobians
    use limber_multibody_constraint_matrix, only: constraint_matrix_type, new_constraint_matrix, fill
    use limber_multibody_beam_supports, only: find_supports
-   use limber_multibody_system, only: system_type, workspace_type, new_system, new_workspace
+   use limber_multibody_system, only: new_system, new_workspace
    implicit none
    private
-   public :: scene_type, read_scene, build_scene, settle_integrator, seconds_since, mobility_line, inner_joints
-
-   !> What an analysis leaves to the next
-   type :: carried_type
-      !> Coordinates and velocities at its end (nq); accumulated angles of the bodies' frames (bodies) [rad]
-      real(wp), allocatable :: q(:), v(:), angle(:)
-      !> True if it ended in equilibrium, with these multipliers (nc), in a steady rotation about a centre [rad/time], [length]
-      logical :: balanced = .false.
-      real(wp), allocatable :: lambda(:)
-      real(wp) :: rotation = 0.0_wp, centre(2) = 0.0_wp
-   contains
-      procedure :: exchange => exchange_carried
-   end type carried_type
-
-   !> A scene ready to be analysed
-   type :: scene_type
-      type(deck_type) :: deck
-      type(system_type) :: system
-      type(workspace_type) :: work
-      !> Assembled coordinates and velocities at the first time (nq)
-      real(wp), allocatable :: q(:), v(:)
-      !> That time: the start of the analysis, or right behind it where a driver changes its speed there; less: not known
-      real(wp) :: begin = -huge(1.0_wp)
-      !> Rank of the constraints, what is redundant, and the way from the guess
-      type(assembly_type) :: assembly
-      !> What the last analysis has left; and the accumulated angles that the present one starts from, if it is not the first
-      type(carried_type) :: last
-      real(wp), allocatable :: angle(:)
-      !> Angles that laws, joints and loads follow, as the last motion has begun with them: one that is run again begins so too
-      type(angle_type), allocatable :: followed(:)
-      !> Rendered warnings, one after another; empty if there are none
-      character(:), allocatable :: warnings
-      !> Wall seconds for reading the deck, for building model and modes, and for the assembly
-      real(wp) :: reading = 0.0_wp, building = 0.0_wp, assembling = 0.0_wp
-   end type scene_type
+   public :: read_scene, build_scene, settle_integrator
 
 contains
 
@@ -150,13 +113,6 @@ contains
             & 'give it MASS=, however small, or joints or drivers that hold it')
       end if
    end subroutine check_masses
-
-   !> Whether the first analysis is a dynamic one.
-   pure logical function starts_with_dynamics(model)
-      type(model_type), intent(in) :: model
-      starts_with_dynamics = .false.
-      if (size(model%steps) > 0) starts_with_dynamics = model%steps(1)%kind == step_dynamics
-   end function starts_with_dynamics
 
    !> Chooses the integrator where the deck leaves it open.
    subroutine settle_integrator(scene)
@@ -431,231 +387,5 @@ contains
          if (found%count > scene%assembly%equations - scene%assembly%rank) names = constraint_names(system, found%group > 0)
       end associate
    end subroutine find_unheld
-
-   !> Where a joint or driver stands in the deck.
-   pure function place_of(scene, constraint) result(origin)
-      type(scene_type), intent(in) :: scene
-      !> Its index among the constraints
-      integer, intent(in) :: constraint
-      type(origin_type) :: origin
-      integer :: block, beam, number
-      beam = 0
-      ! A coupler of many bodies has several
-      number = constraint
-      if (scene%system%constraints(constraint)%item%part_of > 0) number = scene%system%constraints(constraint)%item%part_of
-      associate (model => scene%system%model)
-         if (number <= size(model%joints)) then
-            block = scene%deck%find_named('JOINT|COUPLER', model%joints(number)%name)
-            ! One between the segments of a beam
-            if (block == 0) beam = scene%deck%find_named('BEAM|FRAME', name_in_deck(model, &
-               & model%points(model%joints(number)%points(1))%body))
-         else
-            associate (name => model%drivers(number - size(model%joints))%name)
-               block = scene%deck%find_named('DRIVER', name)
-               ! One of the three of a motion: NAME_x, NAME_y, NAME_angle
-               if (block == 0) block = scene%deck%find_named('MOTION', name(:index(name, '_', back=.true.) - 1))
-            end associate
-         end if
-      end associate
-      origin = origin_type(file=1)
-      if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
-      if (beam > 0) origin = scene%deck%blocks(beam)%origin_of('SEGMENTS')
-   end function place_of
-
-   !> Names the constraints that share redundant equations, group by group, and those that do so at the first position only.
-   subroutine warn_of_redundancy(scene, diagnostics)
-      type(scene_type), intent(in) :: scene
-      type(diagnostics_type), intent(inout) :: diagnostics
-      integer, parameter :: most = 5
-      integer :: k, groups
-      associate (system => scene%system, redundancy => scene%assembly%redundancy, singular => scene%assembly%singular)
-         groups = 0
-         if (redundancy%count > 0) groups = size(redundancy%excess)
-         do k = 1, min(groups, most)
-            call diagnostics%warn(place_of(scene, redundancy%last(k)), equations_are(redundancy%excess(k))//' redundant among '// &
-               & group_names(system, redundancy, k)//'; the motion is not changed by that, and of the reactions that balance'// &
-               & ' those of least norm are reported'//shared_text(system, redundancy%group == k))
-         end do
-         if (groups > most) call diagnostics%warn(place_of(scene, redundancy%last(most + 1)), as_text(groups - most)// &
-            & ' more groups of joints have redundant equations, '//as_text(redundancy%count)//' in all')
-         if (singular%count > 0) call diagnostics%warn(place_of(scene, maxval(singular%last)), 'the mechanism starts at a'// &
-            & ' singular position, where '//constraint_names(system, singular%group > 0)//' let branches of its motion meet: it'// &
-            & ' goes on along the one that the guessed velocities are nearest to')
-      end associate
-   end subroutine warn_of_redundancy
-
-   !> What is to be said where elasticity would tell how constraints share their reactions: the first beam or frame among their
-   !> bodies, of which the functions do not move what they hold. Else nothing.
-   pure function shared_text(system, chosen) result(text)
-      type(system_type), intent(in) :: system
-      !> Which (constraints)
-      logical, intent(in) :: chosen(:)
-      character(:), allocatable :: text
-      integer :: i, side, body
-      text = ''
-      do i = 1, size(chosen)
-         if (.not. chosen(i)) cycle
-         do side = 1, 2
-            body = system%constraints(i)%item%bodies(side)
-            if (body == ground) cycle
-            if (system%layout%n(body) == 0) cycle
-            text = name_in_deck(system%model, body)
-            text = ", not those that elasticity makes: the functions of '"//text//"' do not move what these joints hold; use"// &
-               & ' SUPPORT=PINNED-ROLLER (of a frame: *BOUNDARY of one node) with CORRECTIONS=YES'
-            return
-         end do
-      end do
-   end function shared_text
-
-   !> Says that the first position is far from the guess, for then its branch is a matter of luck.
-   subroutine warn_of_turn(scene, diagnostics)
-      type(scene_type), intent(in) :: scene
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(origin_type) :: origin
-      integer :: block
-      associate (model => scene%system%model, found => scene%assembly)
-         if (found%turned <= model%assembly%largest_turn) return
-         origin = origin_type(file=1)
-         block = scene%deck%find_named('RIGID BODY|BEAM|FRAME', name_in_deck(model, found%body))
-         if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
-         call diagnostics%warn(origin, "the assembly has turned body '"//model%bodies(found%body)%name//"' by "// &
-            & as_text(found%turned, 3)//' rad from its guess: make sure that the branch is the one that is meant, or give ANGLE=')
-      end associate
-   end subroutine warn_of_turn
-
-   !> Number of joints that beams in segments have between their pieces: welds of three equations each.
-   pure integer function inner_joints(model) result(number)
-      type(model_type), intent(in) :: model
-      number = 0
-      if (allocated(model%wholes)) number = sum(model%wholes%inner)
-   end function inner_joints
-
-   !> Springs, linear or with a law, that pull or push between points that coincide: their force has no direction.
-   subroutine warn_of_springs(scene, diagnostics)
-      type(scene_type), intent(in) :: scene
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(origin_type) :: origin
-      real(wp) :: gap(2)
-      integer :: i, k, block
-      associate (model => scene%system%model, layout => scene%system%layout)
-         do i = 1, size(model%loads)
-            do k = model%loads(i)%first, model%loads(i)%last
-               associate (spring => model%load_parts(k))
-                  if (spring%along /= along_distance .or. .not. (spring%driven .or. spring%stiffness > 0.0_wp)) cycle
-                  gap = point_position(model, layout, model%points(spring%points(1)), scene%q) &
-                     & - point_position(model, layout, model%points(spring%points(2)), scene%q)
-                  if (norm2(gap) > 1.0e-12_wp*spring%origin .or. .not. spring%origin > 0.0_wp) cycle
-               end associate
-               origin = origin_type(file=1)
-               block = scene%deck%find_named('SPRING', model%loads(i)%name)
-               if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
-               call diagnostics%warn(origin, "the points of spring '"//model%loads(i)%name//"' are in one place at first: its"// &
-                  & ' force has no direction there and is taken for zero', 'move one of them a little in the direction that is'// &
-                  & ' meant, or give LENGTH=0')
-            end do
-         end do
-      end associate
-   end subroutine warn_of_springs
-
-   !> Says which bodies do not start as the deck gives them, at the one that has changed most: places if the motion depends on them,
-   !> and velocities.
-   subroutine warn_of_changes(scene, diagnostics)
-      type(scene_type), intent(in) :: scene
-      type(diagnostics_type), intent(inout) :: diagnostics
-      type(change_type), allocatable :: changes(:)
-      logical :: matters
-      matters = scene%assembly%rank < sum(scene%system%layout%rates) .and. starts_with_dynamics(scene%system%model)
-      call changed_places(scene%system, scene%q, changes)
-      ! Of one that has turned far there has been a warning
-      if (scene%assembly%turned > scene%system%model%assembly%largest_turn .and. size(changes) > 0) then
-         if (changes(1)%body == scene%assembly%body) matters = .false.
-      end if
-      if (matters .and. size(changes) > 0) call diagnostics%warn(place_of_body(scene, changes(1)%body), "body '"// &
-         & name_in_deck(scene%system%model, changes(1)%body)// &
-         & "' does not start where it is given, which its joints do not allow together with what is given of the"// &
-         & ' other bodies: '//changes(1)%text//others(scene, changes), &
-         & 'give X=, Y= and ANGLE= that its joints allow, or of fewer bodies')
-      call changed_velocities(scene%system, scene%q, scene%v, changes)
-      if (size(changes) > 0) call diagnostics%warn(place_of_body(scene, changes(1)%body), "body '"// &
-         & name_in_deck(scene%system%model, changes(1)%body)// &
-         & "' does not start with the velocity that it is given, which its joints do not allow together with those of the"// &
-         & ' other bodies: it is off by '//as_text(100*changes(1)%off, 2)//' % ('//changes(1)%text//')'//others(scene, changes), &
-         & 'give VX=, VY= and SPIN= as the joints let them move, or of fewer bodies')
-   end subroutine warn_of_changes
-
-   !> What has changed of the bodies behind the first.
-   function others(scene, changes) result(text)
-      type(scene_type), intent(in) :: scene
-      type(change_type), intent(in) :: changes(:)
-      character(:), allocatable :: text
-      !> As many as are named
-      integer, parameter :: most = 8
-      integer :: i
-      text = ''
-      do i = 2, min(most, size(changes))
-         text = text//trim(merge('; nor does', ',         ', i == 2))//" body '"// &
-            & name_in_deck(scene%system%model, changes(i)%body)//"' ("//changes(i)%text//')'
-      end do
-      if (size(changes) > most) text = text//' and '//as_text(size(changes) - most)//' more'
-   end function others
-
-   !> Where a body stands in the deck.
-   pure function place_of_body(scene, body) result(origin)
-      type(scene_type), intent(in) :: scene
-      !> Its index
-      integer, intent(in) :: body
-      type(origin_type) :: origin
-      integer :: block
-      origin = origin_type(file=1)
-      block = scene%deck%find_named('RIGID BODY|POINT MASS|BEAM|FRAME', name_in_deck(scene%system%model, body))
-      if (block > 0) origin = scene%deck%blocks(block)%origin_of('NAME')
-   end function place_of_body
-
-   !> What the constraints leave free: degrees of freedom, rank, and the count of Gruebler.
-   pure function mobility_line(found, inner) result(text)
-      type(assembly_type), intent(in) :: found
-      !> Number of joints between segments
-      integer, intent(in) :: inner
-      character(:), allocatable :: text
-      text = as_text(found%rates)//' rates, '//as_text(found%equations)//' constraint equations'
-      if (inner > 0) text = text//' ('//as_text(3*inner)//' of them between segments)'
-      if (found%rank < found%equations) text = text//' of rank '//as_text(found%rank)
-      text = text//': '//as_text(found%rates - found%rank)//' degrees of freedom'
-      if (found%rates - found%rank == 1) text = text(:len(text) - len('degrees of freedom'))//'degree of freedom'
-      if (found%rank == found%equations) return
-      text = text//' (Gruebler counts '//as_text(found%rates - found%equations)//'); '
-      if (found%redundancy%count > 0) text = text//as_text(found%redundancy%count)//' redundant'
-      if (found%redundancy%count > 0 .and. found%singular%count > 0) text = text//', '
-      if (found%singular%count > 0) text = text//as_text(found%singular%count)//' dependent at the start only'
-   end function mobility_line
-
-   pure function equations_are(count) result(text)
-      integer, intent(in) :: count
-      character(:), allocatable :: text
-      text = as_text(count)//' equations are'
-      if (count == 1) text = '1 equation is'
-   end function equations_are
-
-   !> Wall seconds since a reading of `system_clock`.
-   real(wp) function seconds_since(tick) result(seconds)
-      !> Clock then [ticks]
-      integer(long), intent(in) :: tick
-      integer(long) :: now, rate
-      call system_clock(now, rate)
-      seconds = real(now - tick, wp)/real(rate, wp)
-   end function seconds_since
-
-   !> Saves or restores it.
-   subroutine exchange_carried(self, snapshot)
-      class(carried_type), intent(inout) :: self
-      type(snapshot_type), intent(inout) :: snapshot
-      call snapshot%keep('q', self%q)
-      call snapshot%keep('v', self%v)
-      call snapshot%keep('angle', self%angle)
-      call snapshot%exchange('balanced', self%balanced)
-      call snapshot%keep('lambda', self%lambda)
-      call snapshot%exchange('rotation', self%rotation)
-      call snapshot%exchange('centre', self%centre)
-   end subroutine exchange_carried
 
 end module limber_scene_first_scene

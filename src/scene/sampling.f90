@@ -7,7 +7,7 @@ module limber_scene_sampling
    use limber_base_text, only: as_text
    use limber_scene_joint_check, only: check_joints
    use limber_scene_outcome, only: outcome_type, warn, allowed_imbalance, passing_scale
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_integrator_integrator, only: integrator_type
    use limber_model_model, only: dynamics_type, ground
    use limber_output_channel_values, only: recorder_type, channel_values

@@ -7,7 +7,8 @@ module promises
    use limber_base_text, only: as_text, newline
    use limber_accuracy_reached_target, only: reached_type
    use limber_accuracy_fidelity_levels, only: names_of
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_accuracy_target_search, only: reach_target
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text

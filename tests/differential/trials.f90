@@ -9,7 +9,8 @@ module trials
    use limber_scene_outcome, only: outcome_type
    use limber_monitor_model_ranges, only: range_warnings
    use limber_analysis_provenance, only: open_history, record_outcome, record_steps
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_analysis_analysis_steps, only: run_steps, passed_type
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text

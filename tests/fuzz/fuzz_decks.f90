@@ -14,7 +14,8 @@ module fuzzing
    use limber_base_text, only: as_text, newline
    use limber_commands_batch, only: batch_type
    use limber_commands_run, only: run_one
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use limber_deck_source, only: longest_file => max_file_bytes
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_keywords, only: keyword_table, option_table

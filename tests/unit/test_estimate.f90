@@ -13,7 +13,8 @@ program test_estimate
    use limber_commands_export, only: export_history
    use limber_analysis_provenance, only: open_history
    use limber_commands_run, only: run_deck
-   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: read_scene
+   use limber_scene_scene, only: scene_type
    use limber_model_model, only: dynamics_type
    use limber_output_hdf5, only: close_file, open_file
    use limber_output_hdf5_read, only: read_attribute

@@ -6,7 +6,8 @@ program test_examples
    use limber_deck_examples, only: example_text
    use limber_deck_keyword_help, only: help_text, manual_text
    use limber_deck_keywords, only: keyword_table
-   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: read_scene
+   use limber_scene_scene, only: scene_type
    use testing, only: check, check_no_error, finish
    implicit none
    type :: file_type

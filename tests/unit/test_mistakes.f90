@@ -5,7 +5,8 @@ program test_mistakes
    use limber_base_text, only: newline
    use limber_deck_diagnostics, only: diagnostics_type
    use limber_deck_reader, only: read_deck_text
-   use limber_scene_first_scene, only: scene_type, build_scene
+   use limber_scene_first_scene, only: build_scene
+   use limber_scene_scene, only: scene_type
    use testing, only: check, finish
    implicit none
    character(:), allocatable :: deck, mistakes

@@ -3,7 +3,8 @@
 program test_model
    use limber_base_error, only: error_type, status_deck
    use limber_base_text, only: newline
-   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: read_scene
+   use limber_scene_scene, only: scene_type
    use testing, only: check, check_text, finish
    implicit none
    integer :: i

@@ -8,7 +8,7 @@ program test_verification
    use limber_accuracy_pilot_scenes, only: build_exact
    use limber_accuracy_reached_target, only: reached_type
    use limber_accuracy_fidelity_levels, only: level_type, find_rungs, richer
-   use limber_scene_first_scene, only: scene_type
+   use limber_scene_scene, only: scene_type
    use limber_accuracy_candidate, only: candidate_type
    use limber_accuracy_reference_run, only: reference_run_type
    use limber_accuracy_verification, only: bound_strain, falls_short

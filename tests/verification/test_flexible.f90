@@ -5,7 +5,8 @@ program test_flexible
    use exact_frames, only: dynamic_stiffness, exact_near, frame_stiffness, solved
    use limber_base_error, only: error_type
    use limber_base_kinds, only: wp
-   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: read_scene
+   use limber_scene_scene, only: scene_type
    use limber_deck_effective, only: effective_deck
    use limber_beam_plane_frame, only: member_type
    use limber_output_history_reader, only: history_reader_type

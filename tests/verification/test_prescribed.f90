@@ -6,7 +6,8 @@ program test_prescribed
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
    use limber_commands_run, only: run_deck
-   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: read_scene
+   use limber_scene_scene, only: scene_type
    use limber_output_history_reader, only: history_reader_type
    use runs, only: run_changed, channel
    use testing, only: check, check_close, check_no_error, finish

@@ -6,7 +6,8 @@ program test_rotating_cantilever
    use limber_base_kinds, only: wp
    use limber_base_lapack, only: dsyev
    use limber_base_text, only: as_text
-   use limber_scene_first_scene, only: scene_type, read_scene
+   use limber_scene_first_scene, only: read_scene
+   use limber_scene_scene, only: scene_type
    use limber_beam_elastic_forces, only: elastic_tangent
    use limber_beam_reduced_body, only: reduced_type
    use limber_multibody_body, only: body_tangent

@@ -38,7 +38,7 @@ contains
       !> First state (nq)
       real(wp), intent(in) :: t, q(:), v(:)
       call start_motions(self%motions, system, q)
-      self%wanted = size(crossings%loads) > 0 .or. any(self%motions%watched)
+      self%wanted = size(crossings%loads) > 0 .or. size(self%motions%body) > 0
       if (.not. self%wanted) return
       call new_defect(self%defect, system)
       call begin_step(self%defect, t, q, v)

@@ -1,6 +1,7 @@
-!> Bodies whose own motion is small beside the scene. Errors are judged by lengths and speeds of all that is connected; what is
-!> little there can be much of the motion of a body that loads alone connect with others. In some steps errors of the places of such
-!> rigid bodies are found, and compared with how far these move. Floor: analysis. Source: doc/theory, eqs. (5.68), (5.70).
+!> Motions of bodies that are small beside the scene. Errors are judged by lengths and speeds of all that is connected; what is
+!> little there can be much of the motion of a body that loads alone connect with others, or of its motion beside one of these. In
+!> some steps errors of the places of such rigid bodies are found, and compared with how far these move. Floor: analysis.
+!> Source: doc/theory, eqs. (5.68), (5.70).
 module limber_analysis_own_motions
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -17,17 +18,22 @@ module limber_analysis_own_motions
    !> The first steps are all looked at, then one of so many
    integer, parameter :: first = 16, every = 16
 
-   !> What is known of each body
+   !> What is known of each motion
    type :: motions_type
       !> Steps so far
       integer :: steps = 0
-      !> Whether a body is looked at: rigid, and loads alone connect it, or those that joints join it with, with others (bodies)
-      logical, allocatable :: watched(:)
-      !> Smallest and largest x and y [length] (2, bodies)
+      !> The motion last looked at by a disturbance of its own
+      integer :: looked = 0
+      !> Bodies, rigid, and loads alone connect them, or those that joints join them with, with others; and what they are seen from,
+      !> the ground or one of these others (motions)
+      integer, allocatable :: body(:), beside(:)
+      !> Smallest and largest x and y [length] (2, motions)
       real(wp), allocatable :: low(:, :), high(:, :)
       !> Errors of places that add up, at most and at the last look, and the time of that; the largest of those that what is stiff
-      !> takes back [length] (bodies)
+      !> takes back [length] (motions)
       real(wp), allocatable :: added(:), now(:), seen(:), stiff(:)
+      !> Stiffness and damping by mass at the last look at each; negative: none yet (motions)
+      real(wp), allocatable :: square(:), damping(:)
    contains
       procedure :: exchange => exchange_motions
    end type motions_type
@@ -41,19 +47,23 @@ contains
       !> Coordinates (nq)
       real(wp), intent(in) :: q(:)
       integer :: i, n
-      n = size(system%layout%q)
-      self%watched = tied_by_loads(system) .and. system%layout%n == 0
+      call find_motions(system, self%body, self%beside)
+      n = size(self%body)
       allocate (self%low(2, n), self%high(2, n), self%added(n), self%now(n), self%seen(n), self%stiff(n), &
          & source=0.0_wp)
+      allocate (self%square(n), self%damping(n), source=-1.0_wp)
       do i = 1, n
-         self%low(:, i) = q(system%layout%q(i):system%layout%q(i) + 1)
+         self%low(:, i) = place_of_motion(self, system, i, q)
       end do
       self%high = self%low
    end subroutine start_motions
 
-   !> Bodies of groups that joints and drivers make, and that loads connect with other groups (bodies).
-   function tied_by_loads(system) result(tied)
+   !> Motions that are looked at: of rigid bodies of groups that joints and drivers make, and that loads connect with other groups;
+   !> and of each pair of these that a load connects.
+   subroutine find_motions(system, body, beside)
       type(system_type), intent(in) :: system
+      !> (motions)
+      integer, allocatable, intent(out) :: body(:), beside(:)
       logical :: tied(size(system%layout%q))
       integer :: group(size(tied)), i, j
       group = [(i, i=1, size(group))]
@@ -64,30 +74,59 @@ contains
          end associate
       end do
       tied = .false.
+      allocate (body(0), beside(0))
       do i = 1, size(system%loads)
          associate (bodies => system%loads(i)%item%bodies)
             do j = 2, size(bodies)
                if (any(bodies(j - 1:j) == ground)) cycle
                if (group(bodies(j)) == group(bodies(j - 1))) cycle
                tied = tied .or. group == group(bodies(j)) .or. group == group(bodies(j - 1))
+               if (any(system%layout%n(bodies(j - 1:j)) > 0)) cycle
+               if (any(body == maxval(bodies(j - 1:j)) .and. beside == minval(bodies(j - 1:j)))) cycle
+               body = [body, maxval(bodies(j - 1:j))]
+               beside = [beside, minval(bodies(j - 1:j))]
             end do
          end associate
       end do
-   end function tied_by_loads
+      tied = tied .and. system%layout%n == 0
+      body = [pack([(i, i=1, size(tied))], tied), body]
+      beside = [[(ground, i=1, count(tied))], beside]
+   end subroutine find_motions
+
+   !> The place of a body, as it is seen from the ground or from another one [length].
+   pure function place_of_motion(self, system, motion, q) result(place)
+      type(motions_type), intent(in) :: self
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: motion
+      !> Coordinates, or what is in their layout (nq)
+      real(wp), intent(in) :: q(:)
+      real(wp) :: place(2)
+      place = seen_by(system%layout%q, self%body(motion), self%beside(motion), q)
+   end function place_of_motion
+
+   !> Two components of a vector of all bodies, less those of the body beside.
+   pure function seen_by(first, body, beside, vector) result(seen)
+      !> Index of the first component of each body (bodies)
+      integer, intent(in) :: first(:)
+      integer, intent(in) :: body, beside
+      real(wp), intent(in) :: vector(:)
+      real(wp) :: seen(2)
+      seen = vector(first(body):first(body) + 1)
+      if (beside /= ground) seen = seen - vector(first(beside):first(beside) + 1)
+   end function seen_by
 
    !> Takes the places at the end of a step.
    pure subroutine note_place(self, system, q)
       type(motions_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       real(wp), intent(in) :: q(:)
+      real(wp) :: place(2)
       integer :: i
       self%steps = self%steps + 1
-      do i = 1, size(self%added)
-         if (.not. self%watched(i)) cycle
-         associate (at => system%layout%q(i))
-            self%low(:, i) = min(self%low(:, i), q(at:at + 1))
-            self%high(:, i) = max(self%high(:, i), q(at:at + 1))
-         end associate
+      do i = 1, size(self%body)
+         place = place_of_motion(self, system, i, q)
+         self%low(:, i) = min(self%low(:, i), place)
+         self%high(:, i) = max(self%high(:, i), place)
       end do
    end subroutine note_place
 
@@ -96,33 +135,29 @@ contains
       type(motions_type), intent(in) :: self
       type(system_type), intent(in) :: system
       integer :: i
-      due = any(self%watched)
-      if (.not. due) return
       due = .false.
       if (self%steps > first .and. mod(self%steps, every) /= 0) return
-      do i = 1, size(self%added)
+      do i = 1, size(self%body)
          due = due .or. moves_little(self, system, i)
       end do
    end function is_due
 
-   !> Whether a rigid body moves, but little beside the scene.
-   pure logical function moves_little(self, system, body) result(little)
+   !> Whether there is a motion, but a little one beside the scene.
+   pure logical function moves_little(self, system, motion) result(little)
       type(motions_type), intent(in) :: self
       type(system_type), intent(in) :: system
-      integer, intent(in) :: body
+      integer, intent(in) :: motion
       real(wp) :: own
-      little = self%watched(body)
-      if (.not. little) return
-      own = own_motion(self, body)
+      own = own_motion(self, motion)
       little = own > max(none, nothing*system%model%dynamics%tolerance)*system%model%length .and. &
          & own < small*system%model%length
    end function moves_little
 
    !> Half of the way between the places that a body has been at [length].
-   pure real(wp) function own_motion(self, body) result(own)
+   pure real(wp) function own_motion(self, motion) result(own)
       type(motions_type), intent(in) :: self
-      integer, intent(in) :: body
-      own = 0.5_wp*maxval(self%high(:, body) - self%low(:, body))
+      integer, intent(in) :: motion
+      own = 0.5_wp*maxval(self%high(:, motion) - self%low(:, motion))
    end function own_motion
 
    !> Takes the errors of a step, eq. (5.70). Kinematics are left elsewhere.
@@ -133,33 +168,60 @@ contains
       type(defect_type), intent(inout) :: defect
       !> Time, and what is left of the run
       real(wp), intent(in) :: t, left
+      !> Motions whose stiffness is found again at a look
+      integer, parameter :: most = 2
+      real(wp) :: rate(2), pushes(2, 3), path(2, 3)
+      integer :: i, k, again, before
+      logical :: found
+      again = 0
+      before = self%looked
+      do i = 1, size(self%body)
+         k = 1 + mod(before + i - 1, size(self%body))
+         if (.not. moves_little(self, system, k)) cycle
+         if (self%square(k) >= 0.0_wp) then
+            if (again == most) cycle
+            again = again + 1
+            self%looked = k
+         end if
+         call find_stiffness(self, system, work, defect, k, found)
+         if (.not. found) return
+      end do
+      do i = 1, size(self%body)
+         if (.not. moves_little(self, system, i)) cycle
+         rate = seen_by(system%layout%w, self%body(i), self%beside(i), defect%rates)
+         do k = 1, 3
+            pushes(:, k) = place_of_motion(self, system, i, defect%push(:, k))
+            path(:, k) = place_of_motion(self, system, i, defect%path(:, k))
+         end do
+         call add_error(self, i, norm2(place_of_motion(self, system, i, defect%places)), norm2(rate), defect%h, &
+            & min(max(self%square(i), spread_of(pushes)/max(spread_of(path), tiny(left))), huge(left)), self%damping(i), t, left)
+      end do
+   end subroutine note_errors
+
+   !> Stiffness and damping by mass of a motion, from accelerations with its body a little aside.
+   subroutine find_stiffness(self, system, work, defect, motion, found)
+      type(motions_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
+      type(defect_type), intent(inout) :: defect
+      integer, intent(in) :: motion
+      logical, intent(out) :: found
       !> Disturbance, in parts of the own motion
       real(wp), parameter :: part = 1.0e-3_wp
       real(wp), dimension(size(defect%q)) :: place, speed, of_place, of_speed
-      real(wp) :: along(2), square, damping, disturbed
-      integer :: i, at
-      logical :: found
+      real(wp) :: along(2), aside
+      along = direction(seen_by(system%layout%w, self%body(motion), self%beside(motion), defect%rates))
+      aside = part*own_motion(self, motion)
       place = 0.0_wp
-      do i = 1, size(self%added)
-         if (.not. moves_little(self, system, i)) cycle
-         at = system%layout%q(i)
-         place(at:at + 1) = part*own_motion(self, i)*direction(defect%rates(system%layout%w(i):system%layout%w(i) + 1))
-      end do
+      associate (at => system%layout%q(self%body(motion)))
+         place(at:at + 1) = aside*along
+      end associate
       speed = place/defect%h
       call find_response(defect, system, work, place, speed, of_place, of_speed, found)
       if (.not. found) return
-      do i = 1, size(self%added)
-         if (.not. moves_little(self, system, i)) cycle
-         at = system%layout%q(i)
-         along = direction(place(at:at + 1))
-         disturbed = norm2(place(at:at + 1))
-         damping = max(0.0_wp, -dot_product(of_speed(at:at + 1), along)*defect%h/disturbed)
-         square = max(-dot_product(of_place(at:at + 1), along)/disturbed, spread_of(defect%push(at:at + 1, :))/ &
-            & max(spread_of(defect%path(at:at + 1, :)), tiny(square)))
-         call add_error(self, i, norm2(defect%places(at:at + 1)), norm2(defect%rates(system%layout%w(i):system%layout%w(i) + 1)), &
-            & defect%h, min(square, huge(square)), damping, t, left)
-      end do
-   end subroutine note_errors
+      self%square(motion) = max(0.0_wp, -dot_product(place_of_motion(self, system, motion, of_place), along)/aside)
+      self%damping(motion) = max(0.0_wp, -dot_product(place_of_motion(self, system, motion, of_speed), along)*defect%h/aside)
+   end subroutine find_stiffness
 
    !> Direction of a vector; along x if it is none.
    pure function direction(vector) result(unit)
@@ -170,9 +232,9 @@ contains
    end function direction
 
    !> Adds what a step errs by, for all since the last look, to what is left of the errors before, eq. (5.70).
-   pure subroutine add_error(self, body, place, speed, h, square, damping, t, left)
+   pure subroutine add_error(self, motion, place, speed, h, square, damping, t, left)
       type(motions_type), intent(inout) :: self
-      integer, intent(in) :: body
+      integer, intent(in) :: motion
       !> Errors of place and speed, length of the step
       real(wp), intent(in) :: place, speed, h
       !> Stiffness and damping by mass
@@ -182,7 +244,7 @@ contains
       real(wp), parameter :: followed = 16.0_wp
       real(wp) :: error, decay, since
       if (h**2*square > followed) then
-         self%stiff(body) = max(self%stiff(body), place + speed/(h*square + damping))
+         self%stiff(motion) = max(self%stiff(motion), place + speed/(h*square + damping))
          return
       end if
       error = place + speed/max(sqrt(square), damping, 1/max(left, h))
@@ -195,9 +257,9 @@ contains
       else
          error = error*since/h
       end if
-      self%now(body) = self%now(body)*exp(-decay*(t - self%seen(body))) + error
-      self%seen(body) = t
-      self%added(body) = max(self%added(body), self%now(body))
+      self%now(motion) = self%now(motion)*exp(-decay*(t - self%seen(motion))) + error
+      self%seen(motion) = t
+      self%added(motion) = max(self%added(motion), self%now(motion))
    end subroutine add_error
 
    !> Largest distance of three points.
@@ -220,7 +282,7 @@ contains
       text = ''
       most = allowed
       worst = 0
-      do i = 1, size(self%added)
+      do i = 1, size(self%body)
          if (.not. moves_little(self, system, i)) cycle
          share = (self%added(i) + self%stiff(i))/own_motion(self, i)
          if (share <= most) cycle
@@ -230,10 +292,12 @@ contains
       if (worst == 0) return
       power = 1.0_wp
       if (any(dynamics%integrator == ['ALPHA     ', 'CONSERVING'])) power = 1.5_wp
-      text = "body '"//system%model%bodies(worst)%name//"' moves by "//as_text(2*own_motion(self, worst), 2)//' '// &
-         & system%model%units%length//' only, little beside the '//as_text(system%model%length, 2)//' '// &
-         & system%model%units%length//' of the scene, on whose scale errors are judged: its place may be off by about '// &
-         & as_text(100*min(most, 1.0_wp), 2)//' % of its own motion'//trim(merge(' or more', '        ', most > 1.0_wp))// &
+      text = "body '"//system%model%bodies(self%body(worst))%name//"' moves by "//as_text(2*own_motion(self, worst), 2)//' '// &
+         & system%model%units%length//' only'
+      if (self%beside(worst) /= ground) text = text//" beside body '"//system%model%bodies(self%beside(worst))%name//"'"
+      text = text//', little beside the '//as_text(system%model%length, 2)//' '// &
+         & system%model%units%length//' and the speeds of the scene, on whose scale errors are judged: its place may be off by'// &
+         & ' about '//as_text(100*min(most, 1.0_wp), 2)//' % of that motion'//trim(merge(' or more', '        ', most > 1.0_wp))// &
          & '; use TOLERANCE='//as_text(max(1.0e-13_wp, dynamics%tolerance*(aim/most)**power), 1)
    end function motion_warning
 
@@ -242,12 +306,15 @@ contains
       class(motions_type), intent(inout) :: self
       type(snapshot_type), intent(inout) :: snapshot
       call snapshot%exchange('own_steps', self%steps)
+      call snapshot%exchange('own_looked', self%looked)
       call snapshot%keep('own_low', self%low)
       call snapshot%keep('own_high', self%high)
       call snapshot%keep('own_added', self%added)
       call snapshot%keep('own_now', self%now)
       call snapshot%keep('own_seen', self%seen)
       call snapshot%keep('own_stiff', self%stiff)
+      call snapshot%keep('own_square', self%square)
+      call snapshot%keep('own_damping', self%damping)
    end subroutine exchange_motions
 
 end module limber_analysis_own_motions

@@ -100,6 +100,9 @@ contains
       real(wp), intent(out) :: of_place(:), of_speed(:)
       logical, intent(out) :: found
       type(error_type), allocatable :: error
+      call linearise(system, work, self%t_path, self%path(:, 3), error)
+      found = .not. allocated(error)
+      if (.not. found) return
       self%trial_v = self%trial_v + speed
       call accelerations(system, work, self%path(:, 3), self%trial_v, of_speed)
       of_speed = of_speed - self%push(:, 3)

@@ -25,6 +25,12 @@ program test_passages
       call check_small(trim(integrators(i)), '1e-5', '1')
       call check_small(trim(integrators(i)), '1e-7', '0.05')
    end do
+   call check_beside('ADAMS', '0')
+   call check_beside('ADAMS', '30')
+   call check_beside('RADAU', '0')
+   call check_beside('RADAU', '100')
+   call check_beside('ALPHA', '10')
+   call check_beside('CONSERVING', '10')
    call finish()
 
 contains
@@ -89,5 +95,34 @@ contains
       if (off > wrong) call check(tells, name//as_text(100*off, 2)//' % off, and not told: '//report)
       if (off < right) call check(.not. tells, name//'off by '//as_text(100*off, 2)//' %: '//report)
    end subroutine check_small
+
+   !> Masses of 1000 and 10 on a spring of 1000, which vibrate by 1e-3 while both drive at a speed.
+   subroutine check_beside(integrator, speed)
+      character(*), intent(in) :: integrator, speed
+      real(wp), parameter :: wrong = 6.0e-2_wp, right = 1.0e-2_wp, amplitude = 1.0e-3_wp, omega = sqrt(101.0_wp)
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      real(wp), allocatable :: t(:), e(:)
+      character(:), allocatable :: report, name
+      real(wp) :: off
+      logical :: tells
+      name = 'vibration on the way, '//integrator//', speed '//speed//': '
+      call run_text('*POINT MASS, NAME=car, MASS=1000, VX='//speed//newline// &
+         & '*POINT MASS, NAME=m, MASS=10, VX='//speed//', X=1.001'//newline// &
+         & '*SPRING, NAME=s, STIFFNESS=1000, LENGTH=1'//newline//' car, m'//newline// &
+         & '*DYNAMICS, END=100, OUTPUTS=2000, INTEGRATOR='//integrator//newline// &
+         & '*OUTPUT'//newline//' e = elongation(s)'//newline, &
+         & trim(results), report, error)
+      call check_no_error(error, name//'run')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call reader%read_time(t, error)
+      e = channel(reader, 'e')
+      call reader%close()
+      off = maxval(abs(e - amplitude*cos(omega*t)))/amplitude
+      tells = index(report, "body 'm' moves by") > 0 .and. index(report, "beside body 'car'") > 0
+      if (off > wrong) call check(tells, name//as_text(100*off, 2)//' % off, and not told: '//report)
+      if (off < right) call check(index(report, 'moves by') == 0, name//'off by '//as_text(100*off, 2)//' %: '//report)
+   end subroutine check_beside
 
 end program test_passages

@@ -90,7 +90,16 @@ contains
       logical :: done(2), places(size(self%size))
       integer :: k
       found(:, 0) = present_values(scene, now%values, now%lambda)
-      if (.not. allocated(self%first)) allocate (self%first, source=found(:, 0))
+      if (.not. allocated(self%first)) then
+         allocate (self%first, source=found(:, 0))
+         if (is_at_rest(self, now)) then
+            call compare_jump(self, scene, recorder, now, now%t, .true.)
+            do while (self%passed < size(self%breaks))
+               if (self%breaks(self%passed + 1) > now%t) exit
+               self%passed = self%passed + 1
+            end do
+         end if
+      end if
       do k = 1, 2
          call with_inertia(self, scene, recorder, now, k*self%step, found(:, k), done(k))
          if (.not. done(k)) exit
@@ -111,7 +120,7 @@ contains
       do while (self%passed < size(self%breaks))
          if (self%breaks(self%passed + 1) > now%t) exit
          self%passed = self%passed + 1
-         call compare_jump(self, scene, recorder, now, self%breaks(self%passed))
+         call compare_jump(self, scene, recorder, now, self%breaks(self%passed), .false.)
       end do
       call place_frames(scene%system%model, scene%system%layout, now%t, now%q, scene%work%kinematics)
       scene%work%lambda = now%lambda
@@ -236,21 +245,38 @@ contains
       end do
    end subroutine balance_at
 
+   !> Whether drivers begin from rest: what they moved before, nobody knows; most likely nothing.
+   pure logical function is_at_rest(self, now) result(rests)
+      type(left_inertia_type), intent(in) :: self
+      type(balance_type), intent(in) :: now
+      !> Way in the time of the analysis, in units of the scene, that is none
+      real(wp), parameter :: none = 1.0e-9_wp
+      rests = .not. maxval(abs(now%w/self%held%scale))*(self%end - self%start) > none
+   end function is_at_rest
+
    !> The vibration that begins where the balance, or its rate, jumps: what channels are with the deflections from before, and a
    !> quarter of a period behind rates from before, against those in balance.
-   subroutine compare_jump(self, scene, recorder, now, instant)
+   subroutine compare_jump(self, scene, recorder, now, instant, from_rest)
       type(left_inertia_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
       type(recorder_type), intent(in) :: recorder
       type(balance_type), intent(in) :: now
       real(wp), intent(in) :: instant
+      !> Whether it is the start, and all was in balance at rest before
+      logical, intent(in) :: from_rest
       !> Part of the time on either side of it
       real(wp), parameter :: aside = 1.0e-9_wp
       real(wp), allocatable :: from(:), q(:)
       real(wp) :: found(size(self%size), 0:2), rate(size(now%w), 2), off, square
       logical :: done
       off = aside*(self%end - self%start)
-      call balance_side(self, scene, now, instant - off, -self%step, from, rate(:, 1), done)
+      if (from_rest) then
+         allocate (from, source=now%q)
+         rate(:, 1) = 0.0_wp
+         done = .true.
+      else
+         call balance_side(self, scene, now, instant - off, -self%step, from, rate(:, 1), done)
+      end if
       if (done) call balance_side(self, scene, now, instant + off, self%step, q, rate(:, 2), done)
       if (.not. done) return
       call free_values(self, scene, recorder, instant + off, q, found(:, 0), done)

@@ -29,6 +29,7 @@ program test_driven_beams
    call check_work()
    call check_sections()
    call check_left_inertia()
+   call check_rest()
    call finish()
 
 contains
@@ -203,6 +204,23 @@ contains
          call check(index(report, 'jump') > 0, 'vibrations behind a step of the rate of the acceleration: '//report)
       end do
    end subroutine check_left_inertia
+
+   !> A mass of 100 at the end of a bar that is turned from rest by t^3: on its stiffness of 3 it vibrates with 1/(omega t) of the
+   !> largest deflection in balance, for the rate of that is not zero at the start.
+   subroutine check_rest()
+      real(wp), parameter :: time = 60.0_wp, omega = sqrt(3/(100 + 33.0_wp/140))
+      real(wp), allocatable :: y(:)
+      real(wp) :: told
+      integer :: at
+      call run_bar('', pin//'*DRIVER, NAME=motor, TYPE=ANGLE, JOINT=pin'//nl//' 1e-7*t**3'//nl// &
+         & '*POINT MASS, NAME=tip, MASS=100, X=1'//nl//'*JOINT, NAME=hold, TYPE=REVOLUTE'//nl//' tip, bar.end'//nl// &
+         & '*INVERSE DYNAMICS, END=60, OUTPUTS=60'//nl, 'value = torque(motor)', y)
+      at = index(report, 'errs by about')
+      told = 0.0_wp
+      if (at > 0) read (report(at + 13:index(report(at:), '%') + at - 2), *) told
+      call check_close(told/100, 1/(omega*time), 0.15_wp/(omega*time), 'vibration behind a start from rest: '//report)
+      call check(index(report, '% at t = 0: deflections, or their rates, jump') > 0, 'that it begins there: '//report)
+   end subroutine check_rest
 
    !> Torque at the end of a bar of length, mass and E I 1 whose slope there is prescribed, over that of the rigid bar.
    pure real(wp) function torque_of(b)

@@ -1,5 +1,5 @@
 # Work and precision of a study: error against CPU time of the time loop. postproc/study makes the columns:
-# integrator, modes, elements, fidelity, CPU seconds, error, error at the end, on the front, one run in a line.
+# integrator, CPU seconds, error, error at the end, on the front, one run in a line.
 # gnuplot -c study.gp png|svg COLUMNS OUTPUT_FILE 'ADAMS RADAU' COLUMNS_OF_THE_FRONT
 format = ARG1; columns = ARG2; output_file = ARG3; names = ARG4; front = ARG5
 width = 16; height = 9
@@ -20,5 +20,5 @@ eval panel(2.0, 15.6, 1.6, 8.0)
 set logscale xy
 set format x '10^{%T}'
 set format y '10^{%T}'
-plot front using 5:6 with lines linetype 3, \
-   for [i = 1:words(names)] columns using (column(1) == i ? column(5) : NaN):6 with points linetype type_of(i)
+plot front using 2:3 with lines linetype 3, \
+   for [i = 1:words(names)] columns using (column(1) == i ? column(2) : NaN):3 with points linetype type_of(i)

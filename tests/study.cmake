@@ -24,6 +24,12 @@ execute_process(COMMAND ${LIMBER} study ${WORK}/study.inp -o ${WORK}/study.h5 --
 if(NOT report MATCHES "RADAU at 1e-4 with 2 functions and 0 strain functions: [^\n]* in [^\n]* ms; no run here has one more digit")
   message(FATAL_ERROR "no advice:\n${report}")
 endif()
+# Columns of numbers of the model have the names of their lists, above the numbers and in the file
+if(NOT report MATCHES "\n  integrator +tolerance   functions  strain functions +CPU ms[^\n]*\n[*] RADAU +1e-4 +2 +0 +")
+  message(FATAL_ERROR "columns of the table are not named by their lists:\n${report}")
+endif()
+execute_process(COMMAND ${LIMBER} export ${WORK}/study.h5 functions strain_functions OUTPUT_VARIABLE columns
+  COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${LIMBER} export ${WORK}/study.h5 error OUTPUT_VARIABLE columns COMMAND_ERROR_IS_FATAL ANY)
 if(NOT columns MATCHES "0\\.0000000000000000E\\+000\n$")
   message(FATAL_ERROR "the setting in the study and in a deck differ:\n${columns}")
@@ -78,9 +84,14 @@ if(NOT report MATCHES "no measure of the truth:\n  warning: beam 'arm' has too f
 endif()
 string(REPLACE "FORCE\n" "2*smoothstep(t/0.1)\n" slow "${arm}")
 string(REPLACE ", m = bending_moment(arm.q)" "" slow "${slow}")
+string(REPLACE "tolerances, 1e-3" "tolerances, 1e-5" slow "${slow}")
 file(WRITE ${WORK}/slow.inp "${slow} functions, 6, 7\n channels, y_arm_end\n")
 execute_process(COMMAND ${LIMBER} study ${WORK}/slow.inp -o ${WORK}/slow.h5 --force OUTPUT_VARIABLE report
   COMMAND_ERROR_IS_FATAL ANY)
+# A tolerance is written as a deck would give it: a tenth of 1e-5 is not 1.0000000000000002e-6
+if(NOT report MATCHES "Error of the functions, RADAU at 1e-[0-9]+:\n +functions +CPU ms")
+  message(FATAL_ERROR "digits of a tolerance:\n${report}")
+endif()
 if(NOT report MATCHES "its run warns of none" OR report MATCHES "warning:")
   message(FATAL_ERROR "the reference of a study is told to be wrong, though it is right:\n${report}")
 endif()

@@ -76,8 +76,10 @@ contains
       associate (estimate => reached%estimate)
          n = size(truth%values, 2)
          if (n /= candidate%samples%samples) return
-         if (allocated(estimate%values)) deallocate (estimate%values, estimate%ratio, estimate%stuck, estimate%scale)
-         allocate (estimate%values(size(truth%scale), n), estimate%ratio(size(truth%scale)), estimate%stuck(size(truth%scale)))
+         if (allocated(estimate%values)) deallocate (estimate%values, estimate%ratio, estimate%stuck, estimate%alarming, &
+            & estimate%zero, estimate%scale)
+         allocate (estimate%values(size(truth%scale), n), estimate%ratio(size(truth%scale)))
+         allocate (estimate%stuck(size(truth%scale)), estimate%alarming(size(truth%scale)), estimate%zero(size(truth%scale)))
          allocate (estimate%scale, source=truth%scale)
          do i = 1, size(truth%scale)
             estimate%values(i, :) = envelope(candidate%samples%values(i, :n) - truth%values(i, :), reach) + truth%rest(i)
@@ -85,6 +87,8 @@ contains
          estimate%ratio = unknown_ratio
          estimate%without = reached%unverified
          estimate%stuck = .false.
+         estimate%alarming = .false.
+         estimate%zero = .false.
          estimate%tolerance = reached%advice%tolerance
          estimate%companion = truth%tolerance
          estimate%cpu = reached%cpu

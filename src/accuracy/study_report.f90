@@ -3,7 +3,7 @@
 module limber_accuracy_study_report
    use limber_base_kinds, only: wp
    use limber_base_text, only: as_text, newline
-   use limber_accuracy_study_plan, only: plan_type, setting_type, control, axes, axis_integrator, axis_tolerance, axis_modes, &
+   use limber_accuracy_study_plan, only: plan_type, setting_type, control, axes, axis_integrator, axis_modes, &
       & axis_elements, axis_fidelity, finest
    use limber_accuracy_study_reference, only: reference_type
    use limber_accuracy_study_runs, only: run_type, median, slope
@@ -11,8 +11,8 @@ module limber_accuracy_study_report
    private
    public :: heading, grid_table, time_table, family_table, advice, failures
 
-   !> Width of a column of numbers
-   integer, parameter :: width = 12
+   !> Width of a column of numbers; digits of a tolerance that is a tenth of another one
+   integer, parameter :: width = 12, digits = 12
 
 contains
 
@@ -114,9 +114,9 @@ contains
       type(plan_type), intent(in) :: plan
       character(:), allocatable :: text
       text = left('integrator')//right(control_name(plan))
-      if (size(plan%axis(axis_fidelity)%values) > 0) text = text//right('fidelity')
-      if (size(plan%axis(axis_modes)%values) > 0) text = text//right('modes')
-      if (size(plan%axis(axis_elements)%values) > 0) text = text//right('elements')
+      if (size(plan%axis(axis_fidelity)%values) > 0) text = text//level_header(plan, axis_fidelity)
+      if (size(plan%axis(axis_modes)%values) > 0) text = text//level_header(plan, axis_modes)
+      if (size(plan%axis(axis_elements)%values) > 0) text = text//level_header(plan, axis_elements)
    end function setting_header
 
    function setting_cells(plan, setting) result(text)
@@ -127,13 +127,26 @@ contains
          & level_cell(plan, setting, axis_modes)//level_cell(plan, setting, axis_elements)
    end function setting_cells
 
+   !> Name of an axis of the model above its column: that of its list, but of fidelities one.
+   function level_header(plan, which) result(text)
+      type(plan_type), intent(in) :: plan
+      integer, intent(in) :: which
+      character(:), allocatable :: text
+      text = plan%axis(which)%name
+      if (which == axis_fidelity) text = 'fidelity'
+      text = repeat(' ', max(0, width - 2 - len(text)))//'  '//text
+   end function level_header
+
+   !> Value of an axis of the model, below its name.
    function level_cell(plan, setting, which) result(text)
       type(plan_type), intent(in) :: plan
       type(setting_type), intent(in) :: setting
       integer, intent(in) :: which
       character(:), allocatable :: text
       text = ''
-      if (setting%level(which) > 0) text = right(trim(plan%axis(which)%texts(setting%level(which))))
+      if (setting%level(which) == 0) return
+      text = trim(plan%axis(which)%texts(setting%level(which)))
+      text = repeat(' ', max(1, len(level_header(plan, which)) - len(text)))//text
    end function level_cell
 
    !> Time discretisation alone: runs of the grid with the finest model, error of each channel, and observed order.
@@ -198,7 +211,7 @@ contains
       character(:), allocatable :: text
       integer :: i
       text = 'Error of the '//plan%axis(which)%name//at_finest(plan, which)//', '//trim(fine%integrator)//' at '// &
-         & as_text(fine%tolerance)//':'//newline//'  '//right(short_name(which))//right('CPU ms')//channel_header(plan)
+         & as_text(fine%tolerance, digits)//':'//newline//'  '//level_header(plan, which)//right('CPU ms')//channel_header(plan)
       do i = 1, size(runs)
          text = text//newline//'  '//level_cell(plan, runs(i)%setting, which)
          if (i == finest(plan, which) .and. runs(i)%reason == '') then
@@ -208,18 +221,6 @@ contains
          end if
       end do
    end function family_table
-
-   pure function short_name(which) result(name)
-      integer, intent(in) :: which
-      character(:), allocatable :: name
-      select case (which)
-      case (axis_modes); name = 'modes'
-      case (axis_elements); name = 'elements'
-      case (axis_fidelity); name = 'fidelity'
-      case (axis_tolerance); name = 'tolerance'
-      case default; name = 'integrator'
-      end select
-   end function short_name
 
    !> ' with 3 bending modes and 12 geometric elements': the finest values of all axes of the model but one.
    function at_finest(plan, but) result(text)

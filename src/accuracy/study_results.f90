@@ -13,13 +13,13 @@ module limber_accuracy_study_results
    private
    public :: open_results, add_runs
 
-   !> Columns besides those of the channels: name and meaning
+   !> Columns besides those of the channels: name and meaning; two have the names of lists of *STUDY, functions or modes and so on
    character(*), parameter :: columns(2, 18) = reshape([character(96) :: &
-      & 'table', '0: the grid; 1, 2, 3: modes, geometric elements, fidelity alone, against their finest value', &
+      & 'table', '0: the grid; 1, 2, 3: one column of the model alone, in their order, against its finest value', &
       & 'integrator', 'place in /run/integrators', &
       & 'tolerance', 'TOLERANCE of *DYNAMICS', &
-      & 'modes', 'number in the list of modes; 0: as in the deck', &
-      & 'geometric_elements', 'number in the list of geometric elements; 0: as in the deck', &
+      & '', 'number in the list of this name; 0: as in the deck', &
+      & '', 'number in the list of this name; 0: as in the deck', &
       & 'fidelity', 'place in /run/fidelities; 0: as in the deck', &
       & 'failed', '1 if the run failed; /run/failures says why', &
       & 'on_front', '1 if no other run is both faster and more accurate', &
@@ -47,7 +47,7 @@ contains
       call file%create(path, overwrite, version, error)
       if (.not. allocated(error)) call file%define_time('run', error)
       do i = 1, size(columns, 2)
-         if (.not. allocated(error)) call file%define_channel(trim(columns(1, i)), 1, '1', trim(columns(2, i)), error)
+         if (.not. allocated(error)) call file%define_channel(column_name(plan, i), 1, '1', trim(columns(2, i)), error)
       end do
       do i = 1, size(plan%names)
          if (.not. allocated(error)) call file%define_channel('error_of_'//trim(plan%names(i)), 1, '1', &
@@ -61,6 +61,21 @@ contains
       if (.not. allocated(error)) call file%put_attribute('/run', 'heading', plan%heading, error)
       if (.not. allocated(error)) call file%put_attribute('/run', 'deck_path', plan%path, error)
    end subroutine open_results
+
+   !> Name of a column: of numbers of the model that of their list, as in the deck.
+   pure function column_name(plan, i) result(name)
+      type(plan_type), intent(in) :: plan
+      integer, intent(in) :: i
+      character(:), allocatable :: name
+      integer, parameter :: of_modes = 4, of_elements = 5
+      integer :: k
+      name = trim(columns(1, i))
+      if (i == of_modes) name = plan%axis(axis_modes)%name
+      if (i == of_elements) name = plan%axis(axis_elements)%name
+      do k = 1, len(name)
+         if (name(k:k) == ' ') name(k:k) = '_'
+      end do
+   end function column_name
 
    !> Words in a line.
    pure function words_of(words) result(text)

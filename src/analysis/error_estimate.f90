@@ -12,7 +12,7 @@ module limber_analysis_error_estimate
    use limber_scene_scene, only: scene_type
    use limber_deck_operations, only: op_slot
    use limber_integrator_integrator, only: integrator_type, constraint_tolerance
-   use limber_model_quantities, only: quantities, quantity_work
+   use limber_model_quantities, only: quantities, quantity_work, partners_of
    use limber_model_model, only: channel_type, dynamics_type, model_type, quantity_type
    use limber_output_history, only: history_type
    use limber_output_progress, only: progress_type
@@ -27,8 +27,9 @@ module limber_analysis_error_estimate
    real(wp), parameter :: ladder = 10.0_wp
    !> Tolerances of a deck
    real(wp), parameter :: smallest_tolerance = 0.99e-13_wp, largest_tolerance = 0.1_wp
-   !> Part of its magnitude below which an error that does not shrink is no matter for a warning
-   real(wp), parameter :: no_more = 1.0e-9_wp
+   !> Part of its terms below which an error that does not shrink is round-off; part of the tolerance, relative to the channel, that
+   !> it may be without a warning; part of others of its unit that counts as the scale of a quantity's round-off
+   real(wp), parameter :: no_more = 1.0e-9_wp, of_tolerance = 0.1_wp, unrelated = 1.0e-3_wp
 
    !> A results file whose samples stay in memory too
    type, extends(history_type) :: kept_type
@@ -51,8 +52,9 @@ module limber_analysis_error_estimate
       real(wp), allocatable :: scale(:)
       !> Eq. (7.4) for each channel (channels), or `unknown_ratio`
       real(wp), allocatable :: ratio(:)
-      !> Channels whose errors do not shrink with the tolerance although they matter (channels)
-      logical, allocatable :: stuck(:)
+      !> Channels whose errors do not shrink with the tolerance although they are no round-off; those of them whose errors matter
+      !> beside the tolerance; and channels that are zero within round-off (channels)
+      logical, allocatable :: stuck(:), alarming(:), zero(:)
       !> Tolerance of the run itself, of the run that it is compared with, and of the one that gives the ratios; zero: there
       !> was none
       real(wp) :: tolerance = 0.0_wp, companion = 0.0_wp, check = 0.0_wp
@@ -128,6 +130,7 @@ contains
       character(:), allocatable, intent(out) :: reason
       class(integrator_type), allocatable :: integrator
       type(channel_type), allocatable :: channels(:)
+      type(quantity_type), allocatable :: beside(:)
       type(dynamics_type) :: dynamics
       type(outcome_type) :: outcome
       type(progress_type) :: progress
@@ -137,7 +140,8 @@ contains
          dynamics = model%dynamics
          call move_alloc(model%channels, channels)
          model%dynamics = varied(dynamics, factor)
-         call add_quantities(channels, model%channels)
+         call find_partners(channels, beside)
+         call add_quantities(channels, model%channels, beside)
          call new_integrator(model%dynamics, integrator)
          call samples%start(size(model%channels), dynamics%outputs + 1, huge(1.0_wp))
          samples%most_evaluations = limit
@@ -168,23 +172,65 @@ contains
       other%maximum_steps = 10*min(dynamics%maximum_steps, 200000000)
    end function varied
 
-   !> Channels, and behind them each quantity in each of them.
-   subroutine add_quantities(channels, all_channels)
+   !> Channels, and behind them each quantity in each of them, and others.
+   subroutine add_quantities(channels, all_channels, others)
       type(channel_type), intent(in) :: channels(:)
       type(channel_type), allocatable, intent(out) :: all_channels(:)
-      integer :: i, j, k
+      type(quantity_type), intent(in), optional :: others(:)
+      integer :: i, j, k, count
       k = size(channels)
-      allocate (all_channels(k + sum([(size(channels(i)%quantities), i=1, k)])))
+      count = k + sum([(size(channels(i)%quantities), i=1, k)])
+      if (present(others)) count = count + size(others)
+      allocate (all_channels(count))
       do i = 1, size(channels)
          all_channels(i) = channels(i)
          do j = 1, size(channels(i)%quantities)
-            k = k + 1
-            all_channels(k)%quantities = channels(i)%quantities(j:j)
-            all_channels(k)%expression%codes = [op_slot]
-            all_channels(k)%expression%operands = [1]
+            call add(channels(i)%quantities(j))
          end do
       end do
+      if (.not. present(others)) return
+      do j = 1, size(others)
+         call add(others(j))
+      end do
+
+   contains
+
+      subroutine add(quantity)
+         type(quantity_type), intent(in) :: quantity
+         k = k + 1
+         all_channels(k)%quantities = [quantity]
+         all_channels(k)%expression%codes = [op_slot]
+         all_channels(k)%expression%operands = [1]
+      end subroutine add
+
    end subroutine add_quantities
+
+   !> What the quantities of channels are computed together with, and share the round-off of: the other component of a force, ...
+   subroutine find_partners(channels, partners)
+      type(channel_type), intent(in) :: channels(:)
+      type(quantity_type), allocatable, intent(out) :: partners(:)
+      type(quantity_type) :: partner
+      integer, allocatable :: kinds(:)
+      integer :: i, j, k
+      allocate (partners(0))
+      do i = 1, size(channels)
+         do j = 1, size(channels(i)%quantities)
+            kinds = partners_of(channels(i)%quantities(j)%kind)
+            do k = 1, size(kinds)
+               partner = channels(i)%quantities(j)
+               partner%kind = kinds(k)
+               partner%dimension = quantities(kinds(k))%dimension
+               if (.not. any(is_same(partners, partner))) partners = [partners, partner]
+            end do
+         end do
+      end do
+   end subroutine find_partners
+
+   !> Whether two quantities are the same one.
+   elemental logical function is_same(a, b)
+      type(quantity_type), intent(in) :: a, b
+      is_same = a%kind == b%kind .and. a%of == b%of .and. (a%of_load .eqv. b%of_load) .and. (a%of_coupler .eqv. b%of_coupler)
+   end function is_same
 
    !> Errors from the samples of the runs: eqs. (7.4)-(7.7).
    subroutine compare_runs(model, samples, companion, check, steps, estimate)
@@ -193,12 +239,18 @@ contains
       type(memory_type), intent(in) :: samples, companion, check
       integer(long), intent(in) :: steps
       type(estimate_type), intent(inout) :: estimate
-      real(wp), allocatable :: difference(:), floors(:), sizes(:)
+      type(channel_type), allocatable :: sampled(:)
+      type(quantity_type), allocatable :: beside(:)
+      real(wp), allocatable :: difference(:), floors(:), sizes(:), largest(:)
       real(wp) :: factor
       integer :: i, j, first, n
       n = samples%samples
       first = size(model%channels)
-      allocate (estimate%values(first, n), estimate%ratio(first), estimate%stuck(first))
+      call find_partners(model%channels, beside)
+      call add_quantities(model%channels, sampled, beside)
+      allocate (largest, source=maxval(abs(companion%values(:, :n)), 2))
+      allocate (estimate%values(first, n), estimate%ratio(first))
+      allocate (estimate%stuck(first), estimate%alarming(first), estimate%zero(first))
       allocate (difference(n), floors(n), sizes(n))
       estimate%ratio = unknown_ratio
       do i = 1, size(model%channels)
@@ -206,8 +258,9 @@ contains
          if (estimate%check > 0.0_wp) &
             & estimate%ratio(i) = shrinkage(difference, check%values(i, :n) - samples%values(i, :n))
          associate (asked => model%channels(i)%quantities)
-            call round_off(model%channels(i), companion%values(first + 1:first + size(asked), :n), &
-               & [(natural_scale(asked(j), model), j=1, size(asked))], steps, floors, sizes)
+            call round_off(model%channels(i), companion%values(first + 1:first + size(asked), :n), [(max(natural_scale(asked(j), &
+               & model), scale_beside(asked(j), sampled(size(model%channels) + 1:), largest(size(model%channels) + 1:), &
+               & model%length)), j=1, size(asked))], steps, floors, sizes)
             first = first + size(asked)
          end associate
          factor = widening(estimate%ratio(i))
@@ -215,6 +268,10 @@ contains
          if (estimate%companion > estimate%tolerance) factor = 1.0_wp
          estimate%values(i, :) = max(factor*envelope(difference, reach), floors)
          estimate%stuck(i) = estimate%ratio(i) > no_shrinkage .and. maxval(estimate%values(i, :)) > no_more*maxval(sizes)
+         estimate%alarming(i) = estimate%stuck(i) .and. &
+            & maxval(estimate%values(i, :)) > of_tolerance*estimate%tolerance*largest(i)
+         estimate%zero(i) = maxval(floors) > 0.0_wp .and. &
+            & max(largest(i), maxval(abs(samples%values(i, :n)))) <= maxval(floors)
       end do
    end subroutine compare_runs
 
@@ -264,6 +321,30 @@ contains
       moved(which) = moved(which) + sign(1.0_wp, slots(which))*step
       derivative = (channel%expression%evaluate(moved) - channel%expression%evaluate(slots))/(moved(which) - slots(which))
    end function derivative
+
+   !> What the round-off of a quantity with a mass is relative to: the largest of what it is computed together with, and a part of
+   !> what has its dimension anywhere; zero for others.
+   pure real(wp) function scale_beside(quantity, sampled, largest, length) result(scale)
+      type(quantity_type), intent(in) :: quantity
+      !> Quantities that are sampled, a channel each, and their largest magnitudes; length of the scene
+      type(channel_type), intent(in) :: sampled(:)
+      real(wp), intent(in) :: largest(:), length
+      type(quantity_type) :: other
+      integer :: i
+      scale = 0.0_wp
+      if (quantity%kind == 0) return
+      if (quantity%dimension(3) == 0) return
+      do i = 1, size(sampled)
+         other = sampled(i)%quantities(1)
+         if (other%kind == 0 .or. any(other%dimension(2:) /= quantity%dimension(2:))) cycle
+         if (other%of == quantity%of .and. any(partners_of(quantity%kind) == other%kind) .and. &
+            & (other%of_load .eqv. quantity%of_load)) then
+            scale = max(scale, largest(i)*length**(quantity%dimension(1) - other%dimension(1)))
+         else if (other%dimension(1) == quantity%dimension(1)) then
+            scale = max(scale, unrelated*largest(i))
+         end if
+      end do
+   end function scale_beside
 
    !> What the accuracy of the constraints of a quantity is relative to, from its dimension: the length of the scene, the
    !> duration, one radian; zero if it has a mass.

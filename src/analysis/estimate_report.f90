@@ -85,10 +85,10 @@ contains
             & ' that it takes has failed: '//estimate%reason//newline
          return
       end if
-      if (.not. any(estimate%stuck)) return
+      if (.not. any(estimate%alarming)) return
       names = ''
       do i = 1, size(channels)
-         if (.not. estimate%stuck(i)) cycle
+         if (.not. estimate%alarming(i)) cycle
          if (names /= '') names = names//', '
          names = names//channels(i)%name
       end do
@@ -97,7 +97,8 @@ contains
          & ' times the difference of two runs and may be too small; give a smaller TOLERANCE'//newline
    end function estimate_warning
 
-   !> A line for each channel: largest value, value at the end, estimated error, and that relative to the largest value.
+   !> A line for each channel: largest value, value at the end, estimated error, and that relative to the largest value, unless it is
+   !> zero within round-off.
    function estimate_table(estimate, channels, samples) result(text)
       type(estimate_type), intent(in) :: estimate
       type(channel_type), intent(in) :: channels(:)
@@ -130,6 +131,10 @@ contains
             & right(as_text(samples%values(i, samples%samples), 6))//right(as_text(worst, 2))
          scale = magnitude(samples%values(i, :samples%samples))
          if (allocated(estimate%scale)) scale = max(scale, estimate%scale(i))
+         if (estimate%zero(i)) then
+            text = text//right('-')//'  zero within round-off'
+            cycle
+         end if
          text = text//right(as_text(worst/scale, 2))
          if (allocated(estimate%scale)) then
             if (scale > terms*largest) text = text//'  of its terms'

@@ -72,7 +72,7 @@ contains
       call apply_advice(advice, scene%deck)
       call build_scene(scene, diagnostics, error)
       if (allocated(error)) return
-      report = scene%warnings//path//': '//scene%system%model%heading//newline//advice_table(advice, scene)// &
+      report = scene%warnings//path//': '//scene%system%model%heading//newline//advice_table(advice, scene, .false.)// &
          & fixed_lines(deck)
       if (.not. allocated(request%write)) return
       call write_deck(scene, request%write, error)
@@ -158,35 +158,57 @@ contains
       call raise(error, path//': cannot be written: is there room, and may you write there?', status_deck)
    end subroutine write_deck
 
-   !> The choices, each with what decided it.
-   function advice_table(advice, scene) result(text)
+   !> The choices, each with what the pilot run knows of it. Of choices that finer runs have judged no expectations are told: what
+   !> those have shown counts.
+   function advice_table(advice, scene, judged) result(text)
       type(advice_type), intent(in) :: advice
       !> As it will run
       type(scene_type), intent(in) :: scene
+      !> Whether finer runs have
+      logical, intent(in) :: judged
       character(:), allocatable :: text
-      !> Axial force relative to the Euler load beyond which modes of bending say little
-      real(wp), parameter :: rope = 100.0_wp
       integer :: i, width
       text = '   for a relative error of '//as_text(advice%target, 2)//' in every channel:'
       width = 4
       do i = 1, size(advice%rungs)
          width = max(width, len(scene%deck%blocks(advice%rungs(i)%block)%name()))
       end do
-      if (size(advice%rungs) > 0) text = text//newline//'   '//left('beam', width)//left('rung', 12)// &
-         & left('expected', 9)//left('cost', 7)//left('the next', 30)//'decided by'
+      if (size(advice%rungs) > 0) then
+         text = text//newline//'   '//left('beam', width)//left('rung', 12)
+         if (judged) text = text//'of the rigid motion'
+         if (.not. judged) text = text//left('expected', 9)//left('cost', 7)//left('the next', 30)//'decided by'
+      end if
       do i = 1, size(advice%rungs)
-         text = text//newline//'   '//left(scene%deck%blocks(advice%rungs(i)%block)%name(), width)// &
-            & beam_cells(advice%rungs(i), advice%probe%beams(i), advice%expected(i))
+         text = text//newline//'   '//left(scene%deck%blocks(advice%rungs(i)%block)%name(), width)
+         if (judged) then
+            text = text//left(rung_name(advice%rungs(i)), 12)//known_of(advice%rungs(i), advice%probe%beams(i))
+         else
+            text = text//beam_cells(advice%rungs(i), advice%probe%beams(i), advice%expected(i))
+         end if
       end do
       if (size(advice%rungs) == 0) text = text//newline//'   no beam whose fidelity is open'
       associate (dynamics => scene%system%model%dynamics)
          text = text//newline//'   '//dynamics%integrator//' at TOLERANCE='//as_text(dynamics%tolerance, 2)
          if (dynamics%reason /= '') text = text//': '//dynamics%reason
       end associate
+      if (.not. judged) text = text//doubts_of(advice, scene)
+      text = text//newline//'   '//as_text(advice%probe%cpu, 2)//' s CPU for the probe: '//as_text(advice%probe%steps)// &
+         & ' steps with rigid beams'
+   end function advice_table
+
+   !> What speaks against expectations, a line for each.
+   function doubts_of(advice, scene) result(text)
+      type(advice_type), intent(in) :: advice
+      type(scene_type), intent(in) :: scene
+      character(:), allocatable :: text
+      !> Axial force relative to the Euler load beyond which modes of bending say little
+      real(wp), parameter :: rope = 100.0_wp
+      integer :: i
+      text = ''
       do i = 1, size(advice%rungs)
          if (advice%expected(i) <= advice%target) cycle
-         text = text//newline//"   beam '"//scene%deck%blocks(advice%rungs(i)%block)%name()//"': no rung is expected to"// &
-            & ' keep the target; the one above comes nearest'
+         text = text//newline//"   beam '"//scene%deck%blocks(advice%rungs(i)%block)%name()//"': "// &
+            & missing_words(advice%rungs(i), advice%probe%beams(i), advice%target)
       end do
       do i = 1, size(advice%rungs)
          if (advice%probe%beams(i)%force <= rope) cycle
@@ -198,9 +220,27 @@ contains
          & ' beams; where vibrations count, as of loads that are there at once,'//newline// &
          & '   they may be far too small: `limber run` with TARGET= verifies the choice, and takes another one then'
       if (advice%probe%blind) text = text//newline//'   with rigid beams the scene does not move: these are assumptions'
-      text = text//newline//'   '//as_text(advice%probe%cpu, 2)//' s CPU for the probe: '//as_text(advice%probe%steps)// &
-         & ' steps with rigid beams'
-   end function advice_table
+   end function doubts_of
+
+   !> That a rung is not expected to keep the target, and which one is.
+   function missing_words(rung, beam, target) result(text)
+      type(level_type), intent(in) :: rung
+      type(forecast_type), intent(in) :: beam
+      real(wp), intent(in) :: target
+      character(:), allocatable :: text
+      type(level_type) :: other
+      integer :: step, k
+      text = rung_name(rung)//' is not expected to keep the target; '
+      do step = rung%step, merge(rung%highest - 1, rung%step, rung%open_functions)
+         do k = 0, merge(1, 0, rung%open_strains .and. .not. rung%stretches .and. step > 0)
+            other = richer(rung, step - rung%step, k == 1)
+            if (expected_error(other, beam) > target) cycle
+            text = text//rung_name(other)//' is'
+            return
+         end do
+      end do
+      text = text//'no other one is'
+   end function missing_words
 
    function beam_cells(rung, beam, expected) result(text)
       type(level_type), intent(in) :: rung
@@ -223,15 +263,25 @@ contains
       type(level_type), intent(in) :: rung
       type(forecast_type), intent(in) :: beam
       character(:), allocatable :: text
+      if (rung%open_level .and. rung%step == 0) then
+         text = 'all that it bends and stretches makes '//as_text(expected_error(rung, beam), 2)//' of a channel'
+      else
+         text = known_of(rung, beam)
+      end if
+   end function reason_of
+
+   !> What the motion with rigid beams shows of a beam.
+   function known_of(rung, beam) result(text)
+      type(level_type), intent(in) :: rung
+      type(forecast_type), intent(in) :: beam
+      character(:), allocatable :: text
       if (.not. rung%open_level) then
          text = 'the deck; it bends to '//as_text(beam%deflection, 2)//' of its length'
-      else if (rung%step == 0) then
-         text = 'all that it bends and stretches makes '//as_text(expected_error(rung, beam), 2)//' of a channel'
       else
          text = 'slope '//as_text(beam%slope, 2)//', deflection '//as_text(beam%deflection, 2)//' of the length; its stretch '// &
             & 'makes '//as_text(beam%stretch, 2)//' of a channel; axial force '//as_text(beam%force, 2)//' of the Euler load'
       end if
-   end function reason_of
+   end function known_of
 
    !> A text filled up to a length, with at least two blanks behind it.
    pure function left(cell, length) result(text)

@@ -100,7 +100,7 @@ contains
       call record_outcome(scene, reached%outcome, reached%statistics, '', history%history_type, error)
       table = estimate_table(reached%estimate, scene%system%model%channels, reached%samples)
       report = scene%warnings//closing_report(path, scene, reached%outcome, integrator, results)// &
-         & scalar_lines(scene%system%model, history)//newline//advice_table(reached%advice, scene)//reached%path// &
+         & scalar_lines(scene%system%model, history)//newline//advice_table(reached%advice, scene, .true.)//reached%path// &
          & verified_line(reached)//newline//table
    end subroutine run_to_target
 
@@ -136,7 +136,7 @@ contains
          text = text//'   None was found so far that keeps the target; this one was being tried.'
       end if
       text = text//' Written into the deck in place of TARGET it runs without a search, and can then go on after a signal.'// &
-         & newline//advice_table(reached%advice, scene)//reached%path
+         & newline//advice_table(reached%advice, scene, reached%done)//reached%path
    end function interruption_text
 
    !> What speaks against a target before anything runs: a deck that is wrong, and a result that is there already.

@@ -3,7 +3,7 @@ module limber_model_quantities
    use limber_base_text, only: newline
    implicit none
    private
-   public :: quantity_spec_type, quantities, quantity_help, quantity_manual, is_internal_force
+   public :: quantity_spec_type, quantities, quantity_help, quantity_manual, is_internal_force, partners_of
 
    !> What a quantity is asked of
    integer, parameter, public :: of_point = 1, of_body = 2, of_beam_point = 3, of_beam = 4, of_joint = 5, of_driver = 6, &
@@ -129,6 +129,31 @@ contains
       is_internal_force = .false.
       if (kind > 0) is_internal_force = quantities(kind)%of == of_section
    end function is_internal_force
+
+   !> Quantities of the same joint, section or system that one is computed together with: the other component of a force, the forces
+   !> of a moment. One that is zero by nature has round-off of theirs.
+   pure function partners_of(kind) result(kinds)
+      integer, intent(in) :: kind
+      integer, allocatable :: kinds(:)
+      select case (kind)
+      case (quantity_force_x); kinds = [quantity_force_y]
+      case (quantity_force_y); kinds = [quantity_force_x]
+      case (quantity_force_1); kinds = [quantity_force_2]
+      case (quantity_force_2); kinds = [quantity_force_1]
+      case (quantity_moment); kinds = [quantity_force_x, quantity_force_y]
+      case (quantity_axial_force); kinds = [quantity_shear_force]
+      case (quantity_shear_force); kinds = [quantity_axial_force]
+      case (quantity_bending_moment); kinds = [quantity_axial_force, quantity_shear_force]
+      case (quantity_stress_top); kinds = [quantity_stress_bottom]
+      case (quantity_stress_bottom); kinds = [quantity_stress_top]
+      case (quantity_momentum_x); kinds = [quantity_momentum_y]
+      case (quantity_momentum_y); kinds = [quantity_momentum_x]
+      case (quantity_angular_momentum); kinds = [quantity_momentum_x, quantity_momentum_y]
+      case (quantity_kinetic); kinds = [quantity_potential]
+      case (quantity_potential); kinds = [quantity_kinetic]
+      case default; allocate (kinds(0))
+      end select
+   end function partners_of
 
    !> Lines for `limber help OUTPUT`.
    function quantity_help() result(text)

@@ -31,6 +31,7 @@ program test_estimate
    call test_round_off()
    call test_texts()
    call test_run()
+   call test_zero()
    call test_failed_companion()
    call test_tight()
    call execute_command_line('rm -rf '//folder)
@@ -117,12 +118,14 @@ contains
          call samples%append(0.0_wp, [-3.0_wp, 2.0_wp, 0.0_wp], error)
          call samples%append(1.0_wp, [1.0_wp/3, 2.0_wp, 0.0_wp], error)
          estimate%reason = ''
-         allocate (estimate%values(3, 2), estimate%ratio(3), estimate%stuck(3))
+         allocate (estimate%values(3, 2), estimate%ratio(3), estimate%stuck(3), estimate%alarming(3), estimate%zero(3))
          estimate%values = 0.0_wp
          estimate%values(1, 2) = 0.00234_wp
          estimate%values(3, 1) = 1.0e-9_wp
          estimate%ratio = 0.1_wp
          estimate%stuck = .false.
+         estimate%alarming = .false.
+         estimate%zero = .false.
          estimate%tolerance = 1.0e-6_wp
          estimate%companion = 1.0e-7_wp
          estimate%check = 1.0e-5_wp
@@ -130,6 +133,8 @@ contains
          estimate%factor = 2.34_wp
          call check_text(estimate_warning(estimate, channels), '', 'no warning')
          estimate%stuck([1, 3]) = .true.
+         call check_text(estimate_warning(estimate, channels), '', 'no warning of what is no matter beside the tolerance')
+         estimate%alarming([1, 3]) = .true.
          call check_text(estimate_table(estimate, channels, samples), &
             & '   estimated errors of the time integration, from runs at TOLERANCE=1e-7 and 1e-5, 0.25 s CPU or 2.3 times the'// &
             & ' run itself:'//newline// &
@@ -191,6 +196,35 @@ contains
          & '  energy_error [J]')
       call check_header('without.h5', '# time [s]  angle_arm [rad]  two [1]  energy [J]')
    end subroutine test_run
+
+   !> A bead on a rod that a torque turns: the force of the joint along the rod is zero but for round-off of that across it, whatever
+   !> it is multiplied by, and its errors do not shrink; no tolerance helps. One that is small beside it is no zero.
+   subroutine test_zero()
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      integer :: unit
+      open (newunit=unit, file=folder//'/zero.inp', action='write', status='replace')
+      write (unit, '(a)') '*RIGID BODY, NAME=rod, MASS=1, INERTIA=0.3', '*POINT MASS, NAME=bead, MASS=0.5, X=0.5', &
+         & '*JOINT, NAME=hinge, TYPE=REVOLUTE', ' rod.origin, ground.origin', '*JOINT, NAME=wire, TYPE=POINT ON LINE', &
+         & ' bead, rod.origin', '*SPRING, NAME=s, STIFFNESS=60, LENGTH=0.5', ' bead, ground.origin', &
+         & '*TORQUE, NAME=motor, BODY=rod', ' 0.5*sin(3*t)', '*GRAVITY', '*DYNAMICS, END=3, OUTPUTS=200, TOLERANCE=1e-6', &
+         & '*ACCURACY, ESTIMATE=YES', '*OUTPUT', ' along = force_1(wire), tiny = 1e-6*force_1(wire), across = force_2(wire)', &
+         & ' little = 1e-6*force_2(wire)'
+      close (unit)
+      call run_deck(folder//'/zero.inp', folder//'/zero.h5', .false., .true., report, error)
+      call check_no_error(error, 'bead')
+      call check(index(report, 'warning') == 0, 'no alarm about round-off: '//report)
+      call check(is_zero(report, 'along') .and. is_zero(report, 'tiny'), 'zero within round-off: '//report)
+      call check(.not. (is_zero(report, 'across') .or. is_zero(report, 'little')), 'no zero: '//report)
+   end subroutine test_zero
+
+   !> Whether the line of a channel in the table says that it is zero.
+   pure logical function is_zero(report, name)
+      character(*), intent(in) :: report, name
+      integer :: first
+      first = index(report, newline//'      '//name//' ') + 1
+      is_zero = index(report(first:first + index(report(first:), newline)), 'zero within round-off') > 0
+   end function is_zero
 
    !> Attributes and scales as other programs see them.
    subroutine check_file()

@@ -55,8 +55,8 @@ contains
          call history%put_attribute('/'//group, 'status', status, error)
          if (estimate%of_model) then
             if (.not. allocated(error)) call history%put_attribute('/'//group, 'method', &
-               & 'verified: sum of the differences to a run at companion_tolerance and to runs with each beam that matters one'// &
-               & ' rung higher and with all free that the deck fixes, enlarged by a quarter and over neighbouring samples', error)
+               & 'verified: difference from a finer run, of more functions and at companion_tolerance, over neighbouring'// &
+               & ' samples, and the error that this run is taken to have', error)
          else if (.not. allocated(error)) then
             call history%put_attribute('/'//group, 'method', &
             & 'paired runs: difference to a run at companion_tolerance, enlarged by 1/(1 - shrinkage) and over neighbouring'// &

@@ -6,7 +6,7 @@ module limber_integrator_quintic_output
    use limber_multibody_layout, only: layout_type, velocities_of, advance
    implicit none
    private
-   public :: quintic_state, quintic_place, add_projection
+   public :: quintic_state, quintic_place, factors_of_rates, add_projection
 
 contains
 
@@ -24,16 +24,22 @@ contains
       real(wp) :: d(5)
       integer :: k
       call quintic_place(layout, part, h, q_before, increment, w_before, w, a_before, a, change, q)
-      associate (s => part)
-         d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
-            & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]/h
-      end associate
+      d = factors_of_rates(part)/h
       d(2:5) = d(2:5)*[h, h**2, h, h**2]
       do k = 1, size(w)
          rates(k) = d(1)*increment(k) + d(2)*w_before(k) + d(3)*a_before(k) + d(4)*w(k) + d(5)*a(k)
       end do
       call velocities_of(layout, q, rates, v)
    end subroutine quintic_state
+
+   !> Factors of increment, h w0, h^2 a0, h w1 and h^2 a1 in the rates, times h.
+   pure function factors_of_rates(s) result(d)
+      !> Part of the step
+      real(wp), intent(in) :: s
+      real(wp) :: d(5)
+      d = [30*s**2*(1 - s)**2, 1 - 18*s**2 + 32*s**3 - 15*s**4, s - 4.5_wp*s**2 + 6*s**3 - 2.5_wp*s**4, &
+         & -12*s**2 + 28*s**3 - 15*s**4, 1.5_wp*s**2 - 4*s**3 + 2.5_wp*s**4]
+   end function factors_of_rates
 
    !> The coordinates alone.
    pure subroutine quintic_place(layout, part, h, q_before, increment, w_before, w, a_before, a, change, q)

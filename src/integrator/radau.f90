@@ -1,8 +1,7 @@
 !> RADAU: Radau IIA of order 5, three stages, on the equations of index 2: motion and velocity constraints at every stage, the
 !> position constraints restored by projection after the step. In each Newton step one real and one complex sparse system of the
 !> exact derivatives are solved. Dense output of order 5 from coordinates, rates and accelerations at both ends. Floor: integrator.
-!> Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8 and VII; doc/theory, eqs. (5.6)-(5.8),
-!> (5.12).
+!> Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.8, VII; doc/theory, eqs. (5.6)-(5.8), (5.12).
 module limber_integrator_radau
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
@@ -10,8 +9,9 @@ module limber_integrator_radau
    use limber_integrator_implicit, only: implicit_type
    use limber_integrator_lasting_errors, only: lasting_type, motion_time
    use limber_integrator_integrator, only: constraint_limit
-   use limber_integrator_quintic_output, only: quintic_state, quintic_place, add_projection
    use limber_integrator_error_scales, only: energy_scale
+   use limber_integrator_quintic_output, only: quintic_state, quintic_place, add_projection
+   use limber_integrator_relaxed_output, only: relax_ends
    use limber_integrator_radau_method, only: radau_a, radau_c, radau_t, radau_ti, radau_inverse, radau_weights, &
       & gamma => radau_gamma, alpha => radau_alpha, beta => radau_beta
    use limber_multibody_equations_of_motion, only: input_power, power_at
@@ -477,8 +477,7 @@ contains
       !> False if the constraints cannot be met
       logical, intent(out) :: accepted
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: residual, t, allowed
-      integer :: i
+      real(wp) :: residual, t
       t = self%t + self%h
       if (self%h >= stop - self%t) t = stop
       call place_stage(self, system, 3)
@@ -502,10 +501,9 @@ contains
       self%q = self%stage_q
       self%v = self%stage_v
       call self%take_over(system, work)
-      allowed = bound(self)/self%h**2
-      do i = 1, size(self%a)
-         if (abs(self%a(i) - self%a_end(i)) <= allowed*self%scale_x(i)) self%a_end(i) = self%a(i)
-      end do
+      self%e = bound(self)/self%h**2*self%scale_x
+      where (abs(self%a - self%a_end) <= self%e) self%a_end = self%a
+      if (.not. self%h_accepted > 0.0_wp) call relax_ends(self%h, self%z, self%a, self%e, self%w_before, self%a_before, self%a_end)
    end subroutine accept
 
    !> After Newton's method has failed: passes a fold if there is one ahead, else shortens the step.

@@ -19,6 +19,8 @@ program test_steps
    call check_arm()
    call check_speeds()
    call check_spring()
+   call check_relaxed()
+   call check_damped_beam()
    call finish()
 
 contains
@@ -66,6 +68,52 @@ contains
       print '(a, es10.2)', 'spring: error', off
       call check(off <= 2.0e-5_wp, 'a vibration that is excited is followed')
    end subroutine check_spring
+
+   !> A mass behind a stiff damper, and a push that comes at once: the pull of both is the push before the first step has ended, while
+   !> the motion is slow. Samples within that step show it.
+   subroutine check_relaxed()
+      real(wp), parameter :: stiffness = 4.0e7_wp, damping = 2.0e6_wp, jump = 0.098_wp
+      real(wp), allocatable :: x(:, :), w(:, :)
+      real(wp) :: fast, slow, t, off, pull
+      integer :: i
+      call run_scene('relaxed', '*POINT MASS, NAME=bob, MASS=1, X=1'//nl// &
+         & '*SPRING, NAME=spring, STIFFNESS=4e7, DAMPING=2e6, LENGTH=1'//nl//' ground.origin, bob'//nl// &
+         & '*FORCE, NAME=push, POINT=bob'//nl//' step(t - 0.098), 0'//nl// &
+         & '*DYNAMICS, END=0.5, OUTPUTS=50, INTEGRATOR=RADAU'//nl//'*OUTPUT'//nl//' x = tension(spring), w = x(bob) - 1'//nl)
+      call take(1, x, w)
+      fast = 0.5_wp*damping + sqrt(0.25_wp*damping**2 - stiffness)
+      slow = stiffness/fast
+      off = 0.0_wp
+      do i = 0, 50
+         t = max(0.0_wp, 0.01_wp*i - jump)
+         ! k u + c u' of u = (1 + (slow exp(-fast t) - fast exp(-slow t))/(fast - slow))/k
+         pull = 1 + (slow*exp(-fast*t) - fast*exp(-slow*t))/(fast - slow) &
+            & + damping/stiffness*fast*slow*(exp(-slow*t) - exp(-fast*t))/(fast - slow)
+         off = max(off, abs(x(i + 1, 1) - pull))
+      end do
+      print '(a, es10.2)', 'relaxed: error', off
+      call check(off <= 0.15_wp, 'the pull of a damper right behind a jump of the load')
+   end subroutine check_relaxed
+
+   !> The same of a damped beam whose vibrations all creep but the slowest ones: moment and shear force behind short pulses.
+   subroutine check_damped_beam()
+      character(*), parameter :: beam = '*MATERIAL, NAME=stuff, YOUNG=1e6, DENSITY=1'//nl// &
+         & '*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-6'//nl// &
+         & '*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH=1, FUNCTIONS=28'//nl// &
+         & '*JOINT, NAME=wall, TYPE=WELD, TURN=0'//nl//' bar.start, ground.origin'//nl//'*FORCE, NAME=f, POINT=bar.middle'//nl// &
+         & ' 0, 1e-3*(step(t-0.1)*step(0.11-t) + step(t-0.3)*step(0.31-t))'//nl//'*DAMPING, BODY=bar, RAYLEIGH BETA=1e-2'//nl
+      character(*), parameter :: output = '*OUTPUT'//nl//' x = bending_moment(bar.start), w = shear_force(bar.middle)'//nl
+      real(wp), allocatable :: x(:, :), w(:, :)
+      call run_scene('beam', beam// &
+         & '*DYNAMICS, END=0.4, OUTPUTS=50, TOLERANCE=1e-8, MAXIMUM STEP=2e-4, INTEGRATOR=RADAU'//nl//output)
+      call take(1, x, w)
+      call run_scene('beam', beam//'*DYNAMICS, END=0.4, OUTPUTS=50, INTEGRATOR=RADAU'//nl//output)
+      call take(2, x, w)
+      print '(a, 2es10.2)', 'damped beam: errors', maxval(abs(x(:, 2) - x(:, 1)))/maxval(abs(x(:, 1))), &
+         & maxval(abs(w(:, 2) - w(:, 1)))/maxval(abs(w(:, 1)))
+      call check(maxval(abs(x(:, 2) - x(:, 1))) <= 3.0e-3_wp*maxval(abs(x(:, 1))), 'the moment of a damped beam behind pulses')
+      call check(maxval(abs(w(:, 2) - w(:, 1))) <= 1.0e-2_wp*maxval(abs(w(:, 1))), 'the shear force of a damped beam behind pulses')
+   end subroutine check_damped_beam
 
    !> The channels x and w of the last run into a column of two tables.
    subroutine take(column, x, w)

@@ -36,6 +36,8 @@ module limber_integrator_radau
    type, extends(implicit_type) :: radau_type
       !> Accelerations at the beginning and the end of the last step (nw)
       real(wp), allocatable :: a_before(:), a_end(:)
+      !> The same two for its dense output (nw,2)
+      real(wp), allocatable :: a_shown(:, :)
       !> Stages: increments of rates and coordinates (nw,3), multipliers (nc,3), power of what puts work in (3)
       real(wp), allocatable :: z(:, :), x(:, :), multipliers(:, :)
       real(wp) :: stage_power(3) = 0.0_wp
@@ -71,9 +73,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       if (.not. allocated(self%z)) then
          associate (nq => system%layout%nq, nw => system%layout%nw, nc => system%nc)
-            allocate (self%a_before(nw), self%a_end(nw), self%z(nw, 3), self%x(nw, 3), self%multipliers(nc, 3), &
-               & self%motion(nw, 3), self%rate(nc, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), self%stage_a(nw), &
-               & self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc))
+            allocate (self%a_before(nw), self%a_end(nw), self%a_shown(nw, 2), self%z(nw, 3), self%x(nw, 3), self%rate(nc, 3), &
+               & self%multipliers(nc, 3), self%motion(nw, 3), self%stage_q(nq), self%q_stage_end(nq), self%stage_v(nq), &
+               & self%stage_a(nw), self%real_part(nw + nc), self%e(nw), self%complex_part(nw + nc))
          end associate
          call self%use_sparse(system)
          call self%lasting%prepare(system, self%tangent)
@@ -88,6 +90,7 @@ contains
       self%contraction = 1.0_wp
       self%a_before = self%a
       self%a_end = self%a
+      self%a_shown = spread(self%a, 2, 2)
       call self%begin_step_size(duration, 0.1_wp*bound(self)**0.25_wp)
    end subroutine radau_start
 
@@ -503,7 +506,10 @@ contains
       call self%take_over(system, work)
       self%e = bound(self)/self%h**2*self%scale_x
       where (abs(self%a - self%a_end) <= self%e) self%a_end = self%a
-      if (.not. self%h_accepted > 0.0_wp) call relax_ends(self%h, self%z, self%a, self%e, self%w_before, self%a_before, self%a_end)
+      self%a_shown(:, 1) = self%a_before
+      self%a_shown(:, 2) = self%a_end
+      if (.not. self%h_accepted > 0.0_wp) call relax_ends(self%h, self%z, self%a, self%e, self%w_before, self%a_shown(:, 1), &
+         & self%a_shown(:, 2))
    end subroutine accept
 
    !> After Newton's method has failed: passes a fold if there is one ahead, else shortens the step.
@@ -522,6 +528,8 @@ contains
       if (passed) then
          self%a_before = self%a_end
          self%a_end = self%a
+         self%a_shown(:, 1) = self%a_before
+         self%a_shown(:, 2) = self%a_end
       else if (away > 0.0_wp) then
          self%h = min(0.5_wp*self%h, 0.4_wp*away)
       else
@@ -546,8 +554,8 @@ contains
       end if
       s = (t - self%t_before)/h
       h = self%length_of_step()
-      call quintic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%a_before, self%a_end, &
-         & self%stage_a, self%e, q, v)
+      call quintic_state(self%layout, s, h, self%q_before, self%increment, self%w_before, self%w, self%a_shown(:, 1), &
+         & self%a_shown(:, 2), self%stage_a, self%e, q, v)
       w = self%input%within(s)
    end subroutine radau_interpolate
 
@@ -564,7 +572,7 @@ contains
       end if
       s = (t - self%t_before)/h
       call quintic_place(self%layout, s, self%length_of_step(), self%q_before, self%increment, self%w_before, self%w, &
-         & self%a_before, self%a_end, self%stage_a, q)
+         & self%a_shown(:, 1), self%a_shown(:, 2), self%stage_a, q)
    end subroutine radau_interpolate_place
 
    !> Saves or restores its memory.
@@ -576,19 +584,11 @@ contains
       call self%lasting%exchange(snapshot)
       call snapshot%keep('a_before', self%a_before)
       call snapshot%keep('a_end', self%a_end)
+      call snapshot%keep('a_shown', self%a_shown)
       call snapshot%keep('z', self%z)
       call snapshot%keep('x', self%x)
-      call snapshot%keep('multipliers', self%multipliers)
       call snapshot%exchange('stage_power', self%stage_power)
-      call snapshot%keep('motion', self%motion)
-      call snapshot%keep('rate', self%rate)
-      call snapshot%keep('stage_q', self%stage_q)
-      call snapshot%keep('stage_v', self%stage_v)
-      call snapshot%keep('stage_a', self%stage_a)
       call snapshot%keep('real_part', self%real_part)
-      call snapshot%keep('e', self%e)
-      call snapshot%keep('q_stage_end', self%q_stage_end)
-      call snapshot%exchange('complex_part', self%complex_part)
       call snapshot%exchange('error_last', self%error_last)
       call snapshot%exchange('h_accepted', self%h_accepted)
       call snapshot%exchange('h_failed', self%h_failed)

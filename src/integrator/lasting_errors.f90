@@ -2,15 +2,19 @@
 !> once by as much as the vibration's own rate, however little that moves: measured as it is, it binds a method that could step over
 !> the vibration to its period. Seen over the time tau of the motion the vibration does not move anything: what is left of the error
 !> is the solution of the linearised equations with the step tau. The displacement that the rest makes is an error of the
-!> coordinates, and measured there. Floor: integrator. Source: doc/theory, eqs. (5.14), (5.15).
+!> coordinates, and measured there. Only what bends, and springs along themselves, stay stiff: a light body between rods or springs
+!> in tension vibrates fast across them as long as these pull; where they let go, its speed is the motion. Floor: integrator.
+!> Source: doc/theory, eqs. (5.14), (5.15).
 module limber_integrator_lasting_errors
    use limber_base_kinds, only: wp
    use limber_base_snapshot, only: snapshot_type
    use limber_integrator_error_scales, only: scales_type
+   use limber_model_model, only: ground
    use limber_multibody_force_elements, only: force_element_type
+   use limber_multibody_motion_residual, only: place_motion
    use limber_multibody_sparse_matrix, only: sparse_type
    use limber_multibody_springs, only: point_spring_type
-   use limber_multibody_system, only: system_type
+   use limber_multibody_system, only: system_type, workspace_type
    use limber_multibody_tangent, only: tangent_type, combine_values
    use limber_multibody_tangent_products, only: times_mass
    implicit none
@@ -79,13 +83,16 @@ contains
       tau = 1/rate
    end function motion_time
 
-   !> Leaves in `part` what lasts of an error of the rates, eq. (5.14).
-   subroutine find(self, system, tangent, tau, rates, found)
+   !> Leaves in `part` what lasts of an error of the rates, eq. (5.14). Kinematics are left at the state where factors are made.
+   subroutine find(self, system, work, tangent, t, q, v, tau, rates, found)
       class(lasting_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
       !> Derivatives, gathered
       type(tangent_type), intent(in) :: tangent
-      !> Time of the motion; errors of the rates (nw)
+      !> State at the beginning of the step (nq); time of the motion; errors of the rates (nw)
+      real(wp), intent(in) :: t
+      real(wp), contiguous, intent(in) :: q(:), v(:)
       real(wp), intent(in) :: tau, rates(:)
       !> False if the equations have no solution: the error is as large as it is
       logical, intent(out) :: found
@@ -94,7 +101,9 @@ contains
       logical :: singular
       found = .true.
       if (self%tau > another*tau .or. another*self%tau < tau) then
-         call combine_values(tangent, 1/tau, 1.0_wp, tau, tau, tau, self%matrix%values)
+         call combine_values(tangent, 1/tau, 1.0_wp, 0.0_wp, tau, tau, self%matrix%values)
+         if (size(system%loads) > 0) call place_motion(system, work, t, q, v)
+         call add_elasticity(system, work, tangent, tau, self%matrix%values)
          call self%matrix%follow_pivots(tangent%matrix)
          call self%matrix%factor(singular)
          found = .not. singular
@@ -106,6 +115,64 @@ contains
       call times_mass(system, tangent, 1/self%tau, rates, self%part(:size(rates)))
       call self%matrix%solve(self%part)
    end subroutine find
+
+   !> Adds the stiffness that lasts: of bodies that bend, with what they are held by, and of springs along themselves.
+   subroutine add_elasticity(system, work, tangent, factor, values)
+      type(system_type), intent(in) :: system
+      !> Placed and moved
+      type(workspace_type), intent(in) :: work
+      !> Derivatives
+      type(tangent_type), intent(in) :: tangent
+      real(wp), intent(in) :: factor
+      !> Of the matrix (entries)
+      real(wp), contiguous, intent(inout) :: values(:)
+      real(wp), allocatable :: stiffness(:, :)
+      integer :: i, m
+      do i = 1, size(system%layout%n)
+         if (system%layout%n(i) > 0) call add_block(tangent%bodies(i)%place, factor*tangent%bodies(i)%stiffness, values)
+      end do
+      do i = 1, size(tangent%constraints)
+         associate (c => tangent%constraints(i))
+            if (size(c%across) == 0 .or. .not. bends(system, system%constraints(i)%item%bodies)) cycle
+            call add_block(c%across_place, factor*c%across, values)
+            call add_block(c%across_transposed, factor*c%across, values)
+         end associate
+      end do
+      do i = 1, size(system%loads)
+         associate (place => tangent%loads(i)%place)
+            m = size(place, 1)
+            allocate (stiffness(m, m), source=0.0_wp)
+            call system%loads(i)%item%add_elasticity(work%kinematics, stiffness)
+            call add_block(place, factor*stiffness, values)
+            deallocate (stiffness)
+         end associate
+      end do
+   end subroutine add_elasticity
+
+   !> Whether one of some bodies has elastic coordinates.
+   pure logical function bends(system, bodies)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: bodies(:)
+      integer :: i
+      bends = .false.
+      do i = 1, size(bodies)
+         if (bodies(i) == ground) cycle
+         if (system%layout%n(bodies(i)) > 0) bends = .true.
+      end do
+   end function bends
+
+   !> Adds a block to entries of the matrix.
+   pure subroutine add_block(place, block, values)
+      integer, intent(in) :: place(:, :)
+      real(wp), intent(in) :: block(:, :)
+      real(wp), intent(inout) :: values(:)
+      integer :: i, j
+      do j = 1, size(block, 2)
+         do i = 1, size(block, 1)
+            values(place(i, j)) = values(place(i, j)) + block(i, j)
+         end do
+      end do
+   end subroutine add_block
 
    !> Saves or restores its memory.
    subroutine exchange_lasting(self, snapshot)

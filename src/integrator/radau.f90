@@ -68,8 +68,7 @@ contains
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
-      real(wp), intent(in) :: t, duration
-      real(wp), intent(in) :: q(:), v(:)
+      real(wp), intent(in) :: t, duration, q(:), v(:)
       type(error_type), allocatable, intent(out) :: error
       if (.not. allocated(self%z)) then
          associate (nq => system%layout%nq, nw => system%layout%nw, nc => system%nc)
@@ -141,7 +140,7 @@ contains
             factor = min(8.0_wp, max(1.0_wp, wanted/self%h))
             exit
          end if
-         call estimate_error(self, system, err)
+         call estimate_error(self, system, work, err)
          accepted = err <= bound(self) .or. self%fixed_step > 0.0_wp
          if (accepted .and. system%powered) call integrate_power(self, system, work, err, accepted)
          factor = next_factor(self, err, repeated .or. .not. accepted)
@@ -209,13 +208,10 @@ contains
    subroutine guess_stages(self)
       class(radau_type), intent(inout) :: self
       integer :: i
-      real(wp) :: s
       do i = 1, 3
          self%z(:, i) = radau_c(i)*self%h*self%a_end
-         if (self%h_last > 0.0_wp) then
-            s = radau_c(i)*self%h/self%h_last
-            self%z(:, i) = self%z(:, i) + 0.5_wp*s*radau_c(i)*self%h*(self%a_end - self%a_before)
-         end if
+         if (self%h_last > 0.0_wp) self%z(:, i) = self%z(:, i) &
+            & + 0.5_wp*(radau_c(i)*self%h/self%h_last)*radau_c(i)*self%h*(self%a_end - self%a_before)
          self%multipliers(:, i) = self%lambda
       end do
    end subroutine guess_stages
@@ -391,9 +387,10 @@ contains
    end function changes_of
 
    !> Local error of the step in units of the scales: difference from an embedded formula of order 3, filtered.
-   subroutine estimate_error(self, system, err)
+   subroutine estimate_error(self, system, work, err)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
       real(wp), intent(out) :: err
       real(wp) :: of_rates
       integer :: i, nw
@@ -413,15 +410,16 @@ contains
       err = sum((self%e/self%scale_x)**2)
       of_rates = sum((self%real_part(:nw)/self%scale_w)**2)
       if (of_rates > err .and. self%lasting%usable .and. .not. self%speeds_asked) &
-         & call weigh_rates(self, system, err + of_rates, of_rates)
+         & call weigh_rates(self, system, work, err + of_rates, of_rates)
       err = sqrt(err + of_rates)
       if (.not. err <= huge(err)) err = huge(err)
    end subroutine estimate_error
 
    !> Takes from the error of the rates what does not last, where the step is short beside what the motion would need, eq. (5.16).
-   subroutine weigh_rates(self, system, whole, of_rates)
+   subroutine weigh_rates(self, system, work, whole, of_rates)
       class(radau_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      type(workspace_type), intent(inout) :: work
       !> Squares, in units of the scales, of the whole error and of that of the rates
       real(wp), intent(in) :: whole
       real(wp), intent(inout) :: of_rates
@@ -436,7 +434,7 @@ contains
          self%rest = self%rest - 1
          if (self%rest > 0 .or. whole <= (needless*bound(self))**2 .or. self%h > short*tau*bound(self)**0.25_wp) return
       end if
-      call self%lasting%find(system, self%tangent, tau, self%real_part(:nw), found)
+      call self%lasting%find(system, work, self%tangent, self%t, self%q, self%v, tau, self%real_part(:nw), found)
       if (.not. found) return
       weighed = sum((self%lasting%part(:nw)/self%scale_w)**2) &
          & + tau**2*abs(sum(self%real_part(:nw)*self%lasting%part(:nw)/self%scale_x**2))

@@ -48,6 +48,7 @@ module limber_multibody_force_elements
    contains
       procedure :: add_force => effort_add_force
       procedure :: add_tangent => effort_add_tangent
+      procedure :: add_elasticity => effort_add_elasticity
       procedure :: add_energy => effort_add_energy
       procedure :: begin_energy => effort_begin_energy
       procedure :: add_power => effort_add_power
@@ -198,6 +199,29 @@ contains
             & stiffness(self%offsets(p) + 1:self%offsets(p) + self%rates(p), self%offsets(p) + 1:self%offsets(p) + self%rates(p)))
       end do
    end subroutine effort_add_tangent
+
+   !> Of the linear part, along the gauge.
+   pure subroutine effort_add_elasticity(self, kinematics, stiffness)
+      class(force_element_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: stiffness(:, :)
+      real(wp) :: weights(2, 3), gradient(size(stiffness, 1)), value, rate
+      integer :: j, m, p
+      if (self%follower .or. .not. self%stiffness > 0.0_wp) return
+      call read_gauge(self%gauges(1), kinematics, value, rate, weights)
+      gradient = 0.0_wp
+      do p = 1, size(self%rates)
+         do j = 1, self%rates(p)
+            do m = 1, 3
+               gradient(self%offsets(p) + j) = gradient(self%offsets(p) + j) &
+                  & + dot_product(weights(:, m), gauge_column(self%gauges(1), kinematics, m, p, j))
+            end do
+         end do
+      end do
+      do j = 1, size(gradient)
+         stiffness(:, j) = stiffness(:, j) + self%stiffness*gradient(j)*gradient
+      end do
+   end subroutine effort_add_elasticity
 
    !> Derivative of the force by one coordinate and by its rate.
    pure subroutine along_coordinate(self, kinematics, weights, push, by_value, by_rate, part, j, slope, drag)

@@ -38,6 +38,8 @@ module limber_multibody_load
       procedure(state_interface), deferred :: state_along
       !> Energy that it stores
       procedure :: add_energy => store_nothing
+      !> Stiffness that it has whatever its force is
+      procedure :: add_elasticity => stiffen_nothing
       !> Settles from where that is counted
       procedure :: begin_energy => begin_nothing
    end type load_type
@@ -134,6 +136,16 @@ contains
       type(kinematics_type), intent(in) :: kinematics
       self%share = self%share + 0*kinematics%time
    end subroutine begin_nothing
+
+   !> The stiffness of a load without material.
+   pure subroutine stiffen_nothing(self, kinematics, stiffness)
+      class(load_type), intent(in) :: self
+      !> Placed
+      type(kinematics_type), intent(in) :: kinematics
+      !> As that of `add_tangent` (rates, rates)
+      real(wp), intent(inout) :: stiffness(:, :)
+      if (size(stiffness) > 0) stiffness(1, 1) = stiffness(1, 1) + 0*self%rates(1)*kinematics%time
+   end subroutine stiffen_nothing
 
    !> The energy of a load that stores none.
    pure subroutine store_nothing(self, kinematics, sum)

@@ -24,6 +24,7 @@ module limber_multibody_springs
    contains
       procedure :: add_force => spring_add_force
       procedure :: add_tangent => spring_add_tangent
+      procedure :: add_elasticity => spring_add_elasticity
       procedure :: add_energy => spring_add_energy
       procedure :: add_power => spring_add_power
       procedure :: add_missed_power => spring_add_missed_power
@@ -69,6 +70,23 @@ contains
       call marker_stiffness(kinematics, self%markers(1), -pull, stiffness(:first, :first))
       call marker_stiffness(kinematics, self%markers(2), pull, stiffness(first + 1:, first + 1:))
    end subroutine spring_add_tangent
+
+   !> Along the spring, and across one without a free length, whose stiffness is the same in all directions.
+   pure subroutine spring_add_elasticity(self, kinematics, stiffness)
+      class(point_spring_type), intent(in) :: self
+      type(kinematics_type), intent(in) :: kinematics
+      real(wp), intent(inout) :: stiffness(:, :)
+      real(wp) :: gap(2), rate(2), length, column(2)
+      integer :: i, j
+      call measure(self, kinematics, gap, rate, length)
+      do j = 1, sum(self%rates)
+         column = self%stiffness*gap_column(self, kinematics, j)
+         if (self%free_length > 0.0_wp) column = dot_product(gap, column)/length*gap/length
+         do i = 1, sum(self%rates)
+            stiffness(i, j) = stiffness(i, j) + dot_product(gap_column(self, kinematics, i), column)
+         end do
+      end do
+   end subroutine spring_add_elasticity
 
    pure subroutine spring_add_energy(self, kinematics, sum)
       class(point_spring_type), intent(in) :: self

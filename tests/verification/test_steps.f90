@@ -1,5 +1,5 @@
-!> Steps of RADAU are bound to what moves: they go over vibrations that are hardly excited, and follow those that are.
-!> References: ADAMS, which shares nothing with it but the equations; a mass on a spring. Usage, in tests/: test_steps RESULT_FILE
+!> Steps of RADAU are bound to what moves: they go over vibrations that are hardly excited, and follow those that are, or that
+!> become the motion. References: ADAMS, which shares nothing with it but the equations; a mass on a spring. Usage, in tests/: test_steps RESULT_FILE
 program test_steps
    use limber_base_kinds, only: wp
    use limber_base_error, only: error_type
@@ -13,6 +13,10 @@ program test_steps
    character(*), parameter :: arm = '*MATERIAL, NAME=steel, YOUNG=200e9, DENSITY=7870'//nl// &
       & '*SECTION, NAME=round, SHAPE=CIRCLE, DIAMETER=0.1'//nl//'*BEAM, NAME=arm, MATERIAL=steel, SECTION=round, LENGTH=10'//nl// &
       & '*JOINT, NAME=hinge, TYPE=REVOLUTE'//nl//' arm.start, ground.origin'//nl//'*GRAVITY'//nl
+   !> A light and a heavy body fall as a pendulum of rods, beside a spring
+   character(*), parameter :: rods = '*POINT MASS, NAME=p, MASS=1e-4, X=1'//nl//'*POINT MASS, NAME=q, MASS=10, X=2'//nl// &
+      & '*JOINT, NAME=s, TYPE=ROD'//nl//' p, ground.origin'//nl//'*JOINT, NAME=r, TYPE=ROD'//nl//' p, q'//nl// &
+      & '*POINT MASS, NAME=z, MASS=1e-4, X=-1'//nl//'*SPRING, NAME=c, STIFFNESS=1e4, LENGTH=1'//nl//' z, ground.origin'//nl
    character(256) :: results
 
    call get_command_argument(1, results)
@@ -21,6 +25,9 @@ program test_steps
    call check_spring()
    call check_relaxed()
    call check_damped_beam()
+   call check_tension('springs, 0.1 g', springs('1e-4'), '1e-4', 3.0e-4_wp)
+   call check_tension('springs, 0.3 g', springs('3e-4'), '1e-3', 5.0e-4_wp)
+   call check_tension('rods', rods, '1e-6', 3.0e-4_wp)
    call finish()
 
 contains
@@ -114,6 +121,33 @@ contains
       call check(maxval(abs(x(:, 2) - x(:, 1))) <= 3.0e-3_wp*maxval(abs(x(:, 1))), 'the moment of a damped beam behind pulses')
       call check(maxval(abs(w(:, 2) - w(:, 1))) <= 1.0e-2_wp*maxval(abs(w(:, 1))), 'the shear force of a damped beam behind pulses')
    end subroutine check_damped_beam
+
+   !> The same on springs, of a mass of the light body [kg].
+   function springs(mass) result(text)
+      character(*), intent(in) :: mass
+      character(:), allocatable :: text
+      text = '*POINT MASS, NAME=p, MASS='//mass//', X=1'//nl//'*POINT MASS, NAME=q, MASS=10, X=2'//nl// &
+         & '*SPRING, NAME=s, STIFFNESS=1e4, LENGTH=1'//nl//' p, ground.origin'//nl// &
+         & '*SPRING, NAME=r, STIFFNESS=1e4, LENGTH=1'//nl//' p, q'//nl
+   end function springs
+
+   !> The light body vibrates fast across springs or rods as long as they pull. Where the pendulum turns back they let go: where it
+   !> goes then depends on its speed.
+   subroutine check_tension(name, scene, tolerance, allowed)
+      character(*), intent(in) :: name, scene, tolerance
+      !> Error of the place of the light body [m]
+      real(wp), intent(in) :: allowed
+      character(*), parameter :: dynamics = '*GRAVITY'//nl//'*DYNAMICS, END=2, OUTPUTS=50, INTEGRATOR=', &
+         & output = nl//'*OUTPUT'//nl//' x = y(q), w = y(p)'//nl
+      real(wp), allocatable :: x(:, :), w(:, :)
+      call run_scene(name, scene//dynamics//'ADAMS, TOLERANCE=1e-10'//output)
+      call take(1, x, w)
+      call run_scene(name, scene//dynamics//'RADAU, TOLERANCE='//tolerance//output)
+      call take(2, x, w)
+      print '(2a, 2es10.2)', name, ': errors', maxval(abs(x(:, 2) - x(:, 1))), maxval(abs(w(:, 2) - w(:, 1)))
+      call check(maxval(abs(w(:, 2) - w(:, 1))) <= allowed, name//': the light body')
+      call check(maxval(abs(x(:, 2) - x(:, 1))) <= 0.1_wp*allowed, name//': the heavy body')
+   end subroutine check_tension
 
    !> The channels x and w of the last run into a column of two tables.
    subroutine take(column, x, w)

@@ -270,8 +270,8 @@ contains
       if (allocated(error) .or. .not. balanced) return
       call lowest_vibrations(scene, balance, no_damping, looked, 0, vibrations, error)
       if (allocated(error)) return
-      scene%warnings = scene%warnings//changed_damping(scene%system, vibrations, scene%warnings, &
-         & "the equilibrium before *DYNAMICS '"//step%name//"'")
+      scene%warnings = scene%warnings//changed_damping(scene%system, balance%tangent, vibrations, &
+         & scene%warnings, "the equilibrium before *DYNAMICS '"//step%name//"'")
    end subroutine weigh_damping
 
    !> A line that says why limber has chosen an integrator; empty if the deck has.

@@ -14,7 +14,7 @@ module limber_analysis_modal_analysis
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: check_residuals
    use limber_scene_scene, only: scene_type, seconds_since
-   use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
+   use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms, undamped_terms
    use limber_model_model, only: ground, analysis_step_type, ground
    use limber_output_channel_values, only: recorder_type, new_recorder, channel_values, sample_width
    use limber_output_history, only: history_type
@@ -31,6 +31,8 @@ module limber_analysis_modal_analysis
 
    !> Modes behind those that are listed, which are looked at: one may be too fast by what a model lacks
    integer, parameter :: beside = 6
+   !> A vibration that is at most so much faster without damping than the last of the list may be in it
+   real(wp), parameter :: nearby = 1.3_wp
    !> Part of its limit from which on an estimate of what functions of exact beams lack is looked at more closely
    real(wp), parameter :: look_closer = 0.25_wp
 
@@ -48,9 +50,10 @@ contains
       !> Whether a checkpoint holds what is before it, so that a signal may end the run while LAPACK computes
       logical, intent(in) :: is_secured
       type(equilibrium_type) :: balance
-      !> Those that are listed, and some more
-      type(vibrations_type) :: vibrations, more
+      !> Those that are listed, and some more; and these without damping
+      type(vibrations_type) :: vibrations, more, undamped
       type(error_type), allocatable :: interruption
+      integer :: listed
       integer(long) :: tick
       real(wp) :: cpu
       logical :: balanced
@@ -68,7 +71,8 @@ contains
       if (.not. balanced) outcome%warnings = "warning: the state of *MODES '"//step%name// &
          & "' is not in equilibrium; put *STATICS before it"//newline
       call lowest_vibrations(scene, balance, terms(step, balance), step%modes, beside, more, error)
-      if (.not. allocated(error)) call compare_aside(scene, step, balance, more, aside)
+      if (.not. allocated(error)) call leave_out_damping(scene, step, balance, more, undamped, listed)
+      if (.not. allocated(error)) call compare_aside(scene, step, balance, undamped, listed, aside)
       call let_signals_end(.false.)
       call history%check_limit(step%dynamics%start, interruption)
       if (allocated(interruption)) call move_alloc(interruption, error)
@@ -77,7 +81,8 @@ contains
       if (size(vibrations%frequency) == 0) call warn(outcome, "nothing can vibrate in *MODES '"//step%name// &
          & "': joints and drivers leave the scene no free motion; no modes are written. Remove *MODES, or a joint or driver")
       call sample(scene, step, balance, history, outcome, error)
-      if (.not. allocated(error)) call check_frequencies(scene, step, balance, vibrations, more, aside, outcome)
+      if (.not. allocated(error)) call check_frequencies(scene, step, balance, vibrations, undamped, listed, aside, &
+         & outcome)
       if (.not. allocated(error)) call record_modes(scene, step, balance, vibrations, history, error)
       if (allocated(error)) return
       report = table(scene, vibrations, step%damped)
@@ -87,6 +92,29 @@ contains
       outcome%cpu = outcome%cpu + cpu
       outcome%wall = seconds_since(tick)
    end subroutine run_modes
+
+   !> The vibrations that the models of bodies are judged by: those without damping. Motions beyond critical damping have no
+   !> frequency, and another |s| than the stiffness gives them.
+   subroutine leave_out_damping(scene, step, balance, vibrations, undamped, listed)
+      type(scene_type), intent(inout) :: scene
+      type(analysis_step_type), intent(in) :: step
+      type(equilibrium_type), intent(inout) :: balance
+      !> As the analysis finds them
+      type(vibrations_type), intent(in) :: vibrations
+      type(vibrations_type), intent(out) :: undamped
+      !> The first ones of them that are listed, but those that are only there for their damping; 0: they are not found
+      integer, intent(out) :: listed
+      type(error_type), allocatable :: error
+      listed = min(step%modes, size(vibrations%frequency))
+      if (step%damped) then
+         call lowest_vibrations(scene, balance, undamped_terms(balance), step%modes, beside, undamped, error)
+         if (allocated(error)) listed = 0
+         if (listed > 0) listed = min(listed, count(hypot(undamped%frequency, undamped%growth) &
+            & <= nearby*hypot(vibrations%frequency(listed), vibrations%growth(listed))))
+      else
+         undamped = vibrations
+      end if
+   end subroutine leave_out_damping
 
    !> The first modes.
    subroutine take_first(more, wanted, vibrations)
@@ -128,12 +156,14 @@ contains
    end subroutine sample
 
    !> Warns of frequencies that the models of bodies make wrong.
-   subroutine check_frequencies(scene, step, balance, vibrations, more, aside, outcome)
+   subroutine check_frequencies(scene, step, balance, vibrations, undamped, listed, aside, outcome)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
       type(equilibrium_type), intent(inout) :: balance
-      !> Those that are listed, and some more, one of which may be among them in truth
-      type(vibrations_type), intent(in) :: vibrations, more
+      !> Those that are listed; as many and some more without damping, one of which may be among them in truth
+      type(vibrations_type), intent(in) :: vibrations, undamped
+      !> How many of these are in the list
+      integer, intent(in) :: listed
       !> What the comparison with more coordinates has shown
       character(*), intent(in) :: aside
       type(outcome_type), intent(inout) :: outcome
@@ -145,19 +175,20 @@ contains
       outcome%warnings = outcome%warnings//aside//mode_warnings(scene%system, scene%work, scene%q, balance%v, balance%a, &
          & balance%rotation, vibrations, step%name)//kink_warnings(scene%system, balance%tangent, &
          & scene%work%kinematics, step%dynamics%start, scene%q, balance%v, step%damped, vibrations, step%name)
-      if (step%damped) outcome%warnings = outcome%warnings//changed_damping(scene%system, vibrations, scene%warnings, &
-         & "*MODES '"//step%name//"'")
+      if (step%damped) outcome%warnings = outcome%warnings//changed_damping(scene%system, balance%tangent, vibrations, &
+         & scene%warnings, "*MODES '"//step%name//"'")
       allocate (lambda, source=scene%work%lambda)
       ! An estimate first, which is quick and may be too large or too small; more functions tell where it is not small
-      text = function_mode_warnings(scene%system, scene%work, balance, step%dynamics%start, scene%q, lambda, more, &
-         & size(vibrations%frequency), step%name, look_closer)
+      if (listed == 0) return
+      text = function_mode_warnings(scene%system, scene%work, balance, step%dynamics%start, scene%q, lambda, undamped, &
+         & listed, step%damped, step%name, look_closer)
       if (text == '') return
-      call compare_functions(scene, step, balance, vibrations, error, known)
+      call compare_functions(scene, step, balance, undamped, listed, error, known)
       if (.not. known) deallocate (error)
       scene%work%lambda = lambda
       call update_jacobians(scene%system, scene%work)
       outcome%warnings = outcome%warnings//function_mode_warnings(scene%system, scene%work, balance, step%dynamics%start, &
-         & scene%q, lambda, more, size(vibrations%frequency), step%name, 1.0_wp, error)
+         & scene%q, lambda, undamped, listed, step%damped, step%name, 1.0_wp, error)
    end subroutine check_frequencies
 
    !> Writes frequencies, damping ratios and shapes.

@@ -9,7 +9,7 @@ module limber_analysis_mode_aside
    use limber_analysis_richer_scene, only: richer_words, can_enrich, project_coordinates, nothing_more, with_responses, &
       & with_modes, with_both, with_functions
    use limber_scene_scene, only: scene_type
-   use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, terms
+   use limber_analysis_small_motions, only: linearise_state, lowest_vibrations, undamped_terms
    use limber_model_model, only: analysis_step_type
    use limber_model_beam_segments, only: name_in_deck
    use limber_multibody_equilibrium, only: equilibrium_type
@@ -17,7 +17,7 @@ module limber_analysis_mode_aside
    use limber_multibody_sparse_eigenmodes, only: is_large
    use limber_multibody_tangent, only: tangent_type
    use limber_multibody_tangent_products, only: times_mass
-   use limber_multibody_small_vibrations, only: vibrations_type, no_damping, gyroscopic, all_damping
+   use limber_multibody_small_vibrations, only: vibrations_type
    implicit none
    private
    public :: compare_aside, compare_functions
@@ -47,31 +47,22 @@ module limber_analysis_mode_aside
 contains
 
    !> Compares the modes of a scene with those of more coordinates; text: a warning with size, body and remedy, or empty.
-   subroutine compare_aside(scene, step, balance, vibrations, text)
+   subroutine compare_aside(scene, step, balance, own, listed, text)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
       !> Linearised at the state
       type(equilibrium_type), intent(inout) :: balance
-      !> Those that are listed first, and some more
-      type(vibrations_type), intent(in) :: vibrations
+      !> Those that are listed first, and some more, without damping; the number of those that are listed
+      type(vibrations_type), intent(in) :: own
+      integer, intent(in) :: listed
       character(:), allocatable, intent(out) :: text
-      type(vibrations_type) :: own
       type(rich_type), allocatable :: rich
-      type(error_type), allocatable :: error
       type(verdict_type) :: verdict
-      integer :: level(size(scene%system%model%bodies)), listed, extra, damping, body
+      integer :: level(size(scene%system%model%bodies)), extra, damping, body
       text = ''
-      listed = min(step%modes, size(vibrations%frequency))
       level = merge(with_both, nothing_more, can_enrich(scene%system%model%bodies))
       if (listed == 0 .or. all(level == nothing_more)) return
-      damping = terms(step, balance)
-      own = vibrations
-      if (damping == all_damping) then
-         damping = merge(gyroscopic, no_damping, abs(balance%rotation) > 0.0_wp)
-         call lowest_vibrations(scene, balance, damping, step%modes, beside, own, error)
-         listed = min(listed, size(own%frequency))
-         if (allocated(error) .or. listed == 0) return
-      end if
+      damping = undamped_terms(balance)
       extra = additional_modes(scene%system, level, listed + beside)
       allocate (rich)
       call look_aside(scene, step, damping, level, extra, rich)
@@ -79,7 +70,7 @@ contains
       call judge(scene%system, own, listed, rich, verdict)
       if (verdict%error <= little) return
       body = worst_body(scene%system, rich, merge(verdict%lacking, verdict%mode, verdict%lacking > 0))
-      text = words(scene, rich, verdict, body, step%name)//remedy()//newline
+      text = words(scene, own, rich, verdict, body, step)//remedy()//newline
 
    contains
 
@@ -103,35 +94,25 @@ contains
    end subroutine compare_aside
 
    !> By how much the frequencies that are listed are too high for want of functions of exact beams, relative, in order.
-   subroutine compare_functions(scene, step, balance, vibrations, error, done)
+   subroutine compare_functions(scene, step, balance, own, listed, error, done)
       type(scene_type), intent(inout) :: scene
       type(analysis_step_type), intent(in) :: step
       !> Linearised at the state
       type(equilibrium_type), intent(inout) :: balance
-      !> Those that are listed
-      type(vibrations_type), intent(in) :: vibrations
+      !> As of `compare_aside`
+      type(vibrations_type), intent(in) :: own
+      integer, intent(in) :: listed
       real(wp), allocatable, intent(out) :: error(:)
       !> Whether there is a scene with more functions, with as many modes
       logical, intent(out) :: done
-      type(vibrations_type) :: own
       type(rich_type), allocatable :: rich
-      type(error_type), allocatable :: fault
-      integer :: level(size(scene%system%model%bodies)), damping, listed
+      integer :: level(size(scene%system%model%bodies))
       allocate (error(0))
-      listed = size(vibrations%frequency)
       done = .not. is_large(scene%system)
       if (.not. done) return
       level = merge(with_functions, nothing_more, scene%system%model%bodies%reduced%is_exact)
-      own = vibrations
-      damping = terms(step, balance)
-      if (damping == all_damping) then
-         damping = merge(gyroscopic, no_damping, abs(balance%rotation) > 0.0_wp)
-         call lowest_vibrations(scene, balance, damping, step%modes, beside, own, fault)
-      end if
-      done = .not. allocated(fault)
-      if (.not. done) return
       allocate (rich)
-      call look_aside(scene, step, damping, level, 0, rich)
+      call look_aside(scene, step, undamped_terms(balance), level, 0, rich)
       done = rich%done
       if (done) done = min(size(rich%vibrations%frequency), size(own%frequency)) >= listed
       if (done) error = errors_in_order(own, rich%vibrations, listed)
@@ -271,16 +252,19 @@ contains
    end function worst_body
 
    !> What is wrong, with which body.
-   function words(scene, rich, verdict, body, name) result(text)
+   function words(scene, own, rich, verdict, body, step) result(text)
       type(scene_type), intent(in) :: scene
+      type(vibrations_type), intent(in) :: own
       type(rich_type), intent(in) :: rich
       type(verdict_type), intent(in) :: verdict
-      !> Its index; name of the analysis
+      !> Its index
       integer, intent(in) :: body
-      character(*), intent(in) :: name
+      type(analysis_step_type), intent(in) :: step
       character(:), allocatable :: text
       associate (model => scene%system%model)
-         text = 'warning: mode '//as_text(verdict%mode)//" of *MODES '"//name//"'"
+         text = 'warning: mode '//as_text(verdict%mode)//" of *MODES '"//step%name//"'"
+         if (step%damped) text = text//', at '//as_text(speed_of(own, verdict%mode), 4)//' rad/'//model%units%time// &
+            & ' without damping,'
          if (verdict%others > 0) text = text//' (and '//as_text(verdict%others)//' more)'
          text = text//' errs in its frequency by '//size_of()//': '
          if (verdict%lacking > 0) text = text//'the list lacks a mode at about '// &

@@ -15,7 +15,7 @@ module limber_analysis_small_motions
       & no_damping, gyroscopic, all_damping
    implicit none
    private
-   public :: linearise_state, lowest_vibrations, terms
+   public :: linearise_state, lowest_vibrations, terms, undamped_terms
 
 contains
 
@@ -49,10 +49,16 @@ contains
    pure integer function terms(step, balance)
       type(analysis_step_type), intent(in) :: step
       type(equilibrium_type), intent(in) :: balance
-      terms = no_damping
-      if (abs(balance%rotation) > 0.0_wp) terms = gyroscopic
+      terms = undamped_terms(balance)
       if (step%damped) terms = all_damping
    end function terms
+
+   !> Those that count whatever damps: of a steady rotation.
+   pure integer function undamped_terms(balance) result(terms)
+      type(equilibrium_type), intent(in) :: balance
+      terms = no_damping
+      if (abs(balance%rotation) > 0.0_wp) terms = gyroscopic
+   end function undamped_terms
 
    !> Mass, damping and stiffness at the state: that of a static analysis with its multipliers and rotation; any other at rest.
    subroutine linearise_state(scene, step, balance, balanced, error)

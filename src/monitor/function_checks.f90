@@ -32,17 +32,20 @@ contains
 
    !> A warning for the mode whose frequency errs most, and its beam; and for one that belongs among those that are listed. Empty if
    !> all are right.
-   function function_mode_warnings(system, work, balance, t, q, lambda, vibrations, listed, name, times, known) &
-      & result(text)
+   function function_mode_warnings(system, work, balance, t, q, lambda, vibrations, listed, is_damped, name, times, &
+      & known) result(text)
       type(system_type), intent(in) :: system
       type(workspace_type), intent(inout) :: work
       !> Linearised at the state, and again so afterwards
       type(equilibrium_type), intent(inout) :: balance
       !> Time, coordinates (nq), multipliers of the state (nc)
       real(wp), intent(in) :: t, q(:), lambda(:)
+      !> Without damping
       type(vibrations_type), intent(in) :: vibrations
       !> How many of them are listed, the first ones
       integer, intent(in) :: listed
+      !> Whether the list is one with damping
+      logical, intent(in) :: is_damped
       !> Of the analysis
       character(*), intent(in) :: name
       !> How many times beyond its limit an error must be
@@ -82,7 +85,8 @@ contains
             if (text /= '' .or. error <= times*little .or. saved(2, beam) < 0.5_wp*sum(saved(:, beam))) cycle
             if (omega2/(1 + sum(saved)/omega2) >= last) cycle
             text = "warning: *MODES '"//name//"' may lack a mode: the one at "//as_text(vibrations%frequency(j), 4)// &
-               & ' rad/'//system%model%units%time//', behind the last of the list, is too fast by '//size_words(error)//': '// &
+               & ' rad/'//system%model%units%time//trim(merge(' without damping', repeat(' ', 16), is_damped))// &
+               & ', behind the last of the list, is too fast by '//size_words(error)//': '// &
                & remedy(system%model, watch%beams(beam)%body, saved(:, beam))//newline
             cycle
          end if
@@ -96,6 +100,8 @@ contains
       if (.not. worst > 0.0_wp) return
       beam = watch%beams(beam)%body
       text = text//'warning: mode '//as_text(mode)//" of *MODES '"//name//"'"
+      if (is_damped) text = text//', at '//as_text(vibrations%frequency(mode), 4)//' rad/'//system%model%units%time// &
+         & ' without damping,'
       if (others > 0) text = text//' (and '//as_text(others)//' more)'
       text = text//' errs in its frequency by '//size_words(worst, estimated)//': '// &
          & remedy(system%model, beam, of_worst)//newline

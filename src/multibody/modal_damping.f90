@@ -6,6 +6,7 @@ module limber_multibody_modal_damping
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use limber_base_kinds, only: wp
    use limber_base_finite, only: dgetrf, dgetrs
+   use limber_beam_reduced_body, only: damping_power
    use limber_model_model, only: model_type, ground
    use limber_multibody_dense_eigenmodes, only: symmetric_modes
    use limber_multibody_unit_mass_coordinates, only: update_eta_masses
@@ -31,8 +32,8 @@ module limber_multibody_modal_damping
    type :: damped_modes_type
       !> False if the scene is too large
       logical :: found = .false.
-      !> Circular frequencies [rad/time]; parts of the critical damping: as they are, and as the bodies ask for (modes)
-      real(wp), allocatable :: frequency(:), ratio(:), asked(:)
+      !> Circular frequencies [rad/time]; parts of the critical damping (modes): by ratios of bodies, as these ask for, by all else
+      real(wp), allocatable :: frequency(:), ratio(:), asked(:), dampers(:)
       !> Part of the strain energy in springs (modes), and in each body (bodies, modes)
       real(wp), allocatable :: springs(:), share(:, :)
    end type damped_modes_type
@@ -358,12 +359,13 @@ contains
       modes%found = .not. missed
       if (missed) return
       allocate (modes%ratio(size(frequency)), modes%asked(size(frequency)), modes%springs(size(frequency)), &
-         & modes%share(size(model%bodies), size(frequency)))
+         & modes%dampers(size(frequency)), modes%share(size(model%bodies), size(frequency)))
       modes%share = 0.0_wp
       modes%ratio = 0.0_wp
       modes%asked = 0.0_wp
       do j = 1, size(frequency)
          flexible = 0.0_wp
+         modes%dampers(j) = 0.5_wp*damper_power(system, work, motion(:, j))/frequency(j)
          do i = 1, size(model%bodies)
             if (system%layout%n(i) == 0) cycle
             first = system%layout%w(i) + system%layout%rates(i)
@@ -371,6 +373,8 @@ contains
             associate (eta => motion(first:last, j), reduced => model%bodies(i)%reduced)
                modes%share(i, j) = sum(reduced%omega2*eta**2)/frequency(j)**2
                flexible = flexible + modes%share(i, j)
+               if (reduced%damped .and. .not. allocated(model%bodies(i)%ratio)) modes%dampers(j) = modes%dampers(j) &
+                  & + 0.5_wp*damping_power(reduced, eta)/frequency(j)
                if (.not. allocated(model%bodies(i)%ratio)) cycle
                modes%ratio(j) = modes%ratio(j) + 0.5_wp/frequency(j)*(dot_product(eta, matmul(reduced%damping, eta)) &
                   & - model%bodies(i)%rayleigh(2)*modes%share(i, j)*frequency(j)**2)
@@ -384,6 +388,27 @@ contains
       end do
       call move_alloc(frequency, modes%frequency)
    end subroutine find_damped_modes
+
+   !> Power that springs, bushings and laws of velocities take from a motion; those without derivatives there none.
+   real(wp) function damper_power(system, work, motion) result(power)
+      type(system_type), intent(in) :: system
+      type(workspace_type), intent(in) :: work
+      !> (nw)
+      real(wp), intent(in) :: motion(:)
+      real(wp), allocatable :: stiffness(:, :), damping(:, :)
+      real(wp) :: part
+      integer, allocatable :: to(:)
+      integer :: i
+      power = 0.0_wp
+      do i = 1, size(system%loads)
+         to = unknowns_of(system, i)
+         allocate (stiffness(size(to), size(to)), damping(size(to), size(to)), source=0.0_wp)
+         call system%loads(i)%item%add_tangent(work%kinematics, stiffness, damping)
+         part = dot_product(motion(to), matmul(damping, motion(to)))
+         if (ieee_is_finite(part)) power = power + part
+         deallocate (stiffness, damping)
+      end do
+   end function damper_power
 
    !> The ratio that a body asks for where a mode of the scene strains it: that of its own modes which make up this strain.
    pure subroutine ask(held, ratio, alpha, strain, frequency, asked)

@@ -23,6 +23,7 @@ program test_holding
    call check_bodies()
    call check_pieces()
    call check_loads()
+   call check_dampers()
    call check_masts()
    call check_bases()
    call finish()
@@ -105,6 +106,68 @@ contains
       call judge('hardly loaded', text//'*DYNAMICS, END=2'//nl, [0.02_wp], '', 1.0e-3_wp)
    end subroutine check_loads
 
+   !> A mass of 1000 kg that a light cantilever carries by a spring with a damper. The beam has ks/(ks + kb) of the energy: where
+   !> that is little, or dampers do what its ratio does not, there is nothing to tell. Roots of M s^2 + 1/(1/kb + 1/(ks + c s)) = 0.
+   subroutine check_dampers()
+      character(*), parameter :: carried = bar//nl//damping//wall//'*POINT MASS, NAME=m, MASS=1000, X=1, Y=0.3'//nl// &
+         & '*JOINT, NAME=guide, TYPE=POINT ON LINE, ANGLE=90 deg'//nl//' m, ground.right'//nl//ground
+      character(*), parameter :: link = '*SPRING, NAME=sp, LENGTH=0.3'//nl//' m, a.end, '
+      ! A spring that stiffens, to a fourth of the stiffness of the beam under the load, and twice as much
+      real(wp), parameter :: beam = 2100, slack = 50, pressed = 0.01_wp, parts(2) = [0.25_wp, 2.0_wp]
+      character(*), parameter :: told = 'of the critical damping instead of 0.02, since'
+      character(:), allocatable :: law, text
+      real(wp) :: cubic
+      integer :: k
+      law = ''
+      text = ''
+      call judge_first('a soft spring with a damper', carried//link//'525*x + 607*v'//nl, [0.25_wp*beam, 607.0_wp], '')
+      call judge_first('a soft spring', carried//link//'525*x'//nl, [0.25_wp*beam, 0.0_wp], told//' springs hold 80 %')
+      do k = 1, 2
+         cubic = (parts(k)*beam - slack)/(3*pressed**2)
+         law = as_text(slack)//'*x + '//as_text(cubic)//'*x**3'
+         text = '*FORCE, NAME=push, POINT=m'//nl//' 0, '//as_text(-slack*pressed - cubic*pressed**3)//nl//'*STATICS'//nl
+         call judge_first('a spring that stiffens, with a damper', carried//link//law//' + 607*v'//nl//text, &
+            & [parts(k)*beam, 607.0_wp], '')
+         call judge_first('a spring that stiffens', carried//link//law//nl//text, [parts(k)*beam, 0.0_wp], &
+            & trim(merge(repeat(' ', len(told) + 6), told//' loads', k == 1)))
+      end do
+   end subroutine check_dampers
+
+   !> The ratio of the first mode and a part of the warnings, as of `judge`.
+   subroutine judge_first(name, deck, spring, warning)
+      character(*), intent(in) :: name, deck, warning
+      !> Stiffness at the state, and damping
+      real(wp), intent(in) :: spring(2)
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: text
+      real(wp), allocatable :: ratio(:)
+      complex(wp) :: s
+      call run_modes(name, deck, reader, text, 1)
+      call reader%read_numbers('/modes/small/damping_ratio', ratio, error)
+      call check_no_error(error, name)
+      call reader%close()
+      s = root(spring)
+      print '(2a,2es12.4)', name, ': ratio, without that of the beam', ratio(1), -real(s)/abs(s)
+      ! The ratio of the beam, which it has at 52 rad/s, is next to none
+      call check_close(ratio(1), -real(s)/abs(s), 5.0e-4_wp, name//', ratio')
+      if (warning == '') call check(index(text, 'damping of') == 0, name//' is not warned of: '//text)
+      if (warning /= '') call check(index(text, warning) > 0, name//' is warned of: '//text)
+   end subroutine judge_first
+
+   !> M s^2 (kb + ks + c s) + kb (ks + c s) = 0 by Newton's method.
+   pure complex(wp) function root(spring) result(s)
+      real(wp), intent(in) :: spring(2)
+      real(wp), parameter :: mass = 1000, beam = 2100
+      complex(wp) :: hold
+      integer :: k
+      s = cmplx(0.0_wp, sqrt(beam*spring(1)/(beam + spring(1))/mass), wp)
+      do k = 1, 50
+         hold = spring(1) + spring(2)*s
+         s = s - (mass*s**2*(beam + hold) + beam*hold)/(2*mass*s*(beam + hold) + (mass*s**2 + beam)*spring(2))
+      end do
+   end function root
+
    !> Ratios of the first modes, and a part of the warnings; empty: none.
    subroutine judge(name, deck, ratios, warning, tolerance)
       character(*), intent(in) :: name, deck, warning
@@ -133,13 +196,18 @@ contains
       if (warning /= '') call check(index(text, warning) > 0, name//' is warned of: '//text)
    end subroutine judge
 
-   subroutine run_modes(name, deck, reader, text)
+   subroutine run_modes(name, deck, reader, text, number)
       character(*), intent(in) :: name, deck
       type(history_reader_type), intent(out) :: reader
       character(:), allocatable, intent(out) :: text
+      !> Of modes, else 6
+      integer, intent(in), optional :: number
       type(error_type), allocatable :: error
       character(:), allocatable :: report
-      call run_text(deck//'*MODES, NAME=small, NUMBER=6, DAMPED=YES'//nl, trim(results), report, error)
+      integer :: wanted
+      wanted = 6
+      if (present(number)) wanted = number
+      call run_text(deck//'*MODES, NAME=small, NUMBER='//as_text(wanted)//', DAMPED=YES'//nl, trim(results), report, error)
       call check_no_error(error, name)
       call reader%open(trim(results), error)
       call check_no_error(error, name//': results')

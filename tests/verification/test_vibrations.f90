@@ -26,6 +26,7 @@ program test_vibrations
    call check_free()
    call check_see_saw()
    call check_at_rest()
+   call check_overdamped()
    call finish()
 
 contains
@@ -112,6 +113,34 @@ contains
       call vibrate(bushing//' -5*vx(p)*sqrt(vx(p)**2 + vy(p)**2), -5*vy(p)*(vx(p)**2 + vy(p)**2)**0.5', 'drag', 10.0_wp, 0.0_wp)
       call vibrate(bushing//' -50*x(p)*sqrt(abs(x(p))), -800*max(0, -y(p) - 0.1)**0.25*vy(p)', 'roots', 10.0_wp, 0.0_wp)
    end subroutine check_at_rest
+
+   !> A cantilever with a mass at 0.37 whose motions along the axis are beyond critical damping: they have no frequency, and none is
+   !> missing in the list. omega sqrt(1 - (beta omega/2)^2) with the roots omega of the two parts of a beam that share the mass.
+   subroutine check_overdamped()
+      real(wp), parameter :: omega(3) = [3.2546574713763_wp, 13.7651514599895_wp, 49.9495444485434_wp], beta = 0.02_wp
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp), allocatable :: frequency(:), ratio(:)
+      integer :: k
+      call run_text('*MATERIAL, NAME=stuff, YOUNG=1e4, DENSITY=1'//nl//'*SECTION, NAME=bar, SHAPE=GENERAL, AREA=1, INERTIA=1e-4'// &
+         & nl//'*BEAM, NAME=bar, MATERIAL=stuff, SECTION=bar, LENGTH=1, STRAIN FUNCTIONS=1'//nl//' off, 0.37'//nl// &
+         & '*POINT MASS, NAME=p, MASS=1, X=0.37'//nl//'*DAMPING, BODY=bar, RAYLEIGH BETA=0.02'//nl//'*JOINT, NAME=clamp, '// &
+         & 'TYPE=WELD'//nl//' bar.start, ground.origin'//nl//'*JOINT, NAME=pin, TYPE=REVOLUTE'//nl//' bar.off, p'//nl// &
+         & '*MODES, NUMBER=3, DAMPED=YES'//nl, trim(results), report, error)
+      call check_no_error(error, 'overdamped')
+      if (allocated(error)) return
+      call check(index(report, 'warning') == 0, 'overdamped: nothing is warned of: '//report)
+      call reader%open(trim(results), error)
+      call reader%read_numbers('/modes/modes/frequency', frequency, error)
+      call reader%read_numbers('/modes/modes/damping_ratio', ratio, error)
+      call check_no_error(error, 'overdamped: modes')
+      call reader%close()
+      do k = 1, 3
+         call check_close(frequency(k), omega(k)*sqrt(1 - (0.5_wp*beta*omega(k))**2), 1.0e-5_wp*omega(k), 'overdamped: frequency')
+         call check_close(ratio(k), 0.5_wp*beta*omega(k), 1.0e-5_wp, 'overdamped: ratio')
+      end do
+   end subroutine check_overdamped
 
    !> The first mode of a mass of 2.
    subroutine vibrate(lines, name, expected, ratio)

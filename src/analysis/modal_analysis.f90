@@ -10,6 +10,7 @@ module limber_analysis_modal_analysis
    use limber_monitor_function_checks, only: function_mode_warnings
    use limber_analysis_kinks, only: kink_warnings
    use limber_analysis_mode_aside, only: compare_aside, compare_functions
+   use limber_analysis_skew_forces, only: skew_warning
    use limber_monitor_mode_checks, only: mode_warnings
    use limber_scene_outcome, only: outcome_type, warn
    use limber_scene_sampling, only: check_residuals
@@ -73,6 +74,7 @@ contains
       call lowest_vibrations(scene, balance, terms(step, balance), step%modes, beside, more, error)
       if (.not. allocated(error)) call leave_out_damping(scene, step, balance, more, undamped, listed)
       if (.not. allocated(error)) call compare_aside(scene, step, balance, undamped, listed, aside)
+      if (.not. allocated(error)) aside = aside//skew_warning(scene, step, balance, undamped, beside)
       call let_signals_end(.false.)
       call history%check_limit(step%dynamics%start, interruption)
       if (allocated(interruption)) call move_alloc(interruption, error)
@@ -164,7 +166,7 @@ contains
       type(vibrations_type), intent(in) :: vibrations, undamped
       !> How many of these are in the list
       integer, intent(in) :: listed
-      !> What the comparison with more coordinates has shown
+      !> What comparisons with more coordinates, and with forces across the velocity, have shown
       character(*), intent(in) :: aside
       type(outcome_type), intent(inout) :: outcome
       real(wp), allocatable :: lambda(:), error(:)

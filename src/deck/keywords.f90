@@ -308,7 +308,8 @@ module limber_deck_keywords
       & option_spec_type('MODES', 'NAME', kind_name, 'analyses', '', '', 'name of the step in the results'), &
       & option_spec_type('MODES', 'NUMBER', kind_counting, '', '', '10', 'number of modes: those of the lowest frequencies', &
       &    most=1000), &
-      & option_spec_type('MODES', 'DAMPED', kind_yes, '', '', 'NO', 'whether dampers count: frequencies with damping ratios')]
+      & option_spec_type('MODES', 'DAMPED', kind_yes, '', '', 'NO', &
+      &    'whether velocities count, in dampers or forces across the velocity: frequencies with damping ratios')]
    !> All options in the order of their keywords: kind, values, unit, default, meaning
    type(option_spec_type), parameter :: option_table(*) = [setting_options, body_options, beam_options, frame_options, &
       & other_options, analysis_options]

@@ -27,6 +27,7 @@ program test_vibrations
    call check_see_saw()
    call check_at_rest()
    call check_overdamped()
+   call check_skew()
    call finish()
 
 contains
@@ -141,6 +142,44 @@ contains
          call check_close(ratio(k), 0.5_wp*beta*omega(k), 1.0e-5_wp, 'overdamped: ratio')
       end do
    end subroutine check_overdamped
+
+   !> A mass on equal springs of omega = 10 and a force across its velocity, b = 5 times it: omega = sqrt(100 + b^2/4) -+ b/2, which
+   !> is told where damping is left out; not where the force is weak, nor of dampers in any axes.
+   subroutine check_skew()
+      real(wp), parameter :: truth(2) = sqrt(106.25_wp) + [-2.5_wp, 2.5_wp]
+      character(*), parameter :: springs = ' -100*x(m)', other = ' -100*y(m)', told = "leaves out a part of the law of 'f'"
+      type(history_reader_type) :: reader
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: frequency(:)
+      call skew_deck(springs//' + 5*vy(m),'//other//' - 5*vx(m)', 'across', told, '10 rad/s in place of 7.808 rad/s (and 1 more)')
+      call reader%open(trim(results), error)
+      call reader%read_numbers('/modes/plain/frequency', frequency, error)
+      call check_no_error(error, 'across: modes')
+      call check_close(frequency(1), 10.0_wp, 1.0e-9_wp, 'across, without damping')
+      call reader%read_numbers('/modes/damped/frequency', frequency, error)
+      call check_no_error(error, 'across: modes')
+      call check_close(frequency(1), truth(1), 1.0e-9_wp, 'across, first')
+      call check_close(frequency(2), truth(2), 1.0e-9_wp, 'across, second')
+      call reader%close()
+      call skew_deck(' 5*vy(m), -5*vx(m)', 'across a free mass', told, 'no vibration in place of 5 rad/s')
+      call skew_deck(springs//' + 1e-2*vy(m),'//other//' - 1e-2*vx(m)', 'weakly across', '', '')
+      call skew_deck(springs//' - 2*vx(m) - 1*vy(m),'//other//' - 1*vx(m) - 3*vy(m)', 'dampers', '', '')
+      call skew_deck(springs//' - 2*vx(m) + 4*vy(m),'//other//' - 4*vx(m) - 2*vy(m)', 'dampers across', told, 'use DAMPED=YES')
+   end subroutine check_skew
+
+   !> A mass of 1 under a force, with words that must be in the report; without the first: it must have no warning.
+   subroutine skew_deck(force, name, told, number)
+      character(*), intent(in) :: force, name, told, number
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      call run_text('*POINT MASS, NAME=m, MASS=1'//nl//'*FORCE, NAME=f, POINT=m'//nl//force//nl//'*MODES, NAME=plain'//nl// &
+         & '*MODES, NAME=damped, DAMPED=YES'//nl, trim(results), report, error)
+      call check_no_error(error, name)
+      if (allocated(error)) return
+      if (told == '') call check(index(report, 'leaves out') == 0, name//' is not warned of: '//report)
+      if (told /= '') call check(index(report, told) > 0 .and. index(report, number) > 0, name//' is warned of: '//report)
+      call check(index(report, "*MODES 'damped' leaves out") == 0, name//', damped: '//report)
+   end subroutine skew_deck
 
    !> The first mode of a mass of 2.
    subroutine vibrate(lines, name, expected, ratio)

@@ -7,7 +7,7 @@ module limber_accuracy_candidate
    use limber_base_text, only: as_text, first_line
    use limber_analysis_dynamic_analysis, only: run_dynamics, new_integrator
    use limber_scene_channel_errors, only: magnitude
-   use limber_analysis_error_estimate, only: add_quantities, round_off
+   use limber_analysis_error_estimate, only: add_quantities, longest_step, round_off
    use limber_scene_outcome, only: outcome_type
    use limber_accuracy_fidelity_levels, only: level_type, apply_rung
    use limber_scene_first_scene, only: build_scene
@@ -116,7 +116,7 @@ contains
          end if
          width = sample_width(scene%system)
          model%dynamics%initial_step = part**(1.0_wp/3)*model%dynamics%initial_step
-         model%dynamics%maximum_step = part**(1.0_wp/3)*model%dynamics%maximum_step
+         if (abs(part - 1.0_wp) > 0.0_wp) model%dynamics%maximum_step = part**(1.0_wp/3)*longest_step(model%dynamics)
          model%dynamics%fixed_step = part**(1.0_wp/3)*model%dynamics%fixed_step
          call new_integrator(model%dynamics, integrator)
          call trial%samples%start(width, model%dynamics%outputs + 1, huge(limit))

@@ -162,19 +162,21 @@ contains
       real(wp), parameter :: same = 1.0e-6_wp
       serves = .false.
       if (wide .or. .not. allocated(entry%rungs)) return
-      if (abs(tolerance - entry%tolerance) > same*tolerance .or. has_steps(deck, part)) return
+      if (abs(tolerance - entry%tolerance) > same*tolerance .or. has_steps(deck, part, entry%trial%integrator)) return
       if (entry%integrator /= integrator_of(deck)) return
       serves = same_rungs(rungs, entry%rungs)
    end function serves
 
-   !> Whether a part of the tolerance shortens steps that the deck gives.
-   pure logical function has_steps(deck, part)
+   !> Whether a part of the tolerance shortens steps that the deck gives, or that samples bind.
+   pure logical function has_steps(deck, part, integrator)
       type(deck_type), intent(in) :: deck
       real(wp), intent(in) :: part
+      character(*), intent(in) :: integrator
       has_steps = .false.
       if (abs(part - 1.0_wp) < 1.0e-6_wp) return
       associate (block => deck%blocks(deck%find('DYNAMICS')))
-         has_steps = block%given('INITIAL STEP') .or. block%given('MAXIMUM STEP') .or. block%given('FIXED STEP')
+         has_steps = block%given('INITIAL STEP') .or. block%given('MAXIMUM STEP') .or. block%given('FIXED STEP') &
+            & .or. integrator == 'CONSERVING'
       end associate
    end function has_steps
 
@@ -205,7 +207,7 @@ contains
       !> Whether it has the quantities of the channels behind them, which are left out; coordinates, which a deck may ask for, it has not
       logical, intent(in) :: wide
       type(candidate_type), intent(in) :: trial
-      if (has_steps(deck, part) .or. size(trial%samples%values) > most_numbers) return
+      if (has_steps(deck, part, trial%integrator) .or. size(trial%samples%values) > most_numbers) return
       if (wide .and. asks_motion(deck)) return
       self%next = modulo(self%next, most_kept) + 1
       associate (entry => self%kept(self%next))

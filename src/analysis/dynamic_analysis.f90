@@ -199,6 +199,13 @@ contains
          call check_energy(scene, t, sample, outcome)
          if (size(outcome%indicators%functions%beams) > 0) call look(scene, dynamics, integrator, at_start, sample, outcome)
          call record(scene, t, dynamics%start, integrator, recorder, sample, history, outcome, error)
+         if (sample%ungripped .and. .not. allocated(error)) then
+            sample%anyhow = .true.
+            call record(scene, t, dynamics%start, integrator, recorder, sample, history, outcome, error)
+            sample%anyhow = .false.
+            call warn(outcome, 'at the start '//sample%weakest//' have no grip on the motion: forces and accelerations of the'// &
+               & ' first sample are not determined; begin a little behind it')
+         end if
       end if
       do while (sample%next <= dynamics%outputs .and. .not. allocated(error))
          if (integrator%statistics%steps >= dynamics%maximum_steps) then
@@ -540,11 +547,32 @@ contains
             if (.not. sample%local .or. sample%next == dynamics%outputs) call integrator%complete(scene%system, scene%work, at, &
                & sample%q, sample%v)
             call record(scene, at, sample_time(dynamics, sample%next), integrator, recorder, sample, history, outcome, error)
+            if (sample%ungripped .and. .not. allocated(error)) call record_aside(at)
             if (allocated(error)) exit
             call watch_channels(unfollowed, scene, integrator%ringing, at, dynamics, recorder, sample)
             sample%next = sample%next + 1
          end do
       end subroutine record_before
+
+      !> Records a sample at a singular position by the state a little behind it, or before it.
+      subroutine record_aside(at)
+         real(wp), intent(in) :: at
+         !> Part of the time between samples
+         real(wp), parameter :: aside = 1.0e-4_wp
+         real(wp) :: off
+         off = aside*(dynamics%end - dynamics%start)/dynamics%outputs
+         if (at + off > integrator%t) off = -off
+         call integrator%interpolate(at + off, sample%q, sample%v, sample%w)
+         call integrator%complete(scene%system, scene%work, at + off, sample%q, sample%v)
+         sample%anyhow = .true.
+         call record(scene, at + off, sample_time(dynamics, sample%next), integrator, recorder, sample, history, outcome, error)
+         sample%anyhow = .false.
+         sample%aside = sample%aside + 1
+         if (sample%aside == 1) call warn(outcome, 'at t = '//as_text(at, 6)//' '//sample%weakest//' lose their grip on the'// &
+            & ' motion: forces and accelerations have no value at such a singular position; those of that sample, and of the'// &
+            & ' like, are taken '//as_text(abs(off), 1)//' '//scene%system%model%units%time// &
+            & ' from it, and may be far off; other OUTPUTS miss it')
+      end subroutine record_aside
 
    end subroutine advance
 

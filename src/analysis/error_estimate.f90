@@ -19,7 +19,7 @@ module limber_analysis_error_estimate
    use limber_output_sample_sink, only: memory_type
    implicit none
    private
-   public :: kept_type, estimate_type, make_estimate, varied, round_off, add_quantities
+   public :: kept_type, estimate_type, make_estimate, varied, longest_step, round_off, add_quantities
 
    !> Neighbours on each side that the envelope takes in
    integer, parameter :: reach = 2
@@ -100,6 +100,8 @@ contains
       type(estimate_type), intent(out) :: estimate
       type(memory_type) :: companion, check
       character(:), allocatable :: no_check
+      !> Whether samples bind the steps, which are half of the time from one to the next then
+      logical :: is_bound
       logical :: is_finer
       estimate%without = ''
       estimate%tolerance = scene%system%model%dynamics%tolerance
@@ -107,7 +109,8 @@ contains
       estimate%companion = merge(1/ladder, ladder, is_finer)*estimate%tolerance
       call run_again(scene, merge(1/ladder, ladder, is_finer), 1000000 + 50*evaluations, quiet, companion, &
          & estimate%cpu, estimate%reason)
-      if (estimate%reason == '' .and. is_finer .and. estimate%tolerance*ladder <= largest_tolerance) then
+      is_bound = steps < 2.5_wp*scene%system%model%dynamics%outputs .and. scene%system%model%dynamics%integrator == 'CONSERVING'
+      if (estimate%reason == '' .and. is_finer .and. estimate%tolerance*ladder <= largest_tolerance .and. .not. is_bound) then
          call run_again(scene, ladder, 100000 + 4*evaluations, quiet, check, estimate%cpu, no_check)
          if (no_check == '') estimate%check = ladder*estimate%tolerance
       end if
@@ -158,8 +161,8 @@ contains
       if (allocated(error)) reason = first_line(error%message)
    end subroutine run_again
 
-   !> The same analysis at another tolerance. Steps that the deck gives are changed as an integrator of order two would change
-   !> its own, so that a deck that holds the step, not the tolerance, has an error too.
+   !> The same analysis at another tolerance. Steps that the deck gives, and those that samples bind, are changed as an integrator of
+   !> order two would change its own, so that a deck that holds the step, not the tolerance, has an error too.
    pure function varied(dynamics, factor) result(other)
       type(dynamics_type), intent(in) :: dynamics
       real(wp), intent(in) :: factor
@@ -167,10 +170,18 @@ contains
       other = dynamics
       other%tolerance = factor*dynamics%tolerance
       other%initial_step = factor**(1.0_wp/3)*dynamics%initial_step
-      other%maximum_step = factor**(1.0_wp/3)*dynamics%maximum_step
+      other%maximum_step = factor**(1.0_wp/3)*longest_step(dynamics)
       other%fixed_step = factor**(1.0_wp/3)*dynamics%fixed_step
       other%maximum_steps = 10*min(dynamics%maximum_steps, 200000000)
    end function varied
+
+   !> Longest step that a deck gives, or that samples let CONSERVING take; zero: none is known.
+   pure real(wp) function longest_step(dynamics) result(longest)
+      type(dynamics_type), intent(in) :: dynamics
+      longest = dynamics%maximum_step
+      if (longest > 0.0_wp .or. dynamics%integrator /= 'CONSERVING') return
+      longest = 0.5_wp*(dynamics%end - dynamics%start)/dynamics%outputs
+   end function longest_step
 
    !> Channels, and behind them each quantity in each of them, and others.
    subroutine add_quantities(channels, all_channels, others)

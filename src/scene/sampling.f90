@@ -17,6 +17,7 @@ module limber_scene_sampling
       & mechanical_energy, add_parts_of_power, worst_constraint
    use limber_multibody_driven_motion, only: driven_motion_type, new_held, held_position
    use limber_multibody_kinematics, only: place_frames
+   use limber_monitor_run_monitor, only: find_weak
    use limber_multibody_projection, only: harmless, settle, settle_place, settle_position, normalise_frames
    use limber_multibody_system, only: system_type, workspace_type
    implicit none
@@ -38,6 +39,14 @@ module limber_scene_sampling
       real(wp) :: good_from = huge(1.0_wp), good_to = -huge(1.0_wp)
       !> Whether samples show what bodies do in their own frames alone, and nothing of the joints
       logical :: local = .false.
+      !> Largest multiplier at samples that were not at a singular position
+      real(wp) :: forces = 0.0_wp
+      !> Whether the sample just taken is at a singular position, and was not recorded: constraints have no grip there, and forces and
+      !> accelerations have round-off only; what these constraints are; and whether it is to be recorded as it is
+      logical :: ungripped = .false., anyhow = .false.
+      character(:), allocatable :: weakest
+      !> Samples that were recorded aside of such a position
+      integer :: aside = 0
       !> Of samples within steps that pass over vibrations
       type(driven_motion_type), allocatable, private :: held
    contains
@@ -62,6 +71,8 @@ contains
       call snapshot%exchange('next_evaluation', self%next_evaluation)
       call snapshot%exchange('good_from', self%good_from)
       call snapshot%exchange('good_to', self%good_to)
+      call snapshot%exchange('sample_forces', self%forces)
+      call snapshot%exchange('sample_aside', self%aside)
    end subroutine exchange_sample
 
    !> Time of a sample; the last is the end, to the bit.
@@ -112,12 +123,36 @@ contains
          end if
          if (residual > may_stay(integrator%tolerance)) call check_place(system, work, t, residual, outcome)
          call check_joints(system, work, t, sample%q, outcome)
-         if (recorder%needs_accelerations) call accelerations(system, work, sample%q, sample%v, sample%a)
+         if (recorder%needs_accelerations) then
+            call accelerations(system, work, sample%q, sample%v, sample%a)
+            call look_at_grip(system, work, t, sample)
+            if (sample%ungripped) return
+         end if
       end associate
       call show(scene, t, recorder, sample, outcome, error)
       if (.not. allocated(error)) call history%take(time, sample%values, error)
       outcome%samples = outcome%samples + 1
    end subroutine record
+
+   !> Whether a sample is at a singular position. That is looked at where its multipliers are much larger than all before.
+   subroutine look_at_grip(system, work, t, sample)
+      type(system_type), intent(in) :: system
+      !> With the accelerations and multipliers of the sample
+      type(workspace_type), intent(inout) :: work
+      real(wp), intent(in) :: t
+      type(sample_type), intent(inout) :: sample
+      !> Growth of the multipliers that is much; grip that is none, relative to the inverse of the mean mass
+      real(wp), parameter :: much = 3.0_wp, none = 1.0e-7_wp
+      real(wp) :: forces, grip
+      sample%ungripped = .false.
+      if (system%nc == 0 .or. sample%anyhow) return
+      forces = maxval(abs(work%lambda(:system%nc)))
+      if (forces <= much*sample%forces) return
+      call find_weak(system, work, t, sample%q, sample%weakest, grip)
+      sample%ungripped = sample%weakest /= '' .and. grip < none
+      call accelerations(system, work, sample%q, sample%v, sample%a)
+      if (.not. sample%ungripped) sample%forces = forces
+   end subroutine look_at_grip
 
    !> Closes the joints of an interpolated state by its frames, and leaves the deflections as they are: moved by no more than the
    !> error of the motion those that are stiff would make forces that are not there. Where frames alone cannot, nothing is done.

@@ -5,7 +5,7 @@ program test_mechanisms
    use limber_base_kinds, only: wp
    use limber_commands_run, only: run_deck
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: channel
+   use runs, only: channel, run_text
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -22,6 +22,7 @@ program test_mechanisms
    call check_gear_train()
    call check_belt_drive()
    call check_moving_mass()
+   call check_flat()
    call finish()
 
 contains
@@ -361,5 +362,34 @@ contains
       integer :: i
       omega2 = [((i*pi/length)**4*stiffness/mass, i=1, 4)]
    end function squares
+
+   !> A parallelogram whose crank is driven round: samples fall on the positions in which it lies flat, where its joints have no grip
+   !> on the rocker. The driver bears the weights of the three bodies, of mass 1 and cranks of 0.5: 4.905 cos(angle).
+   subroutine check_flat()
+      character(*), parameter :: nl = new_line('a')
+      integer, parameter :: n = 100
+      type(error_type), allocatable :: error
+      character(:), allocatable :: report
+      real(wp) :: angle(0:n)
+      integer :: i
+      angle = [(0.5_wp*pi + 2*pi*i/n, i=0, n)]
+      call run_text('*GROUND'//nl//' d, 1, 0'//nl// &
+         & '*RIGID BODY, NAME=crank, MASS=1, INERTIA=0.1'//nl//' e, 0.5, 0'//nl// &
+         & '*RIGID BODY, NAME=coupler, MASS=1, INERTIA=0.1, X=0, Y=0.5'//nl//' e, 1, 0'//nl// &
+         & '*RIGID BODY, NAME=rocker, MASS=1, INERTIA=0.1, X=1, ANGLE=90 deg'//nl//' e, 0.5, 0'//nl// &
+         & '*JOINT, NAME=a, TYPE=REVOLUTE'//nl//' crank, ground.origin'//nl//'*JOINT, NAME=b, TYPE=REVOLUTE'//nl// &
+         & ' coupler, crank.e'//nl//'*JOINT, NAME=x, TYPE=REVOLUTE'//nl//' coupler.e, rocker.e'//nl// &
+         & '*JOINT, NAME=y, TYPE=REVOLUTE'//nl//' rocker, ground.d'//nl//'*DRIVER, NAME=motor, TYPE=ANGLE, BODY=crank'//nl// &
+         & ' pi/2 + pi*t'//nl//'*GRAVITY'//nl//'*DYNAMICS, END=2, OUTPUTS=100, INTEGRATOR=RADAU'//nl//'*OUTPUT'//nl// &
+         & ' rocker = angle(rocker), torque = torque(motor)'//nl, trim(results), report, error)
+      call check_no_error(error, 'flat parallelogram')
+      if (allocated(error)) return
+      call check(index(report, 'at t = 0.5 ') > 0 .and. index(report, 'lose their grip') > 0, &
+         & 'flat parallelogram, samples without grip are told: '//report)
+      call reader%open(trim(results), error)
+      call compare('rocker', angle, 1.0e-5_wp, 'flat parallelogram: angle of the rocker')
+      call compare('torque', 0.5_wp*gravity*cos(angle), 2.0e-2_wp, 'flat parallelogram: torque')
+      call reader%close()
+   end subroutine check_flat
 
 end program test_mechanisms

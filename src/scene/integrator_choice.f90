@@ -87,12 +87,14 @@ contains
       character(:), allocatable, intent(out) :: integrator, reason
       !> Turns of the motion beyond which the energy of a conservative scene counts more than its phase
       real(wp), parameter :: long = 1.0e3_wp
+      !> Tolerance below which the phase counts as well, which a method of order two loses
+      real(wp), parameter :: loose = 5.0e-4_wp
       character(:), allocatable :: ratio
       ratio = 'nothing vibrates'
       if (found%rate() > 0.0_wp) ratio = found%rate_words(unit)//' is '//as_text(found%rate()/found%motion, 2)// &
          & ' times as fast as the motion'
       if (.not. powered .and. found%motion*(dynamics%end - dynamics%start) > 2*acos(-1.0_wp)*long &
-         & .and. dynamics%tolerance > 1.0e-6_wp) then
+         & .and. dynamics%tolerance > loose) then
          integrator = 'CONSERVING'
          reason = 'nothing puts energy in or takes it out, and the run is long'
       else if (.not. suits_adams(found, dynamics%tolerance)) then

@@ -9,7 +9,7 @@ program test_error_estimate
    use limber_scene_channel_errors, only: magnitude
    use limber_accuracy_study_runs, only: median
    use limber_output_history_reader, only: history_reader_type
-   use runs, only: run_changed, channel, read_columns
+   use runs, only: run_changed, run_text, channel, read_columns
    use testing, only: check, check_close, check_no_error, finish
    implicit none
 
@@ -46,6 +46,7 @@ program test_error_estimate
    call take_angles()
    call check_runs()
    deallocate (values, estimated, truth)
+   call check_bound_steps()
    call finish()
 
 contains
@@ -131,5 +132,29 @@ contains
       call check(middle >= 0.2_wp .and. middle <= 5.0_wp, title//': median '//as_text(middle, 3)//' within a factor of 5')
       call check(minval(largest) >= 0.1_wp, title//': least ratio of largest errors '//as_text(minval(largest), 3))
    end subroutine check_estimate
+
+   !> Samples that bind the steps of CONSERVING do so whatever the tolerance: x = cos(10 t) is off by 5.2 % in the end.
+   subroutine check_bound_steps()
+      type(error_type), allocatable :: error
+      type(history_reader_type) :: reader
+      character(:), allocatable :: report
+      real(wp), allocatable :: x(:), t(:), told(:)
+      real(wp) :: off
+      call run_text('*POINT MASS, NAME=m, MASS=1, X=1'//nl//'*BUSHING, NAME=b, STIFFNESS X=100, STIFFNESS Y=100'//nl// &
+         & ' m, ground.origin'//nl//'*ACCURACY, ESTIMATE=YES'//nl// &
+         & '*DYNAMICS, END=100, OUTPUTS=20000, TOLERANCE=1e-2, INTEGRATOR=CONSERVING'//nl//'*OUTPUT'//nl//' x = x(m)'//nl, &
+         & trim(results), report, error)
+      call check_no_error(error, 'bound steps')
+      if (allocated(error)) return
+      call reader%open(trim(results), error)
+      call reader%read_time(t, error)
+      x = channel(reader, 'x')
+      told = channel(reader, reader%estimates(1)%name)
+      call reader%close()
+      off = maxval(abs(x - cos(10*t)))
+      call check(off > 0.02_wp, 'bound steps: they err')
+      call check(maxval(told) > 0.7_wp*off .and. maxval(told) < 3*off, 'bound steps: told '//as_text(maxval(told))//' of '// &
+         & as_text(off)//': '//report)
+   end subroutine check_bound_steps
 
 end program test_error_estimate
